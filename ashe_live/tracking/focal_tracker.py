@@ -73,17 +73,16 @@ class FocalTracker(MarkerTracker):
             return self._known.camera()
         return self._assumed(size) if self._told is None or self._told.size != size else self._told
 
-    def _is_better(self, new: FocalEstimate) -> bool:
-        """Whether what several views say is worth a change of the camera; one view takes bent paper for perspective."""
-        if self._known is None:
-            return new.relative_sigma <= KNOWN_SIGMA
-        share = 1.0 if self._known.views == 1 else MUCH_SURER
-        return new.relative_sigma <= share * self._known.relative_sigma
+    def _is_better(self, new: FocalEstimate, camera: Camera) -> bool:
+        """Whether what several views say is worth a change of `camera`; one view takes bent paper for perspective."""
+        share = 1.0 if self._known is not None and self._known.views == 1 else MUCH_SURER
+        most = share * camera.focal_sigma_px / float(camera.K[0, 0])
+        return new.relative_sigma <= (min(most, KNOWN_SIGMA) if camera.source == "assumed" else most)
 
     def _learn_from(self, tracked: TrackedFrame) -> None:
         assert self._estimator is not None
         new = self._estimator.add(tracked)
-        if new is None or not self._is_better(new):
+        if new is None or not self._is_better(new, tracked.camera):
             return
         self._known = new
         self.use_camera(new.camera())

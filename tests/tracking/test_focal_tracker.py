@@ -82,7 +82,13 @@ def test_several_views_are_believed_before_one_as_soon_as_they_are_surer(
         (FocalEstimate(size, 500.0, 60.0, 1), FocalEstimate(size, 700.0, 90.0, 12), False),
     ):
         monkeypatch.setattr(tracker, "_known", known)
-        assert tracker._is_better(new) is is_taken
+        assert tracker._is_better(new, known.camera()) is is_taken
+
+
+def test_several_views_are_believed_before_what_is_assumed_but_not_before_a_surer_photo() -> None:
+    tracker, new = tracker_with(None), FocalEstimate(CLIP.camera.size, 700.0, 70.0, 12)
+    assert tracker._is_better(new, Camera.from_focal(CLIP.camera.size, 500.0, "assumed"))
+    assert not tracker._is_better(new, Camera.from_focal(CLIP.camera.size, 690.0, "exif"))
 
 
 def test_what_is_known_well_is_left_alone(tmp_path: Path) -> None:

@@ -9,10 +9,12 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import TrackedFrame
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.shared_data import SHARED
 from tests.tracking.conftest import frame
@@ -45,26 +47,46 @@ def test_the_photos_corners() -> None:
     assert np.median(misses) < 0.6
 
 
+# Both were filmed from a hand, looking down at the ground: its normal points up in the picture.
 @pytest.mark.parametrize(("name", "focal_px"), [("vid_12.mp4", 1663), ("vid_5.mp4", 735)])
 def test_the_clips_are_followed_without_a_flip(name: str, focal_px: float) -> None:
     clip = cv2.VideoCapture(str(REAL / name))
-    tracker: MarkerTracker | None = None
-    normals, frames = [], 0
-    while (read_frame := clip.read())[0]:
-        now = frame(np.asarray(read_frame[1], dtype=np.uint8), frames)
-        tracker = tracker or MarkerTracker(
-            parse_marker(KANJI), Camera.from_focal(now.size, focal_px), 1.0, FAST.tracking
-        )
-        marker = tracker.track(now).marker
-        if marker is not None:
-            normals.append(marker.T_cam_marker[:3, 2])
-        frames += 1
+    size = (round(clip.get(cv2.CAP_PROP_FRAME_WIDTH)), round(clip.get(cv2.CAP_PROP_FRAME_HEIGHT)))
+    tracker = MarkerTracker(parse_marker(KANJI), Camera.from_focal(size, focal_px), 1.0, FAST.tracking)
+    normals, frames, _ = _followed(tracker, clip)
     assert frames > 70
     assert len(normals) >= 0.97 * frames
     cosines = np.einsum("ij,ij->i", normals[1:], normals[:-1]).clip(-1, 1)
     assert np.degrees(np.arccos(cosines)).max() < 5
-    # Both were filmed from a hand, looking down at the ground: its normal points up in the picture.
     assert max(normal[1] for normal in normals) < 0
+
+
+@pytest.mark.parametrize("hfov_deg", [50, 60, 75])
+@pytest.mark.parametrize(("name", "focal_px"), [("vid_12.mp4", 1663), ("vid_5.mp4", 735)])
+def test_nor_where_the_focal_length_is_learned_from_paper_that_curls(
+    name: str, focal_px: float, hfov_deg: float
+) -> None:
+    """The curl passes for the perspective of a pose mirrored in depth, with a focal length of 0.6 of the true one."""
+    tracker = FocalTracker(
+        parse_marker(KANJI), lambda size: Camera.from_hfov(size, hfov_deg, "assumed"), 1.0, FAST.tracking
+    )
+    clip = cv2.VideoCapture(str(REAL / name))
+    normals, frames, learned = _followed(tracker, clip)
+    assert len(normals) >= 0.97 * frames
+    assert max(normal[1] for normal in normals) < 0
+    assert learned.source == "estimated"
+    assert learned.K[0, 0] == pytest.approx(focal_px, rel=0.2)  # known to 10 %
+
+
+def _followed(tracker: MarkerTracker, clip: cv2.VideoCapture) -> tuple[list[Float], int, Camera]:
+    """The table's normals (3,), camera frame, where a clip shows the marker; its number of frames; its last camera."""
+    normals, frames = [], 0
+    while (read_frame := clip.read())[0]:
+        tracked = tracker.track(frame(np.asarray(read_frame[1], dtype=np.uint8), frames))
+        if tracked.marker is not None:
+            normals.append(tracked.marker.T_cam_marker[:3, 2])
+        frames += 1
+    return normals, frames, tracked.camera
 
 
 def test_the_papers_scenes() -> None:

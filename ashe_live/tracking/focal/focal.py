@@ -29,9 +29,10 @@ LEAST_RESIDUAL_PX = 1e-4
 # Over the fit's own sigma: models are never the whole truth.
 CAUTION = 1.3
 SYSTEMATIC = 0.005
-# Relative sigmas: from here on a focal length is better than an assumed one; so much smaller a sigma is worth another
-# change of the camera; and from here on nothing more is to be learned.
-KNOWN_SIGMA = 0.08
+# Relative sigmas: from here on several views are believed before an assumed focal length (of corners of no square they
+# say up to 0.13); so much smaller a sigma is worth another change of the camera; and from here on nothing more is to
+# be learned.
+KNOWN_SIGMA = 0.1
 MUCH_SURER = 0.7
 FOUND_SIGMA = 0.012
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import project
 from ashe_live.tracking.edges.corner_errors import FITTED
 from ashe_live.tracking.focal.focal import CAUTION, FocalEstimate
 from ashe_live.tracking.poses.pose import Sighting, corners_information, corners_noise, pose_of_squares
+from ashe_live.tracking.poses.pose_refinement import refined_solution, solution_of
 
 # Logarithms of the focal lengths tried, over the assumed one, and how many standard deviations from their mean then.
 TRIED = np.linspace(-0.9, 0.9, 19)
@@ -22,19 +22,24 @@ def focal_of_view(sightings: Sequence[Sighting], assumed: Camera, side_m: float)
 
     The posterior of its logarithm on a grid: a normal prior by the assumed camera's own standard deviation, and the
     likelihood of the corners under the best pose for each focal length. None where no focal length explains them.
+
+    Of a square's two poses the one counts that the assumed camera has: with another focal length curled paper passes
+    for the perspective of the other one, and a wrong pair of both explains the corners better than the right one.
     """
+    pose = pose_of_squares(sightings, assumed, side_m)
+    if pose is None:
+        return None
+    R, t = pose.T_cam_marker[:3, :3], pose.T_cam_marker[:3, 3]
     points = np.concatenate([one.points for one in sightings])
     pixels = np.concatenate([one.square.corners_px for one in sightings])
     information = corners_information(sightings, corners_noise(sightings))
     focal_px, sigma = float(assumed.K[0, 0]), assumed.focal_sigma_px / float(assumed.K[0, 0])
 
     def cost(log_ratio: float) -> float:
-        camera = Camera.from_focal(assumed.size, focal_px * math.exp(log_ratio), "assumed")
-        pose = pose_of_squares(sightings, camera, side_m)
-        if pose is None:
-            return math.inf
-        error = (project(camera, pose.T_cam_marker, points) - pixels).ravel()
-        return float(error @ information @ error)
+        ratio = math.exp(log_ratio)
+        K = Camera.from_focal(assumed.size, focal_px * ratio, "assumed").K
+        start = solution_of(R, t * (1, 1, ratio), points, pixels, information, K)
+        return math.inf if start is None else refined_solution(start, points, pixels, information, K).cost
 
     freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 7)
 

@@ -4,7 +4,7 @@ Collins and Bartoli, "Infinitesimal plane-based pose estimation", IJCV 2014.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -18,6 +18,7 @@ from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, systematic
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
+from ashe_live.tracking.poses.pose_choice import in_order, is_from_below, longest_focal, turn_from
 from ashe_live.tracking.poses.pose_refinement import (
     Solution,
     covariances_of,
@@ -26,9 +27,7 @@ from ashe_live.tracking.poses.pose_refinement import (
     solution_of,
 )
 
-# The smaller error alone decides when the other is so much larger: in ratio, and beyond what explains itself by noise
-# and by curled paper. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the error.
-DECISIVE_RATIO = 2.0
+# What noise adds to the right solution's error.
 NOISE_SIGMAS, MIN_NOISE_PX = 1.4, 0.1
 # What a pose may leave unexplained of the right print: in pixels, or over the square's side, as of curled paper.
 MOST_RMS_PX, MOST_RMS = 2.0, 0.04
@@ -142,37 +141,35 @@ def _chosen_solution(
     seen: _Corners, camera: Camera, previous: MarkerPose | None, refines: bool
 ) -> tuple[Solution, float | None] | None:
     """The pose that is meant, and how far off, px, the other one is that explains the largest square; None for none."""
-
-    def refined(solution: Solution) -> Solution:
-        return refined_solution(solution, seen.points, seen.pixels, seen.information, camera.K)
-
     if previous is not None:
         T = previous.measured_T_cam_marker
         followed = followed_solution(T, seen.points, seen.pixels, seen.information, camera.K)
         if followed is not None:
             return followed, None
-    starts = (
-        solution_of(R, t, seen.points, seen.pixels, seen.information, camera.K) for R, t in _ippe(seen.largest, camera)
-    )
-    solutions = [one for one in starts if one is not None]
+    refines = refines or len(seen.sightings) > 1
+
+    def solutions_by(K: Float) -> list[Solution]:
+        starts = (solution_of(R, t, seen.points, seen.pixels, seen.information, K) for R, t in _ippe(seen.largest, K))
+        solutions = [one for one in starts if one is not None]
+        # With a previous pose the choice is safe before refinement, which takes most of the time.
+        if refines and previous is None:
+            solutions = [refined_solution(one, seen.points, seen.pixels, seen.information, K) for one in solutions]
+        return solutions
+
+    solutions = solutions_by(camera.K)
     if not solutions:
         return None
-    refines = refines or len(seen.sightings) > 1
-    # With a previous pose the choice is safe before refinement, which takes most of the time.
-    if refines and previous is None:
-        solutions = [refined(one) for one in solutions]
-    solutions.sort(key=lambda solution: solution.rms_px)
-    if not _is_decisive(solutions, _unexplained_px(seen.sightings, seen.information)):
-        solutions.sort(key=_is_from_below if previous is None else _turn_from(previous.measured_T_cam_marker))
-    chosen, *others = solutions
+    prior = is_from_below if previous is None else turn_from(previous.measured_T_cam_marker)
+    unexplained_px = _unexplained_px(seen.sightings, seen.information)
+    chosen, *others = in_order(solutions, prior, unexplained_px, lambda: solutions_by(longest_focal(camera)))
     if refines and previous is not None:
-        chosen = refined(chosen)
+        chosen = refined_solution(chosen, seen.points, seen.pixels, seen.information, camera.K)
     return chosen, others[0].rms_px if others else None
 
 
 def poses_of_square(sighting: Sighting, camera: Camera) -> list[Float]:
     """Both poses (4, 4) that explain a single square, or the one that there is, the smaller error first."""
-    return [rigid(R, t) for R, t in _ippe(sighting, camera)]
+    return [rigid(R, t) for R, t in _ippe(sighting, camera.K)]
 
 
 def corners_noise(sightings: Sequence[Sighting]) -> Float:
@@ -198,7 +195,7 @@ def _inverses(matrices: Sequence[Float]) -> Float:
     return whole
 
 
-def _ippe(sighting: Sighting, camera: Camera) -> list[tuple[Float, Float]]:
+def _ippe(sighting: Sighting, K: Float) -> list[tuple[Float, Float]]:
     """At most two rotations (3, 3) and translations (3,) of the sighting's frame, not necessarily in front."""
     # OpenCV's IPPE returns nonsense for a half turn, as of a print seen upside down or exactly from above. So it is
     # asked for a frame that lies near the camera's: from the corner that is upper left in the picture, y down, z away.
@@ -213,7 +210,7 @@ def _ippe(sighting: Sighting, camera: Camera) -> list[tuple[Float, Float]]:
     R_square_whole = np.array([x, y, np.divide(normal, side_m)]) / side_m
     R_asked_whole = R_ASKED_TURNED[quarters] @ R_square_whole
     _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
-        square_corners(side_m), lower_left_first, camera.K, None, flags=cv2.SOLVEPNP_IPPE_SQUARE
+        square_corners(side_m), lower_left_first, K, None, flags=cv2.SOLVEPNP_IPPE_SQUARE
     )
     rotations = [cv2.Rodrigues(rvec)[0] @ R_asked_whole for rvec in rvecs]
     return [(R, tvec.reshape(3) - R @ centre) for R, tvec in zip(rotations, tvecs, strict=True)]
@@ -229,20 +226,3 @@ def _unexplained_px(sightings: Sequence[Sighting], information: Float) -> float:
     noise_px = max(MIN_NOISE_PX, NOISE_SIGMAS * math.sqrt(len(information) / float(np.trace(information))))
     curls_px = (one.square.curl * mean_side_px(one.square.corners_px) for one in sightings)
     return max(noise_px, *curls_px)
-
-
-def _is_decisive(solutions: list[Solution], unexplained_px: float) -> bool:
-    if len(solutions) < 2:
-        return True
-    smaller, larger = (solution.rms_px for solution in solutions)
-    return larger > DECISIVE_RATIO * smaller and larger > math.hypot(smaller, unexplained_px)
-
-
-def _is_from_below(solution: Solution) -> bool:
-    """Whether the surface's normal points down in the picture."""
-    return bool(solution.R[1, 2] > 0)
-
-
-def _turn_from(T_previous: Float) -> Callable[[Solution], float]:
-    """What grows with the angle between a solution's rotation and the previous one."""
-    return lambda solution: float(np.linalg.norm(solution.R - T_previous[:3, :3]))

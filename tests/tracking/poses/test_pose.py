@@ -9,7 +9,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
-from ashe_live.core.transforms import angle_between
+from ashe_live.core.transforms import angle_between, project
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.poses.pose import estimate_pose
 from tests.tracking.conftest import SIDE_M, pose
@@ -131,3 +131,16 @@ SQUARE = np.array([(100, 100), (200, 100), (200, 200), (100, 200)], dtype=np.flo
 )
 def test_corners_that_no_square_can_have_give_none(corners: Float) -> None:
     assert estimate_pose(corners, CAMERA, SIDE_M) is None
+
+
+@pytest.mark.parametrize("hfov_deg", [60, 70, 80])
+def test_what_a_longer_focal_length_leaves_open_is_not_decided_by_an_assumed_one(hfov_deg: float) -> None:
+    """Corners of a table that hangs over the camera, or of curled paper on a table that does not: a lens of 47 degrees
+    shows too little perspective to tell. One that is only taken to see more must not tell, either.
+    """
+    size = CAMERA.size
+    corners = project(Camera.from_hfov(size, 47), pose(1.0, -40, 20), square_corners(SIDE_M))
+    for camera in (Camera.from_hfov(size, 47, "flag"), Camera.from_hfov(size, hfov_deg, "assumed")):
+        found = estimate_pose(corners, camera, SIDE_M)
+        assert found is not None
+        assert found.T_cam_marker[1, 2] < 0
