@@ -1,4 +1,4 @@
-"""A look at a picture: what it may show, judged beside whatever other views of the scene there are."""
+"""A look at a picture: calls the stages in their order to find what the picture, and other views, may show."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -29,7 +29,7 @@ from ashe_live.light.views.seen import SceneView, without_plane
 
 # Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
 LEAST_SHARE = 0.0005
-# What is tried at most in a view beside the first: as in a single picture by the preset `fast`.
+# The most that is tried in a view beside the first: as much as the preset `fast` tries in a single picture.
 MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
 FIRST_COMPANIONS = 1  # number of views beside the first that are searched in any case
 SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
