@@ -123,7 +123,7 @@ def _beside(steps: ProxySteps) -> ProxySteps:
 def _explanations(
     view: SceneView, trace: Trace, steps: ProxySteps, judge: Judge, clock: StageClock
 ) -> tuple[list[Explanation], list[float], LampHypotheses]:
-    """The explanations of one view (the likeliest ones refined), their log odds, and the lamps that its ground suggests.
+    """The explanations of one view (the likeliest refined), their log odds, and the lamps that its ground suggests.
 
     Without explanations if nothing stands out from the ground. trace: of the view; intermediate results are added.
     """
