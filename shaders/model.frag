@@ -7,7 +7,7 @@
 
 uniform vec4 base_colour;
 uniform vec3 sky;  // irradiance on level ground over pi, linear RGB
-uniform vec3 sky_slope[2];  // what surfaces that face x and y get of the sky beyond that of an even one
+uniform vec3 sky_slope[2];  // what surfaces facing x and y get beyond the light of an even sky
 uniform vec3 ground_bounce;
 uniform vec3 eye;  // metres, marker frame
 uniform vec3 exposure;  // value in the picture of a radiance of 1
@@ -29,9 +29,10 @@ uniform float alpha_cutoff;
 #include "environment.glsl"
 
 in vec3 position;
-// Interpolated where the triangle is within the pixel: beyond its border colours would be extrapolated, which sparkles
-// along thin triangles. Places would be as well, but along the triangle's plane, and Mesa divides them by the depth of
-// the pixel's middle all the same, which takes them off their surface.
+// Interpolated at the centroid of the covered part of the pixel: beyond the triangle's border they would be extrapolated,
+// and thin triangles would sparkle. Positions are interpolated at the pixel's middle. There they are extrapolated along
+// the triangle's plane, which does no harm; at the centroid, Mesa would divide them by the middle's depth, which takes
+// them off their surface.
 centroid in vec3 normal;
 centroid in vec4 openness;  // shares of sky and ground that the model leaves in front of the surface, and behind it
 #include "layout.glsl"

@@ -1,4 +1,8 @@
-"""The values that travel between the parts: immutable, checked, each field with its shape, unit and frame."""
+"""The values that are passed between the parts: immutable and checked, with the shape, unit and frame of each field.
+
+A source gives Frames, the tracker makes TrackedFrames of them, an estimator answers with a LightEstimate, whose
+Illumination the renderer draws in.
+"""
 
 import math
 from collections.abc import Mapping
@@ -36,17 +40,18 @@ class Frame:
 class MarkerPose:
     """Where the marker stands in front of the camera, and how well that explains its corners."""
 
-    T_cam_marker: Float  # (4, 4) rigid; held still by the tracker's filter while the marker is
+    T_cam_marker: Float  # (4, 4) rigid, marker to camera frame, metres; smoothed by the tracker's filter
     corners_px: Float  # (4, 2) source pixels: top-left, top-right, bottom-right, bottom-left of the upright print
-    side_m: float  # black square's side
-    reprojection_rms_px: float  # of the chosen one of IPPE's two solutions
-    other_rms_px: float | None  # of the one not chosen; None when there is only one
+    side_m: float  # of the black square
+    reprojection_rms_px: float  # of the corners by this pose, one of IPPE's two solutions
+    other_rms_px: float | None  # of the other solution; None when there is only one
     covariance: Float | None = None  # (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v
-    noise_covariance: Float | None = None  # (6, 6) the part of it that changes from frame to frame
-    unfiltered_T_cam_marker: Float | None = None  # (4, 4) from this frame alone; None: T_cam_marker is
+    noise_covariance: Float | None = None  # (6, 6) the part of `covariance` that changes from frame to frame
+    unfiltered_T_cam_marker: Float | None = None  # (4, 4) from this frame alone; None: T_cam_marker is unfiltered
     bridged: bool = False  # the marker could not be read: its corners were followed from an earlier frame
-    # Of a marker that is printed on a body, as the cube: where that stands on the plane z = 0. Then `side_m` is the
-    # body's own measure, and `corners_px` are those of a square so wide on the plane around the origin, hidden or not.
+    # The body that the marker is printed on (the paper cube), standing on the plane z = 0; None for a flat marker. With
+    # a body, `side_m` is its edge, and `corners_px` are the corners of a square of that side on the plane, centred on
+    # the origin, whether it can be seen or not.
     body: Proxy | None = None
 
     def __post_init__(self) -> None:
@@ -63,7 +68,7 @@ class MarkerPose:
 
     @property
     def measured_T_cam_marker(self) -> Float:
-        """(4, 4) as this frame alone has it."""
+        """(4, 4) the pose measured in this frame alone, without the filter."""
         return self.T_cam_marker if self.unfiltered_T_cam_marker is None else self.unfiltered_T_cam_marker
 
 
@@ -75,8 +80,8 @@ class TrackedFrame:
     camera: Camera  # of this frame's size
     marker: MarkerPose | None  # None: no marker in this frame
     detect_ms: float = 0.0
-    note: str | None = None  # for a person, e.g. that two equal markers are in view
-    others: tuple[PlaneMarker, ...] = ()  # of those that were asked for, the ones that are in this frame
+    note: str | None = None  # a message for the user, e.g. that two equal markers are in view
+    others: tuple[PlaneMarker, ...] = ()  # further markers on the same plane: those asked for that are in this frame
 
     def __post_init__(self) -> None:
         arguments.instance(self.frame, Frame, "frame")
@@ -89,9 +94,9 @@ class TrackedFrame:
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """A sun or a lamp, and how sure its direction is. What was not measured is None.
+    """A sun or a lamp, with the uncertainty of its direction. What was not measured is None.
 
-    A lamp differs from a sun in its inverse distance alone, which is 0 for what is as good as infinitely far away.
+    A sun is a light at infinity: its inverse distance is 0, while a lamp's is positive. Nothing else differs.
     """
 
     to_light_marker: Float  # (3,) unit, from the marker's centre towards the light
@@ -104,7 +109,7 @@ class Light:
     # (3, 3) on (larger azimuth, larger elevation, larger inverse distance): rad, rad and 1/m.
     lamp_covariance: Float | None = None
     radius_m: float | None = None  # of a lamp's bulb or shade
-    # (3,) linear RGB, of a lamp: its irradiance of the plane at the marker's centre over that of all other light.
+    # (3,) linear RGB, of a lamp: its irradiance on the plane at the marker's centre, over that of all other light.
     intensity_rgb_ratio: Float | None = None
 
     def __post_init__(self) -> None:
@@ -137,12 +142,12 @@ class Light:
 
     @property
     def kind(self) -> str:
-        """ "lamp" for a light near by, "directional" for one as good as infinitely far away."""
+        """ "lamp" for a light near by, "directional" for a sun."""
         return "lamp" if self.inverse_distance > 0 else "directional"
 
     @property
     def position_marker_m(self) -> Float | None:
-        """(3,) where a lamp is, metres, marker frame; None for a sun."""
+        """(3,) position of a lamp, metres, marker frame; None for a sun."""
         if self.inverse_distance == 0:
             return None
         return np.asarray(self.to_light_marker / self.inverse_distance)
@@ -153,14 +158,14 @@ class Light:
         return np.array([*self.to_light_marker, self.inverse_distance])
 
     def summary(self, decimals: int = 0) -> str:
-        """For a person: "lamp, 62 ± 5 cm, azimuth 30°, elevation 45° ± 4.0°, 90 % sure", to that many decimals."""
+        """For the user: "lamp, 62 ± 5 cm, azimuth 30°, elevation 45° ± 4.0°, 90 % sure". `decimals`: of the angles."""
         sigma = "" if self.sigma_rad is None else f" ± {math.degrees(self.sigma_rad):.1f}°"
         sure = "" if self.confidence is None else f", {100 * self.confidence:.0f} % sure"
         angles = f"azimuth {self.azimuth_deg:.{decimals}f}°, elevation {self.elevation_deg:.{decimals}f}°"
         return f"{self._distance_summary()}{angles}{sigma}{sure}"
 
     def _distance_summary(self) -> str:
-        """ "lamp, 62 ± 5 cm, " from the marker's centre; nothing for a sun."""
+        """ "lamp, 62 ± 5 cm, ", the distance from the marker's centre; empty for a sun."""
         if self.inverse_distance == 0:
             return ""
         distance_cm = 100 / self.inverse_distance
@@ -175,16 +180,16 @@ class Light:
 class Illumination:
     """What lights a scene, whether it was estimated, set by hand or made up by a program."""
 
-    # Strongest first, one whose shadow a known body hides last; none: the sky alone, and no shadow is cast.
+    # Strongest first (but last, a light whose shadow a known body hides). Empty: the sky alone, no shadows.
     lights: tuple[Light, ...] = ()
-    ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that no light of `lights` reaches over lit ground
+    ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that none of `lights` reaches, over lit ground
     ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the video
-    real_object: Proxy | None = None  # casts shadows beside the virtual model, and hides what is behind it
-    # With a marker: the frame that polished surfaces mirror, and by whose white `ground_rgb` is an albedo.
+    real_object: Proxy | None = None  # approximates the real object, which casts shadows and occludes the model
+    # The frame, with a marker, that polished surfaces mirror, and whose white turns `ground_rgb` into an albedo.
     # None: they mirror even ground under an overcast sky.
     seen_in: TrackedFrame | None = None
-    # (2, 3) linear RGB, how the sky's light leans: a surface with the normal n gets n_x and n_y times these beyond what
-    # an even sky gives, over all light on level ground. None: an even sky.
+    # (2, 3) linear RGB, the lean of the sky: beyond the light of an even sky, a surface of normal n gets n_x times the
+    # first row plus n_y times the second, relative to all light on level ground. None: an even sky.
     sky_slope_rgb: Float | None = None
 
     def __post_init__(self) -> None:
@@ -203,11 +208,11 @@ class Illumination:
 
     @property
     def light(self) -> Light | None:
-        """The strongest light, or None where the sky alone gives light."""
+        """The strongest light, or None if there is only the sky."""
         return self.lights[0] if self.lights else None
 
     def as_seen_in(self, tracked: TrackedFrame | None) -> Self:
-        """The same, polished surfaces mirroring `tracked`, or even ground where that is None or has no marker."""
+        """A copy in which polished surfaces mirror `tracked`, or even ground if that is None or has no marker."""
         if tracked is not None and arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
             tracked = None
         return replace(self, seen_in=tracked)
@@ -215,12 +220,12 @@ class Illumination:
 
 @dataclass(frozen=True, slots=True)
 class LightEstimate:
-    """What one frozen frame tells about the light, and how it was found; without a light, `reason` says why not."""
+    """An estimator's answer to one frozen frame: the light, and how it was found; or the `reason` why there is none."""
 
     estimator: str
     frame_index: int
-    illumination: Illumination  # `seen_in` is None: whoever renders it knows the frame (`Illumination.as_seen_in`)
-    reason: str | None = None  # for a person, e.g. "no shadow found beside the object"
+    illumination: Illumination  # with `seen_in` None; the caller adds the frame by `Illumination.as_seen_in`
+    reason: str | None = None  # a message for the user, e.g. "no shadow found beside the object"
     object_mask: Mask | None = None  # (h, w) at the estimator's working size
     shadow_mask: Mask | None = None  # (h, w) at the estimator's working size
     timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total"
@@ -244,5 +249,5 @@ class LightEstimate:
 
     @property
     def lights(self) -> tuple[Light, ...]:
-        """All of them, the strongest first."""
+        """All lights, the strongest first."""
         return self.illumination.lights

@@ -1,4 +1,4 @@
-"""Draws a scene's models onto the video, with all that this takes: light, shadows, layers and their composite."""
+"""Draws a scene's models onto the video: calls the passes for light, shadows, layers and composite in their order."""
 
 from functools import partial
 
@@ -26,7 +26,7 @@ from ashe_live.render.scene import Scene
 
 
 class ModelsOnVideo:
-    """Everything between the bare video and the overlays, of one renderer."""
+    """All passes between the bare video and the overlays, for one renderer."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs, preset: RenderPreset, video: Video) -> None:
         """`video`: what is shown behind the models."""
@@ -62,10 +62,10 @@ class ModelsOnVideo:
         self.layers.catcher.forget()
 
     def draw(self, surface: Surface, models: StandingGroup, scene: Scene, bends: bool, at_once: bool) -> None:
-        """Onto the video in `surface`, of a scene with a marker.
+        """Draws onto the video in `surface`; the scene must have a marker.
 
-        `bends`: the picture is that of the camera's own lens; else that of a pinhole camera. `at_once`: what hides the
-        marker is in the very next picture, however long that takes.
+        `bends`: the picture has the distortion of the camera's lens; else it is that of a pinhole camera. `at_once`:
+        the cover that hides the marker appears in the very next picture, however long that takes.
         """
         tracked = scene.tracked
         assert tracked is not None
@@ -100,11 +100,11 @@ class ModelsOnVideo:
             draw(has_models=surface.samples == 0)
         real = [] if self.layers.real is None else [self.layers.real.points]
         if surface.samples and (scene.shows_model or signs or real):
-            # The ground is as smooth with one sample, and several are dear: they are for where the edges are.
+            # The ground looks the same with one sample, and several are expensive: they are used where edges are.
             edged = framing(camera, T_cam_marker, np.concatenate([standing, *real]), viewport)
             within = (0, 0, 0, 0) if edged is None else _common(grown(edged.region, 1, surface.size), frame.region)
             if min(within[2:]) > 0:
-                # But for the border of the real object, before which the ground ends.
+                # The ground is included where the real object's border ends it.
                 has_ground = self.layers.real is None
                 with surface.drawing(within, several_samples=True, over_drawn=has_ground):
                     draw(has_ground=has_ground)
@@ -136,7 +136,7 @@ class ModelsOnVideo:
 
 
 def _common(some: Rectangle, other: Rectangle) -> Rectangle:
-    """What two rectangles share; without width or height where that is nothing."""
+    """The intersection of two rectangles; its width or height is 0 if it is empty."""
     left, bottom = max(some[0], other[0]), max(some[1], other[1])
     right, top = min(some[0] + some[2], other[0] + other[2]), min(some[1] + some[3], other[1] + other[3])
     return left, bottom, max(0, right - left), max(0, top - bottom)

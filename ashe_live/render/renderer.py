@@ -1,4 +1,4 @@
-"""Draws a scene: the video, the model and its shadow on the video, the lights' signs, and overlays."""
+"""Draws a scene: the video, the models and their shadows on it, signs of the lights, and overlays."""
 
 from collections.abc import Iterator, Sequence
 
@@ -36,9 +36,9 @@ class SceneRenderer:
         switches_at_once: bool = True,
         known: Known | None = None,
     ) -> None:
-        """`switches_at_once`: a new model is in the very next picture, however long that takes; else when ready.
+        """`switches_at_once`: a new model appears in the next picture, however long that takes; else when it is ready.
 
-        `known`: what another renderer has found out of its models, and is told of this one's.
+        `known`: results computed once for each model (what it hides of sky and ground), shared with other renderers.
         """
         self._known = Known() if known is None else known
         self._ctx = ctx
@@ -61,12 +61,12 @@ class SceneRenderer:
 
     @property
     def shown_models(self) -> tuple[PlacedModel, ...]:
-        """What was drawn last, which may be the former ones for some pictures."""
+        """The models drawn last: for some pictures after a switch, the former ones."""
         return self._models.shown
 
     @property
     def switches_at_once(self) -> bool:
-        """Whether a new model is shown in the very next picture, however long that takes, or when it is ready."""
+        """Whether a new model appears in the very next picture, however long that takes; else when it is ready."""
         return self._models.at_once
 
     @switches_at_once.setter
@@ -88,7 +88,7 @@ class SceneRenderer:
 
     @property
     def is_settled(self) -> bool:
-        """Whether the same scene would be the same picture again: nothing is being prepared for the next ones."""
+        """Whether the same scene would give the same picture again, as nothing is being prepared for later ones."""
         return self._models.is_settled and self._models_on_video.layers.hidden_marker.is_settled
 
     @property
@@ -156,7 +156,7 @@ class SceneRenderer:
         return self._surface.read_bgra()
 
     def release(self) -> None:
-        """Gives every object back to OpenGL; the renderer is of no use afterwards."""
+        """Releases all OpenGL objects; the renderer cannot be used afterwards."""
         self._follow_models(())
         self._ctx.detect_framebuffer(0).use()
         for held in (

@@ -1,4 +1,7 @@
-"""Follows a marker, or a layout of several, from frame to frame."""
+"""Follows a marker, or a layout of several, from frame to frame (docs/tracking.md).
+
+In each frame the marker is looked for along the edges where it is expected, then around its last place, then anywhere.
+"""
 
 import dataclasses
 import time
@@ -22,12 +25,12 @@ from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import Expected, along_edges, anywhere, first_along_edges, in_front, nearby, refined
 
-# After so long without the marker, its last pose says nothing about the next one.
+# Without the marker for so long, its last pose says nothing about the next one.
 MEMORY_S = 0.5
-# So many frames in a row are bridged by optical flow, whose corners are good to this.
+# The most frames in a row that are bridged by optical flow, and the standard deviation of its corners.
 BRIDGED_FRAMES = 5
 FLOW_SIGMA_PX = 1.0
-# A lost marker is searched thoroughly in the first of these frames, then in one of so many.
+# A lost marker is searched thoroughly in its first frames, then in every so many.
 THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
 # So many of a cube's faces are measured in a frame, once their folds are known: a third costs a third of all time.
 FACES_MEASURED = 2
@@ -36,19 +39,19 @@ CENSUS_EVERY_S = 1.0
 
 
 class MarkerTracker:
-    """Finds the marker in each frame and its pose, near its last place first. For use by one thread at a time."""
+    """Finds the marker in each frame, and its pose. For use by one thread at a time."""
 
     def __init__(
         self, marker: Marker | Layout, camera: Camera | Callable[[Size], Camera], side_m: float, preset: TrackingPreset
     ) -> None:
-        """`camera` is scaled to the frames, or asked for by their size; `side_m` is a black square's side, or the
-        measure of the body that the markers are printed on.
+        """`camera`: of any size, scaled to the frames; or a function that gives the camera for their size. `side_m`:
+        the side of a black square, or the edge of the cube that the markers are printed on.
         """
         self.marker = marker
         self.side_m = side_m
         self.preset = preset
-        self.others = PlaneMarkers(())  # that are looked for on the plane of this one
-        self.filters = True  # holds the pose still while the marker is; off, every frame's pose is its own
+        self.others = PlaneMarkers(())  # further markers to look for on the same plane
+        self.filters = True  # whether poses are smoothed; if not, each frame's pose is as measured
         self._members = Members(marker, side_m)
         self._camera = camera
         self._camera_now: Camera | None = None
@@ -57,7 +60,7 @@ class MarkerTracker:
         self.reset()
 
     def reset(self) -> None:
-        """Forgets the last pose: after a rewind or a cut, the next frame has nothing to do with it."""
+        """Forgets the last pose, for a rewind or a cut, after which it says nothing about the next frame."""
         self._last: Memory | None = None
         self._lost_frames = 0
         self._census_s: float | None = None
@@ -69,24 +72,24 @@ class MarkerTracker:
             self._members.beside.forget()
 
     def jump(self) -> None:
-        """As reset, but between a square's two poses the last one still decides: another time, and no other place.
+        """As `reset`, for a seek in the same clip: the last pose still decides between the two poses of a square.
 
-        Without it a seek could turn the model over that stood upright when the clip was played.
+        Otherwise a seek could flip a model that stands upright when the clip is played.
         """
         pose = self._before_jump if self._last is None else self._last.pose
         self.reset()
         self._before_jump = pose
 
     def use_camera(self, camera: Camera) -> None:
-        """From now on `camera` explains frames of its size, until their size changes; the marker stays found."""
+        """Uses `camera` for frames of its size from now on, until their size changes; the marker is not lost."""
         self._camera_now = camera
-        # What it holds was measured with another camera.
+        # Its pose was measured with another camera.
         self._filter.reset()
 
     def track(self, frame: Frame) -> TrackedFrame:
-        """`frame` with the pose measured in it, or with None when the marker is not in it or cannot be.
+        """The frame with the pose measured in it; with None if the marker is not found.
 
-        Raises UserError when the camera cannot explain frames of this size.
+        Raises UserError if there is no camera for frames of this size.
         """
         start = time.perf_counter()
         camera = self._camera_for(frame.size)
@@ -129,7 +132,7 @@ class MarkerTracker:
         return self._last
 
     def _look(self, frame: Frame, camera: Camera, last: Memory | None) -> dict[int, FittedSquare]:
-        """The members seen in `frame`: along the edges expected there, else around their last place, else anywhere."""
+        """The squares found in `frame`, by member: where expected, else near their last place, else anywhere."""
         image = frame.image_bgr
         squares: dict[int, FittedSquare | None] = {}
         if last is not None:
@@ -151,7 +154,7 @@ class MarkerTracker:
     def _where_expected(
         self, image: Image, camera: Camera, last: Memory, time_s: float
     ) -> dict[int, FittedSquare | None]:
-        """The members where they move on as they did, or where the pose has them; as many as are measured."""
+        """Members measured along their expected edges: moving on as they did, or as predicted by the last pose."""
         moved_px = last.expected_px(time_s)
         expected = self._members.projected(camera, last.pose.measured_T_cam_marker, moved_px) | moved_px
         numbers = self._members.in_order_of_worth(in_front(expected, last.corners_px))
@@ -163,7 +166,7 @@ class MarkerTracker:
         return first_along_edges(where, most, image, camera, self.preset.edge_samples, last.is_predictable)
 
     def _search(self, image: Image, camera: Camera, last: Memory | None) -> dict[int, FittedSquare | None]:
-        """In the whole frame: of a layout, the first of its markers that is found."""
+        """Searches the whole frame; of a layout, returns the first of its markers that is found."""
         is_thorough = self._lost_frames < THOROUGH_FRAMES or self._lost_frames % THOROUGH_EVERY == 0
         markers = [member.marker for member in self._members.all]
         for thorough in (False, True) if is_thorough else (False,):
@@ -179,9 +182,9 @@ class MarkerTracker:
     def _with_others(
         self, found: dict[int, FittedSquare | None], image: Image, camera: Camera
     ) -> dict[int, FittedSquare | None]:
-        """The one member that was found, with those that are where its pose has them.
+        """The one member that was found, and all others that are seen where its pose predicts them.
 
-        A square alone has two poses: the right one is that which finds more of the others.
+        Of the two poses of a single square, the one that finds more of the other members is right.
         """
         best = found
         for number, square in found.items() if len(self._members.all) > 1 else ():
@@ -198,7 +201,7 @@ class MarkerTracker:
         return best
 
     def _nearest(self, found: list[Float], last_px: Float | None) -> Float | None:
-        """Of several equal markers the one that is tracked already, or else the likeliest."""
+        """Of several equal markers, the one nearest to the last place, or else the first, which is the likeliest."""
         if not found:
             return None
         self._count(found)

@@ -1,4 +1,4 @@
-"""The main thread's loop: takes keys and the latest tracked frame, and draws a picture at the display's own rate."""
+"""The main thread's loop: handles input, takes the latest tracked frame, and draws at the display's own rate."""
 
 import time
 from collections.abc import Callable
@@ -27,12 +27,12 @@ from ashe_live.viewer.status import light_line
 from ashe_live.viewer.stillness import Stillness
 from ashe_live.viewer.windows.window import Window
 
-# While nothing changes, so long is waited for an event, or a frame of the source, before the next picture.
+# How long to wait for an event, or for a frame of the source, while nothing changes.
 IDLE_S = 0.1
 
 
 class LiveViewer:
-    """Everything that needs the window: drawing, recording, and the requests that the session does not handle."""
+    """All that needs the window: drawing, recording, and the requests that the session does not handle."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class LiveViewer:
         self._source_error: str | None = None
         self._take_up(pipeline)
         self.followed = Followed(pipeline, session, self._tell)
-        self.flags: list[str] = []  # that it was started with
+        self.flags: list[str] = []  # of the command line that started the viewer
         self._keeper.flags = lambda: [*self.flags, *self.followed.flags]
         self._stillness = Stillness()
         self._commands: dict[Command, Callable[[float], None]] = {
@@ -110,7 +110,7 @@ class LiveViewer:
             self._pipeline.close()
 
     def _idle_until(self, due_s: float) -> None:
-        """Waits for the next picture: without vertical sync, as on a virtual display, `swap` does not."""
+        """Waits until the next picture is due, as `swap` does not wait without vertical sync (a virtual display)."""
         while (left_s := due_s - time.monotonic()) > 0 and not self._window.is_closing:
             requests = self._window.take_requests(left_s)
             for request in requests:
@@ -120,7 +120,7 @@ class LiveViewer:
                 return
 
     def _take_frame(self, now_s: float) -> bool:
-        """Returns whether there is a new frame; when the source fails later on, its last picture stays."""
+        """Returns whether there is a new frame. If the source fails after the first one, its last picture stays."""
         if self._source_error is not None:
             return False
         try:
@@ -161,14 +161,14 @@ class LiveViewer:
         if menu := self._menu.overlays(size):
             scene = replace(scene, overlays=menu)  # alone, as text over text cannot be read
         self._stillness.add(scene, size, self._renderer.preset, self._renderer.is_settled)
-        # A pause, a photo, the end of a clip: what is on the screen already needs no processor.
+        # Nothing changes (a pause, a photo, the end of a clip): the last picture is shown again.
         if not self._is_idle:
             self._renderer.render(scene)
         self._window.present(self._renderer)
 
     @property
     def _is_idle(self) -> bool:
-        """Whether nothing has changed for so long that a person waits for something, or looks elsewhere."""
+        """Whether the picture has not changed for some time, or the window is minimised."""
         return self._stillness.is_still or min(self._window.framebuffer_size) < 1
 
     def _obey(self, request: Request, now_s: float) -> None:
@@ -209,7 +209,7 @@ class LiveViewer:
             self._session.say("opening another camera", now_s)
 
     def _take_opened(self, now_s: float) -> bool:
-        """Switches to a source that was opened; returns whether there was one. A recording ends with the old one."""
+        """Switches to a newly opened source; returns whether there was one. A recording ends with the old source."""
         try:
             opened = self._opening.take()
         except UserError as error:
@@ -236,7 +236,7 @@ class LiveViewer:
         watch.key_views, watch.camera_may_move = pipeline.key_views, pipeline.is_camera
 
     def _leave(self) -> None:
-        """Whatever was entered last: the menu, the help, the whole screen, the program."""
+        """Leaves one of these, the first that applies: the menu, the help, fullscreen, the program."""
         if self._menu.is_open:
             self._menu.close()
         elif self._session.show_help:
@@ -247,6 +247,6 @@ class LiveViewer:
             self._quit = True
 
     def _tell(self, text: str, now_s: float) -> None:
-        """Shows a line in the window for a while, and prints it for good."""
+        """Shows a line in the window for a while, and prints it on the terminal."""
         self._session.say(text, now_s)
         say(text)

@@ -1,9 +1,9 @@
 """Steps of light across outlines in the picture at full resolution: where one side turns brighter than the other.
 
-Unary costs (`labels`) tell materials apart by what they look like in the whole region, and place a border to about a
-third of a coarse pixel. Once an outline is nearly right, the step across it can be measured by itself, as edges are in
-model-based tracking (Harris and Stennett, "RAPID", 1990): each side's level comes from the pixels beside that very
-point, and light adds up, so that the border lies where half of the step is reached (docs/maths.md, "Steps of light").
+Unary costs (`labels`) distinguish materials by their colours in the whole region, and locate a border to about a third
+of a coarse pixel. Once an outline is nearly right, the step of light across it can be measured by itself, like the
+edges of model-based tracking (Harris and Stennett, "RAPID", 1990): the level on each side comes from the pixels beside
+the point. As light adds up, the border lies where half of the step is reached (docs/maths.md, "Steps of light").
 """
 
 from dataclasses import dataclass
@@ -72,10 +72,9 @@ class Steps:
 def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, rises: Float) -> Steps:
     """The likeliest step of light within `reach_px` of each point of m outlines.
 
-    linear_bgr: (h, w, 3). rises: (m,) the log of brightness by which each outline's step should rise going out, as that
-    of a shadow does; NaN where it may be any, as that of an object. A step parts a profile along the normal into two
-    windows, whose levels differ more than they vary within; its place is where the profile passes half of the way from
-    one level to the other.
+    linear_bgr: (h, w, 3). rises: (m,) by how much the log of brightness should rise out of each outline, for shadows;
+    NaN where the step may be any, for objects. A step divides a profile along the normal into two windows, whose levels
+    differ more than they vary within; it lies where the profile passes half of the way from one level to the other.
     """
     m, p = places.points.shape[:2]
     beyond = WINDOW_PX + GAP_PX + SAMPLING_PX

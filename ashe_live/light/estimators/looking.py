@@ -1,4 +1,4 @@
-"""A look at a picture: what it may show, judged beside whatever other views of the scene there are."""
+"""A look at a picture: calls the stages in their order to find what the picture, and other views, may show."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -29,7 +29,7 @@ from ashe_live.light.views.seen import SceneView, without_plane
 
 # Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
 LEAST_SHARE = 0.0005
-# What is tried at most in a view beside the first: as in a single picture by the preset `fast`.
+# The most that is tried in a view beside the first: as much as the preset `fast` tries in a single picture.
 MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
 FIRST_COMPANIONS = 1  # number of views beside the first that are searched in any case
 SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
@@ -123,10 +123,9 @@ def _beside(steps: ProxySteps) -> ProxySteps:
 def _explanations(
     view: SceneView, trace: Trace, steps: ProxySteps, judge: Judge, clock: StageClock
 ) -> tuple[list[Explanation], list[float], LampHypotheses]:
-    """What one view may show, the likeliest refined, its log odds, and what the view's ground tells of lamps; no
-    explanations where nothing stands out.
+    """The explanations of one view (the likeliest refined), their log odds, and the lamps that its ground suggests.
 
-    trace: of the view, filled in on the way.
+    Without explanations if nothing stands out from the ground. trace: of the view; intermediate results are added.
     """
     sharpener = Sharpener.of([view.fine])
     rough, log_odds_among, lamps = _rough_explanations(view, sharpener, trace, steps, judge, clock)
@@ -143,8 +142,8 @@ def _explanations(
 def _rough_explanations(
     view: SceneView, sharpener: Sharpener, trace: Trace, steps: ProxySteps, judge: Judge, clock: StageClock
 ) -> tuple[list[Explanation], LogOddsAmong, LampHypotheses]:
-    """What one view may show, as the fits to the likeliest splits say, how these are judged among several, and what
-    the view's ground tells of lamps. sharpener: of that view at full resolution.
+    """The explanations of one view by fits to the likeliest splits, a function that judges them, and the lamps that its
+    ground suggests. sharpener: of that view at full resolution.
     """
     fine, coarse, ground = view.fine, view.coarse, view.ground
     unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
@@ -155,7 +154,7 @@ def _rough_explanations(
     clock.end("segment")
     proposals: list[Proposal] = []
     for region in regions:
-        # What stands out elsewhere may outvote a region's own shadow; but all shadows are of the same lights.
+        # A region's own pixels vote first, as others may outvote its shadow; then all, as all shadows share the lights.
         votes = region.colours[region.unlit], ground.colours[unlit]
         shifts = shadow_shifts(ground, votes, steps.shifts)
         paired = shadow_shifts(ground, votes, steps.shifts, FINE)

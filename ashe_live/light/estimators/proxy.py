@@ -1,9 +1,10 @@
-"""The estimator `proxy`: fits a simple body and a light to a real object and its shadow.
+"""The estimator `proxy`: fits a simple body and one or two lights to a real object and its shadow.
 
 The stages are segment -> associate -> fit -> judge, each made of pure functions in a package of its own. `ground` finds
-the pixels that the lit ground does not explain, and how shadows shift its colours; `labels` proposes which of those
-pixels are shadow and which object; `outline_fit` fits bodies and lights to both outlines; `explanation` aligns the
-likeliest with the borders in the picture, relabels and refits, and rates the best one's confidence, or rejects it.
+the pixels that the lit ground does not explain, and how shadows shift its colours. `labels` proposes which of these
+pixels are shadow and which are object. `outline_fit` fits bodies and lights to both outlines. `explanation` aligns the
+likeliest of them with the borders in the picture, relabels and refits, and finally states the best one with its
+confidence, or rejects it. `looking` calls the stages; docs/maths.md has the equations.
 """
 
 from collections.abc import Sequence
@@ -39,12 +40,12 @@ class ProxyEstimator:
     name = "proxy"
 
     def __init__(self, steps: ProxySteps = BALANCED, judge: Judge | None = None) -> None:
-        """judge: None for the one that comes with the package."""
+        """judge: None for the one that is shipped with the package."""
         self._steps = steps
         self._judge = judge or fitted_judge()
 
     def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:
-        """As Estimator.estimate; the masks show the whole frame at the scale of the explained region."""
+        """As Estimator.estimate. The masks cover the whole frame, at the scale of the explained region."""
         estimate, _ = self.traced(tracked, others)
         return estimate
 
@@ -53,18 +54,18 @@ class ProxyEstimator:
         if tracked.marker is None:
             raise ValueError("a frame without a marker has no marker frame to answer in")
         if tracked.marker.body is not None:
-            # What the marker is printed on casts a shadow itself, and is known.
+            # The marker is printed on a known body, which casts a shadow itself.
             estimate, view = estimate_by_body(tracked, tracked.marker.body, self._steps.fine_width_px, self.name)
             return estimate, Trace(view)
         clock = StageClock()
         estimate, trace = self._traced(tracked, others, clock)
         if len(estimate.views) > 1:
-            # Views that contradict each other may leave no answer; one view's answer then tells which of them do.
+            # Views that contradict each other may leave no answer; then the first view's answer shows which ones do.
             explained = estimate if estimate.light is not None else self._traced(tracked, (), clock)[0]
             odd = contradicting(explained, tracked, others, self._steps)
             if explained is estimate:
                 odd = without_confirming(odd, _likeliest(trace), self._judge)
-            # Where all of several views contradict one view's answer, that is wrong rather than all of them.
+            # If all the other views contradict the first one's answer, that answer is wrong rather than they.
             is_doubtful = explained is not estimate and len(odd) == len(estimate.views) - 1 > 1
             if odd and not is_doubtful:
                 agreeing = [other for other in others if not any(other is one for one in odd)]

@@ -1,8 +1,8 @@
 """Alignment: moves fitted bodies and their shadows until their outlines lie on the borders seen in the picture.
 
-Each pixel has the unary cost of its colour under the material that the body and its shadows predict there. Along the
-normal at each sampled point of a predicted outline, these costs give the position of the border and its variance; the
-body's parameters follow by least squares, as in model-based tracking (Harris and Stennett, "RAPID", 1990), but from
+Each pixel has a unary cost: that of its colour under the material which the body and its shadows predict there. Along
+the normal at each sampled point of a predicted outline, these costs give the position of the border and its variance.
+The body's parameters follow by least squares, as in model-based tracking (Harris and Stennett, "RAPID", 1990), but from
 region statistics in place of gradients. Unlike outlines of masks, such borders are not spoilt by single areas that look
 like another material (docs/maths.md, "Alignment").
 
@@ -28,17 +28,17 @@ from ashe_live.light.shape.layout import Layout, light_parameters
 from ashe_live.light.shape.predicted import Predicted, lit_outlines, painted
 from ashe_live.light.shape.sight import Sight
 
-# Search range for a border on either side of the outline, as a fraction of the object's size: it shrinks every round.
+# Search range for a border on either side of the outline: a fraction of the object's size in each round, and the least.
 SEARCH_RANGES, LEAST_RANGE_PX = (0.14, 0.1, 0.06, 0.05), 3.0
 OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # scale of Cauchy's loss in the last round: of the object's size, and at least
 EARLY_LOSS_FACTOR = 3.0  # times that scale in the rounds before
 # Penalty per parameter: the ln n of the Bayesian information criterion, n the region's pixels, times the number of
 # pixels whose errors are correlated, as a colour model is wrong over whole patches.
 COST_PER_PARAMETER = 250.0
-# Each of another family. A second one costs 6 % of an estimate's time; of 250 training pictures 13 answers are sure and
-# wrong with it, and 18 without.
+# Number of bodies, each of another family, that are moved. The second costs 6 % of an estimate's time; of 250 training
+# pictures 13 answers are sure and wrong with it, and 18 without.
 TRIED_BODIES = 2
-WIDEST_NEARNESS = 10.0  # one over the body's size: sigma of the prior on what nearness no border tells
+WIDEST_NEARNESS = 10.0  # one over the body's size: sigma of the prior on nearness, for lights that no border constrains
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,8 +93,8 @@ class Start:
 def aligned(several: Sequence[Start]) -> list[Alignment | None]:
     """For each start the cheapest of its bodies, moved onto the borders around it; None if that body is not in view.
 
-    The TRIED_BODIES that are cheapest where they begin are moved: masks fit some families better than pixels do.
-    Gauss-Newton steps with Cauchy's weights, after Harris and Stennett (docs/maths.md, "Alignment").
+    The TRIED_BODIES that are cheapest before they move are tried, as the family that fits the masks best need not fit
+    the pixels best. Gauss-Newton steps with Cauchy's weights, after Harris and Stennett (docs/maths.md, "Alignment").
     """
     found: list[Alignment | None] = [None] * len(several)
     lights = [len(start.bodies[0].lights) for start in several]
@@ -106,11 +106,10 @@ def aligned(several: Sequence[Start]) -> list[Alignment | None]:
 
 
 def lights_as_lamps(several: Sequence[PlacedBody]) -> tuple[Float, Float]:
-    """What the borders tell of the lights if each may be a lamp: (3 l,) offset, (3 l, 3 l) information on it.
+    """How the borders constrain the lights if each may be a lamp: (3 l,) offset, (3 l, 3 l) information on it.
 
-    Of every light's displacement s and nearness w / z, in the body frame, the offset from the placed body's lights that
-    the borders ask for, whatever the body: the shape is marginalised out. several: the body in one view or more, in all
-    of which it must be visible.
+    The offset is that of every light's displacement s and nearness w / z, in the body frame, from the placed body's
+    lights; the shape is marginalised out. several: the body in one or more views, in all of which it must be visible.
     """
     lit = several[0].lit
     layout = Layout(len(lit.lights), with_nearness=True)

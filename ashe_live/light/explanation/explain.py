@@ -1,4 +1,7 @@
-"""Explanations: from a split of a region's pixels into object and shadow to a body and lights that fit the picture."""
+"""Makes explanations: from a split of a region's pixels into object and shadow to a body and lights that fit it.
+
+An explanation is a hypothesis of what a region shows: a body, its lights, and the labels that follow from both.
+"""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -33,8 +36,8 @@ from ashe_live.light.shape.sight import Sight
 
 EDGE_SIGMA_PX = 0.7  # standard deviation of the masks' edges from the truth
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
-LOWEST_Z = 0.03  # of a light's direction: a lower one is no usable start of a fit, as its shadow is too long
-FEW_PX = 20  # of a silhouette: so few do not tell an object's colours
+LOWEST_Z = 0.03  # of a light's direction: lower ones do not serve as a start of a fit, as their shadows are too long
+FEW_PX = 20  # of a silhouette: too few to learn an object's colours from
 # The number of borders over their effective sample size, as errors of neighbouring borders are correlated; and the
 # misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. What
 # both leave over is fitted as the overdispersion of `uncertainty.Calibration`.
@@ -65,7 +68,7 @@ class Proposal:
 
 
 def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanation | None]:
-    """Fits and aligns each proposal; None where no light can be fitted."""
+    """Fits bodies with lights to each proposal and aligns them with the picture; None where no light can be fitted."""
     masks = [_masks(proposal) for proposal in proposals]
     fits = fit_bodies(masks, preset)
     pairs = zip(proposals, fits, strict=True)
@@ -110,9 +113,9 @@ def explained_near(several: Sequence[tuple[Explanation, float]], preset: FitPres
 
 
 def refined(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation | None]:
-    """Relabels each explanation's pixels by its own prediction, fits anew, and keeps the cheaper of the two.
+    """Relabels each explanation's pixels by its own prediction, fits again, and keeps the cheaper of the two.
 
-    A right explanation survives its own relabelling; None for one whose labels no longer allow a fit.
+    A right explanation survives this. None for one whose new labels no longer allow a fit.
     """
     proposals = [_relabelled(rough) for rough in roughs]
     fits = iter(explained([proposal for proposal in proposals if proposal is not None], preset))
@@ -121,11 +124,11 @@ def refined(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanatio
 
 
 def refined_by_tangents(explanation: Explanation) -> Explanation:
-    """The explanation with its light refined by the common tangents of its labels, which hold for any body.
+    """The explanation with its light refined by the common tangents of object and shadow, which hold for any shape.
 
-    They decide where the fitted body is a poor model. Two lights are left as they are, as labels do not show how far
-    each shadow extends where the two overlap; so is a light whose shadow's far end is not in the picture, as a tangent
-    would touch the shadow where the picture ends.
+    Where the fitted body is a poor model, the tangents decide. Two lights are left as they are, as labels do not show
+    how far each shadow extends where the two overlap. So is a light whose shadow's far end is outside the picture, as a
+    tangent would touch the shadow at the picture's edge.
     """
     split, alignment = explanation.split, explanation.alignment
     if len(explanation.lights) > 1 or alignment.ends_in_view[0] < END_IN_VIEW:
@@ -162,7 +165,7 @@ def explanation_criterion(explanation: Explanation) -> float:
 
 
 def different(explanations: Iterable[Explanation], count: int | None = None) -> list[Explanation]:
-    """The explanations without those like an earlier one; the first `count` of them."""
+    """The first `count` explanations, without those that are like an earlier one."""
     return distinct(explanations, are_alike, count)
 
 
@@ -190,7 +193,7 @@ def _masks(proposal: Proposal) -> Masks:
 
 
 def _better(rough: Explanation, fine: Explanation) -> Explanation:
-    """The one with the lower criterion, both under the rough one's colours; a rough one gets the newer labels."""
+    """The one with the lower criterion, both by the rough one's colours; if that is the rough one, with new labels."""
     return fine if criterion(fine.alignment.placed) < explanation_criterion(rough) else replace(rough, split=fine.split)
 
 
@@ -205,7 +208,7 @@ def _relabelled(last: Explanation) -> Proposal | None:
 
 
 def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:
-    """The unary costs for the alignment; an object whose colours are unknown is learned from the likeliest body."""
+    """The unary costs for the alignment; unknown colours of the object are learned from the likeliest body."""
     region, as_object = proposal.region, proposal.as_object
     if as_object is None:
         seen = predicted(likeliest.body.proxy, likeliest.lights, region.view)

@@ -1,7 +1,7 @@
-"""The answer that is held while others come: a better one replaces it, an outlier does not, a changed light does.
+"""Which of several successive answers stands: a better one replaces it, a single outlier does not, a new light does.
 
-Answers about one scene share most of their evidence, so that no mean of them is surer than the best of them. Evidence
-is added within the estimator, by more views; here is only decided which answer stands.
+Answers about one scene share most of their evidence, so that averaging them would not be surer than the best of them.
+Evidence is combined within the estimator, from several views; this module only decides which answer is shown.
 """
 
 import math
@@ -17,42 +17,43 @@ from ashe_live.core.types import Light, LightEstimate
 CHANGED_AFTER = 3  # consecutive answers that contradict the one held, and agree among themselves, to replace it
 # 99th percentile of the chi-squared distribution with two degrees of freedom.
 GATE = 9.21
-# Errors of masks change in steps from frame to frame, even where each fit's covariance is small.
+# Masks change abruptly from frame to frame, and with them the light, even where each fit's covariance is small.
 TOLERANCE_RAD = math.radians(2.5)
-# Two lights whose shadow ratios differ by this factor are different, even from one direction: the sun, then a cloud.
+# Two lights from one direction are different if their shadow ratios differ by this factor, as when a cloud comes.
 OTHER_DEPTH = 1.5
 UNKNOWN_SIGMA_RAD = math.radians(10)
-# A first answer that is less sure than this gives way to any surer one.
+# An answer that is less sure than this gives way to any surer one.
 DOUBTFUL = 0.5
-# What an estimator that rates nothing is taken for, and an answer without a light.
+# Assumed for an estimator that states no confidence, and for an answer without a light.
 UNKNOWN_CONFIDENCE, NONE_CONFIDENCE = 0.3, 0.2
-# So much less uncertain, or surer, an answer must be to count as sharper.
+# An answer counts as sharper if its sigma is smaller by this factor, or its confidence larger by this.
 SHARPER, SURER = 0.95, 0.02
-# A light that is followed in single frames has moved when it is this much farther than twice its sigma.
+# A light that is followed in single frames has moved if its offset exceeds twice its sigma by this.
 MOVED_RAD = math.radians(1.0)
-# An answer about as good is newer, and the sun moves. So much vaguer than the one held it may be, and so much less sure
-# than the surest that agreed with it: from one view to the next the rated confidence varies by that.
+# An answer that is about as good replaces the held one, as it is newer and the sun moves: its sigma may be larger by
+# this factor, and its confidence less by this than that of the surest answer that agreed with it. Both vary by as much
+# from view to view.
 AS_SHARP, AS_SURE = 1.1, 0.06
 
 
 class HeldAnswer:
-    """One scene's answer, offered every estimate in the order of time."""
+    """The answer for one scene. Every estimate is offered to it, in the order of time."""
 
     def __init__(self) -> None:
         self.estimate: LightEstimate | None = None
-        self.is_news = False  # the last one offered was taken, and is another light than the one before, or the first
+        self.is_news = False  # whether the last estimate offered was taken as a new light, or as the first answer
         self._dissent: list[LightEstimate] = []
-        self._surest = 0.0  # confidence of those that agreed
+        self._surest = 0.0  # largest confidence of the answers that agreed with the held one
 
     @property
     def is_disputed(self) -> bool:
-        """Whether the last answers contradict the one held."""
+        """Whether the latest answers contradict the held one."""
         return bool(self._dissent)
 
     def offer(self, new: LightEstimate, is_of_changed_scene: bool = False) -> bool:
-        """Takes `new` as the answer, or not; returns whether it is sharper than what was known before.
+        """Takes `new` as the answer, or not; returns whether it is sharper than the answer known before.
 
-        `is_of_changed_scene`: the views show that what was held is of another scene.
+        `is_of_changed_scene`: whether the views show that the held answer belongs to another scene.
         """
         held = self.estimate
         self.is_news = False
@@ -73,10 +74,10 @@ class HeldAnswer:
         return self._take(new, is_news=True)
 
     def follow(self, seen: LightEstimate) -> bool:
-        """Takes the light that is held as a later frame shows it, if it has moved; returns whether it has.
+        """Replaces the held light by `seen`, the same light in a later frame, if it has moved; returns whether it has.
 
-        A single frame shows it less sharply than the views that it was estimated from: what it has moved by must be
-        more than both leave open.
+        As a single frame is less precise than the views that the light was estimated from, it must have moved by more
+        than the uncertainty of both.
         """
         self._dissent.clear()
         self.is_news = self.estimate is not None and _moved_rad(self.estimate, seen) > MOVED_RAD
@@ -103,7 +104,7 @@ def _moved_rad(before: LightEstimate, now: LightEstimate) -> float:
 
 
 def _outweighs(new: LightEstimate, held: LightEstimate) -> bool:
-    """Whether one answer alone disproves the one held: that was doubtful, or rests on fewer views, and is less sure."""
+    """Whether `new` alone replaces `held`: it is surer, and `held` was doubtful or rests on fewer views."""
     rests_on_more = len(new.views) > len(held.views) and (new.span_rad or 0.0) > (held.span_rad or 0.0)
     return (_confidence(held) < DOUBTFUL or rests_on_more) and _confidence(new) > _confidence(held)
 

@@ -1,8 +1,8 @@
-"""Key views: of a camera's frames the few that show an unmoved scene from different sides, kept for the estimator.
+"""Key views: the few frames of a camera that show an unmoved scene from different sides, kept for the estimator.
 
-Frames from one side tell hardly more than one of them; frames from several part what lies on the marker's plane from
-what stands on it. A frame's direction of view is looked at first, as that costs a few products, its sharpness only if
-that is wanted, and only one that is kept is scaled down.
+Several frames from one side show hardly more than one of them; frames from several sides separate what lies on the
+marker's plane from what stands on it. To save time, a frame's direction of view is checked first (a few products), its
+sharpness only if the direction is wanted, and only a frame that is kept is scaled down.
 """
 
 import math
@@ -25,21 +25,21 @@ MOST_VIEWS = int(VIEWS.high)
 WORKING_WIDTH_PX = 640
 MOST_BYTES = 40e6  # of all views together
 MOST_PIXELS = MOST_BYTES / MOST_VIEWS / 3
-# From directions nearer to each other than this a thing of 5 cm, half a metre away, shifts by less than two pixels.
+# Between directions nearer than this, a thing 5 cm high and half a metre away shifts by less than two pixels.
 LEAST_COSINE = math.cos(math.radians(1.0))
-# A full set takes in what makes its narrowest gap wider by this factor: without it, noise would renew the set for ever.
+# A full set takes a view that widens its narrowest gap by this factor; without it, noise would renew the set for ever.
 GAIN = 1.25
-# Views that span less are as good as one: a hand's trembling.
+# Views that span less than a hand's trembling count as one.
 LEAST_SPAN_RAD = math.radians(1.5)
-# The sun moves by a degree in four minutes, and clouds come: an older view gives way to a new one from its side.
+# The sun moves by a degree in four minutes, and clouds come: an old view is replaced by a new one from the same side.
 RENEWED_AFTER_S, OLDEST_S = 30.0, 120.0
-# Standard deviation of the pose's rotation by noise: 30 cm beside the marker it moves the ground by 2.6 mm. What the
-# poses of one camera have in common, as the error of its focal length, is no reason to leave one of them out.
+# Standard deviation of the pose's rotation by noise: 30 cm beside the marker it moves the ground by 2.6 mm. Errors that
+# all poses of one camera share, as that of its focal length, are no reason to leave out a view.
 MOST_ROTATION_SIGMA_RAD = math.radians(0.5)
 # Standard deviation of the blur across the marker's borders, in pixels of the picture that is kept: a sharp border,
 # averaged over pixels as a camera does, has 0.4 to 1.
 MOST_BLUR_PX = 2.0
-# The side of what is looked at around a corner of the marker for it.
+# Side of the square around a corner of the marker in which the blur is measured.
 CROP_PX = 64
 
 
@@ -49,13 +49,13 @@ def span_of(views: Sequence[TrackedFrame]) -> float:
 
 
 class KeyViews:
-    """A handful of frames, spread over the directions from which the scene has been seen.
+    """A few frames, spread over the directions from which the scene has been seen.
 
-    One thread adds frames; any may read `views`, and drop some.
+    One thread adds frames; any thread may read `views` and drop some of them.
     """
 
     def __init__(self, most: int = MOST_VIEWS) -> None:
-        """Raises ValueError for fewer than two views, which there is nothing to choose of."""
+        """`most`: the largest number of views. Raises ValueError if it is below two."""
         if most < 2:
             raise ValueError(f"{most} views are not several")
         self._most = most
@@ -65,21 +65,21 @@ class KeyViews:
 
     @property
     def views(self) -> tuple[TrackedFrame, ...]:
-        """In the order in which they were taken in; scaled down, with their cameras and corners."""
+        """In the order in which they were added; scaled down, together with their cameras and corners."""
         return self._set.views
 
     @property
     def nbytes(self) -> int:
-        """What the pictures take."""
+        """Bytes of all pictures."""
         return sum(view.frame.image_bgr.nbytes for view in self.views)
 
     def add(self, tracked: TrackedFrame) -> bool:
-        """Takes in a frame if it is sharp, well posed and seen from another side; returns whether it was."""
+        """Keeps a frame if it is sharp, has a precise pose and shows another side; returns whether it was kept."""
         marker = tracked.marker
         if marker is None or not _is_well_posed(marker):
             return False
         if tracked.camera is not self._camera:
-            # Its poses belong to its focal length: those of another one do not fit them.
+            # Poses depend on the focal length, so that those of two cameras do not fit each other.
             self.drop()
             self._camera = tracked.camera
         time_s = tracked.frame.time_s
@@ -102,7 +102,7 @@ class KeyViews:
 
 
 class _ViewSet:
-    """Views and what is to be known of them for every frame that comes."""
+    """The views, and what is computed once to decide about every further frame."""
 
     def __init__(self, views: tuple[TrackedFrame, ...]) -> None:
         self.views = views
@@ -111,12 +111,12 @@ class _ViewSet:
             between = np.arccos(np.clip(self._directions @ self._directions.T, -1.0, 1.0))
             np.fill_diagonal(between, np.inf)
             gaps = np.sort(between, axis=1)
-            # Of the two at the narrowest gap, the one whose next neighbours are nearer.
+            # Of the two views at the narrowest gap, the one whose other neighbours are nearer.
             self._redundant = min(range(len(views)), key=lambda at: tuple(gaps[at]))
             self._narrowest_rad = float(gaps[self._redundant, 0])
 
     def given_way(self, direction: Float, time_s: float, most: int) -> tuple[TrackedFrame, ...] | None:
-        """Those in whose place a view from `direction` (3,) comes; None where it is not wanted."""
+        """The views that a view from `direction` (3,) would replace; None if that view is not wanted."""
         if not self.views:
             return ()
         cosines = self._directions @ direction
@@ -142,7 +142,7 @@ def _is_well_posed(marker: MarkerPose) -> bool:
 
 
 def _without(views: Sequence[TrackedFrame], gone: Sequence[TrackedFrame]) -> tuple[TrackedFrame, ...]:
-    """By identity, as pictures are not to be compared."""
+    """`views` without those in `gone`, compared by identity, not by their pictures."""
     return tuple(view for view in views if not any(view is other for other in gone))
 
 
@@ -151,7 +151,7 @@ def _age_s(view: TrackedFrame, now_s: float) -> float:
 
 
 def kept_size(size: tuple[int, int]) -> tuple[int, int]:
-    """The size to which a picture is halved, once or several times: such scaling costs the least."""
+    """The size (width, height) of a kept picture: halved once or several times, as such scaling costs the least."""
     width, height = size
     while width >= 2 * WORKING_WIDTH_PX or width * height > MOST_PIXELS:
         width, height = (width + 1) // 2, (height + 1) // 2
@@ -159,7 +159,7 @@ def kept_size(size: tuple[int, int]) -> tuple[int, int]:
 
 
 def scaled(tracked: TrackedFrame, size: tuple[int, int]) -> TrackedFrame:
-    """The frame at `size`, with its camera and corners; itself where that is its size. It must have a marker."""
+    """The frame, which must have a marker, scaled to `size` with its camera and corners."""
     marker, before = tracked.marker, tracked.frame.size
     assert marker is not None
     if size == before:
@@ -182,9 +182,10 @@ def scaled(tracked: TrackedFrame, size: tuple[int, int]) -> TrackedFrame:
 def blur_px(tracked: TrackedFrame) -> float:
     """Standard deviation of the blur at the marker's corner, in pixels, across the more blurred of its two sides.
 
-    A black square on white paper is a step: blurred by a normal distribution of deviation s, its steepest slope is its
-    height over s sqrt(2 pi). A motion along one side blurs the other alone. Of a body with prints on its faces, the
-    middle is looked at, along the picture's axes. Infinity where there is nothing to measure.
+    The border of a black square on white paper is a step: blurred by a normal distribution of deviation s, its steepest
+    slope is its height over s sqrt(2 pi). Both sides are measured, as motion along one of them blurs only the other. On
+    a body with prints on its faces, the blur is measured at its middle, along the picture's axes. Infinity where there
+    is nothing to measure.
     """
     marker = tracked.marker
     if marker is None:
@@ -205,7 +206,7 @@ def blur_px(tracked: TrackedFrame) -> float:
     )
     levels = np.sort(grey, axis=None)
     height = float(levels[int(0.98 * len(levels))]) - float(levels[int(0.02 * len(levels))])
-    # Of a sharpened border and of noise the steepest few tell nothing.
+    # The steepest few slopes are left out, as they may come from sharpening or noise.
     normals = np.column_stack((-sides[:, 1], sides[:, 0])) / np.linalg.norm(sides, axis=1)[:, None]
     rank = int(0.99 * len(across_x))
     slope = min(float(np.partition(np.abs(x * across_x + y * across_y), rank)[rank]) for x, y in normals)

@@ -1,8 +1,9 @@
-"""Whether two views show the same scene: what lies on the marker's plane stays where it is, in ground and shadow.
+"""Decides whether two views show the same scene, by comparing their ground and shadows on the marker's plane.
 
-Both views are drawn onto the plane at a tenth of the marker's side, and brought to one exposure. What differs then
-stands above the plane and shears, by no more than its height times the difference of the views' slopes, or has changed:
-the light, an object, or the marker's place. Views from too far apart tell nothing of each other.
+Both views are drawn onto the plane, with ten cells to the marker's side, and brought to one exposure. Where they still
+differ, there is either a thing above the plane, which shifts between the views by at most its height times the
+difference of their slopes, or something has changed: the light, an object, or the marker's place. Views from very
+different directions cannot be compared.
 """
 
 from collections.abc import Sequence
@@ -19,17 +20,17 @@ from ashe_live.light.pixels.view import View
 
 CELLS_A_SIDE = 10  # on the plane, of the marker's side
 HALF_SIDES = 5  # from the marker's centre to the border of what is compared, in the marker's sides
-VIEW_WIDTH_PX = 160  # at which a cell is about a pixel or two of the picture
+VIEW_WIDTH_PX = 160  # of the pictures that are compared: a cell is then about one or two pixels wide
 # Difference of log brightness, brought to one exposure: between lit ground and a shadow that leaves three quarters.
 LEAST_DIFFERENCE = 0.3
-# Brighter than this the sensor may be saturated, and tells no difference.
+# Brighter pixels may be saturated, and are not compared.
 SATURATED = 250
 # Things up to so high, in the marker's sides, may stand there; what they shear by is no change. Larger shears hide all.
 HIGHEST_SIDES = 3.0
 MOST_SHEAR_SIDES = 0.8
-REGISTRATION_CELLS = 4  # that poses, the picture's scale and its blur leave open
-LEAST_AREA_SIDES = 0.2  # squared: the area of the least thing whose move is noticed
-LEAST_COMPARED_SIDES = 2.0  # squared: of less ground in common nothing is said
+REGISTRATION_CELLS = 4  # misregistration by poses, the picture's scale and its blur
+LEAST_AREA_SIDES = 0.2  # squared sides: the smallest change that is noticed
+LEAST_COMPARED_SIDES = 2.0  # squared sides: the least common ground for a comparison
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +43,7 @@ class PlanePicture:
 
     @staticmethod
     def of(tracked: TrackedFrame) -> "PlanePicture":
-        """It must have a marker."""
+        """Of a frame that must have a marker."""
         view = View.of(tracked, VIEW_WIDTH_PX)
         cells = 2 * HALF_SIDES * CELLS_A_SIDE
         image_from_cells = image_from_plane(view.camera, view.T_cam_marker) @ _plane_from_cells(view.side_m)
@@ -59,7 +60,7 @@ class PlanePicture:
 
 
 def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
-    """Whether something has changed between two views; None where they cannot tell."""
+    """Whether the scene has changed between two views; None if they cannot be compared."""
     shear_sides = HIGHEST_SIDES * float(np.hypot(*(a.slope - b.slope)))
     is_compared = a.is_seen & b.is_seen
     if shear_sides > MOST_SHEAR_SIDES or np.count_nonzero(is_compared) < LEAST_COMPARED_SIDES * CELLS_A_SIDE**2:
@@ -74,9 +75,9 @@ def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
 
 
 def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
-    """Which of the views `before` are of another scene than `now`: all of them, if more than half that can tell say so.
+    """Indices of the views `before` that show another scene than `now`: all, if more than half of the results say so.
 
-    A hand that passes through one of them makes that one alone of no use.
+    A hand that passes through a single view so makes only that view outdated.
     """
     told = [differs(now, each) for each in before]
     gone = [at for at, is_other in enumerate(told) if is_other]
@@ -84,7 +85,7 @@ def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
 
 
 def _plane_from_cells(side_m: float) -> Float:
-    """(3, 3) homogeneous points of the plane of homogeneous cells, whose centres are integers."""
+    """(3, 3) homography from cells, whose centres are integers, to the plane in metres."""
     cell_m = side_m / CELLS_A_SIDE
     first_m = -HALF_SIDES * side_m + cell_m / 2
     return np.array([[cell_m, 0, first_m], [0, cell_m, first_m], [0, 0, 1]])

@@ -1,6 +1,6 @@
 """The light worker: estimates away from the viewer's loop, in a process of its own, that gives way while nobody waits.
 
-A thread would share the interpreter's lock and its full priority with the loop; docs/accuracy.md has the figures.
+A thread would share the interpreter's lock and its full priority with the loop; docs/reliability.md has the figures.
 """
 
 import multiprocessing

@@ -1,7 +1,7 @@
-"""The fit: from masks of an object and its shadows to bodies and lights whose outlines agree with the masks'.
+"""Fits bodies and lights to the outlines of an object's mask and of its shadows' masks.
 
-Families of bodies are tried one generation after the other. Each is searched for its best member together with the
-lights, and they are ranked by the Bayesian information criterion (docs/maths.md, "Search").
+Families of bodies are tried one generation after the other, from simple to rich. The best member of each is searched
+for together with the lights, and families are ranked by the Bayesian information criterion (docs/maths.md, "Search").
 """
 
 import math
@@ -25,12 +25,12 @@ from ashe_live.light.shape.outlines.contours import AnyMask
 from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
 from ashe_live.light.shape.sight import Sight
 
-# Errors in neighbouring directions are correlated: their number over the effective sample size.
+# The number of directions over the effective sample size, as errors in neighbouring directions are correlated.
 DIRECTIONS_PER_SAMPLE = 4.0
-# Scale of Cauchy's loss, as a fraction of the object's size and its limits: larger errors are outliers (a handle, a
-# hole in a mask).
+# Scale of Cauchy's loss, as a fraction of the object's size, and its limits in pixels: larger errors are outliers (a
+# handle, a hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
-# Limit to `FitPreset.sufficient_rms`, as a fraction of the object's size: small objects need all families.
+# Upper limit of `FitPreset.sufficient_rms`, as a fraction of the object's size, so that small objects try all families.
 SUFFICIENT_SHARE = 0.005
 HIGHEST_NEARNESS = 0.7  # of a lamp, times the guessed height of the body below it
 
@@ -39,7 +39,7 @@ HIGHEST_NEARNESS = 0.7  # of a lamp, times the guessed height of the body below 
 class FitFailure:
     """Why no light direction follows from these masks."""
 
-    reason: str  # for the user
+    reason: str  # a message for the user
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +76,7 @@ class FittedBodies:
 
 
 def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[FittedBodies | FitFailure]:
-    """For each, the best body of every family with its lights, or why there is none; solved as one batch for speed.
+    """For each scene the best body of every family with its lights, or why there is none; one batch, for speed.
 
     Raises ValueError if the preset names a family without the one that it grows from.
     """
@@ -165,7 +165,7 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
         [scene.outlier_px for scene in scenes],
     )
     for families in _generations(preset):
-        # A small ball looks much like a cup too, so all families that grow from the first guess are always tried.
+        # All families that grow from the first guess are tried in any case, as a small ball also looks much like a cup.
         problems = [
             scene.problem(number, family)
             for family in families

@@ -1,8 +1,8 @@
-"""Sub-pixel corners of a black square: its four edges fitted by straight lines, and where these meet.
+"""Sub-pixel corners of a black square: straight lines are fitted to its four edges, and intersected.
 
-A whole edge says far more than the few pixels around a corner, and is still there when the paper's corner curls up.
-Edges are measured in linear light, where blur moves none of them (in the encoded picture it eats into the black), and
-in ideal pixels (see `lens`), where they are straight.
+A whole edge carries far more information than the few pixels around a corner, and is still there when the paper's
+corner curls up. Edges are measured in linear light, where blur does not move them (in the encoded picture it moves them
+into the black), and in ideal pixels (see `lens`), in which they are straight.
 """
 
 import math
@@ -19,19 +19,19 @@ from ashe_live.tracking.edges.edge_lines import NEXT, information_by_side, meeti
 from ashe_live.tracking.edges.edge_profiles import FROM_INSIDE, Light, LightView, edge_offsets, linear_light
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square, region_around
 
-# Where an edge is sampled along its side.
+# The part of a side along which its edge is sampled.
 ALONG_FROM, ALONG_TO = 0.06, 0.94
-# How far across, over the square's extent in that direction: within a border or margin of an eighth.
+# How far across the edge, over the square's extent in that direction: within a border or margin of an eighth.
 REACH_RATIO = 0.08
 MIN_REACH_PX, LAST_REACH_PX = 2.0, 4.0
 MORE_SEARCHES = 3
 LEAST_SAMPLES = 8
-# Each search reaches this much less far than the one before: a few of the steps between its samples.
+# Each search has a reach smaller by this factor: a few of the last one's sampling steps.
 NARROWING = 5.0
-# Of a side's samples, how many must show an edge.
+# Fraction of a side's samples that must show an edge.
 MIN_SEEN = 0.4
-# What counts as one edge: so far to each side of the steepest place. As much as a sharp edge needs, less where a small
-# marker's cells lie close, and more where motion has blurred it: so many standard deviations of its rise.
+# How far one edge extends to each side of its steepest place: for a sharp edge, within limits in pixels, and a fraction
+# of the square's extent where a small marker's cells lie close; for a blurred one, standard deviations of its rise.
 SHARP_SPREADS_PX, SPREAD_RATIO = (1.0, 2.0), 1 / 12
 WIDTHS = 2.2
 # How much wider an edge may be than its window before it is measured again.
@@ -39,9 +39,9 @@ SLACK = 1.25
 
 
 def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: float = 1.0) -> Float:
-    """(4, 2) corners of the black square in `grey` (h, w), from coarse ones that may be `off_by_px` off.
+    """(4, 2) corners of the black square in `grey` (h, w), from coarse corners that may be `off_by_px` off.
 
-    `samples` is how many places of each edge are measured. Where no edge is to be seen, a side stays as it was.
+    `samples` is the number of places measured along each edge. A side without a visible edge stays as it was.
     """
     if not is_front_of_square(corners_px):
         return corners_px
@@ -65,10 +65,10 @@ def fitted_square(
 ) -> FittedSquare | None:
     """The black square near `corners_px` (4, 2), ideal pixels of the whole picture that may be `off_by_px` off.
 
-    `light` (h, w) is linear, and a part of the picture that begins at `origin_px`; a `camera` bends the way from ideal
-    pixels to the picture's. Edges are looked for no farther than `most_reach_px` from the sides. None when the corners
-    are no square or what was found is not the one that was asked for; where a side shows no edge it stays as it was
-    and says next to nothing.
+    `light` (h, w) is linear, the part of the picture that begins at `origin_px`; a `camera` maps ideal pixels to those
+    of the distorted picture. Edges are searched for within `most_reach_px` of the sides. None if the corners are no
+    square, or if the square found is too far from them. A side that shows no edge stays as it was, with next to no
+    information.
     """
     view = LightView(light, camera, np.asarray(origin_px, dtype=np.float64))
     return fitted_squares([view], [corners_px], samples, off_by_px, most_reach_px)[0]
@@ -81,9 +81,10 @@ def fitted_squares(
     off_by_px: float = 1.0,
     most_reach_px: float = math.inf,
 ) -> list[FittedSquare | None]:
-    """As `fitted_square`, each square in its own part of the picture; near ones are measured together.
+    """As `fitted_square`, each square in its own part of the picture.
 
-    What is done to a square's few hundred samples costs less than to begin it.
+    Squares whose corners are nearly right are measured together, as setting up a measurement takes longer than the few
+    hundred samples of a square.
     """
     squares = [
         _Windows.around(corners, off_by_px, most_reach_px) if is_front_of_square(corners) else None
@@ -91,7 +92,7 @@ def fitted_squares(
     ]
     asked = [(number, square) for number, square in enumerate(squares) if square is not None]
     near = [one for one in asked if one[1].reaches_px.max() <= LAST_REACH_PX]
-    # A wide search only leads to a narrow one, which measures.
+    # A wide search is followed by a narrow one, which measures.
     searches = [(near, samples)] if near else []
     searches += [([one], max(LEAST_SAMPLES, samples // 2)) for one in asked if one not in near]
     fitted: list[FittedSquare | None] = [None] * len(squares)
@@ -124,7 +125,7 @@ class _Windows:
 def _narrowed(
     view: LightView, first: _Windows, fitted: FittedSquare, widths: Float, samples: int
 ) -> FittedSquare | None:
-    """What the `first` search has `fitted`, searched again in windows as wide as the edges' `widths` (4,) ask for."""
+    """The square `fitted` by the `first` search, measured again in windows that suit the edges' `widths` (4,)."""
     reaches, sharp, spreads = first.reaches_px, first.sharp_px, first.spreads_px
     narrowed = reaches
     for _ in range(MORE_SEARCHES):

@@ -1,4 +1,4 @@
-"""The marker's pose from its four corners: both solutions of IPPE, which of them is meant, and how sure it is.
+"""The marker's pose from its four corners: both solutions of IPPE, the choice between them, and the covariance.
 
 Collins and Bartoli, "Infinitesimal plane-based pose estimation", IJCV 2014.
 """
@@ -27,23 +27,23 @@ from ashe_live.tracking.poses.pose_refinement import (
     solution_of,
 )
 
-# What noise adds to the right solution's error.
+# What noise may add to the right solution's error: this many standard deviations of a corner, at least so much.
 NOISE_SIGMAS, MIN_NOISE_PX = 1.4, 0.1
-# What a pose may leave unexplained of the right print: in pixels, or over the square's side, as of curled paper.
+# The largest error of a right pose: in pixels, or as a fraction of the square's side, for curled paper.
 MOST_RMS_PX, MOST_RMS = 2.0, 0.04
-# The frame that IPPE is asked for, y down and z away, from the print's turned by so many quarters, from x towards y.
+# Rotations to the frame that IPPE is asked for (y down, z away) from the print's, turned by n quarters from x to y.
 R_ASKED_TURNED = [
     np.diag((1.0, -1.0, -1.0))
     @ np.linalg.matrix_power(np.array([(0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]), n)
     for n in range(4)
 ]
-# What corners of unknown origin may be off.
+# Standard deviation of corners of unknown origin.
 CORNER_SIGMA_PX = 0.5
 
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """A square in the picture, and where it lies in the frame whose pose is asked for."""
+    """A square in the picture, and its corners in the frame whose pose is estimated."""
 
     points: Float  # (4, 3) metres: top-left, top-right, bottom-right, bottom-left
     square: FittedSquare
@@ -51,7 +51,7 @@ class Sighting:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Corners:
-    """All corners of n squares, which see one frame."""
+    """All corners of n squares that lie in one frame."""
 
     sightings: Sequence[Sighting]
     points: Float  # (4 n, 3) metres
@@ -73,10 +73,10 @@ class _Corners:
 def estimate_pose(
     corners_px: Float, camera: Camera, side_m: float, previous: MarkerPose | None = None, refines: bool = True
 ) -> MarkerPose | None:
-    """The pose that explains `corners_px` (4, 2), source pixels, or None when no square seen from its front can.
+    """The pose of a square whose corners are at `corners_px` (4, 2), source pixels; None if no pose explains them.
 
-    A square seen nearly frontally or from far has two poses that explain it about as well. `previous` then decides;
-    without one, a pose that shows the surface from above is taken, as by a camera held upright over a table.
+    A square seen nearly frontally, or from far away, has two poses that explain it about equally well. `previous` then
+    decides; without it, the pose that shows the surface from above is taken, as by a camera held upright over a table.
     """
     if not is_front_of_square(corners_px):
         return None
@@ -93,10 +93,10 @@ def pose_of_squares(
     errors: CornerErrors = FITTED,
     most_rms: float = MOST_RMS,
 ) -> MarkerPose | None:
-    """The pose of the frame in which all `sightings` lie; see estimate_pose. Corners weigh as much as they are sure.
+    """The pose of the frame in which all `sightings` lie; see `estimate_pose`. Corners are weighted by covariance.
 
-    `errors`: what they may be off beside the noise. `most_rms`: of the largest square's side, what the pose may leave
-    unexplained of it.
+    `errors`: the systematic errors of corners, in addition to noise. `most_rms`: the largest error accepted, as a
+    fraction of the largest square's side.
     """
     sightings = [one for one in sightings if is_front_of_square(one.square.corners_px)]
     if not sightings:
@@ -106,11 +106,11 @@ def pose_of_squares(
     if chosen is None:
         return None
     solution, other_rms_px = chosen
-    # Of several, those seen nearly edge-on have corners that are far off along what is foreshortened, and say so.
+    # Only the largest square is checked: corners of squares seen nearly edge-on may be far off, and state this.
     largest_px = seen.largest.square.corners_px
     T_cam_marker = rigid(solution.R, solution.t)
     off_px = _rms_px(project(camera, T_cam_marker, seen.largest.points) - largest_px)
-    # With another focal length than the camera's, the right print fits badly too.
+    # With a wrong focal length the right print fits badly as well, so that only known cameras are checked.
     is_known = camera.source in ("file", "flag")
     if is_known and not off_px <= max(MOST_RMS_PX, most_rms * mean_side_px(largest_px)):
         return None
@@ -120,7 +120,7 @@ def pose_of_squares(
     if not np.isfinite(corners_px).all():
         return None
     covariances = covariances_of(solution, seen.points, seen.information, camera.K, seen.noise)
-    # The pose leaves what it cannot explain: where that is more than was stated, what is not noise was understated.
+    # If the pose leaves more unexplained than was stated, the systematic errors were understated.
     freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
     understated = (errors.weight + solution.cost) / (errors.weight + freedom)
     log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
@@ -140,7 +140,7 @@ def pose_of_squares(
 def _chosen_solution(
     seen: _Corners, camera: Camera, previous: MarkerPose | None, refines: bool
 ) -> tuple[Solution, float | None] | None:
-    """The pose that is meant, and how far off, px, the other one is that explains the largest square; None for none."""
+    """The chosen solution, and the error (px) of the other one, if there is one; None if there is no solution."""
     if previous is not None:
         T = previous.measured_T_cam_marker
         followed = followed_solution(T, seen.points, seen.pixels, seen.information, camera.K)
@@ -168,7 +168,7 @@ def _chosen_solution(
 
 
 def poses_of_square(sighting: Sighting, camera: Camera) -> list[Float]:
-    """Both poses (4, 4) that explain a single square, or the one that there is, the smaller error first."""
+    """The one or two poses (4, 4) that explain a single square, the smaller error first."""
     return [rigid(R, t) for R, t in _ippe(sighting, camera.K)]
 
 
@@ -178,9 +178,9 @@ def corners_noise(sightings: Sequence[Sighting]) -> Float:
 
 
 def corners_information(sightings: Sequence[Sighting], noise: Float, errors: CornerErrors = FITTED) -> Float:
-    """(8n, 8n) inverse covariance of all corners' coordinates in turn, 1 / px^2, with what `errors` allows for.
+    """(8n, 8n) inverse covariance of all corners' coordinates in turn, 1 / px^2, including the systematic `errors`.
 
-    `noise` (8n, 8n) as from `corners_noise`.
+    `noise`: (8n, 8n) as from `corners_noise`.
     """
     blocks = (slice(8 * number, 8 * number + 8) for number in range(len(sightings)))
     squares = zip(blocks, sightings, strict=True)
@@ -222,7 +222,7 @@ def _rms_px(offsets_px: Float) -> float:
 
 
 def _unexplained_px(sightings: Sequence[Sighting], information: Float) -> float:
-    """What noise or curled paper may add to the right solution's error."""
+    """How much noise or curled paper may add to the right solution's error, pixels."""
     noise_px = max(MIN_NOISE_PX, NOISE_SIGMAS * math.sqrt(len(information) / float(np.trace(information))))
     curls_px = (one.square.curl * mean_side_px(one.square.corners_px) for one in sightings)
     return max(noise_px, *curls_px)

@@ -9,8 +9,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.tracking.poses.pose_refinement import Solution
 
-# The smaller error alone decides when the other is so much larger: in ratio, and beyond what explains itself by noise
-# and by curled paper. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the error.
+# The smaller error alone decides only if the other is larger by this ratio, and by more than noise and curled paper
+# explain. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the right one's error.
 DECISIVE_RATIO = 2.0
 FOCAL_SIGMAS = 2.0  # by which the focal length may be longer than stated, without that being otherwise
 

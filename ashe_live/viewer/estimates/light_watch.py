@@ -1,4 +1,4 @@
-"""What is asked of the light worker as the camera moves, and which of its answers stands."""
+"""Requests estimates from the light worker as the camera moves, and keeps the answer that stands."""
 
 import math
 from collections.abc import Sequence
@@ -15,19 +15,19 @@ from ashe_live.viewer.estimates.sharpening import Sharpening
 
 
 class LightWatch:
-    """One scene's light: asked for by a person, then sharpened by the key views. For use by one thread."""
+    """The light of one scene: requested by the user, then refined with the key views. For use by one thread."""
 
     def __init__(self, worker: LightWorker) -> None:
         self.preset = BALANCED
-        self.key_views = KeyViews()  # of what is shown; whoever tracks the frames adds them
-        self.camera_may_move = False  # as a person may move it
-        self.held = HeldAnswer()  # since the last request by a person
+        self.key_views = KeyViews()  # of the scene that is shown; the tracking thread adds to them
+        self.camera_may_move = False  # whether the source is a camera that the user may move
+        self.held = HeldAnswer()  # since the user's last request
         self.sharpening = Sharpening()
         self.asked_s = -math.inf
         self.frozen: TrackedFrame | None = None  # of the last request
-        self._others: Sequence[TrackedFrame] = ()  # that went with it
+        self._others: Sequence[TrackedFrame] = ()  # the other views of the last request
         self._is_awaited = False
-        # A person's request, and when it was made, while another estimate is under way.
+        # The user's request, and its time, while another estimate is in progress.
         self._waiting: tuple[TrackedFrame, float, Draw | None] | None = None
         self._worker = worker
 
@@ -37,11 +37,11 @@ class LightWatch:
 
     @property
     def is_awaited(self) -> bool:
-        """Whether an estimate is under way that a person waits for."""
+        """Whether an estimate that the user waits for is in progress."""
         return self._worker.busy and (self._is_awaited or self._waiting is not None)
 
     def begin_anew(self) -> None:
-        """Forgets the scene, and gives up what is under way."""
+        """Forgets the scene, and gives up an estimate in progress."""
         self.frozen, self._others, self._waiting = None, (), None
         self.held, self.sharpening = HeldAnswer(), Sharpening()
         self.key_views.drop()
@@ -55,10 +55,11 @@ class LightWatch:
         is_awaited: bool = True,
         known: LightEstimate | None = None,
     ) -> bool:
-        """Asks for an estimate of a frame with the key views at hand; False, and nothing happens, while one is made.
+        """Requests an estimate of a frame together with the current key views; returns whether it was accepted.
 
-        What `is_awaited` by a person replaces whatever stands, and waits for what nobody does. Of what is `known` only
-        a change is estimated.
+        While an estimate is in progress, a request is refused; but one that the user waits for (`is_awaited`) is kept
+        until a background estimate is done. The answer to it replaces any held one. `known`: an answer whose light is
+        only to be followed, and estimated again only if the scene has changed.
         """
         if is_awaited and self._worker.busy and not self.is_awaited:
             self._waiting = frozen, now_s, draw
@@ -74,7 +75,7 @@ class LightWatch:
         return True
 
     def sharpen(self, now_s: float, draw: Draw | None) -> bool:
-        """Asks for an estimate of the key views, once there is one to sharpen and they tell more; returns whether."""
+        """Requests an estimate of the key views if there is an answer to refine and they show more; returns whether."""
         views = self.key_views.views
         held = self.held.estimate
         if held is None or held.estimator in OF_ONE_FRAME or self.is_estimating:
@@ -84,7 +85,7 @@ class LightWatch:
         return self.ask(views[-1], now_s, draw, is_awaited=False)
 
     def look_again(self, steady: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
-        """Asks for an estimate of a steady frame, or, if the last one is not old, for its light to be followed."""
+        """Requests an estimate of a steady frame, or only to follow the light if the last estimate is recent."""
         if self.is_estimating or not self.sharpening.is_due_again(now_s):
             return False
         held = self.held.estimate
@@ -94,12 +95,12 @@ class LightWatch:
         return self.ask(steady, now_s, draw, held is None, known)
 
     def poll(self) -> Outcome | None:
-        """The worker's outcome, once."""
+        """The worker's outcome, returned once; None if there is none."""
         outcome = self._taken(self._worker.poll())
         if self._waiting is not None and not self._worker.busy:
             waiting, self._waiting = self._waiting, None
             self.ask(*waiting)
-            return None  # what nobody has asked for would be taken for what somebody did
+            return None  # the outcome of the background estimate, which would be taken for the user's
         return outcome
 
     def wait(self, timeout_s: float) -> Outcome | None:
@@ -107,7 +108,7 @@ class LightWatch:
         return self._taken(self._worker.wait(timeout_s)) if self._worker.busy else None
 
     def stands(self, estimate: LightEstimate | None) -> bool:
-        """Whether it is the answer that is held."""
+        """Whether `estimate` is the answer that stands."""
         return estimate is not None and estimate is self.held.estimate
 
     def _taken(self, outcome: Outcome | None) -> Outcome | None:

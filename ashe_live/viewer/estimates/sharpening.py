@@ -1,4 +1,4 @@
-"""When another estimate is worth its work: while the key views have more to tell than at the last one."""
+"""Decides when another estimate is worthwhile: if the key views show more than those of the last estimate did."""
 
 import math
 from collections.abc import Sequence
@@ -6,19 +6,19 @@ from collections.abc import Sequence
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.live.key_views import RENEWED_AFTER_S, span_of
 
-EVERY_S = 0.4  # at most so often
-CHECKED_EVERY_S = 1.5  # automatically, whether the scene is still the same
-# Estimates in a row that were no sharper, after which no more are made, until the views span as much more as this.
+EVERY_S = 0.4  # least time between two estimates
+CHECKED_EVERY_S = 1.5  # time between two checks of whether a watched scene has changed
+# After so many estimates in a row that were no sharper, no more are made until the views span this much more.
 FUTILE = 3
 MUCH_WIDER, MUCH_WIDER_BY_RAD = 1.5, math.radians(2)
-# The views tell more when they span more by this factor, and at least by so much...
+# The views show more if their span is larger by this factor and this angle...
 WIDER, WIDER_BY_RAD = 1.25, math.radians(0.5)
-# ...or when a third of them, and more than one, are new, over nearly the same span.
+# ...or if a third of them, and more than one, are new, with nearly the same span.
 NEW_SHARE, AS_WIDE = 1 / 3, 0.8
 
 
 class Sharpening:
-    """What has been asked of one scene, and whether it has gained anything."""
+    """The requests made for one scene, and whether they have gained anything."""
 
     def __init__(self) -> None:
         self.span_rad = 0.0  # of the views of the last request
@@ -41,16 +41,16 @@ class Sharpening:
         self._widest_rad = max(self._widest_rad, self.span_rad)
 
     def answered(self, is_sharper: bool) -> None:
-        """It has been made, and has told more than was known before, or has not."""
+        """The requested estimate has been made; `is_sharper`: whether it improved the answer."""
         self._estimated_s = self._asked_s
         self._futile = 0 if is_sharper else self._futile + 1
 
     def verified(self) -> None:
-        """The light was seen as it is known, which is as good as a new estimate."""
+        """The known light was confirmed, which counts as a new estimate."""
         self._estimated_s = self._asked_s
 
     def is_due_for(self, views: Sequence[TrackedFrame], now_s: float) -> bool:
-        """Whether the key views tell so much more than those of the last request that it is worth another."""
+        """Whether the key views show so much more than those of the last request that another is worthwhile."""
         if now_s - self._asked_s < EVERY_S:
             return False
         if views is not self._looked_at:
@@ -58,7 +58,7 @@ class Sharpening:
         return self._tells_more
 
     def is_due_again(self, now_s: float) -> bool:
-        """Whether it is time for another look at a scene that is watched, though the camera stands still."""
+        """Whether it is time to check a watched scene again, even though the camera stands still."""
         return now_s - self._asked_s >= (CHECKED_EVERY_S if self.is_settled else EVERY_S)
 
     def is_up_to_date(self, now_s: float) -> bool:

@@ -1,6 +1,6 @@
-"""The capture thread's own loop: it reads a frame, tracks the marker in it, and hands both over as one value.
+"""The loop of the capture thread: reads a frame, tracks the marker in it, and hands both over as one value.
 
-The main thread asks for everything by one immutable value, a Wish, and reads one immutable value, the State. So neither
+The main thread requests everything by one immutable value, a Wish, and reads one immutable value, the State. So neither
 is ever seen half changed, and no lock is held while a frame is read or tracked.
 """
 
@@ -19,7 +19,7 @@ from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.sources.pace import Pace
 
 RECONNECT_EVERY_S = 0.5
-# No wait is without a timeout; a new wish, or the end, interrupts it at once.
+# Every wait has a timeout; a new wish, or the end, interrupts it at once.
 LONGEST_WAIT_S = 1.0
 
 
@@ -28,7 +28,7 @@ class Place:
     """A frame of a clip."""
 
     time_s: float
-    index: int | None = None  # None: what is shown at `time_s`
+    index: int | None = None  # None: the frame that is shown at `time_s`
 
 
 FIRST_FRAME = Place(0.0, 0)
@@ -44,27 +44,27 @@ class Jump:
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """Everything that is asked of the capture thread. A new wish replaces the one before, obeyed or not."""
+    """All current requests to the capture thread. A new wish replaces the previous one, even if not yet carried out."""
 
     loop: bool
     paused: bool = False
     speed: float = 1.0  # times a clip's own pace
-    jump: Jump | None = None  # the latest; obeyed once
-    tracking: TrackingPreset | None = None  # from the next frame on; None: as the tracker was made
-    marker: str | None = None  # the spec of another than the tracker was made for
-    hfov_deg: float | None = None  # another field of view than the tracker's camera has
+    jump: Jump | None = None  # the latest; carried out once
+    tracking: TrackingPreset | None = None  # from the next frame on; None: the preset that the tracker was made with
+    marker: str | None = None  # spec of another marker; None: the one that the tracker was made for
+    hfov_deg: float | None = None  # another field of view; None: that of the tracker's camera
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """Where the capture thread is; only that thread replaces it."""
+    """What the capture thread reports; only that thread replaces it."""
 
     shown: Place = FIRST_FRAME  # the last frame that was handed over
     at: Place = FIRST_FRAME  # the same, or the frame that a jump leads to
-    obeyed: Jump | None = None  # the latest jump that has begun
+    obeyed: Jump | None = None  # the latest jump that was carried out
     has_ended: bool = False  # a clip has been played to its end
-    status: str | None = None  # what a person should know of the source
-    asked_s: float | None = None  # when the read that is under way began, monotonic clock; None: none is under way
+    status: str | None = None  # a message for the user about the source
+    asked_s: float | None = None  # when the current read began, monotonic clock; None: no read is in progress
 
 
 class CaptureLoop:
@@ -91,11 +91,11 @@ class CaptureLoop:
         self._key_views = key_views
         self._period_s = 1 / (source.fps or 30.0)
         self._pace = Pace()
-        self._flaw: str | None = None  # of a looped clip: the note that its source had at the end
-        self._left_out: Frame | None = None  # the last frame, if it came too late
+        self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated
+        self._left_out: Frame | None = None  # the last frame, if it was skipped for being late
 
     def run(self) -> None:
-        """Until `wishes` is closed, or the source fails for good: then `frames` is closed with the error."""
+        """Runs until `wishes` is closed, or the source fails for good; then `frames` is closed with the error."""
         try:
             while True:
                 self.step()
@@ -128,7 +128,7 @@ class CaptureLoop:
 
     @property
     def _is_sent(self) -> bool:
-        """Whether there is a jump that has not begun."""
+        """Whether a requested jump has not been carried out yet."""
         return self._wish.jump is not self.state.obeyed
 
     def _publish(self, **changes: Any) -> None:
@@ -149,7 +149,7 @@ class CaptureLoop:
             self._tracker.preset = wish.tracking
 
     def _wait(self, until: Callable[[], bool], timeout_s: float | None = None) -> None:
-        """Waits until the condition holds, there is a jump, or the time is over. Raises Closed when asked to end."""
+        """Waits until the condition holds, a jump is requested, or the time is over. Raises Closed if asked to end."""
         end_s = None if timeout_s is None else time.monotonic() + timeout_s
         while not (self._is_sent or until()):
             left_s = LONGEST_WAIT_S if end_s is None else end_s - time.monotonic()
@@ -162,12 +162,12 @@ class CaptureLoop:
         self._publish(shown=place, at=place)
         tracked = self._tracker.track(frame)
         self._frames.put(tracked)
-        # Afterwards, so that no picture waits for it.
+        # After handing over, so that the display does not wait for it.
         self._key_views.add(tracked)
 
     def _end_of_clip(self) -> None:
         self._publish(at=self.state.shown)
-        if self._wish.paused and self._clip is not None:  # stepped off the end
+        if self._wish.paused and self._clip is not None:  # stepped beyond the end
             return
         if self._wish.loop and not self._source.is_photo:
             self._flaw = self._source.note
@@ -204,14 +204,14 @@ class CaptureLoop:
             self._publish(asked_s=None)
 
     def _is_on_time(self, frame: Frame) -> bool:
-        """Waits until the frame is due. False for one that is too late, or too soon after another, to be tracked."""
+        """Waits until the frame is due. False if it is too late, or too soon after the last one, to be tracked."""
         due = self._pace.next(frame.time_s, self._period_s, time.monotonic())
         if due.wait_s > 0:
             self._wait(lambda: self._wish.paused, due.wait_s)
         return due.is_shown
 
     def _go_where_sent(self) -> None:
-        """Carries out a pending jump. Only the very next frame is tracked from the last one; any other is a cut."""
+        """Carries out a pending jump. Unless it leads to the next frame, the tracker starts again, as after a cut."""
         jump, before = self._wish.jump, self.state.at
         if jump is None or not self._is_sent:
             return

@@ -1,4 +1,4 @@
-"""The capture thread as the main thread sees it: what can be asked of it, and what it reports."""
+"""The capture thread as seen from the main thread: the requests that it takes, and the state that it reports."""
 
 import threading
 import time
@@ -15,16 +15,17 @@ from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.sources.capture_loop import FIRST_FRAME, CaptureLoop, Jump, Place, Wish
 
-# A disk that must wake up or a camera that adjusts itself takes less.
+# Longer than a disk takes to wake up, or a camera to adjust itself.
 STALLED_AFTER_S = 2.0
 
 
 class Pipeline:
-    """Runs a source and a tracker in a thread of their own; a clip at its own pace, a camera as fast as it comes.
+    """Runs a source and a tracker in a thread of their own: a clip at its own pace, a camera as fast as frames arrive.
 
-    The mailbox holds the latest tracked frame. It is closed when nothing more can come: in order by `close`, with
-    the error when the source fails for good. A lost camera is no end: `status` says so until it is back. From `start`
-    on source and tracker belong to that thread. For use by one other thread at a time.
+    The mailbox `frames` holds the latest tracked frame. It is closed when no more frames can come: by `close`, or with
+    the error when the source fails for good. A lost camera does not close it; `status` reports the loss until
+    the camera is back. After `start`, source and tracker belong to the capture thread. For use by one other thread at a
+    time.
     """
 
     def __init__(
@@ -34,11 +35,11 @@ class Pipeline:
         loop: bool,
         tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None,
     ) -> None:
-        """`tracker_for` makes one for another marker, named by its spec, or for a camera with another field of view, in
-        degrees; it is called in that thread.
+        """`tracker_for` makes a tracker for another marker (its spec) or for a camera with another field of view
+        (degrees); it is called in the capture thread.
         """
         self.frames = LatestMailbox[TrackedFrame]()
-        self.key_views = KeyViews()  # of what is shown; none from before a jump
+        self.key_views = KeyViews()  # of the scene that is shown; emptied by a jump
         self._source = source
         self._first_marker = tracker.marker.spec
         self._wish = Wish(loop)
@@ -49,12 +50,12 @@ class Pipeline:
 
     @property
     def name(self) -> str:
-        """Of the source, for a person."""
+        """The source's name, as shown to the user."""
         return self._source.name
 
     @property
     def marker(self) -> str:
-        """The spec of what is followed, or will be from the next frame on."""
+        """The spec of the marker that is followed, or will be from the next frame on."""
         return self._wish.marker or self._first_marker
 
     @property
@@ -64,17 +65,17 @@ class Pipeline:
 
     @property
     def is_clip(self) -> bool:
-        """Whether it can be sought in."""
+        """Whether the source is a clip, in which one can seek."""
         return isinstance(self._source, Seekable)
 
     @property
     def clip_path(self) -> Path | None:
-        """As it was named; None of what is no clip."""
+        """The clip's path as the user gave it; None if the source is no clip."""
         return self._source.path if isinstance(self._source, Seekable) else None
 
     @property
     def is_camera(self) -> bool:
-        """Whether somebody may move it."""
+        """Whether the source is a live camera, which may be moved."""
         return self._source.is_live
 
     @property
@@ -83,7 +84,7 @@ class Pipeline:
 
     @property
     def duration_s(self) -> float | None:
-        """From a clip's first frame to its last; None where that is not known, and for anything but a clip."""
+        """Seconds from a clip's first frame to its last; None if unknown, or if the source is no clip."""
         return self._source.duration_s if isinstance(self._source, Seekable) else None
 
     @property
@@ -98,7 +99,7 @@ class Pipeline:
 
     @property
     def stall(self) -> str | None:
-        """A message when a read has hung for long, in a driver or a network; else None."""
+        """A message when a read has hung for more than STALLED_AFTER_S, e.g. in a driver; else None."""
         asked_s = self._capture.state.asked_s
         if asked_s is None or time.monotonic() - asked_s < STALLED_AFTER_S:
             return None
@@ -111,7 +112,7 @@ class Pipeline:
         self._ask(paused=paused)
 
     def restart(self) -> None:
-        """Plays from the first frame, also from the clip's end; while paused it shows that frame and stays paused."""
+        """Plays again from the first frame; while paused, shows that frame and stays paused."""
         self._ask(jump=Jump(FIRST_FRAME, rewinds=True))
 
     def play(self, speed: float, loop: bool) -> None:
@@ -119,29 +120,29 @@ class Pipeline:
         self._ask(speed=speed, loop=loop)
 
     def track_with(self, preset: TrackingPreset) -> None:
-        """Has the tracker use `preset` from the next frame on."""
+        """Makes the tracker use `preset` from the next frame on."""
         self._ask(tracking=preset)
 
     def follow(self, spec: str) -> None:
-        """Has another marker tracked from the next frame on; on a photo, or at the end, the last frame comes again."""
+        """Tracks another marker from the next frame on; a photo, or a clip at its end, is started again for it."""
         self._track_otherwise(marker=spec)
 
     def see_by(self, hfov_deg: float | None) -> None:
-        """Takes the camera's picture for so many degrees wide, as `follow`; None: as at the start."""
+        """Assumes another horizontal field of view, in degrees, from the next frame on; None: as at the start."""
         self._track_otherwise(hfov_deg=hfov_deg)
 
     def seek(self, time_s: float) -> None:
-        """Continues from what a clip shows at `time_s`; while paused it shows that frame. For clips only."""
+        """Continues from the frame at `time_s`; while paused, shows that frame. Ignored if the source is no clip."""
         if self.is_clip:
             last_s = self.duration_s
             self._ask(jump=Jump(Place(max(0.0, time_s if last_s is None else min(time_s, last_s)))))
 
     def seek_by(self, seconds: float) -> None:
-        """Seeks by an amount of time, counted from a jump that is pending if there is one."""
+        """Seeks by an amount of time, relative to the target of a pending jump if there is one."""
         self.seek(self._bound_for.time_s + seconds)
 
     def step(self, frames: int) -> None:
-        """Pauses `frames` after the frame that is shown (before it if negative), and not beyond the clip's ends."""
+        """Pauses, and moves by `frames` frames (backwards if negative), within the clip."""
         if not self.is_clip:
             return
         place, jump = self._bound_for, self._wish.jump
@@ -150,7 +151,7 @@ class Pipeline:
         self._ask(paused=True, jump=jump)
 
     def close(self, timeout_s: float = 0.7) -> None:
-        """Ends the thread; one that hangs in a driver is left behind (it is a daemon)."""
+        """Ends the thread. If it hangs in a driver, it is left behind (it is a daemon thread)."""
         self._wishes.close()
         self.frames.close()
         if self._thread.is_alive():
@@ -158,7 +159,7 @@ class Pipeline:
 
     @property
     def _bound_for(self) -> Place:
-        """Where a pending jump leads, else where the capture thread is."""
+        """The target of a pending jump, else the place where the capture thread is."""
         state, jump = self._capture.state, self._wish.jump
         return state.at if jump is None or jump is state.obeyed else jump.place
 

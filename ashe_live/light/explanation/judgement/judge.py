@@ -1,8 +1,9 @@
-"""The judge: the likeliest explanation, the probability that it is right given all that were tried, and when to refuse.
+"""The judge: which explanation is the likeliest, how probable it is given all that were tried, and when to refuse.
 
 A conditional logit with an outside option (McFadden, "Conditional logit analysis of qualitative choice behavior",
-1974): of the explanations tried and "none of them", one is right, with odds that are the product of one factor per
-feature. Every further explanation takes its part of the whole, so a longer search must find a better one to be surer.
+1974): one of the explanations tried, or "none of them", is right, with odds that are the product of one factor for
+each feature. Every further explanation takes a share of the total probability, so that a longer search is surer only if
+it finds a better one. docs/maths.md, "Confidence", has the equations.
 """
 
 import math
@@ -32,14 +33,14 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 LEAST_GOOD = 1e-6
 LEAST_PROBABILITY = 1e-9
-SETTLED = 0.7  # probability of a direction from which on nothing more is looked for
+SETTLED = 0.7  # probability of a direction above which the search ends
 # Log odds beyond which nothing changes: products of odds must not overflow.
 MOST_LOG_ODDS = 50.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judge:
-    """Tables fitted to scenes with known lights (`ashe-live bench fit-judge`), and the judgements that follow."""
+    """Judges by tables that were fitted to scenes with known lights (`ashe-live bench fit-judge`)."""
 
     tables: Tables
 
@@ -65,18 +66,18 @@ class Judge:
         return float(np.clip(self.tables.explanation.log_odds(features), -MOST_LOG_ODDS, MOST_LOG_ODDS))
 
     def average(self, looks: int) -> Average:
-        """How the probabilities of so many looks at a picture become a confidence."""
+        """How the probabilities of `looks` looks at a picture are combined into a confidence."""
         return self.tables.averages.get(looks) or Average((1 / looks,) * looks)
 
     def probability_if_right(self, explanation: Explanation) -> float:
-        """Probability that the first light is within GOOD_RAD of the truth if the outlines are the object's and its
-        shadow's: they may leave open how high it is.
+        """Probability that the first light is within GOOD_RAD of the truth, provided that the outlines are those of the
+        object and its shadow. It is below 1 as outlines may leave open how high the light is.
         """
         by_outlines = self._calibration_of(explanation).of_outlines(explanation.lights[0])
         return good_if_right(by_outlines, self.tables.good_if_open)
 
     def lights_of(self, explanation: Explanation, confidence: float, tracked: TrackedFrame) -> tuple[Light, ...]:
-        """The lights of an explanation with covariance, sigma and confidence, the strongest first as in its shifts."""
+        """The lights of an explanation with covariance, sigma and confidence, the strongest first."""
         calibration = self._calibration_of(explanation)
         lights = []
         for fitted in explanation.lights:
@@ -86,21 +87,21 @@ class Judge:
         return tuple(lights)
 
     def _calibration_of(self, explanation: Explanation) -> Calibration:
-        # A hull's light is a posterior mean over all that pixels and tangents allow: its covariance holds as it is.
+        # The light by a hull is a posterior mean over all that pixels and tangents allow: its covariance is kept.
         return self.calibration if explanation.hull is None else replace(self.calibration, overdispersion=1.0)
 
 
 def recalibrated(probability: float, average: Average) -> float:
-    """The confidence where the average of the looks' probabilities is `probability` (Platt, 1999).
+    """The confidence that corresponds to an average `probability` over the looks (Platt, 1999).
 
-    An average of forecasts is less sure than forecasts that agree deserve (Ranjan and Gneiting, 2010).
+    It is needed because an average of agreeing forecasts is less sure than it should be (Ranjan and Gneiting, 2010).
     """
     inside = min(max(probability, LEAST_PROBABILITY), 1 - LEAST_PROBABILITY)
     return 1 / (1 + math.exp(-average.offset - average.slope * math.log(inside / (1 - inside))))
 
 
 def probabilities_of(log_odds: Sequence[float]) -> Float:
-    """(n,) probability of each explanation to be the right one; what is missing to 1 is that of "none of them"."""
+    """(n,) probability that each explanation is the right one; the rest of 1 is that of "none of them"."""
     odds = np.exp(log_odds)
     return np.asarray(odds / (1 + odds.sum()))
 
@@ -110,10 +111,9 @@ def best_direction(
 ) -> tuple[int, float]:
     """The index of the likeliest explanation, and the probability that its light is within GOOD_RAD of the truth.
 
-    Explanations with lights within GOOD_RAD of each other share their probabilities: the likeliest explanation is that
-    of the likeliest such group, and of these one with the number of lights that most of the group's probability is
-    for. probabilities: (n,). to_lights_marker: n unit vectors (3,). counts: n numbers of lights; None where all have
-    as many.
+    The probabilities of explanations with lights within GOOD_RAD of each other are added up. The answer comes from the
+    likeliest such group: the likeliest explanation with the number of lights that has most of the group's probability.
+    probabilities: (n,). to_lights_marker: n unit vectors (3,). counts: n numbers of lights; None where all are equal.
     """
     directions = np.array(list(to_lights_marker))
     nearby = directions @ directions.T > math.cos(GOOD_RAD)
@@ -150,12 +150,12 @@ def probability_of_good(covariance_rad2: Float) -> float:
 
 
 def good_if_right(covariance_rad2: Float, good_if_open: float) -> float:
-    """As `probability_of_good`, where `good_if_open` of what this covariance leaves open is good nevertheless."""
+    """As `probability_of_good`, plus the share `good_if_open` of the rest, which turns out good all the same."""
     determined = probability_of_good(covariance_rad2)
     return determined + (1 - determined) * good_if_open
 
 
 @cache
 def fitted_judge() -> Judge:
-    """The judge with the tables that come with the package."""
+    """The judge with the tables that are shipped with the package."""
     return Judge(read_tables(files(__package__).joinpath("judge.json").read_text(encoding="utf-8")))
