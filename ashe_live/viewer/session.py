@@ -52,7 +52,7 @@ class Session:
         self.watch = LightWatch(worker)
         self.show_light = False
         self.show_masks = False
-        self.hides_marker = False
+        self.covers_marker: bool | None = None  # where somebody chose
         self.is_mirrored = False  # in the window; what is saved is as the camera sees it
         self.show_help = False
         self.show_hud = True
@@ -71,6 +71,12 @@ class Session:
     def lit_by(self) -> Illumination:
         """The illumination set by hand, else the estimated one."""
         return self._estimated if self.hand.light is None else self.hand.light
+
+    @property
+    def hides_marker(self) -> bool:
+        """Whether ground is painted over the marker: unless chosen otherwise over a sheet, and not over a body."""
+        marker = None if self.tracked is None else self.tracked.marker
+        return self.covers_marker if self.covers_marker is not None else marker is None or marker.body is None
 
     @property
     def has_seen_marker(self) -> bool:
@@ -190,7 +196,7 @@ class Session:
                 elif self.show_masks and self.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
             case Command.HIDE_MARKER:
-                self.hides_marker = not self.hides_marker
+                self.covers_marker = not self.hides_marker
                 self.arrangement.stand_clear_again(self.tracked, self._estimated.light, self.hides_marker)
             case Command.MIRROR:
                 self.is_mirrored = not self.is_mirrored

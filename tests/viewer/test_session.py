@@ -7,6 +7,7 @@ import pytest
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
@@ -191,6 +192,20 @@ def test_switches_toggle(make):
         for expected in (not before, before):
             session.handle(Request(command), 0.0)
             assert getattr(session, switch) is expected
+
+
+def test_a_sheet_is_covered_and_a_cube_is_not_unless_somebody_chooses(make, fakes):
+    session, sheet = make(), fakes.tracked()
+    body = Proxy("box", [(0.0, 0.0, 0.03, 0.03, 0.03)])
+    cube = dataclasses.replace(sheet, marker=dataclasses.replace(sheet.marker, body=body))
+    for tracked, is_covered in ((sheet, True), (cube, False)):
+        session.take(tracked, 0.0)
+        assert session.hides_marker is is_covered
+    for chosen in (True, False):
+        session.handle(Request(Command.HIDE_MARKER), 0.0)
+        for tracked in (sheet, cube):
+            session.take(tracked, 0.0)
+            assert session.hides_marker is chosen
 
 
 def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):

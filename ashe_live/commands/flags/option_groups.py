@@ -68,8 +68,9 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
     )
     view.add_argument(
         "--hide-marker",
-        action="store_true",
-        help="cover the marker's sheet, or the paper cube, with ground like that around it (key C)",
+        action=argparse.BooleanOptionalAction,
+        help="cover the marker's sheet, or the paper cube, with ground like that around it (default: the sheet "
+        "alone; key C)",
     )
     view.add_argument("--mirror", action="store_true", help="show the window as a mirror would (key W)")
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")

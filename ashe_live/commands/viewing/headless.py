@@ -74,7 +74,11 @@ def _recorder(setup: ViewerSetup) -> Recorder | TransparentRecorder | LastPictur
 def _layers(scene: Scene, wanted: str | None) -> Scene:
     if wanted is None:
         return scene
-    return replace(scene, is_cut_out=True, shows_model=wanted != "shadow", casts_shadow=wanted != "model")
+    ground = wanted != "model"  # its shadow, and what covers the marker
+    hides_marker = scene.hides_marker and ground
+    return replace(
+        scene, is_cut_out=True, shows_model=wanted != "shadow", casts_shadow=ground, hides_marker=hides_marker
+    )
 
 
 def _tell_where(wanted: Path, path: Path) -> None:

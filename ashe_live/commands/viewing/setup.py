@@ -89,7 +89,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)
         session.show_light = setup.shows_light
-        session.hides_marker = options.hide_marker
+        session.covers_marker = options.hide_marker
         session.is_mirrored = options.mirror
         session.watch.preset = light_steps(options)
         if options.headless:

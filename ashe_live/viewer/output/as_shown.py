@@ -28,23 +28,23 @@ class Shown:
     by_hand: Illumination | None  # the light, where it is not the estimated one
     by_hand_frame: int  # in which that was set
     parts: str  # of PARTS
-    hides_marker: bool
+    covers_marker: bool | None  # where somebody chose
 
     def is_as(self, other: "Shown") -> bool:
         """Whether nothing was done in between; every light by hand is an object of its own."""
-        same_switches = (self.parts, self.hides_marker) == (other.parts, other.hides_marker)
+        same_switches = (self.parts, self.covers_marker) == (other.parts, other.covers_marker)
         return self.by_hand is other.by_hand and self.stands == other.stands and same_switches
 
     @property
     def is_plain(self) -> bool:
         """Whether the same models stand as they come, in the estimated light."""
         moved = any(stand.placement != UNMOVED for stand in self.stands)
-        return not (moved or self.by_hand is not None or self.hides_marker or self.parts != WHOLE)
+        return not (moved or self.by_hand is not None or self.covers_marker is not None or self.parts != WHOLE)
 
 
 def shown_now(session: Session) -> Shown:
     hand = session.hand
-    return Shown(session.arrangement.stands, hand.light, hand.frame_index, session.parts_shown, session.hides_marker)
+    return Shown(session.arrangement.stands, hand.light, hand.frame_index, session.parts_shown, session.covers_marker)
 
 
 class AsShown:
@@ -83,7 +83,7 @@ class AsShown:
             lights, ambient = shown.by_hand.lights, shown.by_hand.ambient_rgb_ratio
             session.hand.light = replace(session.lit_by, lights=lights, ambient_rgb_ratio=ambient)
         session.arrangement.stand_as(shown.stands)
-        session.parts_shown, session.hides_marker = shown.parts, shown.hides_marker
+        session.parts_shown, session.covers_marker = shown.parts, shown.covers_marker
         session.shown = session.lit_by
 
     def _changes(self) -> list[tuple[int, Shown]]:
@@ -125,7 +125,7 @@ def _shown_json(frame: int, shown: Shown) -> Json:
         ],
         "estimate": light,
         "parts": shown.parts,
-        "hides_marker": shown.hides_marker,
+        "hides_marker": shown.covers_marker,
     }
 
 
@@ -139,7 +139,8 @@ def _shown(known: Json, shelf: Shelf) -> Shown:
         by_hand = Illumination(lights, ambient_rgb_ratio=light["ambient_rgb_ratio"])
     stands = tuple(_stand(each, shelf) for each in known["models"])
     frame = 0 if light is None else int(light["frame"])
-    return Shown(stands, by_hand, frame, known["parts"], bool(known["hides_marker"]))
+    covers = known["hides_marker"]
+    return Shown(stands, by_hand, frame, known["parts"], None if covers is None else bool(covers))
 
 
 def _stand(known: Json, shelf: Shelf) -> Stand:

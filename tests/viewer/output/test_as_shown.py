@@ -45,7 +45,7 @@ def test_every_frame_is_as_it_was_shown(begun, fakes, tmp_path: Path) -> None:
     window.hand.placement, window.hand.light = MOVED, Illumination((LAMP,))
     as_shown.add(5, shown_now(window))
     as_shown.add(6, shown_now(window))
-    window.hand.light, window.parts_shown, window.hides_marker = Illumination((SUN,)), PARTS[1], True
+    window.hand.light, window.parts_shown, window.covers_marker = Illumination((SUN,)), PARTS[1], False
     as_shown.add(9, shown_now(window))
     assert not as_shown.is_plain
     assert [each["frame"] for each in as_shown.to_json()["shown"]] == [3, 5, 9]
@@ -66,7 +66,7 @@ def test_every_frame_is_as_it_was_shown(begun, fakes, tmp_path: Path) -> None:
             np.testing.assert_allclose(session.shown.light.shadow_rgb_ratio, light.shadow_rgb_ratio)
             assert session.shown.light.radius_m == light.radius_m
             assert session.shown.light.angular_size_rad == pytest.approx(light.angular_size_rad)
-        assert (session.parts_shown, session.hides_marker) == ((PARTS[1], True) if frame == 20 else (WHOLE, False))
+        assert (session.parts_shown, session.hides_marker) == ((PARTS[1], False) if frame == 20 else (WHOLE, True))
 
 
 def test_of_a_clip_that_was_played_again_the_last_time_counts(begun) -> None:
