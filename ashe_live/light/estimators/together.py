@@ -12,7 +12,7 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.explained import with_hull
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.average_light import with_average_light
-from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, no_less_sure, plane_support
+from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
 from ashe_live.light.views.joint import (
     JointExplanation,
     JointStart,
@@ -20,7 +20,6 @@ from ashe_live.light.views.joint import (
     in_each_view,
     lit_body_of,
     own_costs,
-    towards_light,
     turned_from,
 )
 from ashe_live.light.views.joint_refinement import (
@@ -71,8 +70,7 @@ def explained_together(
         # Masks and body are to be those of the first view.
         if costs[0] is not None:
             starts.append(JointStart(one, lit, [each for each in costs if each is not None]))
-    by_few = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))
-    likely = by_few[: steps.joint]
+    likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[: steps.joint]
     families = {id(each.origin): by_families(each, steps.fine_fit) for each in likely[:REFITTED]}
     likely[:REFITTED] = [several[0] for several in families.values()]
     if rest:
@@ -90,14 +88,9 @@ def explained_together(
     sharp = [_decided(each, lamps.decided(each.joint, fit, sharpener)) for each in moved]
     # A known caster is no body of any shape.
     likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
-    odds = no_less_sure(
-        [towards_light(each) for each in likely],
-        [log_odds(each) for each in likely],
-        [towards_light(each) for each in by_few],
-        [log_odds(each) for each in by_few],
-    )
     overdispersion = judge.calibration.overdispersion
     averaged = [with_average_light(each, families.get(id(each.origin), ()), overdispersion) for each in likely]
+    odds = [log_odds(each) for each in likely]
     return sorted(zip(averaged, odds, strict=True), key=itemgetter(1), reverse=True)
 
 
