@@ -14,26 +14,17 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
-from ashe_live.light.hull.light import CHANCE
-from ashe_live.light.pixels.areas import shrunk
 from ashe_live.light.shape.layout import nearness_of
+from ashe_live.light.views.by_pixels import log_likelihoods_by_pixels
 from ashe_live.light.views.joint import JointExplanation, towards_light
 from ashe_live.light.views.joint_refinement import joint_criterion
 
 
-def family_probabilities(criteria: Sequence[float], outline_px: int) -> Float:
-    """(n,) of n families, by the costs of all views' pixels with their penalties, and the pixels on their outlines.
-
-    Costs of neighbouring pixels are not independent: (31a) of docs/maths.md says how much they tell.
-    """
-    behind = np.array(criteria) - min(criteria)
-    weights = np.exp(-0.5 * behind / (CHANCE * max(outline_px, 1)))
+def family_probabilities(families: Sequence[JointExplanation]) -> Float:
+    """(n,) of n families, the likeliest first, by what all views' pixels and their parameters cost."""
+    behind = [joint_criterion(each) - joint_criterion(families[0]) for each in families]
+    weights = np.exp(log_likelihoods_by_pixels(behind, [one.predicted for one in families[0].each]))
     return np.asarray(weights / weights.sum())
-
-
-def outline_pixels(explanation: JointExplanation) -> int:
-    """The number of pixels on the outlines of body and shadows, in all views."""
-    return sum(int(np.count_nonzero(one.predicted.whole & ~shrunk(one.predicted.whole, 1))) for one in explanation.each)
 
 
 def with_average_light(
@@ -48,7 +39,7 @@ def with_average_light(
     joint, light = explanation.joint, explanation.joint.lights[0]
     if not families or len(joint.lights) > 1 or nearness_of(light.light) or joint.hull is not None:
         return explanation
-    probabilities = family_probabilities([joint_criterion(each) for each in families], outline_pixels(families[0]))
+    probabilities = family_probabilities(families)
     directions = np.array([towards_light(each) for each in families])
     near = directions @ directions[0] > math.cos(GOOD_RAD)
     if light.to_light_marker @ directions[0] < math.cos(GOOD_RAD):

@@ -31,12 +31,20 @@ def lit_from(explanation: JointExplanation, azimuth_deg: float, elevation_deg: f
     return dataclasses.replace(explanation, joint=dataclasses.replace(explanation.joint, lights=(light,)))
 
 
-def test_families_that_explain_alike_are_alike_likely_and_dearer_ones_less() -> None:
-    a, b, c = family_probabilities([100.0, 100.0, 900.0], 500)
+def dearer_by(cost: float, explanation: JointExplanation) -> JointExplanation:
+    first, *others = explanation.each
+    placed = dataclasses.replace(first.alignment.placed, cost=first.alignment.placed.cost + cost)
+    dear = dataclasses.replace(first, alignment=dataclasses.replace(first.alignment, placed=placed))
+    return dataclasses.replace(explanation, each=(dear, *others))
+
+
+def test_families_that_explain_alike_are_alike_likely_and_dearer_ones_less(explanation: JointExplanation) -> None:
+    a, b, c = family_probabilities([explanation, explanation, dearer_by(100.0, explanation)])
     assert a == b > c > 0
     assert a + b + c == pytest.approx(1.0)
-    # More outline pixels, of which these costs are a smaller part, tell the families apart less.
-    assert family_probabilities([100.0, 900.0], 5000)[1] > family_probabilities([100.0, 900.0], 500)[1]
+    # Of more views, of which these costs are a smaller part, they tell the families apart less.
+    twice = dataclasses.replace(explanation, each=explanation.each * 2)
+    assert family_probabilities([twice, dearer_by(100.0, twice)])[1] > c / (a + c)
 
 
 def test_the_light_is_half_way_between_families_that_explain_alike(explanation: JointExplanation) -> None:
@@ -56,13 +64,7 @@ def test_what_steps_of_light_have_moved_keeps_that_motion(explanation: JointExpl
 def test_another_answer_and_a_dear_family_do_not_move_the_light(explanation: JointExplanation) -> None:
     low, elsewhere = lit_from(explanation, 200, 40), lit_from(explanation, 80, 40)
     assert towards_light(with_average_light(low, [low, elsewhere], OVERDISPERSION)) == pytest.approx(towards_light(low))
-    placed = explanation.each[0].alignment.placed
-    alignment = dataclasses.replace(
-        explanation.each[0].alignment, placed=dataclasses.replace(placed, cost=placed.cost + 1e6)
-    )
-    dear = dataclasses.replace(
-        lit_from(explanation, 200, 46), each=(dataclasses.replace(explanation.each[0], alignment=alignment),)
-    )
+    dear = dearer_by(1e6, lit_from(explanation, 200, 46))
     assert towards_light(with_average_light(low, [low, dear], OVERDISPERSION)) == pytest.approx(towards_light(low))
 
 
