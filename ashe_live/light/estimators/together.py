@@ -11,6 +11,7 @@ from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.explained import with_hull
 from ashe_live.light.lamps.hypotheses import LampHypotheses
+from ashe_live.light.views.average_light import with_average_light
 from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
 from ashe_live.light.views.joint import (
     JointExplanation,
@@ -22,9 +23,9 @@ from ashe_live.light.views.joint import (
     turned_from,
 )
 from ashe_live.light.views.joint_refinement import (
+    by_families,
     refined_by_all_tangents,
     sharpened_in_views,
-    with_likeliest_family,
     with_steps,
 )
 from ashe_live.light.views.seen import SceneView, costs_around
@@ -70,7 +71,8 @@ def explained_together(
         if costs[0] is not None:
             starts.append(JointStart(one, lit, [each for each in costs if each is not None]))
     likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[: steps.joint]
-    likely[:REFITTED] = [with_likeliest_family(each, steps.fine_fit) for each in likely[:REFITTED]]
+    families = {id(each.origin): by_families(each, steps.fine_fit) for each in likely[:REFITTED]}
+    likely[:REFITTED] = [several[0] for several in families.values()]
     if rest:
         starts = []
         for each in likely:
@@ -86,7 +88,10 @@ def explained_together(
     sharp = [_decided(each, lamps.decided(each.joint, fit, sharpener)) for each in moved]
     # A known caster is no body of any shape.
     likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
-    return sorted(((each, log_odds(each)) for each in likely), key=itemgetter(1), reverse=True)
+    overdispersion = judge.calibration.overdispersion
+    averaged = [with_average_light(each, families.get(id(each.origin), ()), overdispersion) for each in likely]
+    odds = [log_odds(each) for each in likely]
+    return sorted(zip(averaged, odds, strict=True), key=itemgetter(1), reverse=True)
 
 
 def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:

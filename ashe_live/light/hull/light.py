@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
@@ -10,16 +11,12 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.hull.carved import Carved, InLight
 from ashe_live.light.hull.measured import shape_and_shadow
-from ashe_live.light.pixels.areas import shrunk
+from ashe_live.light.views.by_pixels import log_likelihoods_by_pixels
 
 COARSE_RAD, COARSE = math.radians(4.0), 5  # step of the first grid of directions, and steps to each side
 FINE_SIGMAS, FINE = 0.8, 3  # of the second, in sigmas of the first one's result
 FINEST_RAD = math.radians(0.5)  # below which voxels and pixels tell no directions apart
 LOWEST_SINE = 0.06  # of a light's elevation
-# By how much the cost for each pixel of its outlines is larger in the true light than in the best one, as voxels and
-# labels are off by chance: 0.25 in the median of takes, over 1.39, the median of a chi squared variable of two degrees
-# of freedom.
-CHANCE = 0.18
 # Log likelihood that pixels and tangents together may lack of the most that each reaches by itself: where two sigmas do
 # not bring them together, the labels of one are wrong.
 MOST_APART = 6.0
@@ -64,10 +61,8 @@ def light_of_hull(hull: Carved, start: Float) -> HullLight | None:
 
 def _log_likelihood_by_pixels(hull: Carved, directions: Sequence[Float]) -> Float:
     several = [hull.in_light(each) for each in directions]
-    costs = np.array([seen.cost for seen in several])
-    best = several[int(costs.argmin())]
-    outline_px = sum(int(np.count_nonzero(masks.whole & ~shrunk(masks.whole, 1))) for masks in best.masks)
-    return np.asarray(-0.5 * costs / (CHANCE * max(outline_px, 1)))
+    best = min(several, key=attrgetter("cost"))
+    return log_likelihoods_by_pixels([seen.cost for seen in several], best.masks)
 
 
 def _grid(middle: Float, step_rad: float, steps: int) -> list[Float]:

@@ -59,6 +59,11 @@ def lit_body_of(explanation: Explanation) -> tuple[LitBody, Sequence[Float]]:
     return explanation.alignment.placed.lit, explanation.materials.shifts[: len(explanation.lights)]
 
 
+def towards_light(explanation: JointExplanation) -> Float:
+    """(3,) unit vector, marker frame, towards the light, or the first of two."""
+    return explanation.joint.lights[0].to_light_marker
+
+
 def own_costs(explanation: Explanation) -> Costs:
     """What the pixels cost in the view that an explanation is of."""
     return Costs(explanation.region, explanation.materials, explanation.as_object)

@@ -21,8 +21,8 @@ from ashe_live.light.views.joint import (
 )
 
 
-def with_likeliest_family(explanation: JointExplanation, preset: FitPreset) -> JointExplanation:
-    """The explanation with the body of the family that explains all views best.
+def by_families(explanation: JointExplanation, preset: FitPreset) -> list[JointExplanation]:
+    """The explanation with the body of each family that may explain all views, the likeliest first.
 
     One view's labels are fitted alike by several families.
     """
@@ -32,7 +32,7 @@ def with_likeliest_family(explanation: JointExplanation, preset: FitPreset) -> J
     others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:LIKELY_FAMILIES]])
     several = sorted([explanation, *(each for each in others if each is not None)], key=joint_criterion)
     lits = tuple(each.joint.alignment.placed.lit for each in several)
-    return replace(several[0], joint=replace(several[0].joint, bodies=lits))
+    return [replace(each, joint=replace(each.joint, bodies=lits)) for each in several]
 
 
 def refined_by_all_tangents(explanation: JointExplanation) -> JointExplanation:

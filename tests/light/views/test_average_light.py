@@ -1,0 +1,75 @@
+"""The light as a mean over families of bodies."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.views.average_light import family_probabilities, with_average_light
+from ashe_live.light.views.joint import JointExplanation, in_each_view, towards_light
+from tests.light.painted_scenes import BOX, paint
+from tests.light.synthetic_masks import camera_towards, direction
+
+OVERDISPERSION = 4.0
+
+
+@pytest.fixture(scope="module")
+def explanation() -> JointExplanation:
+    first, other = (
+        paint(BOX, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading)).tracked for heading in (90, 60)
+    )
+    _, trace = ProxyEstimator(FAST).traced(first, [other])
+    return in_each_view(trace.judged[int(np.argmax(trace.probabilities))])
+
+
+def lit_from(explanation: JointExplanation, azimuth_deg: float, elevation_deg: float) -> JointExplanation:
+    covariance = explanation.joint.lights[0].covariance_rad2
+    light = FittedLight(np.append(direction(azimuth_deg, elevation_deg), 0.0), covariance)
+    return dataclasses.replace(explanation, joint=dataclasses.replace(explanation.joint, lights=(light,)))
+
+
+def dearer_by(cost: float, explanation: JointExplanation) -> JointExplanation:
+    first, *others = explanation.each
+    placed = dataclasses.replace(first.alignment.placed, cost=first.alignment.placed.cost + cost)
+    dear = dataclasses.replace(first, alignment=dataclasses.replace(first.alignment, placed=placed))
+    return dataclasses.replace(explanation, each=(dear, *others))
+
+
+def test_families_that_explain_alike_are_alike_likely_and_dearer_ones_less(explanation: JointExplanation) -> None:
+    a, b, c = family_probabilities([explanation, explanation, dearer_by(100.0, explanation)])
+    assert a == b > c > 0
+    assert a + b + c == pytest.approx(1.0)
+    # Of more views, of which these costs are a smaller part, they tell the families apart less.
+    twice = dataclasses.replace(explanation, each=explanation.each * 2)
+    assert family_probabilities([twice, dearer_by(100.0, twice)])[1] > c / (a + c)
+
+
+def test_the_light_is_half_way_between_families_that_explain_alike(explanation: JointExplanation) -> None:
+    low, high = lit_from(explanation, 200, 40), lit_from(explanation, 200, 46)
+    found = with_average_light(low, [low, high], OVERDISPERSION)
+    assert towards_light(found) == pytest.approx(direction(200, 43), abs=1e-3)
+    before, after = (each.joint.lights[0].covariance_rad2 for each in (low, found))
+    assert OVERDISPERSION * (after - before) == pytest.approx(np.diag([0.0, np.radians(3) ** 2]), rel=0.02, abs=1e-6)
+
+
+def test_what_steps_of_light_have_moved_keeps_that_motion(explanation: JointExplanation) -> None:
+    low, high = lit_from(explanation, 200, 40), lit_from(explanation, 200, 46)
+    found = with_average_light(lit_from(explanation, 201, 40), [low, high], OVERDISPERSION)
+    assert towards_light(found) == pytest.approx(direction(201, 43), abs=2e-3)
+
+
+def test_another_answer_and_a_dear_family_do_not_move_the_light(explanation: JointExplanation) -> None:
+    low, elsewhere = lit_from(explanation, 200, 40), lit_from(explanation, 80, 40)
+    assert towards_light(with_average_light(low, [low, elsewhere], OVERDISPERSION)) == pytest.approx(towards_light(low))
+    dear = dearer_by(1e6, lit_from(explanation, 200, 46))
+    assert towards_light(with_average_light(low, [low, dear], OVERDISPERSION)) == pytest.approx(towards_light(low))
+
+
+def test_two_lights_and_a_light_without_families_stay(explanation: JointExplanation) -> None:
+    low, high = lit_from(explanation, 200, 40), lit_from(explanation, 200, 46)
+    both = dataclasses.replace(low, joint=dataclasses.replace(low.joint, lights=low.joint.lights * 2))
+    assert with_average_light(both, [low, high], OVERDISPERSION) is both
+    assert with_average_light(low, [], OVERDISPERSION) is low
