@@ -49,6 +49,7 @@ def looked(
     tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps, judge: Judge, clock: StageClock
 ) -> Look:
     """One look at the picture of `tracked`, which must have a marker, and at the others, which show the same scene."""
+    judge = judge if steps.caster is None else judge.of_known_body()
     fine, coarse = fine_and_coarse(tracked, steps)
     trace = Trace(coarse)
     views = scene_views(tracked, fine, coarse, others, steps)
