@@ -70,6 +70,8 @@ def explanations_by_place(
     fine: the view at the largest scale to use. coarse: the view that `ground` was fitted to, and `unlit` (h, w) its
     pixels that this does not explain. region_px: size in pixels to which a region is scaled.
     """
+    if not unlit.any():
+        return []
     whole = region_of(fine, unlit, ground, SEARCH_PX)
     feet = _feet(whole)
     if not len(feet):
