@@ -67,6 +67,9 @@ def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
     judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
     judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
     judge.add_argument(
+        "--casters", action="store_true", help="only how known casters are judged, from the tables as they are"
+    )
+    judge.add_argument(
         "--jobs", type=values.count, default=1, metavar="N", help="processes beside each other (default 1)"
     )
 

@@ -1,14 +1,18 @@
 """A look at a picture: calls the stages in their order to find what the picture, and other views, may show."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache, partial
 
+import numpy as np
+
 from ashe_live.core.arrays import Float
 from ashe_live.core.stages import StageClock
+from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
-from ashe_live.light.estimators.refining import refined_and_others
+from ashe_live.light.estimators.refining import leaves_no_doubt, refined_alone, refined_and_others
 from ashe_live.light.estimators.scene_views import fine_and_coarse, scene_views
 from ashe_live.light.estimators.steps import FAST, ProxySteps
 from ashe_live.light.estimators.together import explained_together, without_alike
@@ -17,6 +21,7 @@ from ashe_live.light.explanation.explain import Proposal, explained, explained_n
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company, company_features
 from ashe_live.light.explanation.judgement.judge import Judge, explanation_features, is_settled, probabilities_of
+from ashe_live.light.explanation.known_place import explanations_by_place, hints_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
@@ -32,6 +37,8 @@ LEAST_SHARE = 0.0005
 # The most that is tried in a view beside the first: as much as the preset `fast` tries in a single picture.
 MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
 FIRST_COMPANIONS = 1  # number of views beside the first that are searched in any case
+HINTS = 5  # lights in which a known object's place is searched
+SAME_RAD, SAME_M = math.radians(1), 0.003  # within which two explanations are one
 SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
 
 # The log odds of an explanation, judged beside these several.
@@ -42,6 +49,7 @@ def looked(
     tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps, judge: Judge, clock: StageClock
 ) -> Look:
     """One look at the picture of `tracked`, which must have a marker, and at the others, which show the same scene."""
+    judge = judge if steps.caster is None else judge.of_known_body()
     fine, coarse = fine_and_coarse(tracked, steps)
     trace = Trace(coarse)
     views = scene_views(tracked, fine, coarse, others, steps)
@@ -134,9 +142,50 @@ def _explanations(
     log_odds_of = log_odds_among(rough)
     found = refined_and_others(rough, sharpener, view.fine, view.coarse, view.ground, steps, log_odds_of, lamps)
     clock.end("fit")
+    if steps.caster is not None and not leaves_no_doubt(found, log_odds_among(found)):
+        found += _found_by_place(view, trace, found, log_odds_among(found), sharpener, lamps, steps, judge)
+        clock.end("fit")
     log_odds = list(map(log_odds_among(found), found))
     clock.end("judge")
     return found, log_odds, lamps
+
+
+def _found_by_place(
+    view: SceneView,
+    trace: Trace,
+    found: Sequence[Explanation],
+    log_odds: Callable[[Explanation], float],
+    sharpener: Sharpener,
+    lamps: LampHypotheses,
+    steps: ProxySteps,
+    judge: Judge,
+) -> list[Explanation]:
+    """Where the known object may stand in the lights that it, or any object of the picture, may show.
+
+    found: explanations by the known object, beside those by any.
+    """
+    assert steps.caster is not None
+    assert trace.unlit is not None
+    of_any, by_any, _ = _rough_explanations(
+        view, sharpener, Trace(view.coarse), steps.with_caster(None), judge, StageClock()
+    )
+    hints = hints_of(
+        [*sorted(of_any, key=by_any(of_any), reverse=True)[:HINTS], *sorted(found, key=log_odds, reverse=True)],
+        HINTS,
+    )
+    placed = explanations_by_place(
+        steps.caster, hints, view.fine, view.coarse, trace.unlit, view.ground, steps.region_px
+    )
+    likeliest = sorted(sharpener.measured(placed), key=log_odds, reverse=True)[: steps.refined + 1]
+    sharp = [refined_alone(each, sharpener, steps, lamps) for each in likeliest]
+    return [each for each in sharp if not any(_is_same(each, one) for one in found)]
+
+
+def _is_same(one: Explanation, other: Explanation) -> bool:
+    """Whether two explanations of one known object have it at one place in one light."""
+    away = float(np.linalg.norm(one.proxy.foot_marker - other.proxy.foot_marker))
+    near = angle_between(one.lights[0].to_light_marker, other.lights[0].to_light_marker)
+    return near < SAME_RAD and away < SAME_M and len(one.lights) == len(other.lights)
 
 
 def _rough_explanations(

@@ -32,6 +32,7 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_exposure,
     fault_of_scene,
 )
+from ashe_live.light.explanation.sharpen import Sharpener
 
 
 class ProxyEstimator:
@@ -108,7 +109,8 @@ def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, steps: Pr
         return NO_SHADOW if first.trace.regions else NOTHING_THERE
     if choice.confidence < judge.least_confidence:
         return fault_of_scene(choice.explanation, choice.confidence)
-    return None if is_as_given(choice.explanation, steps.first_fit) else OTHER_SIZE
+    sharpener = Sharpener.of([view.fine for view in choice.look.views])
+    return None if is_as_given(choice.explanation, steps.first_fit, sharpener) else OTHER_SIZE
 
 
 def _likeliest(trace: Trace) -> Explanation:

@@ -41,19 +41,31 @@ def refined_and_others(
     others = different(each for each in ranked if not any(each is one for one in chosen))
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
-    fit = partial(explained_near, preset=steps.fine_fit)
-
-    def sharp_and_decided(each: Explanation) -> Explanation:
-        return lamps.decided(sharpener.sharpened(each), fit, sharpener)
-
-    def refined_alone(each: Explanation) -> Explanation:
-        (fine_fit,) = refined([each], steps.fine_fit)
-        return sharp_and_decided(each if fine_fit is None else refined_by_tangents(fine_fit))
-
-    judged = [*map(sharp_and_decided, found), *others]
-    if is_settled(list(map(log_odds, judged)), [each.lights[0].to_light_marker for each in judged]):
+    judged = [*(_sharp_and_decided(each, sharpener, steps, lamps) for each in found), *others]
+    if leaves_no_doubt(judged, log_odds):
         return judged
-    return with_shadows_searched(judged, fine, coarse, ground, steps.region_px, refined_alone, log_odds)
+    alone = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
+    return with_shadows_searched(judged, fine, coarse, ground, steps.region_px, alone, log_odds)
+
+
+def leaves_no_doubt(judged: Sequence[Explanation], log_odds: Callable[[Explanation], float]) -> bool:
+    """Whether the explanations make one direction so likely that nothing more is looked for."""
+    return is_settled(list(map(log_odds, judged)), [each.lights[0].to_light_marker for each in judged])
+
+
+def refined_alone(
+    explanation: Explanation, sharpener: Sharpener, steps: ProxySteps, lamps: LampHypotheses
+) -> Explanation:
+    """One explanation relabelled, fitted anew and moved onto the steps of light, as a sun's or a lamp's."""
+    (fine_fit,) = refined([explanation], steps.fine_fit)
+    best = explanation if fine_fit is None else refined_by_tangents(fine_fit)
+    return _sharp_and_decided(best, sharpener, steps, lamps)
+
+
+def _sharp_and_decided(
+    explanation: Explanation, sharpener: Sharpener, steps: ProxySteps, lamps: LampHypotheses
+) -> Explanation:
+    return lamps.decided(sharpener.sharpened(explanation), partial(explained_near, preset=steps.fine_fit), sharpener)
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:

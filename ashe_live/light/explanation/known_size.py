@@ -6,21 +6,33 @@ import numpy as np
 
 from ashe_live.light.explanation.explain import refitted_bodies
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.outline_fit.preset import FitPreset
-from ashe_live.light.shape.known import size_ratios
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.known import resized_family_of, size_ratios
 
-# What a size that fits the labels may differ by, as a factor, from the given one: labels err by a tenth at times, and
+# What a size that fits the picture may differ by, as a factor, from the given one: labels err by a tenth at times, and
 # by more where shadow is taken for object. A height that is wrong by so much puts a light up to eight degrees wrong.
 MOST_OFF = 1.3
 
 
-def is_as_given(explanation: Explanation, preset: FitPreset) -> bool:
-    """Whether a fit to the explanation's labels with free sizes stays near the given ones of the preset's caster.
+def is_as_given(explanation: Explanation, preset: FitPreset, sharpener: Sharpener) -> bool:
+    """Whether the picture shows the preset's caster in its given sizes rather than in others that are far from these.
 
-    True where there is no caster, or no fit.
+    Labels alone take shadow for object too often to tell; so a body of other sizes that fits them is believed where it
+    also explains steps of light and colours better than the given one, by more than its further parameters allow.
+    True where there is no caster, or no fit. sharpener: of the views that were explained.
     """
     if preset.caster is None:
         return True
     bodies = refitted_bodies(explanation, replace(preset, resizes=True))
-    ratios = size_ratios(preset.caster, bodies[0].body.shape) if bodies else np.ones(1)
-    return bool(np.abs(np.log(ratios)).max() < np.log(MOST_OFF))
+    if not bodies or _is_near(bodies[0], preset):
+        return True
+    likelier = sharpener.sharpened(replace(explanation, bodies=tuple(bodies))).alignment.placed.lit
+    return likelier.body.family is not resized_family_of(preset.caster) or _is_near(likelier, preset)
+
+
+def _is_near(lit: LitBody, preset: FitPreset) -> bool:
+    """Whether all sizes of a body of the caster's resized family are near the given ones."""
+    assert preset.caster is not None
+    return bool(np.abs(np.log(size_ratios(preset.caster, lit.body.shape))).max() < np.log(MOST_OFF))

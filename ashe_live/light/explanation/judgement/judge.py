@@ -53,6 +53,10 @@ class Judge:
     def calibration(self) -> Calibration:
         return self.tables.calibration
 
+    def of_known_body(self) -> "Judge":
+        """The judge of explanations by a body whose shape and size are given."""
+        return replace(self, tables=replace(self.tables, explanation=self.tables.known_body_score))
+
     def split_score(self, region: Region, materials: Materials, split: Split) -> float:
         """Log odds, before any fit, that the right light follows from a split; larger is likelier."""
         return self.tables.split.log_odds(split_features(region, materials, split))

@@ -50,6 +50,27 @@ class Average:
     slope: float = 1.0  # times those of the average
 
 
+@dataclass(frozen=True, slots=True)
+class OfKnownBody:
+    """How log odds count where the body's shape and size are given, as `bench fit-judge --casters` fits it."""
+
+    offset: float
+    slope: float
+
+    def applied(self, score: Score) -> Score:
+        """The score by which explanations of known bodies are judged, from one of any bodies."""
+        curves = {
+            name: Curve(curve.at, tuple(self.slope * each for each in curve.log_odds))
+            for name, curve in score.curves.items()
+        }
+        return Score(self.offset + self.slope * score.constant, MappingProxyType(curves))
+
+
+UNCHANGED = OfKnownBody(0.0, 1.0)
+# Features that speak against a body where its shape is guessed, and say nothing where it was given.
+GIVEN = ("flat",)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Tables:
     """All that is fitted of the judge, and what it was fitted to."""
@@ -62,6 +83,13 @@ class Tables:
     origin: Mapping[str, Any]  # sets, seeds, counts, date, scores
     # Probability that a direction is good which outlines, although the right ones, leave open.
     good_if_open: float = 0.0
+    of_known_body: OfKnownBody = UNCHANGED
+
+    @property
+    def known_body_score(self) -> Score:
+        """That of explanations by a body whose shape and size are given."""
+        curves = {name: curve for name, curve in self.explanation.curves.items() if name not in GIVEN}
+        return self.of_known_body.applied(Score(self.explanation.constant, MappingProxyType(curves)))
 
     def as_json(self) -> dict[str, Any]:
         return {
@@ -70,6 +98,7 @@ class Tables:
             "least_confidence": self.least_confidence,
             "good_if_open": self.good_if_open,
             "calibration": {name: getattr(self.calibration, name) for name in Calibration.__slots__},
+            "known_body": asdict(self.of_known_body),
             "split": _score_json(self.split),
             "explanation": _score_json(self.explanation),
         }
@@ -86,6 +115,7 @@ def read_tables(text: str) -> Tables:
         Calibration(**content["calibration"]),
         MappingProxyType(content["origin"]),
         float(content["good_if_open"]),
+        OfKnownBody(**content.get("known_body", asdict(UNCHANGED))),
     )
 
 

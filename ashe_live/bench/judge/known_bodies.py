@@ -1,0 +1,107 @@
+"""`ashe-live bench fit-judge --casters`: how the judge's log odds count where the object's shape and size are given.
+
+Its tables are fitted to bodies of any shape. A given one has fewer free parameters, so that the same agreement with the
+picture says more for it; and less agreement says less against it, as it cannot adapt to what spoils an outline. Two
+numbers, an offset and a slope of the log odds, are fitted to pictures of known casters, those without a light included.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+from rich.progress import track
+
+from ashe_live.bench.bench import Bench
+from ashe_live.bench.cases import read_cases
+from ashe_live.bench.judge.bench import TABLES
+from ashe_live.bench.judge.samples import of_one_view, sample_of
+from ashe_live.bench.judge.tables import risk_table
+from ashe_live.bench.judge.validation import Pictures, judged, scores_by_others
+from ashe_live.bench.light.known_casters import caster_specs
+from ashe_live.core.caster import parsed_caster
+from ashe_live.core.contract import Json
+from ashe_live.files.writing import write_json
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge, probabilities_of
+from ashe_live.light.explanation.judgement.judge_tables import UNCHANGED, OfKnownBody, Score
+
+LOOK = of_one_view(BALANCED)
+OFFSETS, SLOPES = np.arange(-1.0, 3.01, 0.1), np.arange(0.5, 2.01, 0.1)  # of which the likeliest pair is taken
+
+
+@dataclass(frozen=True, slots=True)
+class KnownBodiesBench(Bench):
+    """Fits the two numbers to the folders `scenes`, of which it takes every so many-th picture of a known caster."""
+
+    SCHEMA: ClassVar[int] = 1
+
+    scenes: Sequence[Path]
+    every: int = 1
+
+    def parts(self) -> Iterator[Json]:
+        tables = fitted_judge().tables
+        free = replace(tables, of_known_body=UNCHANGED)
+        pictures = self._pictures(replace(fitted_judge(), tables=free))
+        fit = partial(fitted_to, free.known_body_score)
+        answers = [
+            judged(score, [picture[LOOK]], tables.averages[1])
+            for picture, score in zip(pictures, scores_by_others(pictures, lambda some: fit(some)[0]), strict=True)
+        ]
+        before = [judged(free.known_body_score, [picture[LOOK]], tables.averages[1]) for picture in pictures]
+        _, found = fit(pictures)
+        self.console.print(f"offset {found.offset:+.1f}, slope {found.slope:.1f} by {len(pictures)} pictures")
+        self.console.print(risk_table("known casters", {"as any object": before, "by other families": answers}))
+        for name, several in (("as any object", before), ("by other families", answers)):
+            given = [each for each in several if each.confidence >= tables.least_confidence]
+            lit = [each for each in several if each.sample.lights]
+            shares = (
+                len([each for each in given if each.sample.lights]) / max(len(lit), 1),
+                sum(each.is_bad for each in several) / len(several),
+                sum(not each.sample.lights for each in given) / max(len(several) - len(lit), 1),
+            )
+            words = zip(("answered", "sure and wrong", "answered without a light"), shares, strict=True)
+            self.console.print(f"{name}: " + ", ".join(f"{word} {share:.1%}" for word, share in words))
+        yield {
+            "scenes": [folder.resolve().name for folder in self.scenes],
+            "pictures": len(pictures),
+            "tables": replace(tables, of_known_body=found).as_json(),
+        }
+
+    def plots(self) -> Sequence[str]:
+        return (TABLES,)
+
+    def draw(self, record: Json, out: Path, overwrite: bool) -> None:
+        """Writes all tables, as the package loads them, with the two numbers in their place."""
+        write_json(out / TABLES, record["tables"], overwrite)
+
+    def _pictures(self, judge: Judge) -> Pictures:
+        """Every picture of a known caster by one look, as it is judged where nothing was fitted to known bodies."""
+        specs = [(case, caster_specs(folder).get(case.id)) for folder in self.scenes for case in read_cases(folder)]
+        known = [(case, spec) for case, spec in specs if spec is not None and case.to_lights_marker is not None]
+        return [
+            {LOOK: sample_of(case, ProxyEstimator(LOOK.with_caster(parsed_caster(spec)), judge))}
+            for case, spec in track(known[:: self.every], "known casters", console=self.console, transient=True)
+        ]
+
+
+def fitted_to(free: Score, pictures: Pictures) -> tuple[Score, OfKnownBody]:
+    """The score of known bodies that makes it likeliest which of the pictures' explanations are right, or none."""
+    samples = [sample for picture in pictures for sample in picture.values() if sample.judged]
+    odds = [np.array([free.log_odds(each.features) for each in sample.judged]) for sample in samples]
+    right = [np.array([each.rightness > 0 for each in sample.judged]) for sample in samples]
+
+    def log_likelihood(found: OfKnownBody) -> float:
+        total = 0.0
+        for log_odds, is_right in zip(odds, right, strict=True):
+            probabilities = probabilities_of((found.offset + found.slope * log_odds).tolist())
+            of_right = probabilities[is_right].sum() if is_right.any() else 1 - probabilities.sum()
+            total += float(np.log(max(float(of_right), 1e-12)))
+        return total
+
+    tried = [OfKnownBody(round(float(a), 1), round(float(b), 1)) for a in OFFSETS for b in SLOPES]
+    best = max(tried, key=log_likelihood)
+    return best.applied(free), best
