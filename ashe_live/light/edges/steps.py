@@ -85,18 +85,19 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     window, gap = round(WINDOW_PX / SAMPLING_PX), round(GAP_PX / SAMPLING_PX)
     at = np.arange(window + gap, len(offsets) - window - gap)
 
-    def means(values: Float) -> tuple[Float, Float]:
-        """(m p, k, 3) means over the window inside and over that outside of each of k places of a step."""
-        sums = np.concatenate([np.zeros_like(values[:, :1]), values.cumsum(axis=1)], axis=1)
-        within = sums[:, at - gap] - sums[:, at - gap - window]
-        without = sums[:, at + gap + 1 + window] - sums[:, at + gap + 1]
-        return within / window, without / window
+    def means(values: Float32) -> tuple[Float, Float]:
+        """(m p, k, c) means over the window inside and over that outside of each of k places of a step."""
+        sums = np.zeros((len(values), len(offsets) + 1, values.shape[2]))
+        values.cumsum(axis=1, dtype=np.float64, out=sums[:, 1:])
+        over = (sums[:, window:] - sums[:, :-window]) / window  # by each window's first sample
+        return over[:, at - gap - window], over[:, at + gap + 1]
 
-    (inner, outer), (inner_squares, outer_squares) = means(profile), means(squares)
+    (inner, outer), (inner_squares, outer_squares) = means(profile), means(squares[..., None])
     step = outer - inner
-    variance = np.maximum(inner_squares + outer_squares - inner**2 - outer**2, 0).sum(axis=2)
+    variance = np.maximum((inner_squares + outer_squares)[..., 0] - (inner**2 + outer**2).sum(axis=2), 0)
     contrast = (step**2).sum(axis=2) / (variance + NOISE)
-    rise = np.subtract(*(np.log(np.maximum(level.mean(axis=2), DARKEST)) for level in (outer, inner)))
+    darker, brighter = (np.maximum(level.mean(axis=2), DARKEST) for level in (inner, outer))
+    rise = np.log(brighter / darker)
     slack = (RISE_SHARE * np.abs(rises) + RISE_SLACK)[:, None].repeat(p, axis=0)
     unlike = np.nan_to_num((rise - rises[:, None].repeat(p, axis=0)) / slack)
     # Twice the log of a step's likelihood ratio, both sides' variance being unknown, and of the priors' densities.
@@ -104,7 +105,7 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     plausible = 2 * SAMPLES * np.log1p(contrast) - (offsets[at] / expected_px) ** 2 - unlike**2
     row = np.arange(m * p), plausible.argmax(axis=1)
     contrast, inner, step, unlike = contrast[row], inner[row], step[row], unlike[row]
-    share = ((profile - inner[:, None]) * step[:, None]).sum(axis=2)
+    share = (profile @ step[..., None])[..., 0] - (inner * step).sum(axis=1, keepdims=True)
     share /= np.maximum((step**2).sum(axis=1), 1e-12)[:, None]
     crossing, is_crossed = _half_way(share, at[row[1]], gap + 2)
     offset_px = offsets[0] + SAMPLING_PX * crossing
@@ -116,8 +117,10 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     return Steps(*(values.reshape(m, p) for values in found))
 
 
-def _profiles(linear_bgr: Float32, places: OutlinePoints, offsets: Float) -> tuple[Float, Float]:
-    """(m p, s, 3) means and mean squares over parallel profiles through each point, sampled at `offsets` (s,)."""
+def _profiles(linear_bgr: Float32, places: OutlinePoints, offsets: Float) -> tuple[Float32, Float32]:
+    """(m p, s, 3) means over parallel profiles through each point, sampled at `offsets` (s,); (m p, s) mean squares, of
+    all channels together.
+    """
     m, p = places.points.shape[:2]
     aside = places.normals[..., ::-1] * (-1, 1)
     spacing_px = np.linalg.norm(places.points - np.roll(places.points, 1, axis=1), axis=2).mean(axis=1)
@@ -126,8 +129,10 @@ def _profiles(linear_bgr: Float32, places: OutlinePoints, offsets: Float) -> tup
     lines = starts[..., None, :] + offsets[:, None] * places.normals[:, :, None, None]
     x, y = np.moveaxis(lines.reshape(m * p * PARALLEL, -1, 2), 2, 0).astype(np.float32)
     sampled = cv2.remap(linear_bgr, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    values = sampled.reshape(m * p, PARALLEL, len(offsets), 3).astype(np.float64)
-    return values.mean(axis=1), (values**2).mean(axis=1)
+    values = sampled.reshape(m * p, PARALLEL, -1)
+    average = np.full((1, PARALLEL), 1 / PARALLEL, np.float32)
+    profile, squares = ((average @ each).reshape(m * p, -1, 3) for each in (values, values**2))
+    return profile, squares.sum(axis=2)
 
 
 def _half_way(share: Float, middle: Float, reach: int) -> tuple[Float, Mask]:

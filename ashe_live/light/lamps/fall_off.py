@@ -149,23 +149,26 @@ class FallOff:
             relative = np.column_stack([relative, relative * (1 + self._mirrored(parameters, self.gloss))])
         lights = np.log(np.maximum(1 - share + share * relative, 1e-3))
         known = np.column_stack([self.uneven, self.brightness])
-        both = self._gram(np.column_stack([known, lights]))
-        uneven, told, of_light = slice(0, 5), 5, slice(6, None)
-        square, with_told = np.diag(both)[of_light], both[told, of_light]
+        among = self._gram(known)
+        weighted, explained = self._weighted(lights)
+        by_light = known.T @ weighted - self._weighted(known)[1].T @ explained
+        square = (lights * weighted).sum(axis=0) - (explained**2).sum(axis=0)
+        uneven, told = slice(0, 5), 5
+        with_told = by_light[told]
         # As in `pull`: inner products of unevenness and contrast with one another, and with what the light leaves.
         columns = np.empty((lights.shape[1], 6, 7))
-        columns[:, :5, :5] = both[uneven, uneven]
-        columns[:, :5, 5] = columns[:, 5, :5] = both[uneven, of_light].T
+        columns[:, :5, :5] = among[uneven, uneven]
+        columns[:, :5, 5] = columns[:, 5, :5] = by_light[uneven].T
         columns[:, 5, 5] = square
-        columns[:, :5, 6] = both[uneven, told] - both[uneven, of_light].T
+        columns[:, :5, 6] = among[uneven, told] - by_light[uneven].T
         columns[:, 5, 6] = with_told - square
-        cost = both[told, told] - 2 * with_told + square
+        cost = among[told, told] - 2 * with_told + square
         stiff = square + 1 / CONTRAST**2
         cost -= columns[:, 5, 6] ** 2 / stiff
         columns = columns - columns[:, :, 5:6] * columns[:, 5:6] / stiff[:, None, None]
         worst = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
-        explained = np.linalg.solve(columns[:, :, :6] + np.diag(1 / worst**2), columns[:, :, 6:])
-        cost -= (columns[:, :, 6:] * explained).sum(axis=(1, 2))
+        stiffness = columns[:, :, :6] + np.diag(1 / worst**2)
+        cost -= (columns[:, :, 6:] * np.linalg.solve(stiffness, columns[:, :, 6:])).sum(axis=(1, 2))
         return np.asarray(cost.reshape(-1, len(parameters)).min(axis=0))
 
     def _mirrored(self, parameters: Float, gloss: Gloss) -> Float:
@@ -177,9 +180,13 @@ class FallOff:
 
     def _gram(self, columns: Float) -> Float:
         """(k, k) weighted inner products of columns (n, k), without what can be fitted along."""
+        weighted, explained = self._weighted(columns)
+        return np.asarray(columns.T @ weighted - explained.T @ explained)
+
+    def _weighted(self, columns: Float) -> tuple[Float, Float]:
+        """(n, k) columns times the samples' weights; (c, k) what can be fitted along, in an orthonormal basis."""
         weighted = columns * self.weights[:, None]
-        through = np.linalg.solve(self.factor, self.fitted.T @ weighted)
-        return np.asarray(columns.T @ weighted - through.T @ through)
+        return weighted, np.asarray(np.linalg.solve(self.factor, self.fitted.T @ weighted))
 
 
 def clear_of(taken: Mask) -> Mask:
