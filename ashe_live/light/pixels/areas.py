@@ -24,9 +24,7 @@ def cleaned(mask: Mask) -> Mask:
 def majority(mask: Mask, across_px: int = 3) -> Mask:
     """The majority vote of each pixel's neighbourhood: removes specks, but keeps thin strips."""
     # On masks this equals a median filter, and is several times faster.
-    counts = cv2.boxFilter(
-        _bytes(mask), -1, (across_px, across_px), normalize=False, borderType=cv2.BORDER_REPLICATE
-    )
+    counts = cv2.boxFilter(_bytes(mask), -1, (across_px, across_px), normalize=False, borderType=cv2.BORDER_REPLICATE)
     return np.asarray(counts > across_px**2 // 2)
 
 

@@ -87,4 +87,3 @@ def stacked(groups: Sequence[tuple[Jet | None, ...]], counts: Sequence[int]) -> 
                 numbers[:, begin : begin + count, field] = jet.numbers
         begin += count
     return numbers[..., 0], numbers[..., 1:]
-

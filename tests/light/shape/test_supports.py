@@ -147,7 +147,9 @@ def test_parts_of_several_families_are_those_of_each() -> None:
 
 def test_reaches_of_several_families_are_those_of_each() -> None:
     shapes, families = [member(name)[0] for name in FAMILIES], list(FAMILIES.values())
-    P_of_all, lights, directions = (np.repeat(one, len(families), axis=0) for one in (P[None], LIGHTS, DIRECTIONS.T[None]))
+    P_of_all, lights, directions = (
+        np.repeat(one, len(families), axis=0) for one in (P[None], LIGHTS, DIRECTIONS.T[None])
+    )
     reach_px, by_theta = outline_reaches(families, padded(shapes), P_of_all, lights, directions)
     for i, (family, shape) in enumerate(zip(families, shapes, strict=True)):
         parts, by_shape = family.parts(shape[None])
