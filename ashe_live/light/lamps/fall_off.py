@@ -145,8 +145,11 @@ class FallOff:
     def worst_costs(self, parameters: Float, share: float, reference: Float) -> Float:
         """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), all of one share, as in `pull`."""
         relative = irradiances(self.places, parameters) / irradiances(reference[None], parameters)
+        suns = np.flatnonzero(parameters[:, 2] <= FAR)
         if self.gloss is not None:
-            relative = np.column_stack([relative, relative * (1 + self._mirrored(parameters, self.gloss))])
+            # Of a lamp nothing is mirrored.
+            mirrored_share = mirrored(self.places, self.eye, parameters[suns], self.gloss)
+            relative = np.hstack([relative, relative[:, suns] * (1 + mirrored_share)])
         lights = np.log(np.maximum(1 - share + share * relative, 1e-3))
         known = np.column_stack([self.uneven, self.brightness])
         among = self._gram(known)
@@ -169,7 +172,10 @@ class FallOff:
         worst = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
         stiffness = columns[:, :, :6] + np.diag(1 / worst**2)
         cost -= (columns[:, :, 6:] * np.linalg.solve(stiffness, columns[:, :, 6:])).sum(axis=(1, 2))
-        return np.asarray(cost.reshape(-1, len(parameters)).min(axis=0))
+        least, glossy = cost[: len(parameters)], cost[len(parameters) :]
+        if self.gloss is not None:
+            least[suns] = np.minimum(least[suns], glossy)
+        return np.asarray(least)
 
     def _mirrored(self, parameters: Float, gloss: Gloss) -> Float:
         """(n, l) what the ground mirrors of each light (l, 3), over what it scatters; 0 of lamps."""

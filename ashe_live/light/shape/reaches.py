@@ -19,14 +19,14 @@ def outline_reaches(
     touching: Float | None = None,
     with_nearness: bool = False,
 ) -> tuple[Float, Float]:
-    """(n, 1 + l, d) support functions of n bodies and their shadows; their derivatives (n, split + q, 1 + l, d) by theta.
+    """(n, 1 + l, d) support functions of n bodies and their shadows; (n, split + q, 1 + l, d) derivatives by theta.
 
     shapes: (n, q) parameters of the members of `families` (n,). with_nearness: as in the Layout of theta. All else as
     in `outline_supports`.
     """
-    (n, q), l, d = shapes.shape, lights.shape[1], directions.shape[-1]
-    split = Layout(l, with_nearness).split
-    reach_px, by_theta = np.empty((n, 1 + l, d)), np.zeros((n, split + q, 1 + l, d))
+    (n, q), (_, count, _), d = shapes.shape, lights.shape, directions.shape[-1]
+    split = Layout(count, with_nearness).split
+    reach_px, by_theta = np.empty((n, 1 + count, d)), np.zeros((n, split + q, 1 + count, d))
     for batch in batches_of(families, shapes):
         rows = batch.rows
         turned = None if touching is None else touching[rows]
