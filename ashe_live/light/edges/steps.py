@@ -86,10 +86,10 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     at = np.arange(window + gap, len(offsets) - window - gap)
     # Means over the window inside, and over that outside, of each of k places of a step: (3, m p, k) and (m p, k).
     means = _window_means(np.concatenate([profile, squares[None]]), window)
-    (*inner, inner_squares), (*outer, outer_squares) = means[..., : len(at)], means[..., -len(at) :]
-    inner, outer = np.array(inner), np.array(outer)
+    within, without = means[..., : len(at)], means[..., -len(at) :]
+    inner, outer = within[:3], without[:3]
     step = outer - inner
-    variance = np.maximum(inner_squares + outer_squares - (inner**2).sum(axis=0) - (outer**2).sum(axis=0), 0)
+    variance = np.maximum(within[3] + without[3] - (inner**2).sum(axis=0) - (outer**2).sum(axis=0), 0)
     contrast = (step**2).sum(axis=0) / (variance + NOISE)
     darker, brighter = (np.maximum(level.mean(axis=0), DARKEST) for level in (inner, outer))
     rise = np.log(brighter / darker)
