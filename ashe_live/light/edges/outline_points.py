@@ -10,8 +10,8 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.family import padded
-from ashe_live.light.shape.reaches import outline_reaches
 from ashe_live.light.shape.sight import Sight
+from ashe_live.light.shape.supports import outline_reaches
 
 POINTS_PER_OUTLINE = 48  # points of an outline at which its border is searched
 BENT_PX = 0.01  # a corner that stands out less than this from an edge is taken to lie on it

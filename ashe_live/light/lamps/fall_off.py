@@ -41,6 +41,7 @@ LARGEST_LEVEL = 1e3  # and of that one's: any
 # The same of what a picture in a hundred shows and no lamp causes: sheen towards the light, the bumps of a rough
 # ground in low light, a shadow's soft rim, tone mapping that differs from place to place.
 WORST_GRADIENT, WORST_CURVATURE, WORST_CONTRAST = 0.25, 0.4, 0.3
+WORST = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
 LEAST_CONTRAST, MOST_CONTRAST = 0.3, 3.0
 FAR = 0.2  # 1/m, nearness up to which a light is a sun to the ground's gloss
 ROBUST_ROUNDS = 6
@@ -129,15 +130,14 @@ class FallOff:
         contrast = float(np.clip(1 + gram[tone, told] / stiff, LEAST_CONTRAST, MOST_CONTRAST))
         gram = gram - np.outer(gram[:, tone], gram[tone]) / stiff
         gradient, information = contrast * gram[:3, told], contrast**2 * gram[:3, :3]
-        worst = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
-        through = contrast * gram[:3, 3 : 3 + len(worst)] * worst
+        through = contrast * gram[:3, 3 : 3 + len(WORST)] * WORST
         # The covariance of the gradient: noise, and the worst unevenness (a "sandwich", after Huber, 1967).
         spread = information + through @ through.T
         spread += (1e-9 * np.trace(spread) + 1e-12) * np.eye(3)
         trusted = information @ np.linalg.inv(spread)
         told_of = trusted @ information
-        uneven = slice(3, 3 + len(worst))
-        stiffness = gram[uneven, uneven] + np.diag(1 / worst**2)
+        uneven = slice(3, 3 + len(WORST))
+        stiffness = gram[uneven, uneven] + np.diag(1 / WORST**2)
         explained = float(gram[uneven, told] @ np.linalg.solve(stiffness, gram[uneven, told]))
         cost = float(gram[told, told])
         return Pull(trusted @ gradient, np.asarray(0.5 * (told_of + told_of.T)), cost, cost - explained)
@@ -147,17 +147,15 @@ class FallOff:
         relative = irradiances(self.places, parameters) / irradiances(reference[None], parameters)
         suns = np.flatnonzero(parameters[:, 2] <= FAR)
         if self.gloss is not None:
-            # Of a lamp nothing is mirrored.
-            mirrored_share = mirrored(self.places, self.eye, parameters[suns], self.gloss)
-            relative = np.hstack([relative, relative[:, suns] * (1 + mirrored_share)])
+            glossy = 1 + mirrored(self.places, self.eye, parameters[suns], self.gloss)  # 1 of lamps
+            relative = np.hstack([relative, relative[:, suns] * glossy])
         lights = np.log(np.maximum(1 - share + share * relative, 1e-3))
         known = np.column_stack([self.uneven, self.brightness])
         among = self._gram(known)
         weighted, explained = self._weighted(lights)
         by_light = known.T @ weighted - self._weighted(known)[1].T @ explained
         square = (lights * weighted).sum(axis=0) - (explained**2).sum(axis=0)
-        uneven, told = slice(0, 5), 5
-        with_told = by_light[told]
+        uneven, told, with_told = slice(0, 5), 5, by_light[5]
         # As in `pull`: inner products of unevenness and contrast with one another, and with what the light leaves.
         columns = np.empty((lights.shape[1], 6, 7))
         columns[:, :5, :5] = among[uneven, uneven]
@@ -169,12 +167,11 @@ class FallOff:
         stiff = square + 1 / CONTRAST**2
         cost -= columns[:, 5, 6] ** 2 / stiff
         columns = columns - columns[:, :, 5:6] * columns[:, 5:6] / stiff[:, None, None]
-        worst = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
-        stiffness = columns[:, :, :6] + np.diag(1 / worst**2)
+        stiffness = columns[:, :, :6] + np.diag(1 / WORST**2)
         cost -= (columns[:, :, 6:] * np.linalg.solve(stiffness, columns[:, :, 6:])).sum(axis=(1, 2))
-        least, glossy = cost[: len(parameters)], cost[len(parameters) :]
+        least = cost[: len(parameters)]
         if self.gloss is not None:
-            least[suns] = np.minimum(least[suns], glossy)
+            least[suns] = np.minimum(least[suns], cost[len(parameters) :])
         return np.asarray(least)
 
     def _mirrored(self, parameters: Float, gloss: Gloss) -> Float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.outlines.silhouettes import Outlines
-from ashe_live.light.shape.reaches import outline_reaches
+from ashe_live.light.shape.supports import outline_reaches
 
 Indices = NDArray[np.intp]
 

@@ -7,12 +7,14 @@ spheroid, through the light's projection onto the ground.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
+from ashe_live.light.shape.family import Family, batches_of
 from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.light_points import shadow_projection
 
@@ -56,6 +58,32 @@ class Supports:
         for light in range(layout.lights):
             slopes[:, layout.light(light), 1 + light] = self.by_light[:, light, : layout.per_light]
         return slopes
+
+
+def outline_reaches(
+    families: Sequence[Family],
+    shapes: Float,
+    P: Float,
+    lights: Float,
+    directions: Float,
+    touching: Float | None = None,
+    with_nearness: bool = False,
+) -> tuple[Float, Float]:
+    """(n, 1 + l, d) support functions of n bodies and their shadows; (n, split + q, 1 + l, d) derivatives by theta.
+
+    shapes: (n, q) parameters of the members of `families` (n,). with_nearness: as in the Layout of theta. All else as
+    in `outline_supports`.
+    """
+    (n, q), (_, count, _), d = shapes.shape, lights.shape, directions.shape[-1]
+    split = Layout(count, with_nearness).split
+    reach_px, by_theta = np.empty((n, 1 + count, d)), np.zeros((n, split + q, 1 + count, d))
+    for batch in batches_of(families, shapes):
+        rows = batch.rows
+        turned = None if touching is None else touching[rows]
+        supports = outline_supports(P[rows], batch.parts, lights[rows], directions[rows], turned)
+        reach_px[rows] = supports.reach_px
+        by_theta[rows, : split + batch.by_shape.shape[3]] = supports.by_theta(batch.by_shape, with_nearness)
+    return reach_px, by_theta
 
 
 def outline_supports(

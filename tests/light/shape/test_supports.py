@@ -13,8 +13,7 @@ from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family, batches_of, padded
 from ashe_live.light.shape.layout import Layout, light_parameters, nearness_of
 from ashe_live.light.shape.light_points import at_infinity
-from ashe_live.light.shape.reaches import outline_reaches
-from ashe_live.light.shape.supports import outline_points, outline_supports
+from ashe_live.light.shape.supports import outline_points, outline_reaches, outline_supports
 from tests.light.synthetic_masks import camera_towards
 
 ANGLES = np.arange(16) * (2 * math.pi / 16) + 0.1
