@@ -11,7 +11,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.regions import Region, unlit_regions
-from ashe_live.light.ground.shadow_shift import shadow_shifts
+from ashe_live.light.ground.shadow_shift import voted_for
 from ashe_live.light.labels.materials import Materials, materials_of
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
@@ -39,7 +39,8 @@ class PaintedRegion:
 
     @cached_property
     def shifts(self) -> list[Float]:
-        return shadow_shifts(self.ground, [self.region.colours[self.region.unlit]], BALANCED.shifts)
+        (shifts,) = voted_for(self.region.colours[self.region.unlit], self.ground, BALANCED.shifts)
+        return shifts
 
 
 @cache

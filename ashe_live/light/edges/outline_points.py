@@ -9,9 +9,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.family import padded, parts_of
+from ashe_live.light.shape.family import padded
 from ashe_live.light.shape.sight import Sight
-from ashe_live.light.shape.supports import outline_supports
+from ashe_live.light.shape.supports import outline_reaches
 
 POINTS_PER_OUTLINE = 48  # points of an outline at which its border is searched
 BENT_PX = 0.01  # a corner that stands out less than this from an edge is taken to lie on it
@@ -74,11 +74,10 @@ def derivatives_by_theta(
     aside = s * normals[:, :, ::-1] * [[-1], [1]]
     outward = np.concatenate([normals, normals], axis=3)
     turned = np.concatenate([c * normals - aside, c * normals + aside], axis=3)
-    parts, by_shape = parts_of([body.family for body in bodies], padded([body.shape for body in bodies]))
+    families, shapes = [body.family for body in bodies], padded([body.shape for body in bodies])
     P = np.array([sight.P(body.frame) for sight, body in zip(sights, bodies, strict=True)])
     lights = np.array([lit.lights_in_body_frame for lit in several])
-    supports = outline_supports(P, parts, lights, outward, turned)
-    by_theta = supports.by_theta(by_shape, with_nearness)
+    _, by_theta = outline_reaches(families, shapes, P, lights, outward, turned, with_nearness)
     ends = by_theta[..., :POINTS_PER_OUTLINE], by_theta[..., POINTS_PER_OUTLINE:]
     return np.asarray(
         ((1 - along_edge)[:, None] * ends[0] + along_edge[:, None] * ends[1]).reshape(n, by_theta.shape[1], -1)

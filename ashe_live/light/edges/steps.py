@@ -83,28 +83,25 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     profile, squares = _profiles(linear_bgr, places, offsets)
     window, gap = round(WINDOW_PX / SAMPLING_PX), round(GAP_PX / SAMPLING_PX)
     at = np.arange(window + gap, len(offsets) - window - gap)
-
-    def means(values: Float) -> tuple[Float, Float]:
-        """(m p, k, 3) means over the window inside and over that outside of each of k places of a step."""
-        sums = np.concatenate([np.zeros_like(values[:, :1]), values.cumsum(axis=1)], axis=1)
-        within = sums[:, at - gap] - sums[:, at - gap - window]
-        without = sums[:, at + gap + 1 + window] - sums[:, at + gap + 1]
-        return within / window, without / window
-
-    (inner, outer), (inner_squares, outer_squares) = means(profile), means(squares)
+    # Means over the window inside, and over that outside, of each of k places of a step: (3, m p, k) and (m p, k).
+    means = _window_means(np.concatenate([profile, squares[None]]), window)
+    within, without = means[..., : len(at)], means[..., -len(at) :]
+    inner, outer = within[:3], without[:3]
     step = outer - inner
-    variance = np.maximum(inner_squares + outer_squares - inner**2 - outer**2, 0).sum(axis=2)
-    contrast = (step**2).sum(axis=2) / (variance + NOISE)
-    rise = np.subtract(*(np.log(np.maximum(level.mean(axis=2), DARKEST)) for level in (outer, inner)))
-    slack = (RISE_SHARE * np.abs(rises) + RISE_SLACK)[:, None].repeat(p, axis=0)
-    unlike = np.nan_to_num((rise - rises[:, None].repeat(p, axis=0)) / slack)
+    variance = np.maximum(within[3] + without[3] - (inner**2).sum(axis=0) - (outer**2).sum(axis=0), 0)
+    contrast = (step**2).sum(axis=0) / (variance + NOISE)
+    darker, brighter = (np.maximum(level.mean(axis=0), DARKEST) for level in (inner, outer))
+    rise = np.log(brighter / darker)
+    is_any = np.isnan(rises)
+    slack = np.where(is_any, np.inf, RISE_SHARE * np.abs(rises) + RISE_SLACK)
+    unlike = (rise - np.where(is_any, 0.0, rises).repeat(p)[:, None]) / slack.repeat(p)[:, None]
     # Twice the log of a step's likelihood ratio, both sides' variance being unknown, and of the priors' densities.
     expected_px = EXPECTED_SHARE * reach_px
     plausible = 2 * SAMPLES * np.log1p(contrast) - (offsets[at] / expected_px) ** 2 - unlike**2
     row = np.arange(m * p), plausible.argmax(axis=1)
-    contrast, inner, step, unlike = contrast[row], inner[row], step[row], unlike[row]
-    share = ((profile - inner[:, None]) * step[:, None]).sum(axis=2)
-    share /= np.maximum((step**2).sum(axis=1), 1e-12)[:, None]
+    contrast, inner, step, unlike = contrast[row], inner[:, *row], step[:, *row], unlike[row]
+    share = ((profile - inner[..., None]) * step[..., None]).sum(axis=0)
+    share /= np.maximum((step**2).sum(axis=0), 1e-12)[:, None]
     crossing, is_crossed = _half_way(share, at[row[1]], gap + 2)
     offset_px = offsets[0] + SAMPLING_PX * crossing
     variance_px2 = LEAST_SIGMA_PX**2 + RISE_PX**2 / (SAMPLES * np.maximum(contrast, 1e-9))
@@ -115,18 +112,30 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     return Steps(*(values.reshape(m, p) for values in found))
 
 
-def _profiles(linear_bgr: Float32, places: OutlinePoints, offsets: Float) -> tuple[Float, Float]:
-    """(m p, s, 3) means and mean squares over parallel profiles through each point, sampled at `offsets` (s,)."""
-    m, p = places.points.shape[:2]
-    aside = places.normals[..., ::-1] * (-1, 1)
+def _profiles(linear_bgr: Float32, places: OutlinePoints, offsets: Float) -> tuple[Float32, Float32]:
+    """(3, m p, s) means over parallel profiles through each point, sampled at `offsets` (s,); (m p, s) mean squares, of
+    all channels together.
+    """
     spacing_px = np.linalg.norm(places.points - np.roll(places.points, 1, axis=1), axis=2).mean(axis=1)
-    sideways_px = np.clip(spacing_px / 2, 1.0, SIDEWAYS_PX)[:, None] * np.linspace(-1, 1, PARALLEL)
-    starts = places.points[:, :, None] + sideways_px[:, None, :, None] * aside[:, :, None]
-    lines = starts[..., None, :] + offsets[:, None] * places.normals[:, :, None, None]
-    x, y = np.moveaxis(lines.reshape(m * p * PARALLEL, -1, 2), 2, 0).astype(np.float32)
-    sampled = cv2.remap(linear_bgr, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    values = sampled.reshape(m * p, PARALLEL, len(offsets), 3).astype(np.float64)
-    return values.mean(axis=1), (values**2).mean(axis=1)
+    sideways_px = np.clip(spacing_px / 2, 1.0, SIDEWAYS_PX)[:, None] * np.linspace(-1, 1, PARALLEL)[:, None, None]
+    (x, y), (normal_x, normal_y) = (np.moveaxis(each, 2, 0) for each in (places.points, places.normals))
+
+    def along(start: Float, normal: Float) -> Float32:
+        """(PARALLEL m p, s) one coordinate of the samples, of profiles that start at (PARALLEL, m, p)."""
+        lines = start[..., None] + normal[..., None] * offsets
+        return lines.reshape(-1, len(offsets)).astype(np.float32)
+
+    at = along(x - sideways_px * normal_y, normal_x), along(y + sideways_px * normal_x, normal_y)
+    sampled = cv2.remap(linear_bgr, *at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    values = np.array(cv2.split(sampled)).reshape(3, PARALLEL, -1, len(offsets))
+    return values.mean(axis=1), (values**2).mean(axis=1).sum(axis=0)
+
+
+def _window_means(values: Float32, window: int) -> Float:
+    """(..., s - window + 1) means over each `window` of successive samples of values (..., s)."""
+    sums = np.zeros((*values.shape[:-1], values.shape[-1] + 1))
+    values.cumsum(axis=-1, dtype=np.float64, out=sums[..., 1:])
+    return np.asarray((sums[..., window:] - sums[..., :-window]) / window)
 
 
 def _half_way(share: Float, middle: Float, reach: int) -> tuple[Float, Mask]:

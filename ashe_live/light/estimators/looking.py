@@ -26,7 +26,7 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import region_with_on_plane, unlit_regions
-from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts
+from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts, voted_for
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.evidence import no_less_sure
 from ashe_live.light.views.joint import JointExplanation
@@ -202,11 +202,12 @@ def _rough_explanations(
     trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
     clock.end("segment")
     proposals: list[Proposal] = []
+    voted = partial(voted_for, ground=ground, count=steps.shifts, widths=(1.0, FINE))
+    everywhere = voted(ground.colours[unlit])
     for region in regions:
         # A region's own pixels vote first, as others may outvote its shadow; then all, as all shadows share the lights.
-        votes = region.colours[region.unlit], ground.colours[unlit]
-        shifts = shadow_shifts(ground, votes, steps.shifts)
-        paired = shadow_shifts(ground, votes, steps.shifts, FINE)
+        own = voted(region.colours[region.unlit])
+        shifts, paired = (shadow_shifts(votes) for votes in zip(own, everywhere, strict=True))
         proposals += proposals_of(region, ground, shifts, paired)
     clock.end("associate")
     trace.proposals = selected_for_fit(proposals, steps.tried, judge)

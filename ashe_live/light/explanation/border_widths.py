@@ -20,7 +20,9 @@ def border_widths(image_bgr: Image, places_px: Float, outward_px: Float, scale: 
     in the list stand for one another: each width is that of the mean of up to TOGETHER profiles around it.
     """
     offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
-    linear = (LINEAR_FROM_SRGB_8BIT[image_bgr[..., ::-1]] @ REC709_LUMINANCE).astype(np.float32)
+    # By tables of each channel's part: a product with all of the picture's linear light takes far longer.
+    red, green, blue = (LINEAR_FROM_SRGB_8BIT * REC709_LUMINANCE[:, None]).astype(np.float32)
+    linear = blue[image_bgr[..., 0]] + green[image_bgr[..., 1]] + red[image_bgr[..., 2]]
     at = (places_px[:, None] + scale * offsets[:, None] * outward_px[:, None]).astype(np.float32)
     profiles = cv2.remap(linear, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
     inside = ((at > 1) & (at < np.array(image_bgr.shape[1::-1]) - 2)).all(axis=(1, 2))

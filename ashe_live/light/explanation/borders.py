@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.light.edges.outline_points import OutlinePoints
 from ashe_live.light.labels.costs import Side
 
@@ -41,11 +41,7 @@ def borders_at(places: OutlinePoints, sides: Sequence[Side], reach_px: Float) ->
     lines = places.points[..., None] + steps[:, None, None] * places.normals[..., None]
     x, y = np.moveaxis(lines, 2, 0).astype(np.float32)
 
-    def sampled(pictures: Sequence[NDArray[Any]], interpolation: int) -> NDArray[Any]:
-        """(n, p, steps) values of the pictures along the normals, 0 outside of the picture."""
-        return np.array([cv2.remap(one, x[i], y[i], interpolation) for i, one in enumerate(pictures)])
-
-    gain = sampled([np.where(side.trusted, side.gain, np.float32(0)) for side in sides], cv2.INTER_LINEAR)
+    gain = _sampled([np.where(side.trusted, side.gain, np.float32(0)) for side in sides], x, y, cv2.INTER_LINEAR)
     # The border may lie between any two samples: those before it are then inside, those after it outside.
     cost = np.zeros((*gain.shape[:2], STEPS + 1))
     cost[..., 1:] = -gain.cumsum(axis=2) * (step_px / PIXELS_PER_SAMPLE)[..., None]
@@ -57,11 +53,12 @@ def borders_at(places: OutlinePoints, sides: Sequence[Side], reach_px: Float) ->
     away = (likely @ ends[..., None])[..., 0]
     variance = (likely @ ends[..., None] ** 2)[..., 0] - away**2 + LEAST_VARIANCE
 
+    there = np.minimum(best, STEPS - 1)
+    x, y = (np.append(each[..., STEPS // 2, None], np.take_along_axis(each, there, axis=2), axis=2) for each in (x, y))
+
     def holds(masks: Sequence[Mask]) -> Mask:
         """(n, p) whether the mask holds both at the point and at its likeliest border."""
-        seen = sampled([mask.view(np.uint8) for mask in masks], cv2.INTER_NEAREST)
-        there = np.take_along_axis(seen, np.minimum(best, STEPS - 1), axis=2)[..., 0]
-        return np.asarray(np.minimum(seen[..., STEPS // 2], there) > 0)
+        return np.asarray(_sampled([mask.view(np.uint8) for mask in masks], x, y, cv2.INTER_NEAREST).all(axis=2))
 
     is_trusted, is_visible = holds([side.trusted for side in sides]), holds([side.visible for side in sides])
     # An outline that seems to end where the picture or the ground does may go on beyond: drop the last point before it.
@@ -72,3 +69,8 @@ def borders_at(places: OutlinePoints, sides: Sequence[Side], reach_px: Float) ->
     gained = np.minimum(cost[..., 0], cost[..., -1]) - np.take_along_axis(cost, best, axis=2)[..., 0]
     clarity = np.where(is_observable, np.clip(gained / CLEAR, 0, 1), np.nan)
     return Borders(away, weight / variance, clarity, in_view)
+
+
+def _sampled(pictures: Sequence[NDArray[Any]], x: Float32, y: Float32, interpolation: int) -> NDArray[Any]:
+    """(n, p, s) values of n pictures at places (n, p, s), 0 outside of the picture."""
+    return np.array([cv2.remap(one, x[i], y[i], interpolation) for i, one in enumerate(pictures)])

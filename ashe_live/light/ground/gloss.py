@@ -39,7 +39,8 @@ def mirrored(places: Float, eye: Float, lights: Float, gloss: Gloss) -> Float:
     half_z = (light_z + to_eye[:, 2:]) / length
     alpha_squared = gloss.roughness**2
     facets = alpha_squared / (half_z**2 * (alpha_squared - 1) + 1) ** 2
-    fresnel = NORMAL_REFLECTANCE + (1 - NORMAL_REFLECTANCE) * (1 - 0.5 * length) ** 5
+    grazing = 1 - 0.5 * length
+    fresnel = NORMAL_REFLECTANCE + (1 - NORMAL_REFLECTANCE) * (grazing**2) ** 2 * grazing
     k = 0.5 * gloss.roughness
     seen = 1 / ((eye_z * (1 - k) + k) * (light_z * (1 - k) + k))
     return np.asarray(0.25 * facets * fresnel * seen / gloss.albedo)

@@ -5,7 +5,7 @@ shifts that would make it a shadow of each colour of the lit ground; modes of th
 are kept, as an object of one colour votes for one too: the geometry decides between them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 
 import numpy as np
@@ -35,17 +35,22 @@ def hue_of(shift: Float) -> float:
     return float(abs(green + 0.25 * red_blue))
 
 
-def shadow_shifts(ground: LitGround, votes: Sequence[Float32], count: int, width: float = 1.0) -> list[Float]:
-    """Up to `count` modes (3,) of each of several votes by falling number of votes, without those of an earlier one.
+def voted_for(colours: Float32, ground: LitGround, count: int, widths: Sequence[float] = (1.0,)) -> list[list[Float]]:
+    """Up to `count` modes (3,) of the vote of unlit colours (n, 3), by falling number of votes: a list for each width.
 
-    votes: each the colours (n, 3) of unlit pixels. width: kernel width of the mean shift that finds modes, in units of
-    SHIFT_NOISE.
+    widths: of the kernel of the mean shift that finds modes, in units of SHIFT_NOISE.
     """
-    found: list[Float] = []
-    for colours in votes:
-        shifts = _voted_for(colours, ground.palette, count, width)
-        found += [shift for shift in shifts if _is_new(shift, found)]
-    return found
+    if len(colours) < LEAST_VOTERS:
+        return [[] for _ in widths]
+    offsets, weights = _votes(colours, ground.palette)
+    starts = _most_voted(offsets, weights, count)
+    modes = (_modes(offsets, weights, starts, width) for width in widths)
+    return [_without_alike(shift for shift in each if hue_of(shift) <= LARGEST_HUE) for each in modes]
+
+
+def shadow_shifts(votes: Sequence[Sequence[Float]]) -> list[Float]:
+    """The modes (3,) of several votes, without those that are like one of an earlier vote."""
+    return _without_alike(shift for each in votes for shift in each)
 
 
 def shift_within(colours: Float32, ground: LitGround) -> Float | None:
@@ -54,7 +59,7 @@ def shift_within(colours: Float32, ground: LitGround) -> Float | None:
     On a patterned ground, a wrong shift may turn one of its colours into the shadow of another; only on the true one do
     all colours agree.
     """
-    shifts = _voted_for(colours, ground.palette, 1)
+    (shifts,) = voted_for(colours, ground, 1)
     return shifts[0] if shifts else None
 
 
@@ -74,25 +79,23 @@ def _votes(colours: Float32, palette: Mixture) -> tuple[Float32, Float32]:
     return (colours[:, None, :] - centres).reshape(-1, 3), np.tile(weights, len(colours))
 
 
-def _voted_for(colours: Float32, palette: Mixture, count: int, width: float = 1.0) -> list[Float]:
-    if len(colours) < LEAST_VOTERS:
-        return []
-    offsets, weights = _votes(colours, palette)
+def _most_voted(offsets: Float32, weights: Float32, count: int) -> Float:
+    """(p, 3) up to `count` shifts about which the likeliest ones have most votes; arguments as of `_votes`."""
     bins = np.floor((offsets - LOWEST.astype(np.float32)) / BIN.astype(np.float32)).astype(np.intp)
     inside = ((bins >= 0) & (bins < BINS)).all(axis=1)
     flat = np.ravel_multi_index(tuple(bins[inside].T), tuple(BINS))
     votes = np.bincount(flat, weights[inside], int(np.prod(BINS))).reshape(tuple(BINS))
     peaks = _peaks(_blurred(votes) * _plausibility(), count)
-    shifts: list[Float] = []
-    for shift in _modes(offsets, weights, LOWEST + (peaks + 0.5) * BIN, width):
-        if _is_new(shift, shifts) and hue_of(shift) <= LARGEST_HUE:
-            shifts.append(shift)
-    return shifts
+    return np.asarray(LOWEST + (peaks + 0.5) * BIN)
 
 
-def _is_new(shift: Float, others: Sequence[Float]) -> bool:
-    """Whether the noise tells a shift from all of the others."""
-    return all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in others)
+def _without_alike(shifts: Iterable[Float]) -> list[Float]:
+    """The shifts (3,) in order, without those that the noise does not tell from an earlier one."""
+    kept: list[Float] = []
+    for shift in shifts:
+        if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in kept):
+            kept.append(shift)
+    return kept
 
 
 def shadow_ratio(ground: LitGround, shift: Float) -> Float:

@@ -50,8 +50,11 @@ class LightFall:
 
 def irradiances(places: Float, lamps: Float) -> Float:
     """(p, n) irradiance by each of n lamps (n, 3) at places (p, 2), but for a factor: (1 + |s - p w / z|^2)^(-3/2)."""
-    aside_x, aside_y = (lamps[:, i] - places[:, i : i + 1] * lamps[:, 2] for i in (0, 1))
-    return np.asarray((1 + aside_x**2 + aside_y**2) ** -1.5)
+    x, y, nearness = lamps.T
+    by_place = np.array([1 + x**2 + y**2, -2 * x * nearness, -2 * y * nearness, nearness**2])
+    # |s - p w / z|^2 is a quadratic in the place, so that all of them are one product of (p, 4) and (4, n).
+    squared = np.column_stack([np.ones(len(places)), places, (places**2).sum(axis=1)]) @ by_place
+    return np.asarray(1 / (squared * np.sqrt(squared)))  # a third of the time of a power of -1.5
 
 
 def log_irradiance(

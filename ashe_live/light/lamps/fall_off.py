@@ -41,6 +41,7 @@ LARGEST_LEVEL = 1e3  # and of that one's: any
 # The same of what a picture in a hundred shows and no lamp causes: sheen towards the light, the bumps of a rough
 # ground in low light, a shadow's soft rim, tone mapping that differs from place to place.
 WORST_GRADIENT, WORST_CURVATURE, WORST_CONTRAST = 0.25, 0.4, 0.3
+WORST = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
 LEAST_CONTRAST, MOST_CONTRAST = 0.3, 3.0
 FAR = 0.2  # 1/m, nearness up to which a light is a sun to the ground's gloss
 ROBUST_ROUNDS = 6
@@ -129,15 +130,14 @@ class FallOff:
         contrast = float(np.clip(1 + gram[tone, told] / stiff, LEAST_CONTRAST, MOST_CONTRAST))
         gram = gram - np.outer(gram[:, tone], gram[tone]) / stiff
         gradient, information = contrast * gram[:3, told], contrast**2 * gram[:3, :3]
-        worst = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
-        through = contrast * gram[:3, 3 : 3 + len(worst)] * worst
+        through = contrast * gram[:3, 3 : 3 + len(WORST)] * WORST
         # The covariance of the gradient: noise, and the worst unevenness (a "sandwich", after Huber, 1967).
         spread = information + through @ through.T
         spread += (1e-9 * np.trace(spread) + 1e-12) * np.eye(3)
         trusted = information @ np.linalg.inv(spread)
         told_of = trusted @ information
-        uneven = slice(3, 3 + len(worst))
-        stiffness = gram[uneven, uneven] + np.diag(1 / worst**2)
+        uneven = slice(3, 3 + len(WORST))
+        stiffness = gram[uneven, uneven] + np.diag(1 / WORST**2)
         explained = float(gram[uneven, told] @ np.linalg.solve(stiffness, gram[uneven, told]))
         cost = float(gram[told, told])
         return Pull(trusted @ gradient, np.asarray(0.5 * (told_of + told_of.T)), cost, cost - explained)
@@ -145,28 +145,34 @@ class FallOff:
     def worst_costs(self, parameters: Float, share: float, reference: Float) -> Float:
         """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), all of one share, as in `pull`."""
         relative = irradiances(self.places, parameters) / irradiances(reference[None], parameters)
+        suns = np.flatnonzero(parameters[:, 2] <= FAR)
         if self.gloss is not None:
-            relative = np.column_stack([relative, relative * (1 + self._mirrored(parameters, self.gloss))])
+            glossy = 1 + mirrored(self.places, self.eye, parameters[suns], self.gloss)  # 1 of lamps
+            relative = np.hstack([relative, relative[:, suns] * glossy])
         lights = np.log(np.maximum(1 - share + share * relative, 1e-3))
         known = np.column_stack([self.uneven, self.brightness])
-        both = self._gram(np.column_stack([known, lights]))
-        uneven, told, of_light = slice(0, 5), 5, slice(6, None)
-        square, with_told = np.diag(both)[of_light], both[told, of_light]
+        among = self._gram(known)
+        weighted, explained = self._weighted(lights)
+        by_light = known.T @ weighted - self._weighted(known)[1].T @ explained
+        square = (lights * weighted).sum(axis=0) - (explained**2).sum(axis=0)
+        uneven, told, with_told = slice(0, 5), 5, by_light[5]
         # As in `pull`: inner products of unevenness and contrast with one another, and with what the light leaves.
         columns = np.empty((lights.shape[1], 6, 7))
-        columns[:, :5, :5] = both[uneven, uneven]
-        columns[:, :5, 5] = columns[:, 5, :5] = both[uneven, of_light].T
+        columns[:, :5, :5] = among[uneven, uneven]
+        columns[:, :5, 5] = columns[:, 5, :5] = by_light[uneven].T
         columns[:, 5, 5] = square
-        columns[:, :5, 6] = both[uneven, told] - both[uneven, of_light].T
+        columns[:, :5, 6] = among[uneven, told] - by_light[uneven].T
         columns[:, 5, 6] = with_told - square
-        cost = both[told, told] - 2 * with_told + square
+        cost = among[told, told] - 2 * with_told + square
         stiff = square + 1 / CONTRAST**2
         cost -= columns[:, 5, 6] ** 2 / stiff
         columns = columns - columns[:, :, 5:6] * columns[:, 5:6] / stiff[:, None, None]
-        worst = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
-        explained = np.linalg.solve(columns[:, :, :6] + np.diag(1 / worst**2), columns[:, :, 6:])
-        cost -= (columns[:, :, 6:] * explained).sum(axis=(1, 2))
-        return np.asarray(cost.reshape(-1, len(parameters)).min(axis=0))
+        stiffness = columns[:, :, :6] + np.diag(1 / WORST**2)
+        cost -= (columns[:, :, 6:] * np.linalg.solve(stiffness, columns[:, :, 6:])).sum(axis=(1, 2))
+        least = cost[: len(parameters)]
+        if self.gloss is not None:
+            least[suns] = np.minimum(least[suns], cost[len(parameters) :])
+        return np.asarray(least)
 
     def _mirrored(self, parameters: Float, gloss: Gloss) -> Float:
         """(n, l) what the ground mirrors of each light (l, 3), over what it scatters; 0 of lamps."""
@@ -177,9 +183,13 @@ class FallOff:
 
     def _gram(self, columns: Float) -> Float:
         """(k, k) weighted inner products of columns (n, k), without what can be fitted along."""
+        weighted, explained = self._weighted(columns)
+        return np.asarray(columns.T @ weighted - explained.T @ explained)
+
+    def _weighted(self, columns: Float) -> tuple[Float, Float]:
+        """(n, k) columns times the samples' weights; (c, k) what can be fitted along, in an orthonormal basis."""
         weighted = columns * self.weights[:, None]
-        through = np.linalg.solve(self.factor, self.fitted.T @ weighted)
-        return np.asarray(columns.T @ weighted - through.T @ through)
+        return weighted, np.asarray(np.linalg.solve(self.factor, self.fitted.T @ weighted))
 
 
 def clear_of(taken: Mask) -> Mask:

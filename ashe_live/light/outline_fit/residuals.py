@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.family import Family, parts_of
+from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.outlines.silhouettes import Outlines
-from ashe_live.light.shape.supports import outline_supports
+from ashe_live.light.shape.supports import outline_reaches
 
 Indices = NDArray[np.intp]
 
@@ -60,9 +60,7 @@ def residuals(
     lights: (n, l, 4) in the bodies' frames. shapes: (n, q) parameters of the members of `families` (n,).
     """
     (n, rows, _), outlines = observations.least_px.shape, 1 + lights.shape[1]
-    parts, by_shape = parts_of(families, shapes)
-    supports = outline_supports(observations.P, parts, lights, observations.directions)
-    reach, by_theta = supports.reach_px, supports.by_theta(by_shape)
+    reach, by_theta = outline_reaches(families, shapes, observations.P, lights, observations.directions)
     if rows > outlines:
         is_farthest = reach.argmax(axis=1)[:, None] == np.arange(outlines)[:, None]
         of_farthest = (by_theta * is_farthest[:, None]).sum(axis=2, keepdims=True)

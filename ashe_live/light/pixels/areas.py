@@ -17,22 +17,20 @@ def smoothed(values: Float32) -> Float32:
 def cleaned(mask: Mask) -> Mask:
     """Morphologically opened, then closed: without specks and pinholes."""
     kernel = np.ones((3, 3), np.uint8)
-    opened = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, kernel)
-    return cv2.morphologyEx(opened, cv2.MORPH_CLOSE, kernel).astype(bool)
+    opened = cv2.morphologyEx(_bytes(mask), cv2.MORPH_OPEN, kernel)
+    return cv2.morphologyEx(opened, cv2.MORPH_CLOSE, kernel).view(np.bool_)
 
 
 def majority(mask: Mask, across_px: int = 3) -> Mask:
     """The majority vote of each pixel's neighbourhood: removes specks, but keeps thin strips."""
     # On masks this equals a median filter, and is several times faster.
-    counts = cv2.boxFilter(
-        mask.astype(np.uint8), -1, (across_px, across_px), normalize=False, borderType=cv2.BORDER_REPLICATE
-    )
+    counts = cv2.boxFilter(_bytes(mask), -1, (across_px, across_px), normalize=False, borderType=cv2.BORDER_REPLICATE)
     return np.asarray(counts > across_px**2 // 2)
 
 
 def thick(mask: Mask, across_px: int) -> Mask:
     """The parts that are at least `across_px` wide."""
-    return cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, _square(across_px)).astype(bool)
+    return cv2.morphologyEx(_bytes(mask), cv2.MORPH_OPEN, _square(across_px)).view(np.bool_)
 
 
 def large_areas(mask: Mask, least_px: int) -> Mask:
@@ -58,32 +56,32 @@ def overlapping(mask: Mask, other: Mask, least_share: float) -> Mask:
 
 def grown(mask: Mask, by_px: int) -> Mask:
     """Dilated by a square of half side `by_px`."""
-    return cv2.dilate(mask.astype(np.uint8), _square(2 * by_px + 1)).astype(bool)
+    return cv2.dilate(_bytes(mask), _square(2 * by_px + 1)).view(np.bool_)
 
 
 def shrunk(mask: Mask, by_px: int) -> Mask:
     """Eroded by a square of half side `by_px`."""
-    return cv2.erode(mask.astype(np.uint8), _square(2 * by_px + 1)).astype(bool)
+    return cv2.erode(_bytes(mask), _square(2 * by_px + 1)).view(np.bool_)
 
 
 def filled(mask: Mask) -> Mask:
     """With its holes filled."""
-    outlines, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    outlines, _ = cv2.findContours(_bytes(mask), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     picture = np.zeros(mask.shape, np.uint8)
     cv2.drawContours(picture, outlines, -1, 1, cv2.FILLED)
-    return picture.astype(bool)
+    return picture.view(np.bool_)
 
 
 def distance_to(mask: Mask) -> Float32:
     """(h, w) distance in pixels to the nearest pixel of `mask`; 1000 everywhere if the mask is empty."""
     if not mask.any():
         return np.full(mask.shape, 1e3, np.float32)
-    return np.asarray(cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 3), dtype=np.float32)
+    return np.asarray(cv2.distanceTransform(_bytes(~mask), cv2.DIST_L2, 3), dtype=np.float32)
 
 
 def window_around(mask: Mask, margin_px: int) -> tuple[slice, slice]:
     """Rows and columns of the bounding box of `mask`, widened by `margin_px`, clipped to the picture."""
-    x, y, across, down = cv2.boundingRect(mask.astype(np.uint8))
+    x, y, across, down = cv2.boundingRect(_bytes(mask))
     return (
         slice(max(0, y - margin_px), min(mask.shape[0], y + down + margin_px)),
         slice(max(0, x - margin_px), min(mask.shape[1], x + across + margin_px)),
@@ -92,8 +90,13 @@ def window_around(mask: Mask, margin_px: int) -> tuple[slice, slice]:
 
 def _labelled(mask: Mask, connectivity: int) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
     """(h, w) label of each pixel's connected area, 0 outside of `mask`; (n,) the areas' pixel counts, 0 for label 0."""
-    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=connectivity)
+    count, labels = cv2.connectedComponents(_bytes(mask), connectivity=connectivity)
     return np.asarray(labels, dtype=np.int32), np.bincount(labels[mask], minlength=count)
+
+
+def _bytes(mask: Mask) -> NDArray[np.uint8]:
+    """The mask as OpenCV takes it, 0 or 1, without a copy."""
+    return np.ascontiguousarray(mask).view(np.uint8)
 
 
 def _square(side_px: int) -> NDArray[np.uint8]:

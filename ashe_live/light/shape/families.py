@@ -6,7 +6,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.shape.family import Family, Parts
-from ashe_live.light.shape.jets import Jet, exp, joined, logistic, parameters, stacked, unit_complex
+from ashe_live.light.shape.jets import Jet, joined, parameters, stacked, unit_complex
 
 # Corners of a box: x and y as multiples of half its sides, z of its height; the lower four first.
 CORNER_X = np.array([-1.0, 1.0, 1.0, -1.0] * 2)
@@ -20,81 +20,75 @@ UPWARDS = np.array([1j])  # in the plane of complex numbers
 
 def _frustum(theta: Float) -> Parts:
     """Cylinder, cone, cup."""
-    x, y, height, below, above = parameters(theta)
-    return stacked([(x, y, None, below, None), (x, y, exp(height), above, None)], [1, 1])
+    x, y, height, below, above = parameters(theta, logs=[2])
+    return stacked([(x, y, None, below, None), (x, y, height, above, None)], [1, 1])
 
 
 def _vase(theta: Float) -> Parts:
     """A frustum with a third radius between."""
-    x, y, height, below, between, above, level = parameters(theta)
-    top = exp(height)
-    rings = [(x, y, None, below, None), (x, y, logistic(level) * top, between, None), (x, y, top, above, None)]
+    x, y, height, below, between, above, level = parameters(theta, logs=[2], fractions=[6])
+    rings = [(x, y, None, below, None), (x, y, level * height, between, None), (x, y, height, above, None)]
     return stacked(rings, [1, 1, 1])
 
 
 def _sphere(theta: Float) -> Parts:
-    x, y, size = parameters(theta)
-    radius = exp(size)
+    x, y, radius = parameters(theta, logs=[2])
     return stacked([(x, y, radius, radius, radius)], [1])
 
 
 def _box(theta: Float) -> Parts:
-    x, y, yaw, breadth, depth, height = parameters(theta)
-    corners = _turned(x, y, yaw, exp(breadth).times(CORNER_X), exp(depth).times(CORNER_Y))
-    return stacked([(*corners, exp(height).times(CORNER_Z), None, None)], [8])
+    x, y, yaw, breadth, depth, height = parameters(theta, logs=[3, 4, 5])
+    corners = _turned(x, y, yaw, breadth.times(CORNER_X), depth.times(CORNER_Y))
+    return stacked([(*corners, height.times(CORNER_Z), None, None)], [8])
 
 
 def _ell(theta: Float) -> Parts:
     """A box and a lower one of the same depth at one of its sides."""
-    x, y, yaw, breadth, depth, height, length, level = parameters(theta)
-    half, top = exp(breadth), exp(height)
-    across = joined(half.times(CORNER_X), (half + exp(length)).times(SIDE_X))
-    along = exp(depth).times(np.append(CORNER_Y, SIDE_Y))
-    levels = joined(top.times(CORNER_Z), (logistic(level) * top).times(SIDE_Z))
+    x, y, yaw, breadth, depth, height, length, level = parameters(theta, logs=[3, 4, 5, 6], fractions=[7])
+    across = joined(breadth.times(CORNER_X), (breadth + length).times(SIDE_X))
+    along = depth.times(np.append(CORNER_Y, SIDE_Y))
+    levels = joined(height.times(CORNER_Z), (level * height).times(SIDE_Z))
     return stacked([(*_turned(x, y, yaw, across, along), levels, None, None)], [12])
 
 
 def _wagon(theta: Float) -> Parts:
     """An L raised above the ground, on four feet."""
-    x, y, yaw, breadth, depth, height, length, level, clearance, inset = parameters(theta)
-    half, top = exp(breadth), exp(height)
-    lift, front = logistic(clearance) * top, half + exp(length)
-    rise = top - lift
-    middle, span = (front - half).times(HALF), (front + half).times(HALF)
-    feet = middle + (span * logistic(inset)).times(CORNER_X[:4])
-    across = joined(half.times(CORNER_X), front.times(SIDE_X), feet)
-    along = exp(depth).times(np.concatenate([CORNER_Y, SIDE_Y, CORNER_Y[:4]]))
-    tall, low = rise.times(CORNER_Z) + lift, (logistic(level) * rise).times(SIDE_Z) + lift
+    free = parameters(theta, logs=[3, 4, 5, 6], fractions=[7, 8, 9])
+    x, y, yaw, breadth, depth, height, length, level, clearance, inset = free
+    lift, front = clearance * height, breadth + length
+    rise = height - lift
+    middle, span = (front - breadth).times(HALF), (front + breadth).times(HALF)
+    feet = middle + (span * inset).times(CORNER_X[:4])
+    across = joined(breadth.times(CORNER_X), front.times(SIDE_X), feet)
+    along = depth.times(np.concatenate([CORNER_Y, SIDE_Y, CORNER_Y[:4]]))
+    tall, low = rise.times(CORNER_Z) + lift, (level * rise).times(SIDE_Z) + lift
     corners = _turned(x, y, yaw, across, along)
     return stacked([(*corners, joined(tall, low, lift.times(NOTHING)), None, None)], [16])
 
 
 def _pylon(theta: Float) -> Parts:
     """A cone on a square plate."""
-    x, y, yaw, breadth, thickness, height, radius = parameters(theta)
-    half, top = exp(breadth), exp(height)
-    plate = _turned(x, y, yaw, half.times(CORNER_X), half.times(CORNER_Y))
-    return stacked(
-        [(*plate, (logistic(thickness) * top).times(CORNER_Z), None, None), (x, y, top, radius, None)], [8, 1]
-    )
+    x, y, yaw, breadth, thickness, height, radius = parameters(theta, logs=[3, 5], fractions=[4])
+    plate = _turned(x, y, yaw, breadth.times(CORNER_X), breadth.times(CORNER_Y))
+    levels = (thickness * height).times(CORNER_Z)
+    return stacked([(*plate, levels, None, None), (x, y, height, radius, None)], [8, 1])
 
 
 def _mug(theta: Float) -> Parts:
     """A frustum with a handle, which is a spheroid at its side."""
-    x, y, height, below, above, dx, dy, level, radius, half = parameters(theta)
-    top = exp(height)
-    handle = (x + dx, y + dy, logistic(level) * top, exp(radius), exp(half))
-    return stacked([(x, y, None, below, None), (x, y, top, above, None), handle], [1, 1, 1])
+    free = parameters(theta, logs=[2, 8, 9], fractions=[7])
+    x, y, height, below, above, dx, dy, level, radius, half = free
+    handle = (x + dx, y + dy, level * height, radius, half)
+    return stacked([(x, y, None, below, None), (x, y, height, above, None), handle], [1, 1, 1])
 
 
 def _lump(theta: Float) -> Parts:
     """A spheroid with two balls, each anywhere on it: a head with ears, a toy with arms."""
-    x, y, size, stretch, *balls = parameters(theta)
-    half = exp(size + stretch)
-    spheroids: list[tuple[Jet | None, ...]] = [(x, y, half, exp(size), half)]
-    for dx, dy, level, ball in (balls[:4], balls[4:]):
-        radius = exp(ball)
-        spheroids.append((x + dx, y + dy, (logistic(level) * half).times(TWICE), radius, radius))
+    x, y, breadth, stretch, *balls = parameters(theta, logs=[2, 3, 7, 11], fractions=[6, 10])
+    half = breadth * stretch
+    spheroids: list[tuple[Jet | None, ...]] = [(x, y, half, breadth, half)]
+    for dx, dy, level, radius in (balls[:4], balls[4:]):
+        spheroids.append((x + dx, y + dy, (level * half).times(TWICE), radius, radius))
     return stacked(spheroids, [1, 1, 1])
 
 

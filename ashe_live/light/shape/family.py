@@ -8,8 +8,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
+
+FEW_PARTS = 4  # spheroids of a body that is computed beside others of as few
 
 Parts = tuple[Float, Float]  # (n, k, 5) spheroids, (n, k, 5, q) their derivatives
 
@@ -30,26 +33,44 @@ class Family:
         return len(self.spread)
 
 
-def parts_of(families: Sequence[Family], shapes: Float) -> Parts:
-    """The spheroids (n, k, 5) of n bodies, members of `families` (n,) with parameters `shapes` (n, q), in one batch.
+@dataclass(frozen=True, slots=True, eq=False)
+class Batch:
+    """Bodies that are computed together: all are hulls of points, or all of few spheroids, or all of many."""
 
-    Bodies with fewer spheroids are padded with copies of their first, and those with fewer parameters with derivatives
-    of 0. Returns the derivatives (n, k, 5, q) too.
+    rows: NDArray[np.intp]  # (m,) indices of the bodies
+    parts: Float  # (m, k, 5) spheroids; those with fewer are padded with copies of their first
+    by_shape: Float  # (m, k, 5, q) derivatives; of those with fewer parameters padded with 0
+
+
+def batches_of(families: Sequence[Family], shapes: Float) -> list[Batch]:
+    """The spheroids of n bodies, members of `families` (n,) with parameters `shapes` (n, q), in batches.
+
+    Points have simpler formulas than spheroids, and to pad few parts to many costs more than a batch of their own.
     """
     members: dict[str, list[int]] = {}
     for i, family in enumerate(families):
         members.setdefault(family.name, []).append(i)
-    several = []
+    batches: dict[tuple[bool, bool], list[tuple[list[int], Float, Float]]] = {}
     for rows in members.values():
         family = families[rows[0]]
-        several.append((rows, *family.parts(shapes[rows, : family.size])))
-    most = max(parts.shape[1] for _, parts, _ in several)
-    stack, slopes = np.empty((len(shapes), most, 5)), np.zeros((len(shapes), most, 5, shapes.shape[1]))
-    for rows, parts, by_shape in several:
-        _, count, _, size = by_shape.shape
-        stack[rows, :count], stack[rows, count:] = parts, parts[:, :1]
-        slopes[rows, :count, :, :size] = by_shape
-    return stack, slopes
+        parts, by_shape = family.parts(shapes[rows, : family.size])
+        kind = bool(parts[..., 3:].any()), parts.shape[1] > FEW_PARTS
+        batches.setdefault(kind, []).append((rows, parts, by_shape))
+    return [_joined(several) for several in batches.values()]
+
+
+def _joined(several: Sequence[tuple[list[int], Float, Float]]) -> Batch:
+    """One batch of the members of several families: the indices of each one's, their spheroids and derivatives."""
+    rows = np.concatenate([each for each, *_ in several])
+    most, size = (max(by_shape.shape[axis] for *_, by_shape in several) for axis in (1, 3))
+    stack, slopes = np.empty((len(rows), most, 5)), np.zeros((len(rows), most, 5, size))
+    begin = 0
+    for each, parts, by_shape in several:
+        here, (_, count, _, q) = slice(begin, begin + len(each)), by_shape.shape
+        stack[here, :count], stack[here, count:] = parts, parts[:, :1]
+        slopes[here, :count, :, :q] = by_shape
+        begin += len(each)
+    return Batch(rows, stack, slopes)
 
 
 def padded(rows: Sequence[Float]) -> Float:

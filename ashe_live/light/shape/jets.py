@@ -41,29 +41,34 @@ class Jet:
         return Jet(self.numbers.imag)
 
 
-def parameters(theta: Float) -> list[Jet]:
-    """The q columns of theta (n, q) as jets (n, 1), by which derivatives are taken."""
+def parameters(theta: Float, logs: Sequence[int] = (), fractions: Sequence[int] = ()) -> list[Jet]:
+    """What the q columns of theta (n, q) stand for, as jets (n, 1) whose derivatives are by theta.
+
+    logs: columns that are logarithms, of which the jets are the numbers. fractions: columns that stand for a fraction
+    between 0 and 1 by the logistic function. All others stand for themselves.
+    """
     n, q = theta.shape
-    numbers = np.empty((n, q, 1 + q))
-    numbers[..., 0], numbers[..., 1:] = theta, np.eye(q)
+    values, slopes = theta.copy(), np.ones((n, q))
+    if logs:
+        values[:, logs] = slopes[:, logs] = np.exp(_limited(theta[:, logs]))
+    if fractions:
+        share = 1 / (1 + np.exp(_limited(-theta[:, fractions])))
+        values[:, fractions], slopes[:, fractions] = share, share * (1 - share)
+    numbers, column = np.zeros((n, q, 1 + q)), np.arange(q)
+    numbers[..., 0], numbers[:, column, 1 + column] = values, slopes
     return [Jet(numbers[:, i : i + 1]) for i in range(q)]
 
 
-def exp(jet: Jet) -> Jet:
-    value = np.exp(np.minimum(np.maximum(jet.numbers[..., :1], -30.0), 30.0))
-    return _chained(jet, value, value)
-
-
-def logistic(jet: Jet) -> Jet:
-    """The logistic function: a fraction between 0 and 1."""
-    value = 1 / (1 + np.exp(np.minimum(np.maximum(-jet.numbers[..., :1], -30.0), 30.0)))
-    return _chained(jet, value, value * (1 - value))
+def _limited(exponents: Float) -> Float:
+    return np.asarray(np.minimum(np.maximum(exponents, -30.0), 30.0))
 
 
 def unit_complex(jet: Jet) -> Jet:
     """exp(i angle): the complex number that rotates the plane by an angle."""
     value = np.exp(1j * jet.numbers[..., :1])
-    return _chained(jet, value, 1j * value)
+    numbers = 1j * value * jet.numbers
+    numbers[..., :1] = value
+    return Jet(numbers)
 
 
 def joined(*jets: Jet) -> Jet:
@@ -82,9 +87,3 @@ def stacked(groups: Sequence[tuple[Jet | None, ...]], counts: Sequence[int]) -> 
                 numbers[:, begin : begin + count, field] = jet.numbers
         begin += count
     return numbers[..., 0], numbers[..., 1:]
-
-
-def _chained(jet: Jet, value: Float, slope: Float) -> Jet:
-    numbers = slope * jet.numbers
-    numbers[..., :1] = value
-    return Jet(numbers)

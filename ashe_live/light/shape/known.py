@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.caster import Caster
 from ashe_live.light.shape.family import Family, Parts
-from ashe_live.light.shape.jets import Jet, exp, parameters, stacked, unit_complex
+from ashe_live.light.shape.jets import Jet, parameters, stacked, unit_complex
 
 # Turns from which a search starts, in a whole circle: of a box four between one side and the next.
 TURNS = 16
@@ -60,9 +60,10 @@ def _parts(caster: Caster, theta: Float) -> Parts:
 
 
 def _resized(caster: Caster, theta: Float) -> Parts:
-    free, count = parameters(theta), _sizes(caster)
+    (_, q), count = theta.shape, _sizes(caster)
+    free = parameters(theta, logs=range(q - count, q))
     (x, y, *turns), sizes = free[:-count], free[-count:]
-    x_size, y_size, z_size = (exp(sizes[i]) for i in SIZES[caster.kind])
+    x_size, y_size, z_size = (sizes[i] for i in SIZES[caster.kind])
     across, along, up, radius, half = np.array(caster.spheroids).T / unit_m(caster)
     aside: tuple[Jet, Jet] = x_size.times(across), y_size.times(along)
     for turn in turns:

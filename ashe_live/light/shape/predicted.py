@@ -12,7 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.family import padded, parts_of
+from ashe_live.light.shape.family import batches_of, padded
 from ashe_live.light.shape.light_points import cast_on_ground
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.supports import outline_points
@@ -85,16 +85,15 @@ def lit_outlines(several: Sequence[LitBody], sights: Sequence[Sight]) -> list[li
     All have the same number of lights, and the sights' pixels are counted from the picture's corner.
     """
     P = np.array([sight.P(lit.body.frame) for lit, sight in zip(several, sights, strict=True)])
-    parts, _ = parts_of([lit.body.family for lit in several], padded([lit.body.shape for lit in several]))
-    clouds = outline_points(P, parts, np.array([lit.lights_in_body_frame for lit in several]), AROUND).astype(
-        np.float32
-    )
-    # What seems very large may extend behind the camera, and needs the slower projection with clipping.
-    are_large = ~(np.abs(clouds).max(axis=(1, 2, 3, 4)) < LARGE_PX)
-    return [
-        _clipped(lit, sight) if is_large else [_hull(cloud) for cloud in clouds_of_one]
-        for lit, sight, clouds_of_one, is_large in zip(several, sights, clouds, are_large, strict=True)
-    ]
+    lights = np.array([lit.lights_in_body_frame for lit in several])
+    found: dict[int, list[Float | None]] = {}
+    for batch in batches_of([lit.body.family for lit in several], padded([lit.body.shape for lit in several])):
+        clouds = outline_points(P[batch.rows], batch.parts, lights[batch.rows], AROUND).astype(np.float32)
+        # What seems very large may extend behind the camera, and needs the slower projection with clipping.
+        are_large = ~(np.abs(clouds).max(axis=(1, 2, 3, 4)) < LARGE_PX)
+        for i, is_large, of_one in zip(batch.rows.tolist(), are_large, clouds, strict=True):
+            found[i] = _clipped(several[i], sights[i]) if is_large else [_hull(cloud) for cloud in of_one]
+    return [found[i] for i in range(len(several))]
 
 
 def _clipped(lit: LitBody, sight: Sight) -> list[Float | None]:

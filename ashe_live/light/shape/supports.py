@@ -7,12 +7,14 @@ spheroid, through the light's projection onto the ground.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
+from ashe_live.light.shape.family import Family, batches_of
 from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.light_points import shadow_projection
 
@@ -35,7 +37,9 @@ class Supports:
 
     reach_px: Float  # (n, 1 + l, d) max of u . p over the outline of body n, for direction u
     part: NDArray[np.intp]  # (n, 1 + l, d) index of the spheroid that reaches farthest
-    by_part: Float  # (n, 1 + l, 5, d) derivative by that spheroid's x, y, z, radius, half height
+    by_part: (
+        Float  # (n, 1 + l, 5, d) derivative by that spheroid's x, y, z, radius, half height; by the first 3 of points
+    )
     by_light: Float  # (n, l, 3, d) derivative of a shadow's reach by its light's displacement s and nearness w / z
 
     def by_theta(self, by_shape: Float, with_nearness: bool = False) -> Float:
@@ -43,15 +47,43 @@ class Supports:
 
         by_shape: (n, k, 5, q) those of the spheroids by the shape. with_nearness: as in the Layout of theta.
         """
-        (n, outlines, d), (k, q) = self.part.shape, by_shape.shape[1::2]
+        (n, outlines, d), fields = self.part.shape, self.by_part.shape[2]
+        k, q = by_shape.shape[1::2]
         layout = Layout(outlines - 1, with_nearness)
         is_touched = self.part[:, :, None] == np.arange(k)[:, None]
-        by_parts = (is_touched[:, :, :, None] * self.by_part[:, :, None]).reshape(n, outlines, 5 * k, d)
+        by_parts = (is_touched[:, :, :, None] * self.by_part[:, :, None]).reshape(n, outlines, k * fields, d)
         slopes = np.zeros((n, layout.split + q, outlines, d))
-        slopes[:, layout.split :] = (by_shape.reshape(n, 1, 5 * k, q).swapaxes(2, 3) @ by_parts).swapaxes(1, 2)
+        by_fields = by_shape[:, :, :fields].reshape(n, 1, k * fields, q).swapaxes(2, 3)
+        slopes[:, layout.split :] = (by_fields @ by_parts).swapaxes(1, 2)
         for light in range(layout.lights):
             slopes[:, layout.light(light), 1 + light] = self.by_light[:, light, : layout.per_light]
         return slopes
+
+
+def outline_reaches(
+    families: Sequence[Family],
+    shapes: Float,
+    P: Float,
+    lights: Float,
+    directions: Float,
+    touching: Float | None = None,
+    with_nearness: bool = False,
+) -> tuple[Float, Float]:
+    """(n, 1 + l, d) support functions of n bodies and their shadows; (n, split + q, 1 + l, d) derivatives by theta.
+
+    shapes: (n, q) parameters of the members of `families` (n,). with_nearness: as in the Layout of theta. All else as
+    in `outline_supports`.
+    """
+    (n, q), (_, count, _), d = shapes.shape, lights.shape, directions.shape[-1]
+    split = Layout(count, with_nearness).split
+    reach_px, by_theta = np.empty((n, 1 + count, d)), np.zeros((n, split + q, 1 + count, d))
+    for batch in batches_of(families, shapes):
+        rows = batch.rows
+        turned = None if touching is None else touching[rows]
+        supports = outline_supports(P[rows], batch.parts, lights[rows], directions[rows], turned)
+        reach_px[rows] = supports.reach_px
+        by_theta[rows, : split + batch.by_shape.shape[3]] = supports.by_theta(batch.by_shape, with_nearness)
+    return reach_px, by_theta
 
 
 def outline_supports(
@@ -82,33 +114,33 @@ def outline_supports(
     touched = part + k * np.arange(part.shape[0] * part.shape[1]).reshape(*part.shape[:2], 1)
     depth = seen.centres[..., 2].reshape(-1).take(touched)
     height = np.repeat(parts[:, None, :, 2], part.shape[1], axis=1).reshape(-1).take(touched)
-    by_part = np.zeros((*part.shape[:2], 5, part.shape[2]))
-    by_part[:, :, :3] = slopes
+    by_part = slopes
     if seen.conics is not None:
         radius, half = (seen.radii[..., i].reshape(-1).take(touched) for i in (0, 1))
         flat = radius * (slopes[:, :, 0] ** 2 + slopes[:, :, 1] ** 2)
         tall = half * slopes[:, :, 2] ** 2
         lean = np.maximum(np.sqrt(radius * flat + half * tall), 1e-30)
-        by_part[:, :, 3], by_part[:, :, 4] = flat / lean, tall / lean
+        by_part = np.concatenate([slopes, (flat / lean)[:, :, None], (tall / lean)[:, :, None]], axis=2)
         lift = half**2 / lean * slopes[:, :, 2]
         sideways = (slopes[:, :, :2] * axes[..., :2, 2:]).sum(axis=2)
         depth += radius**2 / lean * sideways + lift * axes[..., 2, 2:]
         height += lift
     depth = np.maximum(depth, nearest)[:, :, None]
-    by_part /= depth
+    by_part = by_part / depth
     from_origin = (origin[..., :2] @ directions - origin[..., 2:] * reach_px[:, :, None]) / depth
     by_light = -np.concatenate([by_part[:, 1:, :2], from_origin[:, 1:]], axis=2) * height[:, 1:, None]
     return Supports(reach_px, part, by_part, by_light)
 
 
 def outline_points(P: Float, parts: Float, lights: Float, around: int) -> Float:
-    """(n, 1 + l, k, around, 2) pixels on the ellipses of spheroids and of their shadows.
+    """(n, 1 + l, k, around, 2) pixels on the ellipses of spheroids and of their shadows; (n, 1 + l, k, 1, 2) of points.
 
     P, parts, lights: as in `outline_supports`. around: points on each ellipse.
     """
     axes, origin = _axes(P, lights)
-    seen = _Images.of(parts, axes, origin, NEAREST_DEPTH * P[:, 2, 3, None, None], always_conics=True)
-    assert seen.conics is not None
+    seen = _Images.of(parts, axes, origin, NEAREST_DEPTH * P[:, 2, 3, None, None])
+    if seen.conics is None:
+        return np.asarray((seen.centres[..., :2] / seen.centres[..., 2:])[..., None, :])
     xx, xy, yy, x, y, _ = np.moveaxis(seen.conics, -1, 0)
     # The ellipse is the image of the unit circle under the Cholesky factor of its symmetric matrix.
     wide = np.sqrt(np.maximum(x * x - xx, 0.0))
@@ -136,10 +168,10 @@ class _Images:
     conics: Float | None  # (n, 1 + l, k, 6) upper halves of the dual conics, over their last element; None of points
 
     @staticmethod
-    def of(parts: Float, axes: Float, origin: Float, nearest: Float, always_conics: bool = False) -> "_Images":
+    def of(parts: Float, axes: Float, origin: Float, nearest: Float) -> "_Images":
         centres = parts[:, None, :, :3] @ axes + origin
         radii = np.repeat(parts[:, None, :, 3:], len(axes[0]), axis=1)
-        if not (always_conics or radii.any()):
+        if not radii.any():
             np.maximum(centres[..., 2], nearest, out=centres[..., 2])
             return _Images(centres, radii, None)
         depth = centres[..., 2]

@@ -1,5 +1,7 @@
 """The shift from lit to shadowed ground, on painted scenes whose ratio of shadow to light is known."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shadow_ratio, shadow_shifts
+from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shadow_ratio, shadow_shifts, voted_for
 from ashe_live.light.pixels.log_colour import CHROMA_WEIGHT, DARKEST
 from ashe_live.light.pixels.mixtures import Mixture
 from tests.light.painted_regions import painted_region
@@ -33,6 +35,11 @@ def ground_of(colour: Float) -> LitGround:
 def scattered(colour: Float, count: int) -> Float32:
     """(count, 3) colours that scatter about one (3,)."""
     return (colour + np.random.default_rng(0).normal(0, 0.05, (count, 3))).astype(np.float32)
+
+
+def shifts_of(ground: LitGround, votes: Sequence[Float32], count: int) -> list[Float]:
+    """The modes of several votes, each of colours (n, 3)."""
+    return shadow_shifts([shifts for colours in votes for shifts in voted_for(colours, ground, count)])
 
 
 @pytest.mark.parametrize("ratio", [(1.0, 1.0, 1.0), (0.2, 0.3, 0.45), (0.05, 0.05, 0.05), (0.9, 0.8, 0.7)])
@@ -69,7 +76,7 @@ def test_the_true_shift_is_among_those_voted_for(ground: str, caster: Caster) ->
 def test_pale_and_nearly_black_shadows_are_voted_for(ratio: float) -> None:
     """Phones make strong shadows black."""
     lit, shaded = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, ratio))
-    shifts = shadow_shifts(ground_of(lit), [scattered(shaded, 400)], 3)
+    shifts = shifts_of(ground_of(lit), [scattered(shaded, 400)], 3)
     assert min(np.abs(shift - (shaded - lit)).max() for shift in shifts) < 0.05
 
 
@@ -84,15 +91,15 @@ def test_shifts_are_different_ones_and_make_darker() -> None:
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_no_more_are_told_than_asked_for(count: int) -> None:
     here = painted_region(BOX, ground="striped")
-    assert len(shadow_shifts(here.ground, [here.region.colours[here.region.unlit]], count)) == count
+    assert len(shifts_of(here.ground, [here.region.colours[here.region.unlit]], count)) == count
 
 
 def test_a_few_pixels_vote_for_nothing() -> None:
     here = painted_region(BOX)
     colours = here.region.colours[here.region.unlit]
-    assert shadow_shifts(here.ground, [colours[:0]], 5) == []
-    assert shadow_shifts(here.ground, [colours[:10]], 5) == []
-    assert shadow_shifts(here.ground, [], 5) == []
+    assert shifts_of(here.ground, [colours[:0]], 5) == []
+    assert shifts_of(here.ground, [colours[:10]], 5) == []
+    assert shifts_of(here.ground, [], 5) == []
 
 
 def test_many_dark_pixels_elsewhere_do_not_outvote_a_small_shadow() -> None:
@@ -100,7 +107,7 @@ def test_many_dark_pixels_elsewhere_do_not_outvote_a_small_shadow() -> None:
     near, everywhere = scattered(small, 100), np.concatenate([scattered(large, 6000), scattered(small, 100)])
 
     def is_told(votes: list[Float32]) -> bool:
-        return any(np.abs(shift - (small - lit)).max() < 0.1 for shift in shadow_shifts(ground_of(lit), votes, 3))
+        return any(np.abs(shift - (small - lit)).max() < 0.1 for shift in shifts_of(ground_of(lit), votes, 3))
 
     assert not is_told([everywhere])
     assert is_told([near, everywhere])
@@ -108,5 +115,5 @@ def test_many_dark_pixels_elsewhere_do_not_outvote_a_small_shadow() -> None:
 
 def test_what_two_votes_agree_on_is_told_once() -> None:
     lit, shaded = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, 0.3))
-    once = shadow_shifts(ground_of(lit), [scattered(shaded, 400)], 3)
-    assert len(shadow_shifts(ground_of(lit), [scattered(shaded, 400)] * 2, 3)) == len(once)
+    once = shifts_of(ground_of(lit), [scattered(shaded, 400)], 3)
+    assert len(shifts_of(ground_of(lit), [scattered(shaded, 400)] * 2, 3)) == len(once)

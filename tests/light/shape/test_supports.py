@@ -10,10 +10,10 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.shape.families import FAMILIES
-from ashe_live.light.shape.family import Family, padded, parts_of
+from ashe_live.light.shape.family import Family, batches_of, padded
 from ashe_live.light.shape.layout import Layout, light_parameters, nearness_of
 from ashe_live.light.shape.light_points import at_infinity
-from ashe_live.light.shape.supports import outline_points, outline_supports
+from ashe_live.light.shape.supports import outline_points, outline_reaches, outline_supports
 from tests.light.synthetic_masks import camera_towards
 
 ANGLES = np.arange(16) * (2 * math.pi / 16) + 0.1
@@ -130,13 +130,30 @@ def test_outline_points_lie_on_the_outline_and_reach_as_far_as_it(name: str) -> 
 
 
 def test_parts_of_several_families_are_those_of_each() -> None:
-    names = ["frustum", "box", "mug", "box"]
+    names = ["frustum", "box", "mug", "box", "pylon", "ell"]
     shapes = [member(name)[0] for name in names]
-    parts, slopes = parts_of([FAMILIES[name] for name in names], padded(shapes))
-    for i, (name, shape) in enumerate(zip(names, shapes, strict=True)):
-        (own,), (own_slopes,) = FAMILIES[name].parts(shape[None])
-        assert np.array_equal(parts[i, : len(own)], own)
-        assert (parts[i, len(own) :] == own[0]).all()
-        assert np.array_equal(slopes[i, : len(own), :, : len(shape)], own_slopes)
-        assert not slopes[i, len(own) :].any()
-        assert not slopes[i, :, :, len(shape) :].any()
+    batches = batches_of([FAMILIES[name] for name in names], padded(shapes))
+    assert sorted(row for batch in batches for row in batch.rows.tolist()) == list(range(len(names)))
+    for batch in batches:
+        for i, parts, slopes in zip(batch.rows.tolist(), batch.parts, batch.by_shape, strict=True):
+            (own,), (own_slopes,) = FAMILIES[names[i]].parts(shapes[i][None])
+            assert np.array_equal(parts[: len(own)], own)
+            assert (parts[len(own) :] == own[0]).all()
+            assert np.array_equal(slopes[: len(own), :, : len(shapes[i])], own_slopes)
+            assert not slopes[len(own) :].any()
+            assert not slopes[:, :, len(shapes[i]) :].any()
+
+
+def test_reaches_of_several_families_are_those_of_each() -> None:
+    shapes, families = [member(name)[0] for name in FAMILIES], list(FAMILIES.values())
+    P_of_all, lights, directions = (
+        np.repeat(one, len(families), axis=0) for one in (P[None], LIGHTS, DIRECTIONS.T[None])
+    )
+    reach_px, by_theta = outline_reaches(families, padded(shapes), P_of_all, lights, directions)
+    for i, (family, shape) in enumerate(zip(families, shapes, strict=True)):
+        parts, by_shape = family.parts(shape[None])
+        alone = outline_supports(P[None], parts, LIGHTS, DIRECTIONS.T[None])
+        slopes = alone.by_theta(by_shape)[0]
+        assert np.allclose(reach_px[i], alone.reach_px[0], rtol=1e-12)
+        assert np.allclose(by_theta[i, : len(slopes)], slopes, rtol=1e-9, atol=1e-9)
+        assert not by_theta[i, len(slopes) :].any()

@@ -36,7 +36,7 @@ def company_features(explanation: Explanation, company: Company) -> dict[str, fl
     agreeing = [
         min(other.alignment.clear_body, other.alignment.clear_shadow)
         for other in company.others
-        if angle_between(first.to_light_marker, other.lights[0].to_light_marker) < AGREEING_RAD
+        if first.to_light_marker @ other.lights[0].to_light_marker > math.cos(AGREEING_RAD)
         and _are_apart(explanation.proxy, other.proxy)
     ]
     if company.glint is not None:

@@ -130,8 +130,12 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[s
 
 def shadow_core(region: Region, masks: Predicted) -> Mask:
     """(h, w) the inside of a shadow: on the ground, away from the shadow's outline and from the object."""
-    clear = region.is_ground & (distance_to(masks.body) > BESIDE_OBJECT_PX)
-    return masks.shadow & clear & (distance_to(~masks.whole) > WITHIN_PX)
+    core = np.zeros_like(masks.shadow)
+    window = window_around(masks.shadow, math.ceil(2 * BESIDE_OBJECT_PX))
+    shadow, body = masks.shadow[window], masks.body[window]
+    clear = region.is_ground[window] & (distance_to(body) > BESIDE_OBJECT_PX)
+    core[window] = shadow & clear & (distance_to(~(shadow | body)) > WITHIN_PX)
+    return core
 
 
 def _share_in_shadow(explanation: Explanation) -> float:
