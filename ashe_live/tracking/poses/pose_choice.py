@@ -12,9 +12,9 @@ from ashe_live.tracking.poses.pose_refinement import Solution
 # The smaller error alone decides only if the other is larger by this ratio, and by more than noise and curled paper
 # explain. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the right one's error.
 DECISIVE_RATIO = 2.0
-FOCAL_SIGMAS = 2.0  # by which the focal length may be longer than stated, without that being otherwise
+FOCAL_SIGMAS = 2.0  # of the logarithm of the focal length: how much longer than stated it may be
 
-Unlikeliness = Callable[[Solution], float]  # what the likelier of two poses has less of, whatever the corners say
+Unlikeliness = Callable[[Solution], float]  # prior cost of a pose: the less, the likelier before corners are looked at
 
 
 def in_order(
