@@ -37,7 +37,7 @@ class Supports:
 
     reach_px: Float  # (n, 1 + l, d) max of u . p over the outline of body n, for direction u
     part: NDArray[np.intp]  # (n, 1 + l, d) index of the spheroid that reaches farthest
-    # (n, 1 + l, 5, d) derivative by that spheroid's x, y, z, radius, half height; (n, 1 + l, 3, d) of points, by x, y, z
+    # (n, 1 + l, 5, d) derivative by that spheroid's x, y, z, radius, half height; of points (n, 1 + l, 3, d)
     by_part: Float
     by_light: Float  # (n, l, 3, d) derivative of a shadow's reach by its light's displacement s and nearness w / z
 
