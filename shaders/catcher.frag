@@ -28,9 +28,7 @@ uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
 #endif
 
 #ifdef COVERS
-uniform sampler2D cover;  // of the marker's sheet: the ground that it hides; straight alpha
-uniform float cover_half_m;
-uniform vec3 cover_gain;  // exposure of this frame over that of the cover's
+#include "cover.glsl"
 #endif
 // Of a pixel's side, the width of the texels looked at, lest leaves' shadows that are finer than a pixel break up. Their
 // interpolation blurs by 0.6 of a pixel's own area, which the composite adds: with more, borders are too wide for the lens.
@@ -42,7 +40,7 @@ uniform float border_px;  // standard deviation of the real shadow's border beyo
 
 in vec2 ground;
 in vec2 ground_placed;
-layout(location = 0) out vec4 added_light;  // the cover's, if any
+layout(location = 0) out vec4 added_light;  // none; alpha: where the cover is seen, as in cover.glsl
 layout(location = 1) out vec4 removed;
 
 vec3 video_at(vec2 pixel) {
@@ -101,8 +99,7 @@ void main() {
     vec2 at = (ground_placed - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
     float covered = 0.0;
 #ifdef COVERS
-    vec4 covering = texture(cover, 0.5 + 0.5 * ground / cover_half_m);
-    covered = covering.a;
+    covered = cover_at(ground).a;
 #endif
     // What hides the sky is as much of a wall as it does so on one side; the rest of it hangs above.
     vec3 hidden = texture(contact, at).rgb;
@@ -155,8 +152,8 @@ void main() {
     vec3 change = abs(1.0 - ratio);
     if (covered == 0.0 && max(change.r, max(change.g, change.b)) < 0.0005) discard;
     added_light = vec4(0.0);
-    removed = vec4(1.0 - (1.0 - covered) * ratio, 0.0);
 #ifdef COVERS
-    added_light = covered * vec4(linear_from_srgb(covering.rgb) * cover_gain * ratio, 1.0);
+    added_light.a = COVER_ALPHA * covered;
 #endif
+    removed = vec4(1.0 - ratio, 0.0);
 }

@@ -3,8 +3,12 @@
 #version 330 core
 #include "srgb.glsl"
 #include "middle.glsl"
+#ifdef COVERS
+#include "cover.glsl"
+uniform mat3 ground_from_pixel;  // of the pinhole camera's picture, to the marker's plane; homogeneous
+#endif
 
-uniform sampler2D added_light;  // linear RGB; alpha: fraction of the pixel that the model covers
+uniform sampler2D added_light;  // linear RGB; alpha: fraction of the pixel that the model covers, or as in cover.glsl
 uniform sampler2D removed;  // fraction of the video's light that is gone, linear RGB
 uniform sampler2D video;
 uniform float weights[REACH + 1];  // of a row's middle, and of its neighbours on either side
@@ -69,6 +73,16 @@ vec3 left_of(vec3 seen, vec3 gone) {
 #endif
 }
 
+#ifdef COVERS
+// The cover in a pixel, as far as it is seen. `alpha`: of the added light, blurred.
+vec4 cover_behind(vec2 middle, float alpha) {
+    vec3 ground = ground_from_pixel * vec3(middle, 1.0);
+    vec4 covering = ground.z > 0.0 ? cover_at(ground.xy / ground.z) : vec4(0.0);
+    covering.a *= min(alpha / COVER_ALPHA, 1.0);
+    return covering;
+}
+#endif
+
 void main() {
     vec2 at = (gl_FragCoord.xy - viewport.xy) / viewport.zw;
     vec2 middle = middle_of_blurs();
@@ -119,6 +133,10 @@ void main() {
 #endif
     if (max(light.a, max(change.r, max(change.g, change.b))) < 0.0005) discard;
     vec3 seen = linear_from_srgb(texture(video, at).rgb);
+#ifdef COVERS
+    vec4 covering = cover_behind(middle, light.a);
+    seen = mix(seen, covering.rgb, covering.a);
+#endif
     vec3 composed = srgb_from_linear(left_of(seen, gone) + light.rgb);
     float luma = dot(composed, LUMINANCE);
 #ifdef WIDE
@@ -135,13 +153,18 @@ void main() {
     uvec2 grain = uvec2((gl_FragCoord.xy - viewport.xy) / grain_px);
     composed += noise_sigma(luma) * light.a * noise(grain);
 #ifdef CUT_OUT
-    // What gives this picture when it is put over the video: as transparent as it can be, and opaque where the model is.
+    // What gives this picture when it is put over the video: as transparent as it can be, and opaque where the model is
+    // and what covers the sheet.
     vec3 behind = texture(video, at).rgb;
     vec3 wanted = clamp(composed, 0.0, 1.0);
     vec3 darker = (behind - wanted) / max(behind, 0.5 / 255.0);
     vec3 brighter = (wanted - behind) / max(1.0 - behind, 0.5 / 255.0);
     vec3 least = max(darker, brighter);
-    float alpha = clamp(max(light.a, max(least.r, max(least.g, least.b))), 0.0, 1.0);
+    float opaque = light.a;
+#ifdef COVERS
+    opaque = max(opaque, covering.a);
+#endif
+    float alpha = clamp(max(opaque, max(least.r, max(least.g, least.b))), 0.0, 1.0);
     if (alpha < 0.5 / 255.0) discard;
     // In steps of a byte, as it will be stored, so that the colour makes up for what it loses.
     alpha = ceil(alpha * 255.0) / 255.0;

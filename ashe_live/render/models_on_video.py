@@ -6,6 +6,7 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.proxy import Proxy
+from ashe_live.render.cover.hidden_marker import SeenCover
 from ashe_live.render.gl.framing import Rectangle, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
@@ -113,8 +114,12 @@ class ModelsOnVideo:
             if model is not None:
                 self._outlines.smooth(surface, grown(model.region, 1, surface.size))
         lens = self._lens if bends else None
+        cover = None
+        if hidden is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
+            cover = SeenCover(hidden, frame.ground_from_pixel)
+        region, video = frame.region, self._video
         self._composite.draw(
-            surface, frame.region, viewport, self._video, tracked, look, lens, scene.is_split, scene.is_cut_out
+            surface, region, viewport, video, tracked, look, cover, lens, scene.is_split, scene.is_cut_out
         )
 
     def release(self) -> None:

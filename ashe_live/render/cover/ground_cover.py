@@ -19,7 +19,8 @@ from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import sheet_mask
 
 HALF_SIDES = 2.75  # of the square of the plane that is looked at, in sides of the marker
-MOST_SIDE_PX, LEAST_SIDE_PX = 128.0, 24.0  # of the marker in the rectified picture
+MOST_SIDE_PX, LEAST_SIDE_PX = 256.0, 24.0  # of the marker in the rectified picture
+FINER = 1.5  # pixels of that for one of the picture: interpolated twice, fine relief would be lost otherwise
 COARSER = 1.6  # patches in which what a body hides is filled, over those of a sheet: it is some times as much ground
 FEATHER_PX = 2.0  # beyond the sheet, over which the cover ends
 LEAST_SHADE = 0.02  # by which a shadow's ground is divided, to be as if it were lit
@@ -44,7 +45,7 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCov
     """
     assert tracked.marker is not None
     side_m, body = tracked.marker.side_m, tracked.marker.body
-    side_px = float(np.clip(side_lengths_px(tracked.marker.corners_px).max(), LEAST_SIDE_PX, MOST_SIDE_PX))
+    side_px = float(np.clip(FINER * side_lengths_px(tracked.marker.corners_px).max(), LEAST_SIDE_PX, MOST_SIDE_PX))
     half_m = HALF_SIDES * side_m if body is None else half_of_square(tracked.marker, body, illumination)
     plane = rectified(tracked, illumination, half_m, round(2 * half_m / side_m * side_px))
     lit = np.asarray(plane.linear / np.maximum(plane.shade, LEAST_SHADE), np.float32)

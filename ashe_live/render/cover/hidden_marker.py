@@ -5,6 +5,7 @@ anew for another light, or when the camera has come so much nearer, or moved so 
 """
 
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 
 import cv2
 import moderngl
@@ -144,6 +145,19 @@ class HiddenMarker:
         if self._texture is not None:
             self._texture.release()
         self._texture = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenCover:
+    """A cover in one picture, as the composite needs it."""
+
+    hidden: HiddenMarker
+    ground_from_pixel: Float  # (3, 3) as `Framing.ground_from_pixel`
+
+    def bind(self, program: moderngl.Program) -> None:
+        """For programs that were built with `covers`."""
+        self.hidden.bind(program)
+        set_uniforms(program, ground_from_pixel=self.ground_from_pixel)
 
 
 def _gain(tracked: TrackedFrame, cover: GroundCover) -> Float | None:

@@ -1,5 +1,6 @@
 """A hole in a picture of the ground, filled by what lies around it.
 
+Ground is shading, straight lines and texture. Lines that both sides show are drawn across (`straight_lines.py`).
 Patches are filled from the outside inwards by those patches of visible ground that continue what is known already
 (Criminisi, Perez, Toyama, "Region filling and object removal by exemplar-based image inpainting", IEEE Trans. Image
 Processing 2004). What difference is left at the hole's border is spread over its inside as smoothly as can be (Perez,
@@ -10,17 +11,27 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.render.cover.straight_lines import straight_lines
 
 COARSE_SIDE_PX = 26.0  # of the marker where patches are looked for
 PATCH = 15  # coarse pixels a side
 STEP = 7  # coarse pixels between the patches of the hole, which overlap
+SHARPER = 4  # power of the weights by which patches are blended softly: the weights of what is fine
+TINY = 1e-9  # weight that counts as none
+OVER_TEXTURE = 0.5, 1.5  # contrasts of a straight line over the ground's, from which it is drawn and not only copied
 # Beside the hole, in the marker's sides: ground that the picture's coarse colours and sharpening have not mixed with
 # what lies in it.
 BLEED_SIDES, BESIDE_SIDES = 0.06, 0.16
+SHADING_SIDES = 0.5  # standard deviation of the blur whose result is the ground's shading, and not its texture
+BAND_SIDES = 0.04  # standard deviation of the blur that fine texture is finer than
 AROUND_SIDES = 0.5  # of the hole: ground that tells which colours ground has
 # Beyond the range of those: of the brightest, and of a channel's share in a colour, both of roots of linear RGB.
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
+THING, THING_OVER_TEXTURE = 0.08, 5.0  # in roots of linear RGB from the ground's level, or over their median
+THING_PX = 7  # coarse, that a thing is wider than
+MOST_THINGS = 0.25  # of the ground
 FIELD = 128  # cells a side in which the difference at the border is spread
+BORDER_CELLS = 3.0  # standard deviation of what is averaged along the border
 SMOOTH_ROUNDS = 100  # of relaxing it
 
 
@@ -29,24 +40,55 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
 
     is_source: (n, n) ground that may be copied. side_px: the marker's side.
     """
-    size = max(PATCH + 2, round(len(hole) * COARSE_SIDE_PX / side_px))
     # Roots: dark and bright patches are compared alike.
     roots = np.sqrt(np.clip(lit, 0, 4)).astype(np.float32)
-    coarse = np.asarray(cv2.resize(roots, (size, size), interpolation=cv2.INTER_AREA), np.float32)
     bleeds = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < BLEED_SIDES * side_px
-    unknown = cv2.resize(bleeds.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA) > 0.02
-    whole = cv2.resize((is_source & ~bleeds).astype(np.float32), (size, size), interpolation=cv2.INTER_AREA) > 0.98
-    whole &= _like_the_ground_around(coarse, whole, unknown)
-    sources = cv2.erode(whole.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
+    trusted = is_source & ~bleeds
+    size = max(PATCH + 2, round(len(hole) * COARSE_SIDE_PX / side_px))
+    unknown, ground = _scaled(bleeds, size) > 0.02, _scaled(trusted, size) > 0.98
+    ground &= _like_the_ground_around(_scaled(roots, size), ground, unknown)
+    things = _things(_scaled(roots, size), ground)
+    ground &= ~things
+    trusted &= _scaled(things, len(hole)) < 0.5
+    sources = cv2.erode(ground.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
     if not sources.any() or not unknown.any():
         return None
-    pasted, weight = np.zeros_like(roots), np.zeros(hole.shape, np.float32)
-    scale = len(hole) / size
-    trusted = (is_source & ~bleeds).astype(np.float32)
-    for place, source in _patches(coarse, unknown, whole, sources):
-        _paste(pasted, weight, roots, trusted, place, source, scale)
-    filled = np.where(hole[..., None] & (weight[..., None] > 0), pasted / np.maximum(weight, 1e-9)[..., None], roots)
-    return np.square(filled + _spread_difference(roots, pasted, weight, hole, is_source, side_px))
+    shading = _mean_around(roots, trusted, SHADING_SIDES * side_px)
+    detail = np.where(trusted[..., None], roots - shading, 0)
+    lines = straight_lines(detail, bleeds, trusted, side_px)
+    drawn = np.where(bleeds, _visibility(lines, detail[trusted]), 0)
+    detail = np.where(drawn[..., None] > 0, lines, detail)
+    copied = _Copied(detail, trusted | (drawn > 0), len(hole) / size)
+    known = ground | (_scaled(drawn > 0, size) > 0.5)
+    for place, source in _patches(_scaled(detail, size), _scaled(shading.mean(axis=2), size), unknown, known, sources):
+        copied.paste(place, source)
+    share = drawn[..., None]
+    texture = np.asarray(share * lines + (1 - share) * copied.blended(BAND_SIDES * side_px), np.float32)
+    level = _spread_difference(roots, texture, copied.is_there & trusted, hole, side_px)
+    return np.asarray(np.where(hole[..., None], np.square(np.maximum(texture + level, 0)), lit), np.float32)
+
+
+def _scaled(picture: Float32 | Mask, size: int) -> Float32:
+    """(size, size[, 3]) means."""
+    return np.asarray(cv2.resize(picture.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA), np.float32)
+
+
+def _visibility(lines: Float32, ground: Float32) -> Float:
+    """(n, n) 0 to 1: how much straight lines stand out from the detail of the ground (k, 3)."""
+    low, high = OVER_TEXTURE
+    contrast = np.linalg.norm(lines, axis=2) / max(float(np.median(np.linalg.norm(ground, axis=1))), 1e-4)
+    return np.asarray(np.clip((contrast - low) / (high - low), 0, 1), np.float64)
+
+
+def _mean_around(roots: Float32, trusted: Mask, sigma: float) -> Float32:
+    """(n, n, 3) of the ground that is trusted, weighted by a Gaussian; from a quarter of the resolution."""
+    weight = trusted.astype(np.float32)
+    sums, share = (
+        cv2.GaussianBlur(_scaled(each, len(weight) // 4), (0, 0), sigma / 4)
+        for each in (roots * weight[..., None], weight)
+    )
+    means = sums / np.maximum(share, 1e-6)[..., None]
+    return np.asarray(cv2.resize(means, weight.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
 def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask:
@@ -68,8 +110,30 @@ def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask
     return np.asarray(alike & ((hues > low - UNLIKE_HUE) & (hues < high + UNLIKE_HUE)).all(axis=2))
 
 
-def _patches(coarse: Float32, unknown: Mask, known: Mask, sources: Mask) -> list[tuple[Float, Float]]:
-    """Middles (row, column) of coarse patches to fill and of those to copy, in the order of filling."""
+def _things(coarse: Float32, ground: Mask) -> Mask:
+    """(m, m) what is much darker or brighter than the ground (m, m) around, and wide: objects, and their shadows.
+
+    Joints and cracks are narrow. Where so much would be such, it is a pattern of the ground. coarse: (m, m, 3) roots.
+    """
+    plain = ground.copy()
+    for _ in range(2):  # first with them, then without
+        level = _mean_around(coarse, plain, SHADING_SIDES * COARSE_SIDE_PX)
+        apart = np.abs((coarse - level).mean(axis=2))
+        texture = float(np.median(apart[plain])) if plain.any() else 0.0
+        plain = ground & (apart < max(THING, THING_OVER_TEXTURE * texture))
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (THING_PX, THING_PX))
+    wide = cv2.morphologyEx((ground & ~plain).astype(np.uint8), cv2.MORPH_OPEN, disc)
+    things = cv2.dilate(wide, disc) > 0
+    return things if (things & ground).sum() < MOST_THINGS * ground.sum() else np.zeros_like(things)
+
+
+def _patches(coarse: Float32, shading: Float32, unknown: Mask, known: Mask, sources: Mask) -> list[tuple[Float, Float]]:
+    """Middles (row, column) of coarse patches to fill and of those to copy, in the order of filling.
+
+    coarse: (m, m, 3) detail. shading: (m, m) what that was taken from: as well lit a patch is wanted, lest the inside
+    of another thing's shadow, whose detail is the ground's, is copied with a piece of its border.
+    known: (m, m) where the coarse picture is that of the ground; in the unknown part where lines were drawn in it.
+    """
     reach = PATCH // 2
     picture, known, left = coarse.copy(), known.copy(), unknown.copy()
     found: list[tuple[Float, Float]] = []
@@ -88,6 +152,7 @@ def _patches(coarse: Float32, unknown: Mask, known: Mask, sources: Mask) -> list
         if mask.any():
             masked = np.repeat(mask[..., None].astype(np.float32), 3, axis=2)
             misfit = cv2.matchTemplate(picture, picture[window], cv2.TM_SQDIFF, mask=masked)
+            misfit += 3 * mask.sum() * np.square(shading[reach:-reach, reach:-reach] - shading[place])
             misfit = np.where(sources[reach:-reach, reach:-reach], misfit, np.inf)
             at = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
             source = (int(at[0]) + reach, int(at[1]) + reach)
@@ -108,51 +173,79 @@ def _window(row: int, column: int) -> tuple[slice, slice]:
     return slice(row - reach, row + reach + 1), slice(column - reach, column + reach + 1)
 
 
-def _paste(
-    pasted: Float32, weight: Float32, roots: Float32, trusted: Float32, place: Float, source: Float, scale: float
-) -> None:
-    """Adds a patch of the fine picture, moved to where it fits best, with weights that fall off towards its border.
+class _Copied:
+    """Patches of a picture (n, n, 3), copied over one another.
 
-    trusted: (n, n) 1 on visible ground, else 0.
+    Their means are blended softly, what is finer than a band hardly at all (Burt, Adelson, "A multiresolution spline
+    with application to image mosaics", ACM Trans. Graphics 1983): means of textures would be smoother than these.
     """
-    n, reach, play = len(weight), round(PATCH / 2 * scale), round(scale)
-    middle, origin = (np.round((each + 0.5) * scale).astype(int) for each in (place, source))
-    low = np.maximum(middle - reach, 0)
-    high = np.minimum(middle + reach, n)
-    to = (slice(low[0], high[0]), slice(low[1], high[1]))
-    begin = np.maximum(origin - (middle - low) - play, 0)
-    end = np.minimum(origin + (high - middle) + play, n)
-    region = roots[begin[0] : end[0], begin[1] : end[1]]
-    size = high - low
-    if (np.array(region.shape[:2]) < size).any():
-        return
-    known = weight[to] > 0
-    there = np.where(known[..., None], pasted[to] / np.maximum(weight[to], 1e-9)[..., None], roots[to])
-    mask = np.maximum(known.astype(np.float32), trusted[to])
-    at = origin - (middle - low) - begin
-    if mask.any():
-        misfit = cv2.matchTemplate(region, there, cv2.TM_SQDIFF, mask=np.repeat(mask[..., None], 3, axis=2))
-        at = np.array(np.unravel_index(int(np.argmin(misfit)), misfit.shape))
-    rows, columns = (
-        np.cos((np.arange(low[k], high[k]) - middle[k] + 0.5) / reach * (np.pi / 2) * 0.98) ** 4 for k in (0, 1)
-    )
-    share = np.outer(rows, columns).astype(np.float32)
-    pasted[to] += share[..., None] * region[at[0] : at[0] + size[0], at[1] : at[1] + size[1]]
-    weight[to] += share
+
+    def __init__(self, picture: Float32, is_known: Mask, scale: float) -> None:
+        """`is_known` (n, n): where patches must fit. `scale`: of the picture, over that in which they were chosen."""
+        self._picture, self._known, self._scale = picture, is_known.astype(np.float32), scale
+        self._sum, self._sharp = np.zeros_like(picture), np.zeros_like(picture)
+        self._weight, self._sharp_weight = np.zeros(is_known.shape, np.float32), np.zeros(is_known.shape, np.float32)
+
+    @property
+    def is_there(self) -> Mask:
+        """(n, n) where something was copied to."""
+        return self._weight > 0
+
+    def paste(self, place: Float, source: Float) -> None:
+        """Adds the patch about `source` at `place` (row, column; coarse), moved to where it fits best."""
+        n, reach, play = len(self._weight), round(PATCH / 2 * self._scale), round(self._scale)
+        middle, origin = (np.round((each + 0.5) * self._scale).astype(int) for each in (place, source))
+        low, high = np.maximum(middle - reach, 0), np.minimum(middle + reach, n)
+        to = (slice(low[0], high[0]), slice(low[1], high[1]))
+        begin = np.maximum(origin - (middle - low) - play, 0)
+        end = np.minimum(origin + (high - middle) + play, n)
+        region, size = self._picture[begin[0] : end[0], begin[1] : end[1]], high - low
+        if (np.array(region.shape[:2]) < size).any():
+            return
+        there = np.where(self.is_there[to][..., None], self._mean(to), self._picture[to])
+        mask = np.maximum(self.is_there[to].astype(np.float32), self._known[to])
+        at = origin - (middle - low) - begin
+        if mask.any():
+            misfit = cv2.matchTemplate(region, there, cv2.TM_SQDIFF, mask=np.repeat(mask[..., None], 3, axis=2))
+            at = np.array(np.unravel_index(int(np.argmin(misfit)), misfit.shape))
+        rows, columns = (
+            np.cos((np.arange(low[k], high[k]) - middle[k] + 0.5) / reach * (np.pi / 2) * 0.98) ** 4 for k in (0, 1)
+        )
+        share = np.outer(rows, columns).astype(np.float32)
+        patch = region[at[0] : at[0] + size[0], at[1] : at[1] + size[1]]
+        for sums, weights, each in (
+            (self._sum, self._weight, share),
+            (self._sharp, self._sharp_weight, share**SHARPER),
+        ):
+            sums[to] += each[..., None] * patch
+            weights[to] += each
+
+    def blended(self, band_px: float) -> Float32:
+        """(n, n, 3) soft means, with what is finer than `band_px` of hardly more than one patch."""
+        soft = self._mean((slice(None), slice(None)))
+        sharp = self._sharp / np.maximum(self._sharp_weight, TINY)[..., None]
+        finer = np.where(self._sharp_weight[..., None] > TINY, sharp - soft, 0)
+        return np.asarray(soft + finer - cv2.GaussianBlur(finer, (0, 0), band_px), np.float32)
+
+    def _mean(self, of: tuple[slice, slice]) -> Float32:
+        return np.asarray(self._sum[of] / np.maximum(self._weight[of], TINY)[..., None], np.float32)
 
 
-def _spread_difference(
-    roots: Float32, pasted: Float32, weight: Float32, hole: Mask, is_source: Mask, side_px: float
-) -> Float32:
-    """(n, n, 3) what is to be added inside the hole: at its border the difference to the ground beside it, harmonic."""
+def _spread_difference(roots: Float32, texture: Float32, is_known: Mask, hole: Mask, side_px: float) -> Float32:
+    """(n, n, 3) what is to be added inside the hole: at its border the difference to the ground beside it, harmonic.
+
+    texture: (n, n, 3) what was copied. is_known: (n, n) where ground is seen and something was copied.
+    """
     size = FIELD
     near = hole.astype(np.uint8)
     beside = cv2.distanceTransform(1 - near, cv2.DIST_L2, 5) / side_px
-    ring = (beside > BLEED_SIDES) & (beside < BESIDE_SIDES) & is_source & (weight > 0)
-    difference = np.where(ring[..., None], roots - pasted / np.maximum(weight, 1e-9)[..., None], 0).astype(np.float32)
+    ring = (beside > BLEED_SIDES) & (beside < BESIDE_SIDES) & is_known
+    difference = np.where(ring[..., None], roots - texture, 0).astype(np.float32)
     share = cv2.resize(ring.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA)
     sums = cv2.resize(difference, (size, size), interpolation=cv2.INTER_AREA)
     fixed = share > 0.05
+    # Means along the border, as single speckles there say nothing of the inside.
+    sums, share = (cv2.GaussianBlur(each, (0, 0), BORDER_CELLS) for each in (sums, share))
     value = np.where(fixed[..., None], sums / np.maximum(share, 1e-6)[..., None], 0).astype(np.float32)
     trusted = fixed.astype(np.float32)
     # From coarse to fine: a start by ever wider means, then Laplace's equation relaxed.

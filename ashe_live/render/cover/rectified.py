@@ -37,7 +37,7 @@ def rectified(tracked: TrackedFrame, illumination: Illumination, half_m: float, 
     at = _pixels(tracked.camera, T, half_m, size)
     width, height = tracked.frame.size
     is_seen = np.asarray(((at > 1) & (at < (width - 2, height - 2))).all(axis=2))
-    image = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR)
+    image = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_CUBIC)
     linear = LINEAR_FROM_SRGB_8BIT[image[..., ::-1]].astype(np.float32)
     shade, border = np.ones_like(linear), np.zeros(is_seen.shape, np.uint8)
     body = tracked.marker.body or illumination.real_object

@@ -25,6 +25,17 @@ class Framing:
     clip_from_marker: Float  # (4, 4)
     eye_marker: Float  # (3,) metres, the camera's centre in the marker frame
 
+    @property
+    def ground_from_pixel(self) -> Float:
+        """(3, 3) homography from the framebuffer's pixels, middles at halves, to the plane z = 0; metres, marker frame.
+
+        Its third coordinate is positive in front of the camera. The camera must not be in that plane.
+        """
+        left, bottom, width, height = self.viewport
+        x, y, _, w = self.clip_from_marker[:, [0, 1, 3]]
+        pixel_from_ground = [width / 2 * (x + w) + left * w, height / 2 * (y + w) + bottom * w, w]
+        return np.asarray(np.linalg.inv(np.array(pixel_from_ground)))
+
 
 def letterbox(video: Size, framebuffer: Size) -> Rectangle:
     """The largest centred rectangle of the video's aspect ratio."""

@@ -62,11 +62,11 @@ def shader_source(file_name: str, defines: str = "") -> str:
     return "\n".join(lines) + "\n"
 
 
-MATRIX = 16  # numbers of one
+MATRICES = 9, 16  # numbers of one, by three or four rows and columns
 
 
 def set_uniforms(program: moderngl.Program, **values: Any) -> None:
-    """Sets uniforms by name: numbers, tuples, matrices ([n,] 4, 4) for column vectors, other arrays as they are.
+    """Sets uniforms by name: numbers, tuples, matrices ([n,] k, k) for column vectors, other arrays as they are.
 
     Uniforms that the compiler has removed as unused, or the end of an array, are skipped, as that differs by driver.
     Names that the program's files do not declare, and uniforms that are never set, are errors in the tests.
@@ -76,7 +76,7 @@ def set_uniforms(program: moderngl.Program, **values: Any) -> None:
         if isinstance(uniform, moderngl.Uniform):
             if isinstance(value, np.ndarray):
                 # Four vectors of four numbers have a matrix's shape, and are none.
-                by_columns = value.swapaxes(-1, -2) if uniform.dimension == MATRIX else value
+                by_columns = value.swapaxes(-1, -2) if uniform.dimension in MATRICES else value
                 used = 4 * uniform.dimension * uniform.array_length
                 uniform.write(np.ascontiguousarray(by_columns, dtype=np.float32).tobytes()[:used])
             else:

@@ -12,6 +12,7 @@ UNIT_OF = {
     "normal_map": 2,
     "occlusion_map": 3,
     "emissive_map": 4,
+    "cover": 4,  # of ground and composite, which have no material
     # What surfaces look up besides.
     "shadow_maps": 5,
     "shadow_depths": 6,  # the same texture by another sampler object, which stays bound to this unit
@@ -22,7 +23,6 @@ UNIT_OF = {
     "contact": 10,
     "walls": 12,
     "video": 11,
-    "cover": 15,
     # Full-screen passes.
     "sample_places": 12,
     "sample_normals": 13,

@@ -16,6 +16,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
 from ashe_live.render.camera.video_look import VideoLook
+from ashe_live.render.cover.hidden_marker import SeenCover
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
@@ -49,15 +50,16 @@ class Composite:
         video: Video,
         tracked: TrackedFrame,
         look: VideoLook,
+        cover: SeenCover | None = None,
         lens: Lens | None = None,
         is_split: bool = False,
         is_cut_out: bool = False,
     ) -> None:
         """Onto `surface.colour`, whose `viewport` shows the video's frame, within `region` and its blur's reach.
 
-        The layers beside `region` must be empty for twice that reach. `lens`: what bends the pinhole camera's layers to
-        the frame. `is_split`: the left half of `viewport` stays as it is. `is_cut_out`: onto nothing, in place of
-        the video; straight alpha.
+        The layers beside `region` must be empty for twice that reach. `cover`: of the marker's sheet, behind the layers
+        where they say that it is seen. `lens`: what bends the pinhole camera's layers to the frame. `is_split`: the
+        left half of `viewport` stays as it is. `is_cut_out`: onto nothing, in place of the video; straight alpha.
         """
         frame = tracked.frame
         blurs = _blurs_of(viewport[2] / frame.size[0], look)
@@ -66,6 +68,7 @@ class Composite:
             "wide": blurs.widest > blurs.variance,
             "coarse": look.chroma_blur_px > 0,
             "overexposed": look.is_overexposed,
+            "covers": cover is not None,
             "cut_out": is_cut_out,
         }
         constants = bends | {name: int(value) for name, value in switches.items() if value}
@@ -93,6 +96,8 @@ class Composite:
             grain_px=(viewport[2] / frame.size[0], viewport[3] / frame.size[1]),
             seed=frame.index,
         )
+        if cover is not None:
+            cover.bind(program)
         if is_split:
             within = _right_of(viewport[0] + viewport[2] // 2, within)
         with surface.chosen.choosing(surface.choice, within):

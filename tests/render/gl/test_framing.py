@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import transform_points
+from ashe_live.core.transforms import project, transform_points
 from ashe_live.render.gl.framing import box_corners, framing, letterbox
 
 SIDES = st.integers(1, 4000)
@@ -27,6 +27,20 @@ def test_letterbox_is_the_largest_centred_rectangle_of_the_videos_shape(
     scale = min(window[0] / video[0], window[1] / video[1])
     assert abs(width - video[0] * scale) <= 1
     assert abs(height - video[1] * scale) <= 1
+
+
+@pytest.mark.parametrize("viewport", [(0, 0, 480, 360), (37, 11, 960, 720)])
+def test_pixels_of_the_ground_lead_back_to_it(stage, viewport: tuple[int, int, int, int]) -> None:
+    camera = Camera((480, 360), np.array([[500, 0, 250.3], [0, 510, 171.9], [0, 0, 1]]), np.zeros(5), "file")
+    T_cam_marker = stage.pose(-70, 35)
+    points = np.column_stack([np.random.default_rng(3).uniform(-0.05, 0.05, (200, 2)), np.zeros(200)])
+    seen = project(camera, T_cam_marker, points)
+    left, bottom, width, height = viewport
+    pixels = (seen + 0.5) * (width / 480, -height / 360) + (left, bottom + height)
+    frame = framing(camera, T_cam_marker, BOX, viewport)
+    x, y, w = frame.ground_from_pixel @ np.column_stack([pixels, np.ones(200)]).T
+    assert (w > 0).all()
+    np.testing.assert_allclose(np.column_stack([x, y]) / w[:, None], points[:, :2], atol=1e-9)
 
 
 @pytest.mark.parametrize("viewport", [(0, 0, 480, 360), (37, 11, 960, 720)])

@@ -1,0 +1,190 @@
+"""Joints, seams and grain that run straight on beneath what is covered: found on both of its sides, drawn across it.
+
+Patches that are copied into a hole end such a line at the hole's border, where everybody sees it. Looked at along its
+direction, a line is a profile that stays the same (a row of the Radon transform) on either side of the hole: what both
+sides agree on is continued. They are the structures of Sun, Yuan, Jia, Shum, "Image completion with structure
+propagation", SIGGRAPH 2005, which a person marks there.
+"""
+
+from functools import cached_property
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Float32, Mask
+
+Indices = NDArray[np.intp]
+
+SIDE_PX, FINE_SIDE_PX = 26.0, 64.0  # of the marker where lines are looked for, and where they are drawn
+SMOOTH_PX = 0.8  # standard deviation of a blur, so that a line thinner than a row does not alias when it is turned
+STEP_DEG, FINER_STEP_DEG = 1.0, 0.25  # between directions that are tried, and about the best of them
+BESIDE_SIDES = 0.7  # of the marker: how much of a line is looked at on either side of the hole
+LEAST_SEEN = 0.5  # of that, which must be visible
+SURE, LIKELY = 6.0, 2.5  # contrasts over their standard errors, of a line's middle and of what belongs to it
+CORRELATED_SIDES = 0.12  # of the marker, along which texture is so much alike that it counts as one sample
+ALIKE = 0.5  # of the stronger side's contrast, by which the sides may differ
+STEADY = 0.6  # deviation along a line beyond the texture's, over its contrast: more is a line with gaps
+MOST_DIRECTIONS = 4  # in which lines are found, one after the other
+
+
+def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float) -> Float32:
+    """(n, n, 3) what lines through the hole (n, n) add to its ground, and to that beside it.
+
+    detail: (n, n, 3) roots of linear RGB less the ground's shading. is_ground: (n, n) visible ground. side_px: the
+    marker's side.
+    """
+    coarse, fine = (_scaled(detail, hole, is_ground, side_px, px) for px in (SIDE_PX, FINE_SIDE_PX))
+    lines, drawn = np.zeros_like(coarse.detail), np.zeros_like(fine.detail)
+    for _ in range(MOST_DIRECTIONS):
+        direction = _most_telling(coarse.without(lines))
+        rows = _Rows(coarse.without(lines), direction)
+        if not rows.is_line.any():
+            break
+        lines = _stronger(lines, rows.drawn(rows.is_line))
+        finer = _Rows(fine.without(drawn), direction)
+        drawn = _stronger(drawn, finer.drawn(finer.those_of(rows)))
+    return np.asarray(cv2.resize(drawn, hole.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
+
+
+class _Ground(NamedTuple):
+    """A picture of it at some resolution."""
+
+    detail: Float32  # (m, m, 3), 0 where none is visible
+    gap: Mask  # (m, m) the hole
+    seen: Mask  # (m, m) visible ground
+    side: float  # of the marker, pixels
+
+    def without(self, lines: Float32) -> "_Ground":
+        return self._replace(detail=np.where(self.seen[..., None], self.detail - lines, 0))
+
+
+def _scaled(detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted_px: float) -> _Ground:
+    n = len(hole)
+    m = min(n, round(n * wanted_px / side_px))
+    shown, gap, seen = (
+        cv2.resize(each.astype(np.float32), (m, m), interpolation=cv2.INTER_AREA) for each in (detail, hole, is_ground)
+    )
+    visible = np.asarray(seen > 0.98)
+    weight = visible.astype(np.float32)
+    sums, share = (
+        cv2.GaussianBlur(each, (0, 0), SMOOTH_PX) for each in (np.asarray(shown) * weight[..., None], weight)
+    )
+    smooth = np.where(visible[..., None], sums / np.maximum(share, 1e-3)[..., None], 0)
+    return _Ground(smooth.astype(np.float32), gap > 0.02, visible, side_px * m / n)
+
+
+def _most_telling(ground: _Ground) -> float:
+    """The direction, degrees, of the lines that are told best."""
+
+    def best(directions: Float) -> float:
+        return float(max(directions, key=lambda each: _Rows(ground, each).energy))
+
+    return best(best(np.arange(0.0, 180.0, STEP_DEG)) + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINER_STEP_DEG))
+
+
+def _stronger(one: Float32, other: Float32) -> Float32:
+    """Where lines cross, their contrasts do not add up."""
+    return np.where((np.abs(other).sum(axis=2) > np.abs(one).sum(axis=2))[..., None], other, one)
+
+
+class _Side(NamedTuple):
+    """The rows of a turned picture on one side of the hole."""
+
+    mean: Float32  # (k, 3) along each row
+    deviation: Float32  # (k,) from it, root mean square
+    pixels: Float32  # (k,) that are visible
+
+    @property
+    def contrast(self) -> Float:
+        return np.asarray(np.linalg.norm(self.mean, axis=1), np.float64)
+
+
+class _Rows:
+    """Ground that is turned about its hole, so that the lines of one direction are rows: (k, k)."""
+
+    def __init__(self, ground: _Ground, direction_deg: float) -> None:
+        self._ground = ground
+        self._reach = max(1, round(BESIDE_SIDES * ground.side))
+        left, top, width, height = cv2.boundingRect(ground.gap.astype(np.uint8))
+        centre = left + (width - 1) / 2, top + (height - 1) / 2
+        self._size = k = int(np.hypot(width, height)) + 2 * self._reach + 2
+        turning = np.asarray(cv2.getRotationMatrix2D(centre, direction_deg, 1.0), np.float64)
+        turning[:, 2] += (k - 1) / 2 - np.array(centre)
+        self._turning: Float = turning  # (2, 3)
+        gap = cv2.warpAffine(ground.gap.astype(np.float32), self._turning, (k, k)) > 0.5
+        self._crosses = gap.any(axis=1)
+        self._first: Indices = np.where(self._crosses, gap.argmax(axis=1), k // 2)  # columns of the hole
+        self._last: Indices = np.where(self._crosses, k - 1 - gap[:, ::-1].argmax(axis=1), k // 2)
+
+    @cached_property
+    def certainty(self) -> Float:
+        """(k,) the weaker side's contrast over its standard error; 0 where the sides do not show one steady line."""
+        first, second = self._sides
+        apart = np.linalg.norm(first.mean - second.mean, axis=1)
+        is_line = self._crosses & (apart < ALIKE * np.maximum(first.contrast, second.contrast))
+        found = np.full(self._size, np.inf)
+        for side in self._sides:
+            is_seen = side.pixels > LEAST_SEEN * self._reach
+            ground = side.deviation[is_seen & self._crosses]
+            texture = float(np.median(ground)) if ground.size else 0.0
+            is_line &= is_seen & (np.square(side.deviation) < np.square(STEADY * side.contrast) + texture**2)
+            samples = np.maximum(side.pixels / (CORRELATED_SIDES * self._ground.side), 1.0)
+            found = np.minimum(found, side.contrast * np.sqrt(samples) / np.maximum(side.deviation, 1e-4))
+        return np.where(is_line, found, 0.0)
+
+    @property
+    def energy(self) -> float:
+        """Of what would be drawn: largest where a line is turned into as few rows as it is wide."""
+        weaker = np.minimum(self._sides[0].contrast, self._sides[1].contrast)
+        return float((weaker[self.is_line] ** 2).sum())
+
+    @property
+    def is_line(self) -> Mask:
+        """(k,) rows of lines: the sure ones, and the likely ones next to them."""
+        _, parts = cv2.connectedComponents((self.certainty > LIKELY).astype(np.uint8)[:, None])
+        sure = np.unique(parts[self.certainty > SURE])
+        return np.asarray(np.isin(parts[:, 0], sure[sure > 0]))
+
+    def those_of(self, others: "_Rows") -> Mask:
+        """(k,) rows where the same ground in the same direction, at another resolution, has lines."""
+        *along, offset = self._turning[1]
+        *_, others_offset = others._turning[1]
+        # Pixel middles are integers: a picture of m pixels extends from -0.5 to m - 0.5.
+        half = 0.5 * float(np.sum(along))
+        scale = others._ground.side / self._ground.side
+        at = (np.arange(self._size) - offset + half) * scale - half + others_offset
+        return np.asarray(others.is_line[np.clip(np.round(at), 0, others._size - 1).astype(int)])
+
+    def drawn(self, is_line: Mask) -> Float32:
+        """(m, m, 3) rows (k,) in the hole and as far beside it as they were looked at; 0 elsewhere."""
+        first, last = self._first[:, None], self._last[:, None]
+        column = np.arange(self._size)[None]
+        share = np.clip((column - first) / np.maximum(last - first, 1), 0, 1)[..., None]
+        profile = (1 - share) * self._sides[0].mean[:, None] + share * self._sides[1].mean[:, None]
+        near = (column >= first - self._reach) & (column <= last + self._reach) & is_line[:, None]
+        back, size = cv2.invertAffineTransform(self._turning), self._ground.gap.shape[::-1]
+        return np.asarray(cv2.warpAffine(np.where(near[..., None], profile, 0), back, size), np.float32)
+
+    @cached_property
+    def _sides(self) -> tuple[_Side, _Side]:
+        ground, k = self._ground, self._size
+        squares = (ground.detail**2).sum(axis=2)
+        packed = np.dstack([ground.detail, squares, ground.seen]).astype(np.float32)
+        sums = np.cumsum(cv2.warpAffine(packed, self._turning, (k, k)), axis=1)
+        padded = np.concatenate([np.zeros((k, 1, 5)), sums], axis=1).astype(np.float32)
+        return (
+            _side(padded, self._first - self._reach, self._first),
+            _side(padded, self._last + 1, self._last + 1 + self._reach),
+        )
+
+
+def _side(sums: Float32, begin: Indices, end: Indices) -> _Side:
+    """Of the columns from `begin` to before `end`, (k,) each, by sums along the rows (k, k + 1, 5)."""
+    rows, k = np.arange(len(sums)), len(sums)
+    total = sums[rows, np.clip(end, 0, k)] - sums[rows, np.clip(begin, 0, k)]
+    pixels = total[:, 4]
+    mean = total[:, :3] / np.maximum(pixels, 1.0)[:, None]
+    variance = total[:, 3] / np.maximum(pixels, 1.0) - (mean**2).sum(axis=1)
+    return _Side(mean, np.sqrt(np.maximum(variance, 0.0)), pixels)

@@ -1,0 +1,59 @@
+"""Lines of the ground go on beneath what is covered, where both sides show them, and nowhere else."""
+
+import numpy as np
+import pytest
+
+from ashe_live.render.cover.straight_lines import straight_lines
+
+SIZE, SIDE_PX = 352, 64.0
+CONTRAST = 0.12
+AXIS = np.arange(SIZE) - (SIZE - 1) / 2
+X, Y = np.meshgrid(AXIS, AXIS)
+HOLE = np.maximum(np.abs(X), np.abs(Y)) < 0.75 * SIDE_PX
+
+
+def _line(direction_deg: float, offset_px: float, width_px: float = 6.0) -> np.ndarray:
+    """(n, n) 1 on a line, with soft borders."""
+    angle = np.radians(direction_deg)
+    across = X * np.sin(angle) + Y * np.cos(angle) - offset_px
+    return np.clip(0.5 + width_px / 2 - np.abs(across), 0, 1)
+
+
+def _detail(line: np.ndarray, seed: int = 0) -> np.ndarray:
+    texture = np.random.default_rng(seed).normal(0, 0.01, (SIZE, SIZE, 3))
+    return np.where(HOLE[..., None], 0, texture - CONTRAST * line[..., None]).astype(np.float32)
+
+
+@pytest.mark.parametrize("direction", [0.0, 7.3, 45.0, 90.0, 128.6, 171.0])
+@pytest.mark.parametrize("offset", [0.0, -22.0])
+def test_a_line_is_continued_where_it_goes(direction: float, offset: float) -> None:
+    line = _line(direction, offset)
+    found = straight_lines(_detail(line), HOLE, ~HOLE, SIDE_PX)
+    on, off = HOLE & (line == 1), HOLE & (_line(direction, offset, 14.0) == 0)
+    assert found[on].mean() == pytest.approx(-CONTRAST, rel=0.2)
+    assert np.abs(found[off]).mean() < 0.1 * CONTRAST
+
+
+def test_lines_that_cross_are_not_twice_as_dark() -> None:
+    first, second = _line(20.0, 5.0), _line(110.0, -8.0)
+    found = straight_lines(_detail(np.maximum(first, second)), HOLE, ~HOLE, SIDE_PX)
+    for line in (first, second):
+        assert found[HOLE & (line == 1)].mean() == pytest.approx(-CONTRAST, rel=0.2)
+    assert found[HOLE & (first == 1) & (second == 1)].mean() == pytest.approx(-CONTRAST, rel=0.2)
+
+
+def test_what_one_side_alone_shows_is_not_continued() -> None:
+    one_sided = _line(0.0, 0.0) * (X < 0)
+    found = straight_lines(_detail(one_sided), HOLE, ~HOLE, SIDE_PX)
+    assert np.abs(found[HOLE]).mean() < 0.02 * CONTRAST
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_texture_is_no_line(seed: int) -> None:
+    found = straight_lines(_detail(np.zeros((SIZE, SIZE)), seed), HOLE, ~HOLE, SIDE_PX)
+    assert np.abs(found[HOLE]).mean() < 0.002
+
+
+def test_nothing_is_drawn_where_no_ground_is_seen() -> None:
+    found = straight_lines(np.zeros((SIZE, SIZE, 3), np.float32), HOLE, np.zeros_like(HOLE), SIDE_PX)
+    assert not found.any()
