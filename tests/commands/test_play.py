@@ -232,6 +232,19 @@ def test_layers_alone_lie_over_nothing(play, tmp_path):
     assert (first[..., 3] > 250).sum() > 50
 
 
+def test_the_model_alone_is_without_what_covers_the_marker(play, tmp_path):
+    opaque = {}
+    for layers in ("both", "model"):
+        for flag in ("--hide-marker", "--no-hide-marker"):
+            out = tmp_path / f"{layers}{flag}.mov"
+            assert play("--out", out, "--layers", layers, flag, "--frames", "1").status == 0
+            with av.open(str(out)) as clip:
+                (frame, *_) = (each.to_ndarray(format="bgra") for each in clip.decode(video=0))
+            opaque[layers, flag] = int((frame[..., 3] > 250).sum())
+    assert opaque["both", "--hide-marker"] > 1.2 * opaque["both", "--no-hide-marker"]
+    assert opaque["model", "--hide-marker"] == opaque["model", "--no-hide-marker"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
