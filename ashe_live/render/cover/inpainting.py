@@ -19,6 +19,7 @@ STEP = 7  # coarse pixels between the patches of the hole, which overlap
 SHARPER = 4  # power of the weights by which patches are blended softly: the weights of what is fine
 TINY = 1e-9  # weight that counts as none
 OVER_TEXTURE = 0.5, 1.5  # contrasts of a straight line over the ground's, from which it is drawn and not only copied
+GUIDES = 0.75  # visibility from which patches continue a line: grain is everywhere, and chooses badly
 # Beside the hole, in the marker's sides: ground that the picture's coarse colours and sharpening have not mixed with
 # what lies in it.
 BLEED_SIDES, BESIDE_SIDES = 0.06, 0.16
@@ -57,9 +58,10 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     detail = np.where(trusted[..., None], roots - shading, 0)
     lines = straight_lines(detail, bleeds, trusted, side_px)
     drawn = np.where(bleeds, _visibility(lines, detail[trusted]), 0)
-    detail = np.where(drawn[..., None] > 0, lines, detail)
-    copied = _Copied(detail, trusted | (drawn > 0), len(hole) / size)
-    known = ground | (_scaled(drawn > 0, size) > 0.5)
+    guides = drawn > GUIDES
+    detail = np.where(guides[..., None], lines, detail)
+    copied = _Copied(detail, trusted | guides, len(hole) / size)
+    known = ground | (_scaled(guides, size) > 0.5)
     for place, source in _patches(_scaled(detail, size), _scaled(shading.mean(axis=2), size), unknown, known, sources):
         copied.paste(place, source)
     share = drawn[..., None]

@@ -26,7 +26,7 @@ SURE, LIKELY = 6.0, 2.5  # contrasts over their standard errors, of a line's mid
 CORRELATED_SIDES = 0.12  # of the marker, along which texture is so much alike that it counts as one sample
 ALIKE = 0.5  # of the stronger side's contrast, by which the sides may differ
 STEADY = 0.6  # deviation along a line beyond the texture's, over its contrast: more is a line with gaps
-MOST_DIRECTIONS = 4  # in which lines are found, one after the other
+MOST_DIRECTIONS = 16  # that are looked at, one after the other, each without the lines of those before
 
 
 def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float) -> Float32:
@@ -37,14 +37,14 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
     """
     coarse, fine = (_scaled(detail, hole, is_ground, side_px, px) for px in (SIDE_PX, FINE_SIDE_PX))
     lines, drawn = np.zeros_like(coarse.detail), np.zeros_like(fine.detail)
-    for _ in range(MOST_DIRECTIONS):
-        direction = _most_telling(coarse.without(lines))
-        rows = _Rows(coarse.without(lines), direction)
-        if not rows.is_line.any():
-            break
-        lines = _stronger(lines, rows.drawn(rows.is_line))
-        finer = _Rows(fine.without(drawn), direction)
-        drawn = _stronger(drawn, finer.drawn(finer.those_of(rows)))
+    for direction in _telling_directions(coarse):
+        left = coarse.without(lines)
+        nearby = direction + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINER_STEP_DEG)
+        rows = max((_Rows(left, each) for each in nearby), key=lambda each: each.energy)
+        if rows.is_line.any():
+            lines = _stronger(lines, rows.drawn(rows.is_line))
+            finer = _Rows(fine.without(drawn), rows.direction_deg)
+            drawn = _stronger(drawn, finer.drawn(finer.those_of(rows)))
     return np.asarray(cv2.resize(drawn, hole.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
@@ -75,13 +75,13 @@ def _scaled(detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted
     return _Ground(smooth.astype(np.float32), gap > 0.02, visible, side_px * m / n)
 
 
-def _most_telling(ground: _Ground) -> float:
-    """The direction, degrees, of the lines that are told best."""
-
-    def best(directions: Float) -> float:
-        return float(max(directions, key=lambda each: _Rows(ground, each).energy))
-
-    return best(best(np.arange(0.0, 180.0, STEP_DEG)) + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINER_STEP_DEG))
+def _telling_directions(ground: _Ground) -> Float:
+    """(k,) degrees: those in which lines are told better than in the neighbouring ones, the best first."""
+    directions = np.arange(0.0, 180.0, STEP_DEG)
+    energies = np.array([_Rows(ground, each).energy for each in directions])
+    is_peak = (energies > 0) & (energies >= np.roll(energies, 1)) & (energies > np.roll(energies, -1))
+    peaks = np.flatnonzero(is_peak)
+    return np.asarray(directions[peaks[np.argsort(-energies[peaks])][:MOST_DIRECTIONS]])
 
 
 def _stronger(one: Float32, other: Float32) -> Float32:
@@ -105,7 +105,7 @@ class _Rows:
     """Ground that is turned about its hole, so that the lines of one direction are rows: (k, k)."""
 
     def __init__(self, ground: _Ground, direction_deg: float) -> None:
-        self._ground = ground
+        self._ground, self.direction_deg = ground, direction_deg
         self._reach = max(1, round(BESIDE_SIDES * ground.side))
         left, top, width, height = cv2.boundingRect(ground.gap.astype(np.uint8))
         centre = left + (width - 1) / 2, top + (height - 1) / 2
@@ -136,9 +136,9 @@ class _Rows:
 
     @property
     def energy(self) -> float:
-        """Of what would be drawn: largest where a line is turned into as few rows as it is wide."""
+        """Of what may be drawn: largest where a line is turned into as few rows as it is wide."""
         weaker = np.minimum(self._sides[0].contrast, self._sides[1].contrast)
-        return float((weaker[self.is_line] ** 2).sum())
+        return float((weaker[self.certainty > LIKELY] ** 2).sum())
 
     @property
     def is_line(self) -> Mask:
