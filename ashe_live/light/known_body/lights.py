@@ -42,16 +42,18 @@ class Found:
     is_dark_elsewhere: bool  # the table is darkened as if by a shadow, of whatever
 
 
-def lights_of(seen: Seen) -> Found | None:
-    """None where nothing says that there is a light."""
+def lights_of(seen: Seen) -> Found:
+    """No lights where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
     ruled_out: list[Float] = []
     _, steps = seen.rims(NO_LIGHTS)
     candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room, steps, ruled_out=ruled_out)
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
+    # Also that of a shadow which cannot be the body's, as its edges should be seen and are not.
+    likelihood = max([float(alone.everywhere.log_likelihood.max()), *(each for each, _ in scored)])
     if not scored:
-        return None
-    likelihood, first = max(scored, key=lambda pair: pair[0])
+        return Found(seen, (), np.empty((0, 3)), likelihood > DARK_ELSEWHERE)
+    _, first = max(scored, key=lambda pair: pair[0])
     # A lamp's fan of a shadow and the fall of its light, taken for a sun's, would look like a further light.
     found = as_lamps(seen, [first])
     seen = _in_light_of(seen, found)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, upper_quantile
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.known_body.evidence import Evidence
@@ -35,6 +35,7 @@ BESIDE_CELL = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 LEAST_EDGE = 0.05  # part of a cell in shadow by which neighbours differ at its edge
 DEEP = 0.1  # part of the table's light: what is no third as deep as this is no step
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
+OPEN_TABLE = 0.8  # quantile of the picture's ground that is as bright as the open table, unless nearly all is shaded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,11 +113,18 @@ class Seen:
 
     @property
     def beside_body(self) -> float:
-        """The brightest of the table near the body over the open table's light."""
+        """The brightest of the table near the body over the light of the open table, also of that beyond the map.
+
+        Where most of the map is shaded, the rest of the picture shows what light the table would have.
+        """
         middle, reach = SIDE // 2, round(BESIDE_HEIGHTS * CELLS_A_HEIGHT)
         near = np.s_[middle - reach : middle + reach + 1, middle - reach : middle + reach + 1]
         values = self.measured.relative[near][self.measured.table.seen[near]]
-        return float(np.percentile(values.mean(axis=1), 90)) if len(values) else 1.0
+        ground = self.light[self.view.is_ground]
+        if not len(values) or not len(ground):
+            return 1.0
+        open_light = max(1.0, upper_quantile(ground, OPEN_TABLE) / float(self.lit_rgb.mean()))
+        return float(np.percentile(values.mean(axis=1), 90)) / open_light
 
     def lit(self, lights: Float) -> Lit:
         """The body's shadows in lights (m, 4)."""
