@@ -13,7 +13,6 @@ from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, wi
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, points_of, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
-from ashe_live.light.known_body.outline.edges import shadow_edges
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
@@ -155,7 +154,7 @@ def _hidden(seen: Seen, score: Float, beside: Evidence) -> FoundLight | None:
         return None
     best = seen.templates.lights[int(score.argmax())]
     mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
-    edges = shadow_edges(seen.body, mean, seen.view)
+    edges = seen.shadow_edges(mean)
     in_view = 0.0 if edges is None else float((seen.room.around(edges.points_px) >= LEAST_PX).mean())
     if darkening < LEAST_DARKENING or in_view > MOST_IN_VIEW:
         return None

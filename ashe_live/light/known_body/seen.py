@@ -10,6 +10,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
+from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
@@ -75,6 +76,7 @@ class Seen:
     # What was asked for, by the known lights.
     _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
     _rims: dict[bytes, tuple[Float, Float]] = field(default_factory=dict, init=False)
+    _edges: dict[bytes, ShadowEdges | None] = field(default_factory=dict, init=False)  # of lights
 
     @staticmethod
     def of(view: View, body: Proxy) -> "Seen | None":
@@ -158,6 +160,13 @@ class Seen:
             hidden, sky = self.templates.hidden_sky, 1 - darkenings.sum(axis=1)
             self._rims[key] = self.templates.rims.seen(values, is_told, hidden, darkenings[:, -1], sky, DEEP)
         return self._rims[key]
+
+    def shadow_edges(self, light: Float) -> ShadowEdges | None:
+        """The outline of the body's shadow in a light (4,); None where it has none in the picture."""
+        key = np.ascontiguousarray(light).tobytes()
+        if key not in self._edges:
+            self._edges[key] = shadow_edges(self.body, light, self.view)
+        return self._edges[key]
 
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""
