@@ -86,7 +86,5 @@ def _fit_judge(options: argparse.Namespace) -> None:
     from ashe_live.bench.judge.bench import JudgeBench
     from ashe_live.bench.judge.known_bodies import KnownBodiesBench
 
-    if options.casters:
-        KnownBodiesBench(options.scenes, options.every).run(options.out, options.overwrite)
-        return
-    JudgeBench(options.scenes, options.limit, options.every, options.jobs).run(options.out, options.overwrite)
+    made = KnownBodiesBench if options.casters else JudgeBench
+    made(options.scenes, options.limit, options.every, options.jobs).run(options.out, options.overwrite)

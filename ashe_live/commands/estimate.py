@@ -103,14 +103,14 @@ def _said(record: FileRecord) -> str:
         return "no marker found: show all of it, or name the one that is there with --marker"
     estimate = record.estimate
     assert estimate is not None
-    light = estimate.light
-    if light is None:
+    if not estimate.lights:
         return f"no directional light ({estimate.reason})"
     milliseconds = (record.timing_ms or {}).get("total", 0.0)
     where = f"frame {record.frame}"
     if estimate.span_rad is not None:
         where = f"{len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°"
-    return f"{light.summary(decimals=1)} ({where}, {milliseconds:.0f} ms)"
+    lights = "; ".join(light.summary(decimals=1) for light in estimate.lights)
+    return f"{lights} ({where}, {milliseconds:.0f} ms)"
 
 
 def _status(record: FileRecord) -> ExitStatus:

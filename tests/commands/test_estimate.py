@@ -3,12 +3,17 @@
 import base64
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import jsonschema
 import numpy as np
 import pytest
+
+from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
+from ashe_live.core.types import Illumination, Light
+from ashe_live.light.estimators import estimator
 
 pytestmark = pytest.mark.usefixtures("instant")
 KNOWN = ("--hfov", "55")
@@ -35,6 +40,22 @@ def test_the_pose_is_the_true_one(run, files, film):
     angle = np.radians(-100)
     np.testing.assert_allclose(eye, (0.5 * np.cos(angle), 0.5 * np.sin(angle), 0.4), atol=0.015)
     assert record["camera"]["source"] == "file"
+
+
+def test_every_light_is_named(run, files, monkeypatch):
+    lights = Light((0.0, 0.3, 1.0)), Light((1.0, 0.0, 1.0))
+    made = estimator.ESTIMATORS[DEFAULT_ESTIMATOR]
+
+    def two(preset):
+        class Two(type(made(preset))):
+            def estimate(self, tracked, others=()):
+                return replace(super().estimate(tracked, others), illumination=Illumination(lights))
+
+        return Two()
+
+    monkeypatch.setitem(estimator.ESTIMATORS, DEFAULT_ESTIMATOR, two)
+    (line,) = run("estimate", *KNOWN, files["photo"]).out
+    assert all(light.summary(decimals=1) in line for light in lights)
 
 
 def test_without_a_light_the_status_is_4(run, files, schema, go_dark):

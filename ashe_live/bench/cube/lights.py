@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Iterable, Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -18,13 +19,14 @@ from ashe_live.quality import Quality
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
 
+FPS = 30  # of frames by which a cube is followed
 SURE, WRONG_RAD = 0.5, math.radians(15)  # confidence above which, and error beyond which, an answer is a confident lie
 
 
 def light_row(name: str, pictures: Iterable[CubePicture], quality: Quality) -> Json:
     """Errors of the strongest light, of the true one that is found worst, and of the ambient light.
 
-    Each picture is a cube's first, with the tracker's own pose.
+    Each picture is a cube's first, or the last of those in which it was followed, with the tracker's own pose.
     """
     estimator = make_estimator("proxy", quality.light)
     first, worse, ambient, counted, spent, answered, attempted = [], [], [], [], [], 0, 0
@@ -33,7 +35,8 @@ def light_row(name: str, pictures: Iterable[CubePicture], quality: Quality) -> J
         attempted += 1
         seen.append(picture.shows_shadows)
         tracker = MarkerTracker(cube_layout(), picture.camera, picture.edge_m, quality.tracking)
-        tracked = tracker.track(Frame(picture.image, 0, 0.0))
+        for index, image in enumerate(chain(picture.before, [picture.image])):
+            tracked = tracker.track(Frame(image, index, index / FPS))
         if tracked.marker is None:
             continue
         begin = time.thread_time()

@@ -1,6 +1,6 @@
 """Pictures of paper cubes with known truth, painted by this bench or path-traced by the generator of scenes."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from ashe_live.bench.cases import EXACT_PX, GROUND_TRUTH, MOST_TRUTH_BYTES, deco
 from ashe_live.bench.cube.ambient import NORMALS, painted_sky
 from ashe_live.bench.cube.painted_scene import CubeScene
 from ashe_live.bench.cube.painter import painted
-from ashe_live.bench.cube.scenes import CubeSet
+from ashe_live.bench.cube.scenes import CubeSet, before
 from ashe_live.bench.cube.shadow_in_view import is_seen
 from ashe_live.core.arrays import Float, Image, directions_on_spiral
 from ashe_live.core.camera import Camera
@@ -35,6 +35,7 @@ class CubePicture:
     shows_shadows: bool  # of all lights: enough of each lies in the picture and not behind the cube
     sky_on_ball: Float  # (m, 3) what the sky gives to `directions_on_spiral(m)`, over all light on level ground
     table_rgb: Float  # (3,) reflectance
+    before: Iterable[Image] = ()  # frames of the same cube by which it was followed, to be read once
 
 
 def painted_pictures(one: CubeSet, count: int, seed: int) -> Iterator[CubePicture]:
@@ -50,6 +51,7 @@ def painted_pictures(one: CubeSet, count: int, seed: int) -> Iterator[CubePictur
             all(is_seen(scene, light.point) for light in scene.lights),
             painted_sky(scene),
             scene.table_rgb,
+            map(painted, before(scene)) if one.followed else (),
         )
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,8 @@ EDGE_M = 0.06
 APART_RAD = math.radians(25)  # of two lights
 SUN_DEG = 0.53
 LAMPS_M = (0.4, 0.6)
+# By how much a camera moves around a cube that it follows, and in how many frames, eight of which it learns from.
+AROUND_DEG, BEFORE = 160.0, 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +29,7 @@ class CubeSet:
     size_deg: tuple[float, float] = (SUN_DEG, SUN_DEG)
     distance_m: tuple[float, float] | None = None  # of lamps; None: suns
     folded: bool = False
+    followed: bool = False  # the camera has moved around the cube before
     key: int = 1  # of the set's own random stream
 
     def scenes(self, count: int, seed: int = 0) -> Iterator[CubeScene]:
@@ -60,15 +63,26 @@ class CubeSet:
 
 
 # Suns are 0.53 degrees wide, soft ones 3 to 10; folds are up to 1 mm and 1.5 degrees off; lamps are 40 to 60 cm away.
+# Sets of the same key show the same scenes.
 SETS = (
     CubeSet("sun", key=1),
     CubeSet("sun, crooked", folded=True, key=5),
+    CubeSet("sun, crooked, followed", folded=True, followed=True, key=5),
     CubeSet("soft sun", size_deg=(3.0, 10.0), key=4),
     CubeSet("two suns", lights=2, key=3),
     CubeSet("lamp", size_deg=(2.0, 6.0), distance_m=LAMPS_M, key=6),
     CubeSet("lamp, crooked", size_deg=(2.0, 6.0), distance_m=LAMPS_M, folded=True, key=7),
     CubeSet("cloudy sky", lights=0, key=2),
 )
+
+
+def before(scene: CubeScene) -> Iterator[CubeScene]:
+    """The same as a camera sees it that moves around the cube and comes to its place, at the same tilt."""
+    for number in range(BEFORE):
+        angle = math.radians(AROUND_DEG * (number / BEFORE - 1))
+        turned = np.eye(4)
+        turned[:2, :2] = (math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))
+        yield replace(scene, T_cam_cube=scene.T_cam_cube @ turned)
 
 
 def looking(distance_m: float, tilt_deg: float, azimuth_deg: float) -> Float:

@@ -3,22 +3,18 @@
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cache, partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import ClassVar
-
-from rich.progress import track
 
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.judge.calibration import fitted_calibration
 from ashe_live.bench.judge.confidence import as_stated, fitted_average, least_confidence, with_open_directions
 from ashe_live.bench.judge.logit import fitted_score
-from ashe_live.bench.judge.samples import Sample, of_one_view, sample_of
+from ashe_live.bench.judge.samples import Sample, in_processes, of_one_view, sample_of
 from ashe_live.bench.judge.tables import calibration_table, error_of, families_table, risk_table, score_table
 from ashe_live.bench.judge.validation import (
     Judged,
@@ -131,9 +127,7 @@ class JudgeBench(Bench):
     ) -> list[dict[ProxySteps, Sample]]:
         """The pictures by every look; with `tried` splits fitted instead of each look's own number."""
         looked = partial(_looked_at, json.dumps(judge.tables.as_json()), tried)
-        with ProcessPoolExecutor(self.jobs, get_context("spawn")) as pool:
-            found = pool.map(looked, cases)
-            return list(track(found, what, len(cases), console=self.console, transient=True))
+        return in_processes(looked, cases, self.jobs, self.console, what)
 
     def _fitted(
         self, cases: Sequence[Case], pictures: Pictures, splits: Score

@@ -5,6 +5,7 @@ picture says more for it; and less agreement says less against it, as it cannot 
 numbers, an offset and a slope of the log odds, are fitted to pictures of known casters, those without a light included.
 """
 
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,12 +13,11 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from rich.progress import track
 
 from ashe_live.bench.bench import Bench
-from ashe_live.bench.cases import read_cases
+from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.judge.bench import TABLES
-from ashe_live.bench.judge.samples import of_one_view, sample_of
+from ashe_live.bench.judge.samples import Sample, in_processes, of_one_view, sample_of
 from ashe_live.bench.judge.tables import risk_table
 from ashe_live.bench.judge.validation import Pictures, judged, scores_by_others
 from ashe_live.bench.light.known_casters import caster_specs
@@ -25,9 +25,9 @@ from ashe_live.core.caster import parsed_caster
 from ashe_live.core.contract import Json
 from ashe_live.files.writing import write_json
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge, probabilities_of
-from ashe_live.light.explanation.judgement.judge_tables import UNCHANGED, OfKnownBody, Score
+from ashe_live.light.explanation.judgement.judge_tables import UNCHANGED, OfKnownBody, Score, read_tables
 
 LOOK = of_one_view(BALANCED)
 OFFSETS, SLOPES = np.arange(-1.0, 3.01, 0.1), np.arange(0.5, 2.01, 0.1)  # of which the likeliest pair is taken
@@ -40,7 +40,9 @@ class KnownBodiesBench(Bench):
     SCHEMA: ClassVar[int] = 1
 
     scenes: Sequence[Path]
-    every: int = 1
+    limit: int | None = None  # number of pictures of each folder, the first ones, whatever they show; None: all
+    every: int = 1  # of those of known casters, only every so many-th
+    jobs: int = 1  # number of processes that look at pictures
 
     def parts(self) -> Iterator[Json]:
         tables = fitted_judge().tables
@@ -80,12 +82,21 @@ class KnownBodiesBench(Bench):
 
     def _pictures(self, judge: Judge) -> Pictures:
         """Every picture of a known caster by one look, as it is judged where nothing was fitted to known bodies."""
-        specs = [(case, caster_specs(folder).get(case.id)) for folder in self.scenes for case in read_cases(folder)]
-        known = [(case, spec) for case, spec in specs if spec is not None and case.to_lights_marker is not None]
-        return [
-            {LOOK: sample_of(case, ProxyEstimator(LOOK.with_caster(parsed_caster(spec)), judge))}
-            for case, spec in track(known[:: self.every], "known casters", console=self.console, transient=True)
+        known = [
+            (case, specs[case.id])
+            for folder, specs in ((folder, caster_specs(folder)) for folder in self.scenes)
+            for case in read_cases(folder)[: self.limit]
+            if case.id in specs and case.to_lights_marker is not None
         ]
+        looked = partial(_looked_at, json.dumps(judge.tables.as_json()))
+        return in_processes(looked, known[:: self.every], self.jobs, self.console, "known casters")
+
+
+def _looked_at(tables: str, picture: tuple[Case, str]) -> dict[ProxySteps, Sample]:
+    """A picture and its caster, by a judge with these tables, in a process of its own."""
+    case, spec = picture
+    estimator = ProxyEstimator(LOOK.with_caster(parsed_caster(spec)), Judge(read_tables(tables)))
+    return {LOOK: sample_of(case, estimator)}
 
 
 def fitted_to(free: Score, pictures: Pictures) -> tuple[Score, OfKnownBody]:

@@ -1,9 +1,14 @@
 """What the judge is fitted to: the explanations that the estimator tries on pictures with known lights."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from typing import TypeVar
 
 import numpy as np
+from rich.console import Console
+from rich.progress import track
 
 from ashe_live.bench.cases import Case
 from ashe_live.core.arrays import Float
@@ -13,6 +18,8 @@ from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, explanation_features, split_features
+
+Picture = TypeVar("Picture")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +45,18 @@ class Sample:
     lights: int  # true ones
     judged: Sequence[Candidate]
     splits: Sequence[Candidate]
+
+
+def in_processes(
+    looked: Callable[[Picture], dict[ProxySteps, Sample]],
+    pictures: Sequence[Picture],
+    jobs: int,
+    console: Console,
+    what: str,
+) -> list[dict[ProxySteps, Sample]]:
+    """What `looked`, which must be picklable, says of each picture, in so many processes; `what` is shown meanwhile."""
+    with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
+        return list(track(pool.map(looked, pictures), what, len(pictures), console=console, transient=True))
 
 
 def of_one_view(steps: ProxySteps) -> ProxySteps:

@@ -51,8 +51,8 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
         return none(TOO_LITTLE_GROUND)
     found = lights_of(seen)
     clock.end("fit")
-    likely = _likely(found.lights) if found is not None else []
-    if found is None or not likely:
+    likely = _likely(found.lights)
+    if not likely:
         return none(_why_none(seen, found))
     if len(likely) == 1:
         dark = darkenings_rgb(found.seen, likely, SOFT_RAD)
@@ -110,7 +110,7 @@ def _light(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
     return with_size(light, found.size_rad or None)
 
 
-def _why_none(seen: Seen, found: Found | None) -> str:
+def _why_none(seen: Seen, found: Found) -> str:
     if seen.beside_body < SHADED:
         return IN_SHADE
-    return BLOCKED if found is not None and found.is_dark_elsewhere else NO_SHADOW
+    return BLOCKED if found.is_dark_elsewhere else NO_SHADOW

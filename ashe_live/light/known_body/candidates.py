@@ -9,7 +9,6 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight
-from ashe_live.light.known_body.outline.edges import shadow_edges
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, widest_reach_px
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import Profiles
@@ -114,7 +113,7 @@ def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) ->
 
 def _edges_in_view(seen: Seen, light: Float, darkening: float, room: Room) -> tuple[float, float]:
     """Of a light's (4,) shadow, where it would have its edges, nearly: the part in view, and that which shows steps."""
-    edges = shadow_edges(seen.body, light, seen.view)
+    edges = seen.shadow_edges(light)
     if edges is None:
         return 0.0, 0.0
     reach_px = np.full(len(edges.points_px), widest_reach_px(seen.body, seen.view))

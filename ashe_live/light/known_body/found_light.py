@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask, upper_quantile
 from ashe_live.core.transforms import normalised, raycast_to_plane
-from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
+from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit, height_px
 from ashe_live.light.known_body.outline.room import Outline, Room
 from ashe_live.light.known_body.rims import BESIDE_CELLS, Rims
@@ -86,7 +86,7 @@ def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:
     """The bare table without what lies near the edges of other lights' shadows."""
     room = seen.room
     for other in others:
-        edges = shadow_edges(seen.body, other.casting, seen.view)
+        edges = seen.shadow_edges(other.casting)
         if edges is not None:
             penumbra_px = other.size_rad * upper_quantile(edges.by_size, 0.9)
             broad_px = OTHER_EDGE_PX + OTHER_PENUMBRA * penumbra_px
@@ -100,7 +100,7 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: floa
     Where too little of a shadow's edges is seen, as map and sides say. least_size_rad: diameter of a light whose whole
     penumbra is left out where the shadow is as broad, as it may be wider than is told.
     """
-    edges = [shadow_edges(seen.body, each.casting, seen.view) for each in found]
+    edges = [seen.shadow_edges(each.casting) for each in found]
     steps = [
         None if own is None else _step_rgb(seen, one, own, [*edges[:number], *edges[number + 1 :]], least_size_rad)
         for number, (one, own) in enumerate(zip(found, edges, strict=True))
@@ -113,7 +113,7 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: floa
 
 def hidden_step(seen: Seen, one: FoundLight) -> float:
     """How much more of the sky the body hides where a light's shadow is found dark than where it is found lit."""
-    edges = shadow_edges(seen.body, one.casting, seen.view)
+    edges = seen.shadow_edges(one.casting)
     if edges is None:
         return 0.0
     away_px = BEYOND_PX + BEYOND_PENUMBRA * one.size_rad * float(np.median(edges.by_size))

@@ -13,7 +13,6 @@ from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, wi
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, points_of, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
-from ashe_live.light.known_body.outline.edges import shadow_edges
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
@@ -42,16 +41,18 @@ class Found:
     is_dark_elsewhere: bool  # the table is darkened as if by a shadow, of whatever
 
 
-def lights_of(seen: Seen) -> Found | None:
-    """None where nothing says that there is a light."""
+def lights_of(seen: Seen) -> Found:
+    """No lights where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
     ruled_out: list[Float] = []
     _, steps = seen.rims(NO_LIGHTS)
     candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room, steps, ruled_out=ruled_out)
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
+    # Also that of a shadow which cannot be the body's, as its edges should be seen and are not.
+    likelihood = max([float(alone.everywhere.log_likelihood.max()), *(each for each, _ in scored)])
     if not scored:
-        return None
-    likelihood, first = max(scored, key=lambda pair: pair[0])
+        return Found(seen, (), np.empty((0, 3)), likelihood > DARK_ELSEWHERE)
+    _, first = max(scored, key=lambda pair: pair[0])
     # A lamp's fan of a shadow and the fall of its light, taken for a sun's, would look like a further light.
     found = as_lamps(seen, [first])
     seen = _in_light_of(seen, found)
@@ -153,7 +154,7 @@ def _hidden(seen: Seen, score: Float, beside: Evidence) -> FoundLight | None:
         return None
     best = seen.templates.lights[int(score.argmax())]
     mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
-    edges = shadow_edges(seen.body, mean, seen.view)
+    edges = seen.shadow_edges(mean)
     in_view = 0.0 if edges is None else float((seen.room.around(edges.points_px) >= LEAST_PX).mean())
     if darkening < LEAST_DARKENING or in_view > MOST_IN_VIEW:
         return None

@@ -5,11 +5,12 @@ from dataclasses import dataclass, field, replace
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, upper_quantile
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
+from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
@@ -35,6 +36,7 @@ BESIDE_CELL = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 LEAST_EDGE = 0.05  # part of a cell in shadow by which neighbours differ at its edge
 DEEP = 0.1  # part of the table's light: what is no third as deep as this is no step
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
+OPEN_TABLE = 0.8  # quantile of the picture's ground that is as bright as the open table, unless nearly all is shaded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,6 +76,7 @@ class Seen:
     # What was asked for, by the known lights.
     _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
     _rims: dict[bytes, tuple[Float, Float]] = field(default_factory=dict, init=False)
+    _edges: dict[bytes, ShadowEdges | None] = field(default_factory=dict, init=False)  # of lights
 
     @staticmethod
     def of(view: View, body: Proxy) -> "Seen | None":
@@ -112,11 +115,18 @@ class Seen:
 
     @property
     def beside_body(self) -> float:
-        """The brightest of the table near the body over the open table's light."""
+        """The brightest of the table near the body over the light of the open table, also of that beyond the map.
+
+        Where most of the map is shaded, the rest of the picture shows what light the table would have.
+        """
         middle, reach = SIDE // 2, round(BESIDE_HEIGHTS * CELLS_A_HEIGHT)
         near = np.s_[middle - reach : middle + reach + 1, middle - reach : middle + reach + 1]
         values = self.measured.relative[near][self.measured.table.seen[near]]
-        return float(np.percentile(values.mean(axis=1), 90)) if len(values) else 1.0
+        ground = self.light[self.view.is_ground]
+        if not len(values) or not len(ground):
+            return 1.0
+        open_light = max(1.0, upper_quantile(ground, OPEN_TABLE) / float(self.lit_rgb.mean()))
+        return float(np.percentile(values.mean(axis=1), 90)) / open_light
 
     def lit(self, lights: Float) -> Lit:
         """The body's shadows in lights (m, 4)."""
@@ -150,6 +160,13 @@ class Seen:
             hidden, sky = self.templates.hidden_sky, 1 - darkenings.sum(axis=1)
             self._rims[key] = self.templates.rims.seen(values, is_told, hidden, darkenings[:, -1], sky, DEEP)
         return self._rims[key]
+
+    def shadow_edges(self, light: Float) -> ShadowEdges | None:
+        """The outline of the body's shadow in a light (4,); None where it has none in the picture."""
+        key = np.ascontiguousarray(light).tobytes()
+        if key not in self._edges:
+            self._edges[key] = shadow_edges(self.body, light, self.view)
+        return self._edges[key]
 
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -9,8 +10,10 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.cube.ambient import NORMALS
-from ashe_live.bench.cube.pictures import traced_picture, traced_pictures
+from ashe_live.bench.cube.pictures import painted_pictures, traced_picture, traced_pictures
+from ashe_live.bench.cube.scenes import AROUND_DEG, SETS, before
 from ashe_live.core.arrays import directions_on_spiral
+from ashe_live.core.transforms import camera_centre
 from ashe_live.errors import UserError
 
 SKY = (0.2, 0.4, 0.8)
@@ -62,3 +65,25 @@ def test_pictures_without_a_cube_are_another_bench_s(tmp_path: Path) -> None:
     flat = entry(marker={"dictionary": "DICT_4X4_50", "id": 0, "side_m": 0.08})
     with pytest.raises(UserError, match="no pictures of a paper cube"):
         traced_pictures([folder_of(tmp_path, flat)])
+
+
+def test_a_camera_comes_around_the_cube_to_where_it_takes_the_picture() -> None:
+    followed = next(one for one in SETS if one.followed)
+    (scene,) = followed.scenes(1)
+    eyes = np.array([camera_centre(each.T_cam_cube) for each in before(scene)])
+    end = camera_centre(scene.T_cam_cube)
+    assert np.hypot(eyes[:, 0], eyes[:, 1]) == pytest.approx(math.hypot(*end[:2]))
+    assert eyes[:, 2] == pytest.approx(end[2])
+    ways = np.linalg.norm(np.diff([*eyes, end], axis=0), axis=1)
+    assert ways == pytest.approx(ways[0])
+    assert ways.sum() == pytest.approx(math.radians(AROUND_DEG) * math.hypot(*end[:2]), rel=1e-2)
+
+
+def test_a_followed_cube_is_shown_by_its_frames_before_it() -> None:
+    one = next(painted_pictures(replace(SETS[0], followed=True), 1, 0))
+    alone = next(painted_pictures(SETS[0], 1, 0))
+    assert np.array_equal(one.image, alone.image)
+    first = next(iter(one.before))
+    assert first.shape == one.image.shape
+    assert not np.array_equal(first, one.image)
+    assert not list(alone.before)

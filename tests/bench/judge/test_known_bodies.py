@@ -1,12 +1,16 @@
 """How log odds count for known bodies: fitted to which explanations are right, and applied to the judge's own."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ashe_live.bench.judge.known_bodies import LOOK, fitted_to
+from ashe_live.bench.bench import RESULTS
+from ashe_live.bench.cases import read_cases
+from ashe_live.bench.judge.known_bodies import LOOK, KnownBodiesBench, fitted_to
 from ashe_live.bench.judge.samples import Candidate, Sample
+from ashe_live.files.resources import resource
 from ashe_live.light.explanation.judgement.judge import fitted_judge
 from ashe_live.light.explanation.judgement.judge_tables import Curve, OfKnownBody, Score, read_tables
 
@@ -42,3 +46,19 @@ def test_flatness_that_was_given_is_no_evidence() -> None:
 def test_both_numbers_are_kept_with_the_tables() -> None:
     tables = fitted_judge().tables
     assert read_tables(json.dumps(tables.as_json())).of_known_body == tables.of_known_body
+
+
+def test_so_many_pictures_are_looked_at_whatever_the_number_of_processes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenes, limit = resource("assets", "scenes"), 4
+    known = {case.id: "cylinder:0.03x0.08" for case in read_cases(scenes)[1:]}  # the first one's is none
+    monkeypatch.setattr("ashe_live.bench.judge.known_bodies.caster_specs", lambda _: known)
+    records = []
+    for jobs in (1, 2):
+        out = tmp_path / str(jobs)
+        KnownBodiesBench([scenes], limit=limit, jobs=jobs).run(out)
+        records.append(json.loads((out / RESULTS).read_text(encoding="utf-8")))
+    one, other = records
+    assert one["pictures"] == limit - 1
+    assert one["tables"] == other["tables"]

@@ -76,13 +76,14 @@ def test_under_a_cloudy_sky_there_is_no_light() -> None:
         assert "diffuse" in answer.reason
 
 
-def test_a_shadow_over_all_of_it_is_said() -> None:
+@pytest.mark.parametrize("radius_px", [170, 215])  # the second covers most of the map around the cube
+def test_a_shadow_over_all_of_it_is_said(radius_px: int) -> None:
     scene = CubeScene(CAMERA, looking(0.5, 45, 30), [])
     frame = frame_of(scene)
     shaded = frame.image_bgr.copy()
     x, y = CAMERA.K[:2, 2]
     around_cube = np.zeros(shaded.shape[:2], np.uint8)
-    cv2.circle(around_cube, (round(x), round(y)), 170, 1, -1)
+    cv2.circle(around_cube, (round(x), round(y)), radius_px, 1, -1)
     shaded[around_cube > 0] = shaded[around_cube > 0] * 0.62
     tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(
         dataclasses.replace(frame, image_bgr=shaded)
@@ -90,7 +91,21 @@ def test_a_shadow_over_all_of_it_is_said() -> None:
     answer = make_estimator("proxy").estimate(tracked)
     assert answer.lights == ()
     assert answer.reason is not None
-    assert "shadow" in answer.reason
+    assert "another thing's shadow" in answer.reason
+
+
+def test_a_shadow_that_falls_on_another_thing_is_said() -> None:
+    frame = frame_of(CubeScene(CAMERA, looking(0.45, 50, 35), [sun(190, 25)]))
+    with_thing = frame.image_bgr.copy()
+    outline = np.array([(159, 271), (229, 219), (363, 283), (361, 332), (303, 401), (171, 320)], np.int32)
+    cv2.fillConvexPoly(with_thing, outline, (70, 120, 60))
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(
+        dataclasses.replace(frame, image_bgr=with_thing)
+    )
+    answer = make_estimator("proxy").estimate(tracked)
+    assert answer.lights == ()
+    assert answer.reason is not None
+    assert "falls on other things" in answer.reason
 
 
 def test_the_same_frame_gives_the_same_answer() -> None:
