@@ -37,13 +37,11 @@ def refined_and_others(
     turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
     # Of the same looks as the others that they are compared with.
     sharp = sharpener.measured([fine for fine in fines if fine is not None])
-    counted = with_lights_counted(sharp, rough, fine, coarse, ground, steps.region_px, log_odds)
-    found = _without_repeats(counted, log_odds)
+    found = with_lights_counted(sharp, rough, fine, coarse, ground, steps.region_px, log_odds)
     others = different(each for each in ranked if not any(each is one for one in chosen))
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
-    final = [_sharp_and_decided(each, sharpener, steps, lamps) for each in found]
-    judged = different([*_without_repeats(final, log_odds), *others], within_rad=GOOD_RAD)
+    judged = [*(_sharp_and_decided(each, sharpener, steps, lamps) for each in found), *others]
     if leaves_no_doubt(judged, log_odds):
         return judged
     alone = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
@@ -68,14 +66,6 @@ def _sharp_and_decided(
     explanation: Explanation, sharpener: Sharpener, steps: ProxySteps, lamps: LampHypotheses
 ) -> Explanation:
     return lamps.decided(sharpener.sharpened(explanation), partial(explained_near, preset=steps.fine_fit), sharpener)
-
-
-def _without_repeats(several: Sequence[Explanation], log_odds: Callable[[Explanation], float]) -> list[Explanation]:
-    """The likeliest first, without those that say the same as a likelier one.
-
-    Fits from several starts may end in one explanation, which is no likelier for having been found more than once.
-    """
-    return different(sorted(several, key=log_odds, reverse=True), within_rad=GOOD_RAD)
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:

@@ -3,14 +3,12 @@
 An explanation is a hypothesis of what a region shows: a body, its lights, and the labels that follow from both.
 """
 
-import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.ground.regions import Region
@@ -166,16 +164,9 @@ def explanation_criterion(explanation: Explanation) -> float:
     return criterion(replace(explanation.alignment.placed, cost=costs.of(explanation.predicted)))
 
 
-def different(
-    explanations: Iterable[Explanation], count: int | None = None, within_rad: float = math.pi
-) -> list[Explanation]:
-    """The first `count` explanations, without those like an earlier one whose light is `within_rad` of theirs."""
-
-    def are_one(one: Explanation, other: Explanation) -> bool:
-        away = angle_between(one.lights[0].to_light_marker, other.lights[0].to_light_marker)
-        return away <= within_rad and are_alike(one, other)
-
-    return distinct(explanations, are_one, count)
+def different(explanations: Iterable[Explanation], count: int | None = None) -> list[Explanation]:
+    """The first `count` explanations, without those that are like an earlier one."""
+    return distinct(explanations, are_alike, count)
 
 
 def are_alike(one: Explanation, other: Explanation) -> bool:

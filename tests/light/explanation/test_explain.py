@@ -6,15 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.core.transforms import angle_between, normalised, tangent_basis
-from ashe_live.light.explanation.explain import (
-    Proposal,
-    are_alike,
-    different,
-    explained,
-    refined,
-    refined_by_tangents,
-)
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.explanation.explain import Proposal, are_alike, explained, refined, refined_by_tangents
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
@@ -115,19 +108,6 @@ def test_explanations_of_nearly_the_same_pixels_are_alike_either_way_round() -> 
     for other in different:
         assert not are_alike(truth, other)
         assert not are_alike(other, truth)
-
-
-def test_explanations_of_the_same_pixels_are_one_only_where_their_lights_agree() -> None:
-    truth = explanation_of(painted_region(BOX))
-    away = tangent_basis(truth.lights[0].to_light_marker)[0]
-
-    def turned(by_rad: float) -> Explanation:
-        towards = np.append(normalised(truth.lights[0].to_light_marker + math.tan(by_rad) * away), 0.0)
-        return replace(truth, lights=(replace(truth.lights[0], light=towards),))
-
-    near, far = turned(0.05), turned(0.15)
-    assert different([truth, near, far]) == [truth]
-    assert different([truth, near, far], within_rad=0.1) == [truth, far]
 
 
 def test_lights_are_less_certain_in_a_soft_shadow() -> None:
