@@ -160,7 +160,8 @@ class Light:
     def summary(self, decimals: int = 0) -> str:
         """For the user: "lamp, 62 ± 5 cm, azimuth 30°, elevation 45° ± 4.0°, 90 % sure". `decimals`: of the angles."""
         sigma = "" if self.sigma_rad is None else f" ± {math.degrees(self.sigma_rad):.1f}°"
-        sure = "" if self.confidence is None else f", {100 * self.confidence:.0f} % sure"
+        # No estimate is certain, whatever a probability is rounded to.
+        sure = "" if self.confidence is None else f", {min(100 * self.confidence, 99):.0f} % sure"
         angles = f"azimuth {self.azimuth_deg:.{decimals}f}°, elevation {self.elevation_deg:.{decimals}f}°"
         return f"{self._distance_summary()}{angles}{sigma}{sure}"
 
