@@ -11,14 +11,12 @@ import PIL.ExifTags
 import PIL.Image
 from PIL import ImageOps
 
-from ashe_live.capture.sources import Source
+from ashe_live.capture.sources import Source, refuse_too_large, too_many_pixels
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
 
-# More than phones' pictures have. Each takes up to 18 bytes on the way to an estimate.
-MAX_PIXELS = 110_000_000
 FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
 LEAST_FILM_MM, MOST_FILM_MM = 8.0, 600.0
@@ -85,16 +83,14 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
     """
     try:
         with opened(path) as file, _open(file) as picture:
-            width, height = picture.size
-            if width * height > MAX_PIXELS:
-                raise PIL.Image.DecompressionBombError
+            refuse_too_large(path, picture.size)
             focal_px = _focal_px(picture)
             ImageOps.exif_transpose(picture, in_place=True)
             return np.asarray(cv2.cvtColor(_rgb_8bit(picture), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
     except UserError:
         raise
     except PIL.Image.DecompressionBombError:
-        raise UserError(f"{path} has more than {MAX_PIXELS // 10**6} million pixels", "scale it down") from None
+        raise too_many_pixels(path) from None
     except PIL.UnidentifiedImageError:
         raise UserError(f"{path} is not a photo of a known format", "convert it to JPEG or PNG") from None
     # A damaged file can fail anywhere in Pillow's decoders: SyntaxError, ValueError, struct.error, OSError...

@@ -6,8 +6,24 @@ from types import TracebackType
 from typing import Protocol, Self, runtime_checkable
 
 from ashe_live.core import arguments
+from ashe_live.core.ranges import SIDE
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+
+# More than phones' pictures have. Each takes up to 18 bytes on the way to an estimate.
+MAX_PIXELS = 110_000_000
+
+
+def too_many_pixels(path: Path) -> UserError:
+    return UserError(f"{path} has more than {MAX_PIXELS // 10**6} million pixels", "scale it down")
+
+
+def refuse_too_large(path: Path, size: tuple[int, int]) -> None:
+    """Raises UserError for pictures, width x height, that are too large to be worked on."""
+    if size[0] * size[1] > MAX_PIXELS:
+        raise too_many_pixels(path)
+    if max(size) > SIDE.high:
+        raise UserError(f"{path} is longer than {SIDE.high} pixels", "scale it down, or cut a part out")
 
 
 class SourceLost(UserError):  # noqa: N818 - what happened, as Closed

@@ -99,7 +99,7 @@ def _said(record: FileRecord) -> str:
         return record.error
     if record.marker is None:
         if record.in_view:
-            return f"the marker was not found: {others_said(record.in_view)}"
+            return f"the marker was not found: {others_said(record.in_view, record.looked_for)}"
         return "no marker found: show all of it, or name the one that is there with --marker"
     estimate = record.estimate
     assert estimate is not None

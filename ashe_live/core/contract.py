@@ -149,8 +149,9 @@ class FileRecord:
     marker: MarkerPose | None = None
     estimate: LightEstimate | None = None
     timing_ms: Mapping[str, float] | None = None
-    in_view: tuple[str, ...] = ()  # other markers, where the one that was looked for is not
+    in_view: tuple[str, ...] = ()  # markers, where the one that was looked for is not found
     places: tuple[tuple[str, int], ...] = ()  # file and frame of each of the estimate's views, where of several files
+    looked_for: str = ""  # the marker's spec; not in the line
 
     def to_json(self) -> Json:
         reason = self.error or "no marker found"

@@ -108,6 +108,14 @@ def test_huge_photo_is_refused_by_its_header(tmp_path: Path) -> None:
         open_source(path)
 
 
+@pytest.mark.parametrize("size", [(16_385, 2), (2, 16_385)])
+def test_longer_photo_than_any_camera_is_refused(tmp_path: Path, size: tuple[int, int]) -> None:
+    path = tmp_path / "panorama.png"
+    PIL.Image.new("RGB", size).save(path)
+    with pytest.raises(UserError, match="longer than 16384 pixels"):
+        open_source(path)
+
+
 def test_kind_is_told_by_content_and_only_then_by_name(tmp_path: Path, rgb: Image, clip: Path) -> None:
     PIL.Image.fromarray(rgb).save(tmp_path / "photo.mp4", "PNG")
     clip.rename(tmp_path / "clip.dat")

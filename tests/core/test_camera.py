@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera, read_camera_file
+from ashe_live.core.ranges import FIELD_OF_VIEW, FOCAL, SIDE
 from ashe_live.errors import UserError
 
 
@@ -17,6 +18,14 @@ def test_hfov_spans_the_columns_edge_to_edge() -> None:
     assert camera.hfov_deg == pytest.approx(90)
     left_edge = (-0.5 - camera.K[0, 2]) / camera.K[0, 0]
     assert math.degrees(math.atan(left_edge)) == pytest.approx(-45)
+
+
+@pytest.mark.parametrize("hfov_deg", [FIELD_OF_VIEW.low, FIELD_OF_VIEW.high])
+@pytest.mark.parametrize("width", [SIDE.low, SIDE.high])
+def test_every_field_of_view_goes_with_every_width(hfov_deg: float, width: float) -> None:
+    camera = Camera.from_hfov((int(width), 1), hfov_deg)
+    assert camera.K[0, 0] in FOCAL
+    assert camera.hfov_deg == pytest.approx(hfov_deg)
 
 
 def test_resizing_keeps_the_direction_of_every_edge() -> None:

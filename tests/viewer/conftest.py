@@ -23,7 +23,7 @@ from ashe_live.tracking.families.markers import parse_marker
 SIZE = (64, 48)
 SIDE_M = 0.08
 CAMERA = Camera.from_hfov(SIZE, 60)
-MODEL = placed_on_marker(Model("box", (box((1, 1, 1)),)), SIDE_M)
+MODEL = placed_on_marker(Model("box", (box((1, 1, 1)),), up="y"), SIDE_M)  # as of a shipped file
 
 
 def pose(tilt_deg: float = 0.0) -> MarkerPose:

@@ -15,6 +15,7 @@ from av.video.stream import VideoStream
 
 from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.container import opened_container
+from ashe_live.capture.sources import refuse_too_large
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
 
@@ -63,6 +64,11 @@ class ClipPictures:
         if first is None:
             self.close()
             raise UserError(f"{path} has no readable picture in it", "copy or record it again")
+        try:
+            refuse_too_large(path, (first.width, first.height))
+        except UserError:
+            self.close()
+            raise
         self.start_pts = first.pts
         self.first = self._numbered(first)
 

@@ -75,7 +75,8 @@ class FileEstimator:
             with open_source(path) as source:
                 is_known = _tells_no_camera(source) and source.size in cameras
                 camera_for = cameras.__getitem__ if is_known else self.camera_for
-                tracker = make_tracker(with_marker_in(source, options), camera_for, source=source)
+                chosen = with_marker_in(source, options)
+                tracker = make_tracker(chosen, camera_for, source=source)
                 seen = look_at(source, tracker, wanted)
         except UserError as error:
             return dataclasses.replace(record, error=printable(error)), None
@@ -85,7 +86,7 @@ class FileEstimator:
             return _Looked(path, record, seen, tracker)
         in_view = markers_in_view(tracked.frame.image_bgr)
         times = {"detect": tracked.detect_ms, "total": tracked.detect_ms}
-        return dataclasses.replace(record, timing_ms=times, in_view=in_view), tracked
+        return dataclasses.replace(record, timing_ms=times, in_view=in_view, looked_for=chosen.marker), tracked
 
     def _answered(self, first: "_Looked", *more: "_Looked") -> FileAnswer:
         """The answer for the first file's frozen frame, from all views."""

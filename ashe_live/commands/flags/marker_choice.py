@@ -61,6 +61,8 @@ def with_marker_in(source: Source, options: argparse.Namespace) -> argparse.Name
     return options
 
 
-def others_said(in_view: tuple[str, ...]) -> str:
-    """What to do about markers in view none of which is the one that was looked for."""
+def others_said(in_view: tuple[str, ...], marker: str) -> str:
+    """What to do about markers in view where none was found that looks like `marker` through the camera."""
+    if marker in in_view:
+        return f"{marker} is in view, but not as this camera would see it: check --hfov, --focal-px or --camera-file"
     return f"{' and '.join(in_view)} {'is' if len(in_view) == 1 else 'are'} in view: --marker {in_view[0]}"

@@ -43,7 +43,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     add_view_options(webcam)
 
     play = commands.add_parser("play", help="play a recorded clip, or show a photo")
-    play.add_argument("file", type=Path, metavar="FILE")
+    play.add_argument("file", type=values.path, metavar="FILE")
     add_scene_options(play)
     add_view_options(play)
 
@@ -106,7 +106,9 @@ def _add_calibrate_options(calibrate: argparse.ArgumentParser) -> None:
 
 
 def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
-    estimate.add_argument("files", type=Path, nargs="+", metavar="FILE", help="also folders and patterns ('*.jpg')")
+    estimate.add_argument(
+        "files", type=values.path, nargs="+", metavar="FILE", help="also folders and patterns ('*.jpg')"
+    )
     estimate.add_argument(
         "--json", action="store_true", help="one JSON object a line, one line a file (docs/contract.md)"
     )

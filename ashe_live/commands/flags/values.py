@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Callable
+from pathlib import Path
 
 from ashe_live.core.ranges import (
     CAMERA_NUMBER,
@@ -42,6 +43,13 @@ def _whole_number_in(allowed: Range) -> Callable[[str], int]:
 side_m, millimetres = _number_in(MARKER_SIDE), _number_in(PRINTED_MM)
 focal_px, angle_deg = _number_in(FOCAL), _number_in(FIELD_OF_VIEW)
 count, index, views = (_whole_number_in(allowed) for allowed in (COUNT, INDEX, VIEWS))
+
+
+def path(text: str) -> Path:
+    """A file or folder that is read."""
+    if not text:  # as of a shell's variable that is not set; pathlib takes it for the current folder
+        raise argparse.ArgumentTypeError("it is empty and names no file")
+    return Path(text)
 
 
 MARKER_KINDS = ("aruco", "apriltag", "pattern", "image")

@@ -102,8 +102,8 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
         yield setup.source.note
     if not found:
         in_view = () if session.tracked is None else markers_in_view(session.tracked.frame.image_bgr)
-        named = others_said(in_view) if in_view else "if another one is there, name it with --marker"
-        yield f"the marker {options.marker} is not seen in {name}: {named}"
+        named = others_said(in_view, options.marker) if in_view else "if another one is there, name it with --marker"
+        yield f"the marker {options.marker} is not found in {name}: {named}"
     elif options.estimate_at not in (None, *found):
         yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
     elif session.last_notice is not None:

@@ -25,7 +25,7 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
     For a person who does not know which one it is: no cell may be wrong, so what is small or blurred is passed over.
     """
     grey: Image = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
-    scale = min(1.0, MOST_PX / max(grey.shape))
+    scale = min(1.0, max(MOST_PX / max(grey.shape), 1 / min(grey.shape)))  # a row of pixels is left of the narrowest
     if scale < 1:
         grey = np.asarray(cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), dtype=np.uint8)
     parameters = cv2.aruco.DetectorParameters()

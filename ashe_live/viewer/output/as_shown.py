@@ -10,6 +10,7 @@ from ashe_live.core.contract import SCHEMA, Json, light_by_hand_json
 from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
+from ashe_live.models.assembly.up import UPS
 from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.viewer.before_after import PARTS, WHOLE
 from ashe_live.viewer.session import Session
@@ -38,8 +39,14 @@ class Shown:
     @property
     def is_plain(self) -> bool:
         """Whether the same models stand as they come, in the estimated light."""
-        moved = any(stand.placement != UNMOVED for stand in self.stands)
+        moved = any(stand.placement != UNMOVED or _is_turned_up(stand) for stand in self.stands)
         return not (moved or self.by_hand is not None or self.covers_marker is not None or self.parts != WHOLE)
+
+
+def _is_turned_up(stand: Stand) -> bool:
+    """Whether somebody said which axis is up, so that a later run may show another one."""
+    model = stand.model.model
+    return model.up != UPS[0] and not model.is_up_guessed
 
 
 def shown_now(session: Session) -> Shown:
@@ -115,6 +122,7 @@ def _shown_json(frame: int, shown: Shown) -> Json:
         "models": [
             {
                 "model": stand.name,
+                "up": stand.model.model.up,
                 "marker": stand.marker,
                 "seat": stand.seat,
                 "scale": stand.placement.scale,
@@ -151,7 +159,10 @@ def _stand(known: Json, shelf: Shelf) -> Stand:
     marker = known["marker"]
     if not (marker is None or isinstance(marker, str)):
         raise TypeError(f"no marker is called {marker!r:.40}")
-    return Stand(known["model"], shelf.loaded(known["model"]), placement, known["seat"], marker)
+    up = known.get("up")  # not in files of older versions
+    if up not in (None, *UPS):
+        raise ValueError(f"no axis is called {up!r:.40}")
+    return Stand(known["model"], shelf.loaded(known["model"], up), placement, known["seat"], marker)
 
 
 def _light(known: Json) -> Light:

@@ -52,8 +52,14 @@ class Shelf:
         for name in others:
             self.loaded(name)
 
-    def loaded(self, name: str) -> PlacedModel:
-        """The model of that name, waited for, from now on one to choose. Raises UserError when it cannot be read."""
+    def loaded(self, name: str, up: str | None = None) -> PlacedModel:
+        """The model of that name, waited for, from now on one to choose. Raises UserError when it cannot be read.
+
+        `up`: which axis of its file is up from now on; None where that stays as it is.
+        """
+        if up is not None and (name not in self._loading or self._load(name).result().model.up != up):
+            self._ups[name] = up
+            self._loading.pop(name, None)
         model = self._load(name).result()
         if name not in self.names:
             self.names.append(name)
@@ -63,6 +69,12 @@ class Shelf:
     def take_up(self, name: str, model: PlacedModel) -> None:
         """Chooses a model that was shown before, as it was then."""
         self._chosen, self._shown, self._shown_name = self.names.index(name), model, name
+        latest = self._loading.get(name)
+        is_loaded = latest is not None and latest.done() and latest.exception() is None
+        if is_loaded and self._loading[name].result().model.up != model.model.up:
+            self._loading[name] = as_then = Future[PlacedModel]()
+            as_then.set_result(model)
+            self._ups[name] = model.model.up
 
     def choose(self, index: int) -> bool:
         """Chooses a model by its place; returns False when there is none."""

@@ -108,6 +108,17 @@ def test_clip_cut_before_its_first_picture_is_refused(clip: Path) -> None:
         ClipSource(clip)
 
 
+def test_clip_of_pictures_that_are_too_long_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "panorama.mkv"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("ffv1", rate=30)
+        stream.width, stream.height, stream.pix_fmt = 16_386, 2, "yuv420p"
+        container.mux(stream.encode(VideoFrame.from_ndarray(np.zeros((2, 16_386, 3), np.uint8), "bgr24")))
+        container.mux(stream.encode(None))
+    with pytest.raises(UserError, match="longer than 16384 pixels"):
+        ClipSource(path)
+
+
 @pytest.mark.parametrize("quarter_turns", [0, 1, 2, 3])
 def test_rotation_metadata_of_phones_is_applied(tmp_path: Path, quarter_turns: int) -> None:
     path = tmp_path / "phone.mp4"

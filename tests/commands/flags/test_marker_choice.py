@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.tracking.families.markers import parse_marker
+from tests.shipped_scenes import FOLDER
 
 pytestmark = pytest.mark.usefixtures("instant")
 OTHER = "aruco:5x5_50:9"
@@ -63,3 +64,14 @@ def test_a_photo_is_shown_with_the_marker_that_is_in_it(run, photo):
     outcome = run("play", photo(OTHER), "--hfov", "60", "--headless", "--marker", "aruco:4x4_50:3", "--quality", "fast")
     assert outcome.status == 3
     assert f"{OTHER} is in view: --marker {OTHER}" in " ".join(outcome.err)
+
+
+def test_where_no_pose_explains_the_marker_the_camera_is_doubted(run):
+    photo = str(FOLDER / "clean_box.jpg")
+    assert run("estimate", photo).status == 0
+    for command in (["estimate", photo], ["play", photo, "--headless", "--quality", "fast"]):
+        outcome = run(*command, "--hfov", "179")
+        assert outcome.status == 3
+        said = " ".join([*outcome.out, *outcome.err])
+        assert "not as this camera would see it: check --hfov" in said
+        assert "--marker aruco" not in said

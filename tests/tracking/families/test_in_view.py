@@ -36,6 +36,11 @@ def test_a_large_picture_is_looked_at_too() -> None:
     assert markers_in_view(large) == SPECS[:1]
 
 
+@pytest.mark.parametrize("shape", [(1, 1), (1, 16_384), (3, 16_384), (16_384, 3)])
+def test_nothing_is_in_a_picture_of_a_few_rows(shape: tuple[int, int]) -> None:
+    assert markers_in_view(np.full((*shape, 3), 200, np.uint8)) == ()
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_squares_and_noise_are_no_markers(seed: int) -> None:
     rng = np.random.default_rng(seed)

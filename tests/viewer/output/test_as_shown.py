@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from ashe_live.core.contract import SCHEMA
 from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
+from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.models.placement import Placement
 from ashe_live.tracking.poses.steadiness import Steadiness
@@ -67,6 +69,26 @@ def test_every_frame_is_as_it_was_shown(begun, fakes, tmp_path: Path) -> None:
             assert session.shown.light.radius_m == light.radius_m
             assert session.shown.light.angular_size_rad == pytest.approx(light.angular_size_rad)
         assert (session.parts_shown, session.hides_marker) == ((PARTS[1], False) if frame == 20 else (WHOLE, True))
+
+
+def test_models_turned_onto_another_side_come_back_so(begun, fakes, tmp_path: Path) -> None:
+    window, as_shown = begun("mug"), AsShown()
+    window.take(fakes.tracked(0), 0.0)
+    as_shown.add(0, shown_now(window))
+    shelf = window.table.shelf
+    shelf.turn_up()
+    window.arrangement.stand_as([replace(window.arrangement.stands[0], model=shelf.loaded("mug"))])
+    as_shown.add(1, shown_now(window))
+    turned_alone = AsShown()
+    turned_alone.add(1, shown_now(window))
+    assert not turned_alone.is_plain  # no flag of the command says which side is up
+
+    session = begun("mug")
+    again = written(as_shown, tmp_path, session)
+    for frame, up in enumerate(UPS[:2]):
+        session.take(fakes.tracked(frame), 0.0)
+        again.set_up(session)
+        assert session.arrangement.stands[0].model.model.up == up
 
 
 def test_of_a_clip_that_was_played_again_the_last_time_counts(begun) -> None:
