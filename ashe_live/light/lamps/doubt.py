@@ -24,30 +24,10 @@ from ashe_live.light.shape.directions import (
 # Sigma of the nearness of lamps (1/m), and the probability of a lamp before a picture is seen: both count only where
 # the evidence leaves it open, in what the direction is at the marker.
 LAMPS_NEARNESS, LAMPS_SHARE = 1.5, 0.5
-# The nearness of what is surely a lamp (1/m), and the sigma of its logarithm: two in three hang from 0.4 m above the
-# table, as desk lamps do, to 1.7 m, as lamps under a ceiling.
-COMMON_NEARNESS, LOG_NEARNESS_SIGMA = 1.2, 0.7
 # Deviance of a sun that leaves sun and lamp even: 3 sigmas, which ground that is uneven in another way shows, too.
 EVEN_DEVIANCE = 9.0
 CHANCE_DEVIANCE = 3.84  # that chance exceeds once in twenty: below it a sun's direction stays as it was measured
 MOST_LOG_ODDS = 20.0  # of a lamp against a sun, either way
-
-
-def as_lamps_are(place: Place) -> Place:
-    """The place of a lamp, whose nearness must be positive, with what is known of lamps' nearness beforehand.
-
-    A lamp is stated where its nearness differs enough from a sun's, so that errors which make it larger are the ones
-    that are stated; and an error of the nearness turns the direction at the marker, the more the farther the object.
-    Of a nearness so uncertain the logarithm has the more symmetric errors.
-    """
-    nearness, covariance = float(place.mean[2]), place.covariance
-    told, before = (nearness / place.nearness_sigma) ** 2, LOG_NEARNESS_SIGMA**-2
-    share = told / (told + before)
-    after = nearness**share * COMMON_NEARNESS ** (1 - share)
-    line = covariance[:, 2] / covariance[2, 2]
-    variance = after**2 / (told + before)
-    spread = covariance + (variance - covariance[2, 2]) * np.outer(line, line)
-    return Place(place.mean + line * (after - nearness), np.asarray(np.linalg.inv(spread)))
 
 
 def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float) -> Light:

@@ -21,7 +21,7 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.companions import companions
-from ashe_live.light.lamps.doubt import as_lamps_are, confidence_within, with_doubt
+from ashe_live.light.lamps.doubt import confidence_within, with_doubt
 from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
@@ -119,7 +119,6 @@ def stated(
         if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0):
             best = seen.objects[0].explanation
             alone, *others_lights = lights_of(best, confidence)
-            at = as_lamps_are(at)
             return Answer(best, (_lamp(alone, at, ratios[0], shadow_middle(best)), *others_lights), at)
     alone, *others_lights = lights
     unsure = with_doubt(alone, place, from_sun, deviance_of_sun(seen, place))

@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Light
-from ashe_live.light.lamps.doubt import COMMON_NEARNESS, LOG_NEARNESS_SIGMA, as_lamps_are, with_doubt
+from ashe_live.light.lamps.doubt import with_doubt
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.shape.directions import displacement_of
 
@@ -63,30 +63,3 @@ def test_extreme_places_are_finite(nearness: float, sigma: float, deviance: floa
     assert np.isfinite(found.to_light_marker).all()
     assert found.covariance_rad2 is not None
     assert (np.linalg.eigvalsh(found.covariance_rad2) > 0).all()
-
-
-def test_a_sure_lamp_stays_where_it_is() -> None:
-    sure = place(6.0, 0.01)
-    found = as_lamps_are(sure)
-    np.testing.assert_allclose(found.mean, sure.mean, rtol=1e-3)
-    np.testing.assert_allclose(found.covariance, sure.covariance, rtol=1e-2)
-
-
-def test_of_a_lamp_that_may_be_anywhere_its_object_still_tells_the_ray() -> None:
-    """Its nearness is that of lamps in general, and the object sees it where it did."""
-    open_one = place(3.0, 1e3)
-    found = as_lamps_are(open_one)
-    assert found.mean[2] == pytest.approx(COMMON_NEARNESS, rel=1e-3)
-    assert found.nearness_sigma == pytest.approx(COMMON_NEARNESS * LOG_NEARNESS_SIGMA, rel=1e-3)
-    np.testing.assert_allclose(found.mean[:2] - found.mean[2] * FOOT, open_one.mean[:2] - open_one.mean[2] * FOOT)
-
-
-@pytest.mark.parametrize("nearness", [1e-3, 0.05, 1.2, 12.0, 20.0])
-@pytest.mark.parametrize("sigma", [1e-3, 0.5, 50.0])
-def test_what_is_known_of_lamps_lies_between_and_makes_surer(nearness: float, sigma: float) -> None:
-    found = as_lamps_are(place(nearness, sigma))
-    low, high = sorted((nearness, COMMON_NEARNESS))
-    assert low * (1 - 1e-6) <= found.mean[2] <= high * (1 + 1e-6)
-    # In logarithms, whose errors are alike on both sides.
-    assert found.nearness_sigma / found.mean[2] <= sigma / nearness * (1 + 1e-6)
-    assert np.linalg.eigvalsh(found.lamp_covariance).min() > 0
