@@ -81,7 +81,7 @@ def test_the_surer_it_is_the_smaller_its_covariance(first: SeenObject) -> None:
 
 
 def test_to_agree_with_what_is_known_makes_no_direction_more_exact(first: SeenObject) -> None:
-    """However exactly the light is known: an object that counts tells its direction as well as its own evidence says."""
+    """However exactly the light is known: what counts tells its direction as well as its own evidence says."""
     known = place_of(first.explanation)
     for sharper in (1.0, 10.0):
         place = Place(known.mean, sharper * known.information)
