@@ -34,15 +34,20 @@ def worst_assigned_deg(answers: Sequence[ArrayLike], truths: Sequence[ArrayLike]
 
 
 def squared_sigmas(answer: Float, covariance_rad2: Float, truth: Float) -> float:
-    """Squared Mahalanobis distance of `truth` (3,) from `answer` (3,) on the answer's tangent basis.
+    """Squared Mahalanobis distance of `truth` (3,) from `answer` (3,) on the answer's tangent basis."""
+    offset = tangent_offset(answer, truth)
+    return float(offset @ np.linalg.solve(covariance_rad2, offset))
 
-    The offset's length is the angle, so that large errors are measured correctly too.
+
+def tangent_offset(answer: Float, truth: Float) -> Float:
+    """(2,) radians from `answer` (3,) to `truth` (3,) on the answer's tangent basis.
+
+    Its length is the angle, so that large errors are measured correctly too.
     """
     angle = angle_between(answer, truth)
     along = np.asarray(tangent_basis(answer) @ normalised(truth))
     length = float(np.hypot(*along))
-    offset = along * (angle / length) if length > 1e-12 else np.array([angle, 0.0])
-    return float(offset @ np.linalg.solve(covariance_rad2, offset))
+    return along * (angle / length) if length > 1e-12 else np.array([angle, 0.0])
 
 
 def rms_deg(answers: Sequence[ArrayLike], centre: ArrayLike | None = None) -> float:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.bench.cases import Case
-from ashe_live.bench.metrics import angular_error_deg, share
+from ashe_live.bench.metrics import angular_error_deg, share, tangent_offset
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Light
 
 BESIDE_M = 0.2  # from the object: where a model may stand
+ELLIPSOID_95 = 7.815  # squared Mahalanobis distance in three dimensions that 95 % lie within
 NEAR_M, FAR_M, FARTHEST_M = 0.6, 1.1, 1e6  # distances up to which lamps are summarised by themselves
 
 
@@ -24,6 +25,7 @@ class LampFigures:
     beside_deg: float | None  # mean error of the direction at four points BESIDE_M from the object, along x and y
     distance_error: float | None  # of a lamp stated as such: error of its distance over that distance
     sigmas: float | None  # of the same: error of its inverse distance, in standard deviations
+    squared_sigmas: float | None  # of the same: squared Mahalanobis distance of direction and inverse distance
     radius_error: float | None  # of the same, where its radius is told: error of that over the true one
 
 
@@ -34,19 +36,21 @@ def lamp_figures(light: Light | None, case: Case) -> LampFigures | None:
     lamp_m = case.lamp_m
     distance_m = None if lamp_m is None else float(np.linalg.norm(lamp_m))
     if light is None:
-        return LampFigures(distance_m, False, None, None, None, None)
+        return LampFigures(distance_m, False, None, None, None, None, None)
     true = np.append(case.to_lights_marker[0], 0.0 if distance_m is None else 1 / distance_m)
     beside = None if case.foot_m is None else _beside_deg(light.homogeneous, true, case.foot_m)
     if light.inverse_distance == 0 or distance_m is None:
-        return LampFigures(distance_m, light.inverse_distance > 0, beside, None, None, None)
-    sigmas = None
+        return LampFigures(distance_m, light.inverse_distance > 0, beside, None, None, None, None)
+    sigmas = squared = None
     if light.lamp_covariance is not None:
-        sigmas = (light.inverse_distance - 1 / distance_m) / math.sqrt(light.lamp_covariance[2, 2])
+        off = np.append(tangent_offset(light.to_light_marker, true[:3]), true[3] - light.inverse_distance)
+        sigmas = float(-off[2] / math.sqrt(light.lamp_covariance[2, 2]))
+        squared = float(off @ np.linalg.solve(light.lamp_covariance, off))
     radius_error = None
     if light.radius_m is not None and case.lamp_radius_m is not None:
         radius_error = abs(light.radius_m / case.lamp_radius_m - 1)
     distance_error = abs(1 / light.inverse_distance / distance_m - 1)
-    return LampFigures(distance_m, True, beside, distance_error, sigmas, radius_error)
+    return LampFigures(distance_m, True, beside, distance_error, sigmas, squared, radius_error)
 
 
 def _beside_deg(answer: Float, truth: Float, foot_m: Float) -> float:
@@ -68,6 +72,7 @@ class LampSummary:
     beside_deg: float | None  # medians
     distance_error: float | None
     within_1_sigma: float | None  # of the inverse distances of those stated
+    within_ellipsoid_95: float | None  # of the places of those stated
     radius_told: float | None  # of those stated, fraction with a radius
     radius_error: float | None  # median
 
@@ -76,6 +81,7 @@ def summarise_lamps(figures: Sequence[LampFigures], answered: Sequence[bool]) ->
     """Of pictures with or without an answer, which `answered` tells."""
     given = [each for each, is_answered in zip(figures, answered, strict=True) if is_answered]
     sigmas = [each.sigmas for each in given if each.sigmas is not None]
+    squares = [each.squared_sigmas for each in given if each.squared_sigmas is not None]
     return LampSummary(
         len(figures),
         share(list(answered)),
@@ -83,6 +89,7 @@ def summarise_lamps(figures: Sequence[LampFigures], answered: Sequence[bool]) ->
         _median([each.beside_deg for each in given]),
         _median([each.distance_error for each in given]),
         share([abs(each) <= 1 for each in sigmas]),
+        share([each <= ELLIPSOID_95 for each in squares]),
         share([each.radius_error is not None for each in given if each.distance_error is not None]),
         _median([each.radius_error for each in given]),
     )

@@ -105,6 +105,7 @@ def _print_by_distance(console: Console, title: str, groups: Mapping[str, Sequen
         "beside the object",
         "distance off",
         "q within 1 σ",
+        "95 % ellipsoid",
         "radius told",
         "radius off",
     )
@@ -128,6 +129,7 @@ def _print_by_distance(console: Console, title: str, groups: Mapping[str, Sequen
                 degrees(summary.beside_deg),
                 percent(summary.distance_error),
                 percent(summary.within_1_sigma),
+                percent(summary.within_ellipsoid_95),
                 percent(summary.radius_told),
                 percent(summary.radius_error),
             )

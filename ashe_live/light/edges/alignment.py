@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.edges.nearness import NearnessBySteps
+from ashe_live.light.edges.nearness import NearnessBySteps, without_offset
 from ashe_live.light.edges.outline_points import (
     POINTS_PER_OUTLINE,
     OutlinePoints,
@@ -24,7 +24,7 @@ from ashe_live.light.edges.outline_points import (
 )
 from ashe_live.light.edges.step_costs import FEWEST_STEPS, MISSED, StepCosts, mean_costs
 from ashe_live.light.edges.steps import LightPicture, steps_across
-from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, offset_of_lights, prior_information
+from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, prior_information
 from ashe_live.light.shape.body import LitBody, NearnessPrior
 from ashe_live.light.shape.family import padded
 from ashe_live.light.shape.layout import Layout
@@ -69,10 +69,7 @@ class EdgeFit:
     @property
     def nearness(self) -> NearnessBySteps | None:
         """What the steps tell of the first light's nearness, where that was free."""
-        if self.as_lamp is None:
-            return None
-        offset, information = offset_of_lights(*self.as_lamp, Layout(len(self.lit.lights), with_nearness=True))
-        return NearnessBySteps(offset, information / self._points_per_sample)
+        return None if self.as_lamp is None else NearnessBySteps.of(*self.as_lamp).over(self._points_per_sample)
 
     @property
     def _points_per_sample(self) -> float:
@@ -129,10 +126,15 @@ class _Measured:
         scale_px = loss_factor * np.maximum(OUTLIER_PX, OUTLIER_SHARE * self.object_px)[:, None]
         return np.asarray(self.information / (1 + (self.offset_px / scale_px) ** 2) ** 2)
 
-    def equations(self, loss_factor: float, with_nearness: bool) -> tuple[Float, Float]:
-        """(n, t, t) normal matrices without the prior on the shape, (n, t) gradients towards the steps."""
+    def equations(self, loss_factor: float, with_nearness: bool, offset: bool) -> tuple[Float, Float]:
+        """(n, t, t) normal matrices without the prior on the shape, (n, t) gradients towards the steps.
+
+        offset: with a last parameter, the pixels by which all steps around the object itself are too far out.
+        """
         weight = self.weight(loss_factor)
         by_theta = derivatives_by_theta(self.bodies, self.sights, self.places, with_nearness)
+        if offset:
+            by_theta = np.insert(by_theta, by_theta.shape[1], np.arange(by_theta.shape[2]) < POINTS_PER_OUTLINE, axis=1)
         by_theta = np.where(self.is_in_view[:, None, None], by_theta, 0.0)
         gradient = (by_theta @ (weight * self.offset_px)[..., None])[..., 0]
         return (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2), gradient
@@ -158,13 +160,16 @@ class _Seen:
     views: Sequence[_Measured]
     near: NearnessPrior | None = None
 
-    def equations(self, loss_factor: float, with_nearness: bool = False) -> tuple[Float, Float]:
-        """As `_Measured.equations`, of all pictures and with the prior on the shape."""
-        normals, gradients = zip(*(view.equations(loss_factor, with_nearness) for view in self.views), strict=True)
-        normal, bodies = np.sum(normals, axis=0), self.views[0].bodies
-        diagonal, layout = np.arange(normal.shape[1]), Layout(len(bodies[0].lights), with_nearness)
+    def equations(self, loss_factor: float, with_nearness: bool = False, offset: bool = False) -> tuple[Float, Float]:
+        """As `_Measured.equations`, of all pictures, with the prior on the shape, and the offset marginalised out."""
+        equations = [view.equations(loss_factor, with_nearness, offset) for view in self.views]
+        normal, gradient = (np.sum(each, axis=0) for each in zip(*equations, strict=True))
+        if offset:
+            normal, gradient = without_offset(normal, gradient, POINTS_PER_SAMPLE)
+        bodies, diagonal = self.views[0].bodies, np.arange(normal.shape[1])
+        layout = Layout(len(bodies[0].lights), with_nearness)
         normal[:, diagonal, diagonal] += padded([prior_information(one.body.family, layout) for one in bodies])
-        return normal, np.sum(gradients, axis=0)
+        return normal, gradient
 
     def steps(self, loss_factor: float) -> Float:
         """(n, split + q) damped Gauss-Newton steps of theta."""
@@ -184,7 +189,7 @@ class _Seen:
     def fits(self) -> list[EdgeFit | None]:
         """Of every body; None for one that is in view nowhere."""
         normals, _ = self.equations(1.0)
-        free = None if self.near is None else self.equations(1.0, with_nearness=True)
+        free = None if self.near is None else self.equations(1.0, with_nearness=True, offset=True)
         in_view = np.any([view.is_in_view for view in self.views], axis=0)
         found: list[EdgeFit | None] = []
         for i, (lit, cost, count, steps) in enumerate(zip(self.views[0].bodies, *self.costs(), strict=True)):

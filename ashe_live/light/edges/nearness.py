@@ -2,7 +2,17 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ashe_live.core.arrays import Float
+from ashe_live.light.outline_fit.search import offset_of_lights
+from ashe_live.light.shape.layout import Layout
+
+# Sigma of the distance by which all steps around an object itself are off together: its sides blend into a ground that
+# is brighter or darker than they are, and sharpening moves either border. The means around the objects of 40 generated
+# pictures with lamps vary by 0.31 px, those around their shadows, which are ground on both sides, by half as much. A
+# lamp's shadow is wider than its silhouette by a few percent, which may be less than that.
+OFFSET_PX = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -12,6 +22,22 @@ class NearnessBySteps:
     offset: Float  # (3,) of displacement and nearness from those aligned with, that the steps ask for
     information: Float  # (3, 3) on it
 
+    @staticmethod
+    def of(normal: Float, gradient: Float) -> "NearnessBySteps":
+        """By normal equations of a body with one light, whose nearness is among the parameters."""
+        return NearnessBySteps(*offset_of_lights(normal, gradient, Layout(1, with_nearness=True)))
+
     def over(self, count: float) -> "NearnessBySteps":
         """The same, of which so many tell as much as one."""
         return NearnessBySteps(self.offset, self.information / count)
+
+
+def without_offset(normal: Float, gradient: Float, points_per_sample: float) -> tuple[Float, Float]:
+    """Normal matrices (n, t, t) and gradients (n, t) of n bodies, the last parameter marginalised out.
+
+    That parameter is the steps' common offset in pixels. points_per_sample: how many points tell as much as one.
+    """
+    stiff, coupled = normal[:, -1, -1] + points_per_sample / OFFSET_PX**2, normal[:, :-1, -1]
+    share = coupled / stiff[:, None]
+    of_rest = normal[:, :-1, :-1] - share[:, :, None] * coupled[:, None]
+    return np.asarray(of_rest), np.asarray(gradient[:, :-1] - share * gradient[:, -1:])

@@ -1,7 +1,8 @@
 """Other objects in the picture: each has a shadow in the same light, so that two tell where a lamp is.
 
 What explains another object may be wrong, and then gives a direction from anywhere on the hemisphere; if it is right,
-its direction is where the light that is known so far puts it. That settles the odds of its being right.
+its direction is where the light that is known so far puts it. That settles whether it counts. How well it tells its
+direction is what its own evidence says: to agree with a place that is known roughly makes no direction more exact.
 """
 
 import math
@@ -45,18 +46,22 @@ def companions(
     for explanation, log_odds in candidates:
         if len(explanation.lights) == 1:
             odds = log_odds + _agreement(place, explanation, covariance_of(explanation, 1.0))
-            rated.append((explanation, 1 / (1 + math.exp(-np.clip(odds, -LARGEST_LOG_ODDS, LARGEST_LOG_ODDS)))))
+            rated.append((explanation, _probability(odds), _probability(log_odds)))
     taken = [_silhouette(first.explanation, view)]
     found: list[SeenObject] = []
-    for explanation, probability in sorted(rated, key=itemgetter(1), reverse=True):
+    for explanation, probability, alone in sorted(rated, key=itemgetter(1), reverse=True):
         if probability < LEAST_PROBABILITY or len(found) == MOST:
             break
         here = _silhouette(explanation, view)
         if here.any() and not any(_share(here, other) > OVERLAP for other in taken):
             taken.append(here)
-            spread = covariance_of(explanation, probability)
-            found.append(replace(first, explanation=explanation, probability=probability, covariance_rad2=spread))
+            spread = covariance_of(explanation, alone)
+            found.append(replace(first, explanation=explanation, probability=alone, covariance_rad2=spread))
     return found
+
+
+def _probability(log_odds: float) -> float:
+    return float(1 / (1 + math.exp(-np.clip(log_odds, -LARGEST_LOG_ODDS, LARGEST_LOG_ODDS))))
 
 
 def _agreement(place: Place, explanation: Explanation, covariance_rad2: Float) -> float:

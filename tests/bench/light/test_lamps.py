@@ -62,6 +62,20 @@ def test_an_error_of_the_distance_is_relative_and_counted_in_sigmas_of_its_inver
     assert figures.sigmas == pytest.approx(2.5)
 
 
+def test_the_ellipsoid_takes_in_direction_and_distance_together() -> None:
+    """An error of two sigmas in all three is outside of it, of one is not."""
+    covariance = np.diag([1e-3**2, 1e-3**2, 0.01**2])
+    found = []
+    for sigmas in (1.0, 2.0):
+        away = np.array([-sigmas * 1e-3, sigmas * 1e-3, 1.0])
+        off = Light(away, inverse_distance=2.0 + 0.01 * sigmas, lamp_covariance=covariance)
+        figures = lamp_figures(off, NEAR)
+        assert figures is not None
+        assert figures.squared_sigmas == pytest.approx(3 * sigmas**2, rel=1e-4)
+        found.append(figures)
+    assert summarise_lamps(found, [True, True]).within_ellipsoid_95 == pytest.approx(0.5)
+
+
 def test_an_error_of_the_radius_is_relative_where_it_is_told() -> None:
     told, untold = (lamp_figures(light, NEAR) for light in (replace(lamp(2.0), radius_m=0.03), lamp(2.0)))
     assert told is not None

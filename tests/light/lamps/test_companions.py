@@ -78,3 +78,12 @@ def test_the_surer_it_is_the_smaller_its_covariance(first: SeenObject) -> None:
     )
     assert sure.probability > unsure.probability
     assert np.linalg.det(sure.covariance_rad2) < np.linalg.det(unsure.covariance_rad2)
+
+
+def test_to_agree_with_what_is_known_makes_no_direction_more_exact(first: SeenObject) -> None:
+    """However exactly the light is known: what counts tells its direction as well as its own evidence says."""
+    known = place_of(first.explanation)
+    for sharper in (1.0, 10.0):
+        place = Place(known.mean, sharper * known.information)
+        (other,) = companions(first, place, [(seen(OTHER), -0.5)], covariance_of, whole_view())
+        np.testing.assert_allclose(other.covariance_rad2, SURE_RAD2 * (1 + math.exp(0.5)))
