@@ -10,6 +10,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.explained import with_hull
+from ashe_live.light.hull.replaced import without_replaced
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.average_light import with_average_light
 from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
@@ -91,12 +92,15 @@ def explained_together(
     overdispersion = judge.calibration.overdispersion
     averaged = [with_average_light(each, families.get(id(each.origin), ()), overdispersion) for each in likely]
     odds = [log_odds(each) for each in likely]
-    return sorted(zip(averaged, odds, strict=True), key=itemgetter(1), reverse=True)
+    return sorted(without_replaced(list(zip(averaged, odds, strict=True))), key=itemgetter(1), reverse=True)
 
 
 def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
-    """Explanations with their log odds, the likeliest first, without those that are like a likelier one."""
-    ranked = sorted(several, key=itemgetter(1), reverse=True)
+    """Explanations with their log odds, the likeliest first, without those that are like a likelier one.
+
+    Nor are those left that a hull replaces.
+    """
+    ranked = sorted(without_replaced(several), key=itemgetter(1), reverse=True)
     kept = distinct_explanations([each for each, _ in ranked])
     return [(each, odds) for each, odds in ranked if any(each is one for one in kept)]
 
