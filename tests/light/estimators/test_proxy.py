@@ -437,7 +437,9 @@ def test_grey_pictures_end_in_an_answer_or_a_reason(caster: Caster) -> None:
 @pytest.mark.parametrize("hfov_deg", [0.01, 1.0, 179.0, 179.99])
 def test_any_field_of_view_ends_in_an_answer_or_a_reason(hfov_deg: float) -> None:
     image = np.asarray(paint(BOX, size=SMALL).tracked.frame.image_bgr)
-    check_answer_or_reason(estimated(tracked_frame(image, Camera.from_hfov(SMALL, hfov_deg))))
+    # `from_hfov` takes those of cameras alone, and a focal length may be any.
+    camera = Camera.from_focal(SMALL, SMALL[0] / 2 / math.tan(math.radians(hfov_deg) / 2), "assumed")
+    check_answer_or_reason(estimated(tracked_frame(image, camera)))
 
 
 POSES = {
