@@ -35,6 +35,7 @@ BROKEN_BODY = {
     ".stl": "it is neither text STL nor binary STL",
 }
 
+SPARE_BYTES = 1 << 20  # more than the allocator keeps of what was given back, and less than any library needs
 # Farther from the origin, in extents of the model, single precision would tear it: 1e-7 of the distance are visible.
 FAR = 1000.0
 
@@ -53,8 +54,19 @@ def load_model_file(path: Path, up: str | None = None) -> Model:
     except ImportError as error:  # a parser is loaded when it is needed, and the memory's limit has no room for it
         raise MemoryError(str(error)) from error
     except Exception as error:  # a third-party parser of untrusted files raises anything, or its values do when used
+        if _is_out_of_memory():
+            raise MemoryError(str(error)) from error
         said = error if isinstance(error, MalformedError) else BROKEN_BODY[path.suffix.lower()]
         raise UserError(f"the model file {path} is malformed ({said})", "export it again") from error
+
+
+def _is_out_of_memory() -> bool:
+    """Whether nothing more is to be had, which libraries report by errors of their own too."""
+    try:
+        bytearray(SPARE_BYTES)
+    except MemoryError:
+        return True
+    return False
 
 
 def _read(path: Path, up: str | None) -> Model:

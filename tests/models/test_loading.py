@@ -232,3 +232,16 @@ def test_missing_or_unknown_files(tmp_path: Path) -> None:
     (tmp_path / "folder.obj").mkdir()
     with pytest.raises(UserError, match="is a folder"):
         load_model_file(tmp_path / "folder.obj")
+
+
+def test_what_a_library_raises_without_memory_is_no_fault_of_the_file(tmp_path, monkeypatch) -> None:
+    def failing(_path, _up):
+        raise RuntimeError("can't start new thread")
+
+    (tmp_path / "ball.ply").write_bytes(b"ply\n")
+    monkeypatch.setattr(loading, "_read", failing)
+    with pytest.raises(UserError, match="malformed"):
+        load_model_file(tmp_path / "ball.ply")
+    monkeypatch.setattr(loading, "SPARE_BYTES", 1 << 62)  # which no machine has
+    with pytest.raises(MemoryError, match="new thread"):
+        load_model_file(tmp_path / "ball.ply")
