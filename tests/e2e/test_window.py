@@ -87,7 +87,8 @@ def shared(play):
 
     def shared():
         if not viewers or viewers[-1].process.poll() is not None:
-            viewers.append(play("--loop"))
+            # A cover that another thread makes would come into pictures that are compared.
+            viewers.append(play("--loop", "--no-hide-marker"))
             await_that(lambda: "light: azimuth" in viewers[-1].output, "the first estimate, made unasked")
         return viewers[-1]
 

@@ -8,9 +8,8 @@ from ashe_live.core.arrays import Mask
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.views.joint import JointExplanation
 
-SAME_SHARE = (
-    0.5  # of the pixels that either of two explanations takes for the object, those that both do; of shadows too
-)
+# Of the pixels that either of two explanations takes for the object, those that both do; of shadows too.
+SAME_SHARE = 0.5
 
 
 def without_replaced(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
