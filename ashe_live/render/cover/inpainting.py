@@ -1,23 +1,19 @@
 """A hole in a picture of the ground, filled by what lies around it.
 
-Ground is shading, straight lines and texture. Lines that both sides show are drawn across (`straight_lines.py`).
-Patches are filled from the outside inwards by those patches of visible ground that continue what is known already
-(Criminisi, Perez, Toyama, "Region filling and object removal by exemplar-based image inpainting", IEEE Trans. Image
-Processing 2004). What difference is left at the hole's border is spread over its inside as smoothly as can be (Perez,
-Gangnet, Blake, "Poisson image editing", SIGGRAPH 2003).
+Ground is shading, straight lines and texture. Lines that both sides show are drawn across (`straight_lines.py`);
+texture is copied in patches of visible ground that continue what is known already (`patches.py`). What difference is
+left at the hole's border is spread over its inside as smoothly as can be (Perez, Gangnet, Blake, "Poisson image
+editing", SIGGRAPH 2003).
 """
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches
 from ashe_live.render.cover.straight_lines import straight_lines
 
 COARSE_SIDE_PX = 26.0  # of the marker where patches are looked for
-PATCH = 15  # coarse pixels a side
-STEP = 7  # coarse pixels between the patches of the hole, which overlap
-SHARPER = 4  # power of the weights by which patches are blended softly: the weights of what is fine
-TINY = 1e-9  # weight that counts as none
 OVER_TEXTURE = 0.5, 1.5  # contrasts of a straight line over the ground's, from which it is drawn and not only copied
 GUIDES = 0.75  # visibility from which patches continue a line: grain is everywhere, and chooses badly
 # Beside the hole, in the marker's sides: ground that the picture's coarse colours and sharpening have not mixed with
@@ -47,8 +43,9 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     trusted = is_source & ~bleeds
     size = max(PATCH + 2, round(len(hole) * COARSE_SIDE_PX / side_px))
     unknown, ground = _scaled(bleeds, size) > 0.02, _scaled(trusted, size) > 0.98
-    ground &= _like_the_ground_around(_scaled(roots, size), ground, unknown)
-    things = _things(_scaled(roots, size), ground)
+    coarse = _scaled(roots, size)
+    ground &= _like_the_ground_around(coarse, ground, unknown)
+    things = _things(coarse, ground)
     ground &= ~things
     trusted &= _scaled(things, len(hole)) < 0.5
     sources = cv2.erode(ground.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
@@ -60,9 +57,10 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     drawn = np.where(bleeds, _visibility(lines, detail[trusted]), 0)
     guides = drawn > GUIDES
     detail = np.where(guides[..., None], lines, detail)
-    copied = _Copied(detail, trusted | guides, len(hole) / size)
+    copied = CopiedPatches(detail, trusted | guides, len(hole) / size)
     known = ground | (_scaled(guides, size) > 0.5)
-    for place, source in _patches(_scaled(detail, size), _scaled(shading.mean(axis=2), size), unknown, known, sources):
+    brightness = _scaled(shading.mean(axis=2), size)
+    for place, source in chosen_patches(_scaled(detail, size), brightness, unknown, known, sources):
         copied.paste(place, source)
     share = drawn[..., None]
     texture = np.asarray(share * lines + (1 - share) * copied.blended(BAND_SIDES * side_px), np.float32)
@@ -127,110 +125,6 @@ def _things(coarse: Float32, ground: Mask) -> Mask:
     wide = cv2.morphologyEx((ground & ~plain).astype(np.uint8), cv2.MORPH_OPEN, disc)
     things = cv2.dilate(wide, disc) > 0
     return things if (things & ground).sum() < MOST_THINGS * ground.sum() else np.zeros_like(things)
-
-
-def _patches(coarse: Float32, shading: Float32, unknown: Mask, known: Mask, sources: Mask) -> list[tuple[Float, Float]]:
-    """Middles (row, column) of coarse patches to fill and of those to copy, in the order of filling.
-
-    coarse: (m, m, 3) detail. shading: (m, m) what that was taken from: as well lit a patch is wanted, lest the inside
-    of another thing's shadow, whose detail is the ground's, is copied with a piece of its border.
-    known: (m, m) where the coarse picture is that of the ground; in the unknown part where lines were drawn in it.
-    """
-    reach = PATCH // 2
-    picture, known, left = coarse.copy(), known.copy(), unknown.copy()
-    found: list[tuple[Float, Float]] = []
-    size = len(unknown)
-    places = [
-        (row, column)
-        for row in range(reach, size - reach, STEP)
-        for column in range(reach, size - reach, STEP)
-        if unknown[_window(row, column)].any()
-    ]
-    while places and left.any():
-        place = max(places, key=lambda each: known[_window(*each)].sum())
-        places.remove(place)
-        window = _window(*place)
-        mask = known[window]
-        if mask.any():
-            masked = np.repeat(mask[..., None].astype(np.float32), 3, axis=2)
-            misfit = cv2.matchTemplate(picture, picture[window], cv2.TM_SQDIFF, mask=masked)
-            misfit += 3 * mask.sum() * np.square(shading[reach:-reach, reach:-reach] - shading[place])
-            misfit = np.where(sources[reach:-reach, reach:-reach], misfit, np.inf)
-            at = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
-            source = (int(at[0]) + reach, int(at[1]) + reach)
-        else:
-            rows, columns = np.nonzero(sources)
-            source = int(rows[len(rows) // 2]), int(columns[len(rows) // 2])
-        new = ~mask
-        picture[window][new] = coarse[_window(*source)][new]
-        known[window] = True
-        left[window] = False
-        found.append((np.array(place, float), np.array(source, float)))
-    return found
-
-
-def _window(row: int, column: int) -> tuple[slice, slice]:
-    """A coarse patch by its middle."""
-    reach = PATCH // 2
-    return slice(row - reach, row + reach + 1), slice(column - reach, column + reach + 1)
-
-
-class _Copied:
-    """Patches of a picture (n, n, 3), copied over one another.
-
-    Their means are blended softly, what is finer than a band hardly at all (Burt, Adelson, "A multiresolution spline
-    with application to image mosaics", ACM Trans. Graphics 1983): means of textures would be smoother than these.
-    """
-
-    def __init__(self, picture: Float32, is_known: Mask, scale: float) -> None:
-        """`is_known` (n, n): where patches must fit. `scale`: of the picture, over that in which they were chosen."""
-        self._picture, self._known, self._scale = picture, is_known.astype(np.float32), scale
-        self._sum, self._sharp = np.zeros_like(picture), np.zeros_like(picture)
-        self._weight, self._sharp_weight = np.zeros(is_known.shape, np.float32), np.zeros(is_known.shape, np.float32)
-
-    @property
-    def is_there(self) -> Mask:
-        """(n, n) where something was copied to."""
-        return self._weight > 0
-
-    def paste(self, place: Float, source: Float) -> None:
-        """Adds the patch about `source` at `place` (row, column; coarse), moved to where it fits best."""
-        n, reach, play = len(self._weight), round(PATCH / 2 * self._scale), round(self._scale)
-        middle, origin = (np.round((each + 0.5) * self._scale).astype(int) for each in (place, source))
-        low, high = np.maximum(middle - reach, 0), np.minimum(middle + reach, n)
-        to = (slice(low[0], high[0]), slice(low[1], high[1]))
-        begin = np.maximum(origin - (middle - low) - play, 0)
-        end = np.minimum(origin + (high - middle) + play, n)
-        region, size = self._picture[begin[0] : end[0], begin[1] : end[1]], high - low
-        if (np.array(region.shape[:2]) < size).any():
-            return
-        there = np.where(self.is_there[to][..., None], self._mean(to), self._picture[to])
-        mask = np.maximum(self.is_there[to].astype(np.float32), self._known[to])
-        at = origin - (middle - low) - begin
-        if mask.any():
-            misfit = cv2.matchTemplate(region, there, cv2.TM_SQDIFF, mask=np.repeat(mask[..., None], 3, axis=2))
-            at = np.array(np.unravel_index(int(np.argmin(misfit)), misfit.shape))
-        rows, columns = (
-            np.cos((np.arange(low[k], high[k]) - middle[k] + 0.5) / reach * (np.pi / 2) * 0.98) ** 4 for k in (0, 1)
-        )
-        share = np.outer(rows, columns).astype(np.float32)
-        patch = region[at[0] : at[0] + size[0], at[1] : at[1] + size[1]]
-        for sums, weights, each in (
-            (self._sum, self._weight, share),
-            (self._sharp, self._sharp_weight, share**SHARPER),
-        ):
-            sums[to] += each[..., None] * patch
-            weights[to] += each
-
-    def blended(self, band_px: float) -> Float32:
-        """(n, n, 3) soft means, with what is finer than `band_px` of hardly more than one patch."""
-        soft = self._mean((slice(None), slice(None)))
-        sharp = self._sharp / np.maximum(self._sharp_weight, TINY)[..., None]
-        finer = np.where(self._sharp_weight[..., None] > TINY, sharp - soft, 0)
-        return np.asarray(soft + finer - cv2.GaussianBlur(finer, (0, 0), band_px), np.float32)
-
-    def _mean(self, of: tuple[slice, slice]) -> Float32:
-        return np.asarray(self._sum[of] / np.maximum(self._weight[of], TINY)[..., None], np.float32)
 
 
 def _spread_difference(roots: Float32, texture: Float32, is_known: Mask, hole: Mask, side_px: float) -> Float32:
