@@ -7,8 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
@@ -88,6 +90,24 @@ def test_sheet_is_covered_by_ground_like_that_around_it(make_renderer, stage) ->
     far = ~_on_sheet(tracked, 0.03)
     far[:150, :220] = False  # the model
     np.testing.assert_array_equal(picture[far], tracked.frame.image_bgr[far])
+
+
+def test_a_lens_bends_the_cover_as_it_bends_the_ground(make_renderer, stage) -> None:
+    straight, bare = _view(stage), _view(stage, has_sheet=False)
+    lens = Camera(straight.camera.size, straight.camera.K, np.array([-0.25, 0.06, 0, 0, 0]), "file")
+    rows, columns = np.mgrid[0:360, 0:480].astype(np.float64)
+    pixels = np.stack([columns, rows], axis=-1).reshape(-1, 1, 2)
+    at = cv2.undistortPoints(pixels, lens.K, lens.dist, P=lens.K).reshape(360, 480, 2).astype(np.float32)
+
+    def bent(tracked: TrackedFrame) -> np.ndarray:
+        return cv2.remap(tracked.frame.image_bgr, at, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+
+    corners = project(lens, straight.marker.T_cam_marker, square_corners(SIDE))
+    marker = replace(straight.marker, corners_px=corners)
+    tracked = TrackedFrame(replace(straight.frame, image_bgr=bent(straight)), lens, marker)
+    renderer = make_renderer(BALANCED.render)
+    renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+    assert _difference(renderer.read_bgr(), bent(bare))[_on_sheet(tracked, 0.008)].mean() < 3
 
 
 def test_no_object_is_taken_for_ground(stage) -> None:
