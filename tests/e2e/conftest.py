@@ -18,8 +18,8 @@ from tests.e2e.signals import ignore_none
 
 QUICK_VIEWER = Path(__file__).with_name("quick_viewer.py")
 SCREEN = "1280x960x24"
-# Software rendering on a crowded machine; nothing waits this long when all is well.
-PATIENCE_S = 60.0
+# Software rendering on a machine that others crowd sixfold; nothing waits this long when all is well.
+PATIENCE_S = 240.0
 POLL_S = 0.02
 
 

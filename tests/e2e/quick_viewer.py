@@ -19,7 +19,7 @@ def quick(preset: ProxySteps) -> PaperEstimator:  # noqa: ARG001
 
 # At import, so that the light worker's process, which imports this file too, has it as well.
 estimator.ESTIMATORS = {**estimator.ESTIMATORS, "paper": quick}
-worker_process.NICENESS = 0
+worker_process.LOWEST_PRIORITY = 0
 
 if __name__ == "__main__":
     from ashe_live.cli import run

@@ -89,7 +89,12 @@ def shared(play):
         if not viewers or viewers[-1].process.poll() is not None:
             # A cover that another thread makes would come into pictures that are compared.
             viewers.append(play("--loop", "--no-hide-marker"))
-            await_that(lambda: "light: azimuth" in viewers[-1].output, "the first estimate, made unasked")
+            await_that(lambda: "light" in viewers[-1].output, "the first estimate, made unasked")
+            if "light: azimuth" not in viewers[-1].output:  # in some frames two iterations of GrabCut find none
+                rewound(viewers[-1])
+                viewers[-1].press("space")
+                await_that(lambda: "light: azimuth" in viewers[-1].output, "the first frame's light")
+                viewers[-1].press("p")
         return viewers[-1]
 
     return shared
@@ -234,12 +239,14 @@ def test_a_held_key_goes_on(estimated):
 
 
 def test_pause_and_restart(estimated):
-    held = paused(estimated)
+    first = rewound(estimated)
+    # By steps, as what a playing film is paused at may be its first frame.
+    estimated.press(*["period"] * 6)
+    await_part(estimated, BODY, first)
     estimated.press("r")
-    await_part(estimated, BODY, held)
-    await_still(estimated, BODY)
+    await_part(estimated, BODY, first, differs=False)
+    assert difference(first, await_still(estimated, BODY)) <= 0.2
     estimated.press("p")
-    first = estimated.part(*BODY)
     await_part(estimated, BODY, first)
 
 

@@ -17,7 +17,7 @@ from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.estimates.light_watch import LightWatch
 
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
 SIDES_DEG = (-100, -97, -94, -91, -88)
 
 
