@@ -15,7 +15,7 @@ import numpy as np
 from rich.progress import track
 
 from ashe_live.bench.bench import Bench
-from ashe_live.bench.render.error import read_picture
+from ashe_live.bench.render.error import mean_where, read_picture, smooth_difference
 from ashe_live.bench.render.flip import flip_error
 from ashe_live.bench.render.pairs import (
     Pair,
@@ -24,11 +24,9 @@ from ashe_live.bench.render.pairs import (
     drawn,
     eroded,
     ground_rgb,
-    mean_where,
     pictured,
     read_pairs,
     regions,
-    smooth_difference,
 )
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.arrays import Float, Image, Mask

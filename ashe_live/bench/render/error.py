@@ -173,3 +173,13 @@ def colour_difference(a: Image, b: Image) -> Float:
     """(h, w) Euclidean distance in CIE L*a*b*."""
     labs = [cv2.cvtColor(each.astype(np.float32) / 255, cv2.COLOR_BGR2LAB) for each in (a, b)]
     return np.asarray(np.linalg.norm(labs[0] - labs[1], axis=2), dtype=np.float64)
+
+
+def smooth_difference(one: Image, other: Image, sigma_px: float = 1.0) -> Float:
+    """(h, w) CIE 1976 colour differences of pictures (h, w, 3) BGR that are blurred so much before."""
+    return colour_difference(*(cv2.GaussianBlur(each, (0, 0), sigma_px).astype(np.uint8) for each in (one, other)))
+
+
+def mean_where(values: Float, where: Mask) -> float:
+    """Of the values (h, w) in a mask; NaN where that is empty."""
+    return float(values[where].mean()) if where.any() else math.nan

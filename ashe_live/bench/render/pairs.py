@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from ashe_live.bench.render.borders import shadow_border
-from ashe_live.bench.render.error import colour_difference, read_picture
+from ashe_live.bench.render.error import mean_where, read_picture, smooth_difference
 from ashe_live.bench.render.flip import flip_error
 from ashe_live.bench.render.forced_choice import crop_features
 from ashe_live.bench.render.seams import seam_pixels
@@ -96,6 +96,7 @@ class PairError:
     virtual_features: Float  # (n, 7) of crops that show the model, by which it might be told from the photo's,
     real_features: Float  # which are these
     hidden_de: float  # where the sheet was, of means over some pixels, covered, from the ground without a sheet
+    hidden_relief_ratio: float  # fine contrast of what covers the sheet over that of the ground without one
 
 
 def read_pairs(folder: Path) -> list[Pair]:
@@ -124,7 +125,7 @@ def pair_error(ctx: Context, pair: Pair, preset: RenderPreset) -> PairError:
         seam_pixels(ours, (pair.expected, pair.bare), eroded(where.beside)),
         crop_features(ours, pair.is_model),
         crop_features(pair.expected, pair.is_model),
-        hidden_error(ctx, pair, preset),
+        *hidden_errors(ctx, pair, preset),
     )
 
 
@@ -159,11 +160,14 @@ def relief_ratio(ours: Image, expected: Image, where: Mask) -> float:
     return found / max(true, 1e-6)
 
 
-def hidden_error(ctx: Context, pair: Pair, preset: RenderPreset) -> float:
-    """Mean colour difference of the covered sheet from the ground without one, means over some pixels compared."""
+def hidden_errors(ctx: Context, pair: Pair, preset: RenderPreset) -> tuple[float, float]:
+    """Of the covered sheet beside the ground without one: `hidden_de` and `hidden_relief_ratio` of a PairError."""
     scene = replace(pair.scene, placement=Placement(scale=TINY), hides_marker=True)
     covered = drawn(ctx, scene, preset)
-    return mean_where(smooth_difference(covered, pair.without_sheet, 2.0), pair.is_sheet)
+    return (
+        mean_where(smooth_difference(covered, pair.without_sheet, 2.0), pair.is_sheet),
+        relief_ratio(covered, pair.without_sheet, eroded(pair.is_sheet)),
+    )
 
 
 def drawn(ctx: Context, scene: Scene, preset: RenderPreset) -> Image:
@@ -200,18 +204,9 @@ def _border(pair: Pair, image: Image) -> Float:
     return border_widths(image, places, outward)
 
 
-def smooth_difference(one: Image, other: Image, sigma_px: float = 1.0) -> Float:
-    """(h, w) CIE 1976 colour differences of pictures (h, w, 3) BGR that are blurred so much before."""
-    return colour_difference(*(cv2.GaussianBlur(each, (0, 0), sigma_px).astype(np.uint8) for each in (one, other)))
-
-
 def ground_rgb(bare: Image) -> Float:
     """(3,) median of a photo (h, w, 3) BGR, linear."""
     return np.asarray(np.median(LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3), axis=0))
-
-
-def mean_where(values: Float, where: Mask) -> float:
-    return float(values[where].mean()) if where.any() else math.nan
 
 
 def _pair(folder: Path, entry: Json, model: str) -> Pair:

@@ -82,7 +82,7 @@ def _pairs(rows: list[Json]) -> Table:
         "dE paper",
         "dE model",
         "dE hidden",
-        "relief",
+        "relief, of hidden",
         "seam px",
         "told apart",
     )
@@ -93,13 +93,14 @@ def _pairs(rows: list[Json]) -> Table:
         ]
         flip = float(np.mean([row["flip"] for row in own]))
         seams = str(sum(row["seam_px"] for row in own))
+        reliefs = ("relief_ratio", "hidden_relief_ratio")
         border = float(np.nanmedian([row["border_ratio"] for row in own]))
         table.add_row(
             f"{preset}, {len(own)} scenes",
             f"{flip:.3f}",
             f"{border:.2f}",
             *(f"{de:.1f}" for de in means),
-            f"{np.nanmedian([row['relief_ratio'] for row in own]):.2f}",
+            ", ".join(f"{np.nanmedian([row[key] for row in own]):.2f}" for key in reliefs),
             seams,
             f"{100 * own[0]['forced_choice']:.0f} %",
         )

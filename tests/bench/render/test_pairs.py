@@ -75,6 +75,16 @@ def test_the_renderers_own_picture_is_without_error_and_a_paler_shadow_is_not(tm
     assert paler.border_ratio == pytest.approx(1, abs=0.1)
 
 
+def test_a_smooth_cover_on_grainy_ground_lacks_the_grounds_relief(tmp_path) -> None:
+    """The photo is plain, and so is its cover; the ground without a sheet that it is compared with has grain."""
+    pair = written_pair(tmp_path, rigid(cv2.Rodrigues(np.array((2.4, 0.0, 0.0)))[0], (0.0, 0.0, 0.4)))
+    pair.is_sheet[40:80, 60:100] = True
+    grain = np.random.default_rng(5).normal(0, 12, pair.bare.shape[:2])[..., None]
+    grainy = np.clip(pair.without_sheet + grain, 0, 255).astype(np.uint8)
+    error = pair_error(offscreen_context(), replace(pair, without_sheet=grainy), FAST.render)
+    assert error.hidden_relief_ratio < 0.1
+
+
 def test_a_folder_without_pairs_is_named(tmp_path) -> None:
     with pytest.raises(UserError, match="holds no pairs"):
         read_pairs(tmp_path)
