@@ -20,7 +20,7 @@ GUIDES = 0.75  # visibility from which patches continue a line: grain is everywh
 # what lies in it.
 BLEED_SIDES, BESIDE_SIDES = 0.06, 0.16
 SHADING_SIDES = 0.5  # standard deviation of the blur whose result is the ground's shading, and not its texture
-BAND_SIDES = 0.04  # standard deviation of the blur that fine texture is finer than
+BAND_SIDES = 0.02  # standard deviation of the blur that fine texture is finer than
 AROUND_SIDES = 0.5  # of the hole: ground that tells which colours ground has
 # Beyond the range of those: of the brightest, and of a channel's share in a colour, both of roots of linear RGB.
 UNLIKE, UNLIKE_HUE = 0.12, 0.03

@@ -13,6 +13,7 @@ from ashe_live.core.arrays import Float, Float32, Mask
 PATCH = 15  # coarse pixels a side
 STEP = 7  # coarse pixels between the patches of the hole, which overlap
 SHARPER = 4  # power of the weights by which patches are blended softly: the weights of what is fine
+STANDS_OUT = 3.0  # contrast over the ground's median, from which it is more than texture
 TINY = 1e-9  # weight that counts as none
 
 
@@ -26,6 +27,7 @@ def chosen_patches(
     known: (m, m) where the coarse picture is that of the ground; in the unknown part where lines were drawn in it.
     """
     reach = PATCH // 2
+    standing_out = _standing_out(coarse, sources)
     picture, known, left = coarse.copy(), known.copy(), unknown.copy()
     found: list[tuple[Float, Float]] = []
     size = len(unknown)
@@ -44,6 +46,7 @@ def chosen_patches(
             masked = np.repeat(mask[..., None].astype(np.float32), 3, axis=2)
             misfit = cv2.matchTemplate(picture, picture[window], cv2.TM_SQDIFF, mask=masked)
             misfit += masked.sum() * np.square(shading[reach:-reach, reach:-reach] - shading[place])
+            misfit += cv2.matchTemplate(standing_out, (~mask).astype(np.float32), cv2.TM_CCORR)
             misfit = np.where(sources[reach:-reach, reach:-reach], misfit, np.inf)
             at = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
             source = (int(at[0]) + reach, int(at[1]) + reach)
@@ -56,6 +59,15 @@ def chosen_patches(
         left[window] = False
         found.append((np.array(place, float), np.array(source, float)))
     return found
+
+
+def _standing_out(coarse: Float32, ground: Mask) -> Float32:
+    """(m, m) what is beyond the contrast of ground (m, m), squared: lines, specks. Where known ground does not ask for
+    them, they are not copied: a piece of a joint would lie there, cut off at both ends.
+    """
+    squares = (coarse**2).sum(axis=2)
+    usual = float(np.median(squares[ground]))
+    return np.maximum(squares - STANDS_OUT**2 * usual, 0.0).astype(np.float32)
 
 
 def _window(row: int, column: int) -> tuple[slice, slice]:

@@ -17,7 +17,7 @@ from ashe_live.core.arrays import Float, Float32, Mask
 
 Indices = NDArray[np.intp]
 
-SIDE_PX, FINE_SIDE_PX = 26.0, 64.0  # of the marker where lines are looked for, and where they are drawn
+SIDE_PX, FINE_SIDE_PX = 26.0, 128.0  # of the marker where lines are looked for, and where they are drawn
 SMOOTH_PX = 0.8  # standard deviation of a blur, so that a line thinner than a row does not alias when it is turned
 STEP_DEG, FINER_STEP_DEG = 1.0, 0.25  # between directions that are tried, and about the best of them
 BESIDE_SIDES = 0.7  # of the marker: how much of a line is looked at on either side of the hole
@@ -26,6 +26,9 @@ SURE, LIKELY = 6.0, 2.5  # contrasts over their standard errors, of a line's mid
 CORRELATED_SIDES = 0.12  # of the marker, along which texture is so much alike that it counts as one sample
 ALIKE = 0.5  # of the stronger side's contrast, by which the sides may differ
 STEADY = 0.6  # deviation along a line beyond the texture's, over its contrast: more is a line with gaps
+# From a better told direction: grain winds by less, joints and planks cross by more. What lies between is the shading of
+# broad grain, which looks like a band in directions that it does not have.
+WAVY_DEG, CROSSING_DEG = 4.0, 30.0
 MOST_DIRECTIONS = 16  # that are looked at, one after the other, each without the lines of those before
 
 
@@ -81,7 +84,12 @@ def _telling_directions(ground: _Ground) -> Float:
     energies = np.array([_Rows(ground, each).energy for each in directions])
     is_peak = (energies > 0) & (energies >= np.roll(energies, 1)) & (energies > np.roll(energies, -1))
     peaks = np.flatnonzero(is_peak)
-    return np.asarray(directions[peaks[np.argsort(-energies[peaks])][:MOST_DIRECTIONS]])
+    found: list[float] = []
+    for direction in directions[peaks[np.argsort(-energies[peaks])]]:
+        apart = [abs((direction - other + 90) % 180 - 90) for other in found]
+        if all(each < WAVY_DEG or each > CROSSING_DEG for each in apart):
+            found.append(float(direction))
+    return np.array(found[:MOST_DIRECTIONS])
 
 
 def _stronger(one: Float32, other: Float32) -> Float32:
