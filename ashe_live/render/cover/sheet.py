@@ -16,6 +16,7 @@ CONVEX = 0.85  # a sheet's least fraction of its convex hull
 LINE_SIDES = 0.04  # a printed line that parts the paper
 EDGE_SIDES = 0.05  # what a sheet's rim, its curl and the picture's blur take beside the paper
 THROWN_SIDES = 0.22  # how far a curled sheet's own shadow reaches
+WIDE_SIDES = 0.02  # radius of what is no speckle of the ground in it
 DARKER = 0.75  # than the ground around, in that shadow
 
 
@@ -44,8 +45,11 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
     beside = near & ~grown & is_ground
     if beside.any():
         dark = near & ~sheet & (brightness < DARKER * np.median(brightness[beside]))
-        thrown = cv2.morphologyEx((dark | grown).astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3))) > 0
-        thrown = _joined(thrown, sheet)
+        thrown = cv2.morphologyEx((dark | grown).astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3)))
+        # Between the sheet and a wide shadow may lie a rim of paper, where the paper is not told from the ground.
+        wide = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, _disc(WIDE_SIDES * side_px))
+        reaching = cv2.morphologyEx(wide | grown.astype(np.uint8), cv2.MORPH_CLOSE, _disc(EDGE_SIDES * side_px))
+        thrown = _joined((thrown | reaching) > 0, sheet)
         grown |= cv2.dilate(thrown.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
     return grown
 

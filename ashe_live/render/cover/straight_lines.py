@@ -26,8 +26,8 @@ SURE, LIKELY = 6.0, 2.5  # contrasts over their standard errors, of a line's mid
 CORRELATED_SIDES = 0.12  # of the marker, along which texture is so much alike that it counts as one sample
 ALIKE = 0.5  # of the stronger side's contrast, by which the sides may differ
 STEADY = 0.6  # deviation along a line beyond the texture's, over its contrast: more is a line with gaps
-# From a better told direction: grain winds by less, joints and planks cross by more. What lies between is the shading of
-# broad grain, which looks like a band in directions that it does not have.
+# From a better told direction: grain winds by less, joints and planks cross by more. What lies between is the shading
+# of broad grain, which looks like a band in directions that it does not have.
 WAVY_DEG, CROSSING_DEG = 4.0, 30.0
 MOST_DIRECTIONS = 16  # that are looked at, one after the other, each without the lines of those before
 

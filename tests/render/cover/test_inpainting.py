@@ -55,6 +55,15 @@ def test_a_joint_is_not_interrupted() -> None:
     assert found[HOLE & (np.abs(across) > 8)].mean() == pytest.approx(0.4, rel=0.05)
 
 
+def test_no_piece_of_a_joint_that_passes_by_is_copied() -> None:
+    """It would lie in the hole's texture, cut off at both ends."""
+    across = Y + 0.2 * X + 0.95 * SIDE_PX
+    joint = np.clip(3.5 - np.abs(across), 0, 1)[..., None].astype(np.float32)
+    found = _filled(_ground(0.02) * (1 - 0.6 * joint))
+    smooth = cv2.GaussianBlur(found.mean(axis=2), (0, 0), 1.0)
+    assert smooth[HOLE].min() > 0.3  # 0.16 on the joint, 0.36 beside it
+
+
 def test_no_dark_thing_that_stands_beside_is_copied() -> None:
     ground = _ground(0.02)
     thing = (np.abs(X - 1.1 * SIDE_PX) < 0.3 * SIDE_PX) & (np.abs(Y) < 0.4 * SIDE_PX)

@@ -1,0 +1,35 @@
+"""Where the sheet lies: all of its paper, and what it throws onto the ground."""
+
+import numpy as np
+import pytest
+
+from ashe_live.render.cover.sheet import sheet_mask
+
+SIZE, SIDE_PX = 480, 120.0
+AXIS = (np.arange(SIZE) + 0.5 - SIZE / 2) / SIDE_PX
+X, Y = np.meshgrid(AXIS, AXIS)
+PAPER = np.maximum(np.abs(X), np.abs(Y)) < 0.68
+GROUND = np.ones((SIZE, SIZE), bool)
+
+
+def _plane(ground: float) -> np.ndarray:
+    """(n, n, 3) linear RGB: a black square on white paper, on even ground with grain."""
+    grain = np.random.default_rng(3).normal(0, 0.02, (SIZE, SIZE))
+    grey = np.where(PAPER, 0.8, ground + grain)
+    grey[np.maximum(np.abs(X), np.abs(Y)) < 0.5] = 0.04
+    return np.repeat(grey[..., None], 3, axis=2).astype(np.float32)
+
+
+def test_paper_on_darker_ground_is_covered_and_hardly_more() -> None:
+    mask = sheet_mask(_plane(0.3), GROUND, SIDE_PX)
+    assert mask[PAPER].all()
+    assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 0.68 + 0.12].any()
+
+
+@pytest.mark.parametrize("ground", [0.3, 0.72])
+def test_the_shadow_of_a_lifted_edge_is_covered_also_where_paper_is_not_told_from_ground(ground: float) -> None:
+    """As light as paper, the ground leaves the square and a margin, beyond which paper is seen before the shadow."""
+    plane = _plane(ground)
+    shadow = (np.abs(X) < 0.6) & (Y > 0.68) & (Y < 0.75)
+    plane[shadow] *= 0.1
+    assert sheet_mask(plane, GROUND, SIDE_PX)[shadow].all()
