@@ -390,7 +390,7 @@ def test_a_dropped_model_is_chosen_and_the_source_stays(stage):
 
 def test_escape_leaves_what_was_entered_last(stage):
     def is_help_closed() -> None:
-        assert not stage.session.show_help
+        assert not stage.session.help.is_shown
 
     stage.run(
         Command.FULLSCREEN,
