@@ -45,6 +45,15 @@ def bare_scene(session: Session) -> Scene:
     )
 
 
+def cut_out(scene: Scene) -> Scene:
+    """What is drawn alone, with its transparency.
+
+    The cover of the marker is this clip's ground: it belongs to the shadow that lies on it, and not to a model alone,
+    which would hide that shadow once it is put over it.
+    """
+    return replace(scene, is_cut_out=True, hides_marker=scene.hides_marker and scene.casts_shadow)
+
+
 class Display:
     """Composes scenes, and caches what has not changed, so that it is neither drawn nor uploaded again."""
 

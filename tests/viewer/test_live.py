@@ -313,6 +313,21 @@ def test_a_snapshot_carries_the_estimate(stage, tmp_path, capfd):
     assert str(path) in stage.session.last_notice
 
 
+def test_what_covers_the_marker_is_cut_out_with_the_shadow_and_not_with_a_model_alone(stage, monkeypatch):
+    cut_out, said = stage.fakes.Renderer(), []
+    monkeypatch.setattr(stage.renderer, "beside", lambda _preset, _size: cut_out)
+
+    def listen() -> None:
+        said.append(stage.session.last_notice)
+
+    stage.put(0)
+    once = (Command.CUT_OUT, listen)
+    stage.run(None, *once, Command.BEFORE_AFTER, *once, Command.RESET, Command.HIDE_MARKER, *once)
+    assert [scene.hides_marker for scene in cut_out.scenes] == [True, False, False]
+    assert [scene.casts_shadow for scene in cut_out.scenes] == [True, False, True]
+    assert ["covers the marker" in text for text in said] == [True, False, False]
+
+
 def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):
     monkeypatch.setattr(
         keeping, "unused_name", lambda _folder, _stem, suffix, _at: tmp_path / "missing" / f"name{suffix}"
