@@ -26,6 +26,7 @@ from ashe_live.drawing.steps import DebugPicture, debug_pictures
 from ashe_live.errors import UserError
 from ashe_live.files.writing import unused_name
 from ashe_live.light.estimators.estimator import Estimator, TracingEstimator
+from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.process.messages import printable, tell
 from ashe_live.process.unforeseen import fault, outer_cause, show_traceback
 from ashe_live.tracking.families.in_view import markers_in_view
@@ -46,7 +47,9 @@ class FileEstimator:
     estimator: Estimator
     camera_for: CameraFor
     options: argparse.Namespace
+    # What a person has been told, and is not for every file again.
     faults: set[str] = dataclasses.field(default_factory=set)  # whose traceback has been shown
+    followed: set[str] = dataclasses.field(default_factory=set)  # markers that nobody has named
 
     def of(self, path: Path) -> FileAnswer:
         """The answer for a file."""
@@ -104,7 +107,7 @@ class FileEstimator:
             with open_source(path) as source:
                 is_known = _tells_no_camera(source) and source.size in cameras
                 camera_for = cameras.__getitem__ if is_known else self.camera_for
-                chosen = with_marker_in(source, options)
+                chosen = with_marker_in(source, options, self.followed)
                 tracker = make_tracker(chosen, camera_for, source=source)
                 seen = look_at(source, tracker, wanted)
         except UserError as error:
@@ -123,6 +126,8 @@ class FileEstimator:
         places: dict[int, tuple[str, int]] = {}
         frozen, *others = _renumbered([first, *more], places) if more else (first.seen.frozen, *first.seen.others)
         others = self._of_one_scene(frozen, others, places)
+        if not more and span_of([frozen, *others]) < LEAST_SPAN_RAD:
+            others = []  # a still camera's: they show hardly more than the frame alone
         if len(others) >= self.options.views:
             tell(f"of {len(others) + 1} views the first {self.options.views} are used")
             others = others[: self.options.views - 1]
@@ -158,7 +163,7 @@ class FileEstimator:
         """The options with the marker of the first file that can be read."""
         for source in _sources(paths):
             with suppress(Exception):  # its own line says so
-                options = with_marker_in(source, self.options)
+                options = with_marker_in(source, self.options, self.followed)
                 return with_marker(options, options.marker)
         return self.options
 
