@@ -322,10 +322,11 @@ def test_what_covers_the_marker_is_cut_out_with_the_shadow_and_not_with_a_model_
 
     stage.put(0)
     once = (Command.CUT_OUT, listen)
-    stage.run(None, *once, Command.BEFORE_AFTER, *once, Command.RESET, Command.HIDE_MARKER, *once)
+    stage.run(None, Command.TOGGLE_LIGHT, *once, Command.BEFORE_AFTER, *once, Command.RESET, Command.HIDE_MARKER, *once)
     assert [scene.hides_marker for scene in cut_out.scenes] == [True, False, False]
     assert [scene.casts_shadow for scene in cut_out.scenes] == [True, False, True]
-    assert ["covers the marker" in text for text in said] == [True, False, False]
+    assert not any(scene.shows_light for scene in cut_out.scenes)
+    assert ["ground over the marker" in text for text in said] == [True, False, False]
 
 
 def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):

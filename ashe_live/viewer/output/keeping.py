@@ -22,7 +22,7 @@ from ashe_live.viewer.output.as_shown import AsShown, shown_now
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.session import Session
 
-COVER_SAID = ", with what covers the marker, for the same clip: C before leaves that out"
+COVER_SAID = ", with the ground over the marker: C first leaves it out"
 
 
 class Keeper:
