@@ -14,6 +14,7 @@ from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
 from ashe_live.capture.clips.index import ClipIndex
+from ashe_live.capture.clips.wide_gamut import srgb_converter
 from ashe_live.capture.container import opened_container
 from ashe_live.capture.sources import refuse_too_large
 from ashe_live.errors import UserError
@@ -59,6 +60,7 @@ class ClipPictures:
         self.fps = float(self._stream.average_rate or self._stream.guessed_rate or FALLBACK_FPS)
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
+        self.to_srgb = srgb_converter(codec.color_primaries, codec.color_trc)  # None: its colours are sRGB's
         self._videos = self._decoded(self._container, self._stream)
         first = next(self._videos, None)
         if first is None:
