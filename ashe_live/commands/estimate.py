@@ -43,15 +43,17 @@ def run(options: argparse.Namespace) -> int:
     statuses = set()
     files = FileEstimator(estimator, camera_for, options)
     answers = files.of_all(named) if options.together else (files.of(path) for path in _watched(named))
-    for record, picture in answers:
-        is_read = say_exactly(record.to_line()) if options.json else say(_line(record))
-        statuses.add(_status(record))
-        if options.sheet is not None:
-            page.add(_named(record), _said(record), picture)
-        elif not is_read and options.debug is None:
-            break  # nobody wants the rest
-    if options.sheet is not None:
-        tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
+    try:
+        for record, picture in answers:
+            is_read = say_exactly(record.to_line()) if options.json else say(_line(record))
+            statuses.add(_status(record))
+            if options.sheet is not None:
+                page.add(_named(record), _said(record), picture)
+            elif not is_read and options.debug is None:
+                break  # nobody wants the rest
+    finally:  # also by Ctrl-C in the middle of a long batch
+        if page.has_figures:
+            tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
     return next(status for status in WORST_FIRST if status in statuses)
 
 

@@ -300,6 +300,14 @@ def test_the_sheet_has_a_picture_of_every_file_that_has_one_and_escapes_what_it_
     assert not re.search(r"""(src|href)=["'](?!data:)""", text)
 
 
+def test_a_batch_that_is_interrupted_leaves_a_sheet_of_what_was_answered(run, folder, fail_on_dark):
+    sheet = folder / "sheet.html"
+    fail_on_dark(KeyboardInterrupt())
+    outcome = run("estimate", *KNOWN, folder, "--sheet", sheet)
+    assert outcome.status == 130
+    assert len(outcome.out) == len(BASE64.findall(sheet.read_text())) == 1
+
+
 def test_a_sheet_is_not_overwritten_unasked(run, files, tmp_path):
     sheet = tmp_path / "sheet.html"
     sheet.write_text("mine")
