@@ -48,7 +48,7 @@ class ClipSource(Source):
         self._to_srgb = self._pictures.to_srgb
         first = self._pictures.first
         self._ahead.append(first)
-        self._decoded_size = (first.video.width, first.video.height)
+        self._decoded_size = self._pictures.size
         self.size = self._decoded_size[::-1] if _quarter_turns(first.video) % 2 else self._decoded_size
         self.fps = self._pictures.fps
         self.duration_s = self._pictures.stated_duration_s() if self._index is None else self._index.duration_s

@@ -6,6 +6,7 @@ Both decode alike; OpenCV saves one copy, 0.1 to 0.4 ms a frame at 640x480.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 
 import av
@@ -25,6 +26,8 @@ FALLBACK_FPS = 30.0
 ONE_THREAD_PIXELS = 1_000_000
 # By how much the duration that a whole clip states may exceed its frames.
 TOLERATED_GAP_FRAMES = 2
+# Of a pixel: nearer to a square is an encoder's rounding, farther from it damage.
+SAME_ASPECT, MOST_ASPECT = 0.005, 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +69,9 @@ class ClipPictures:
         if first is None:
             self.close()
             raise UserError(f"{path} has no readable picture in it", "copy or record it again")
+        self.size = _with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
         try:
-            refuse_too_large(path, (first.width, first.height))
+            refuse_too_large(path, self.size)
         except UserError:
             self.close()
             raise
@@ -145,6 +149,17 @@ class ClipPictures:
                     self.damaged += 1
                 else:
                     yield picture
+
+
+def _with_square_pixels(size: tuple[int, int], aspect: Fraction | None) -> tuple[int, int]:
+    """Width and height at which a picture of `size` is shown whose pixels are `aspect` times as wide as high.
+
+    Camcorders squeeze theirs (HDV: 1440x1080 for 1920x1080); a squeezed picture has wrong angles.
+    """
+    if not aspect or abs(aspect - 1) < SAME_ASPECT or not 1 / MOST_ASPECT <= aspect <= MOST_ASPECT:
+        return size
+    width, height = size
+    return (round(width * aspect), height) if aspect > 1 else (width, round(height / aspect))
 
 
 def _no_clip(path: Path) -> UserError:
