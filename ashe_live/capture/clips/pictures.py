@@ -58,8 +58,9 @@ class ClipPictures:
             if codec is None:  # whatever the stub says: of a codec that FFmpeg does not know
                 raise IndexError
         except (av.error.FFmpegError, IndexError):
+            is_sound = bool(self._container.streams.audio) and not self._container.streams.video
             self.close()
-            raise _no_clip(path) from None
+            raise (_sound_alone(path) if is_sound else _no_clip(path)) from None
         self.fps = float(self._stream.average_rate or self._stream.guessed_rate or FALLBACK_FPS)
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
@@ -163,4 +164,8 @@ def _with_square_pixels(size: tuple[int, int], aspect: Fraction | None) -> tuple
 
 
 def _no_clip(path: Path) -> UserError:
-    return UserError(f"{path} is not a clip that can be read", "convert it to MP4 (H.264)")
+    return UserError(f"{path} is not a clip or photo that can be read", "convert it to MP4 (H.264), JPEG or PNG")
+
+
+def _sound_alone(path: Path) -> UserError:
+    return UserError(f"{path} has sound and no picture", "name the clip that the camera has recorded")

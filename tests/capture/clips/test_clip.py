@@ -102,6 +102,17 @@ def test_what_is_no_clip_is_refused_in_one_line(
     assert capfd.readouterr().err == ""
 
 
+def test_sound_alone_is_said_to_be_that(tmp_path: Path) -> None:
+    path = tmp_path / "voice.mp4"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("aac", rate=44100)
+        silence = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), format="fltp", layout="mono")
+        silence.sample_rate = 44100
+        container.mux([*stream.encode(silence), *stream.encode(None)])
+    with pytest.raises(UserError, match="sound and no picture"):
+        ClipSource(path)
+
+
 def test_clip_cut_before_its_first_picture_is_refused(clip: Path) -> None:
     content = clip.read_bytes()
     clip.write_bytes(content[: content.index(b"mdat") + 8])
