@@ -13,6 +13,7 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import tell
 from ashe_live.process.module_path import safe_module_path
 from ashe_live.process.streams import flushed, open_streams
+from ashe_live.process.unforeseen import outer_cause
 
 # Read by libraries as they load, here and in child processes.
 ENVIRONMENT = {
@@ -66,24 +67,8 @@ def run(arguments: Sequence[str], begins: Callable[[], None] | None = None) -> i
         return ExitStatus.INTERRUPTED
     except BrokenPipeError:  # the reader (`| head`) has what it wanted
         return ExitStatus.ANSWERED
-    # What no command has foreseen, and a file, a name or the machine has brought about all the same.
-    except ImportError as error:
-        tell(f"a part of the program cannot be loaded ({error}): ashe-live doctor says what is missing")
-    except MemoryError:
-        tell("there is not enough memory for this: close other programs, or give something smaller")
-    except RecursionError:
-        tell("something is nested too deeply in one of the files: export or write it again")
-    except UnicodeError as error:
-        tell(f"a name or a text cannot be encoded ({error}): rename or convert it")
-    except OSError as error:
-        tell(_refusal(error))
+    except Exception as error:
+        if (cause := outer_cause(error)) is None:
+            raise
+        tell(cause)
     return ExitStatus.WRONG_USE
-
-
-def _refusal(error: OSError) -> str:
-    try:
-        os.getcwd()  # noqa: PTH109
-    except OSError:
-        return "the current folder has been deleted: change to one that is there"
-    named = f" ({error.filename})" if error.filename is not None else ""
-    return f"the system refuses: {error.strerror or error}{named}: check the files, folders and space that it needs"

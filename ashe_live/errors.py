@@ -4,9 +4,10 @@ from enum import IntEnum
 
 
 class ExitStatus(IntEnum):
-    """What a command ends with; of several files the worst counts, in the order 2, 3, 4, 0 (docs/contract.md)."""
+    """What a command ends with; of several files the worst counts, in the order 1, 2, 3, 4, 0 (docs/contract.md)."""
 
     ANSWERED = 0
+    FAULT = 1  # of the program itself, as the interpreter has it
     WRONG_USE = 2
     NO_MARKER = 3
     NO_DIRECTIONAL_LIGHT = 4

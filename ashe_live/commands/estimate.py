@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ashe_live.commands.answers.file_answers import FileEstimator
-from ashe_live.commands.answers.light_page import LightPage, picture_of
+from ashe_live.commands.answers.light_page import LightPage
 from ashe_live.commands.flags.marker_choice import others_said
 from ashe_live.commands.flags.named_files import named_files
 from ashe_live.commands.flags.setup import camera_chooser, light_steps, make_tracker
@@ -22,6 +22,7 @@ from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
 
 WORST_FIRST = (
+    ExitStatus.FAULT,
     ExitStatus.WRONG_USE,
     ExitStatus.NO_MARKER,
     ExitStatus.NO_DIRECTIONAL_LIGHT,
@@ -42,16 +43,17 @@ def run(options: argparse.Namespace) -> int:
     statuses = set()
     files = FileEstimator(estimator, camera_for, options)
     answers = files.of_all(named) if options.together else (files.of(path) for path in _watched(named))
-    for record, tracked in answers:
-        is_read = say_exactly(record.to_line()) if options.json else say(_line(record))
-        statuses.add(_status(record))
-        if options.sheet is not None:
-            picture = None if tracked is None else picture_of(tracked, record.estimate)
-            page.add(_named(record), _said(record), picture)
-        elif not is_read and options.debug is None:
-            break  # nobody wants the rest
-    if options.sheet is not None:
-        tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
+    try:
+        for record, picture in answers:
+            is_read = say_exactly(record.to_line()) if options.json else say(_line(record))
+            statuses.add(_status(record))
+            if options.sheet is not None:
+                page.add(_named(record), _said(record), picture)
+            elif not is_read and options.debug is None:
+                break  # nobody wants the rest
+    finally:  # also by Ctrl-C in the middle of a long batch
+        if page.has_figures:
+            tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
     return next(status for status in WORST_FIRST if status in statuses)
 
 
@@ -115,7 +117,7 @@ def _said(record: FileRecord) -> str:
 
 def _status(record: FileRecord) -> ExitStatus:
     if record.error is not None:
-        return ExitStatus.WRONG_USE
+        return ExitStatus.FAULT if record.is_fault else ExitStatus.WRONG_USE
     if record.estimate is None:
         return ExitStatus.NO_MARKER
     return ExitStatus.ANSWERED if record.estimate.lights else ExitStatus.NO_DIRECTIONAL_LIGHT

@@ -19,8 +19,12 @@ Value = TypeVar("Value")
 def instance(value: Value, kind: type[Any], name: str) -> Value:
     """`value`, which must be of that class."""
     if not isinstance(value, kind):
-        raise TypeError(f"{name} must be a {kind.__name__}, and is a {type(value).__name__}")
+        raise TypeError(f"{name} must be {_a(kind)}, and is {_a(type(value))}")
     return value
+
+
+def _a(kind: type[Any]) -> str:
+    return f"{'an' if kind.__name__[0] in 'AEIOUaeiou' else 'a'} {kind.__name__}"
 
 
 def text(value: str, name: str) -> str:

@@ -152,6 +152,7 @@ class FileRecord:
     in_view: tuple[str, ...] = ()  # markers, where the one that was looked for is not found
     places: tuple[tuple[str, int], ...] = ()  # file and frame of each of the estimate's views, where of several files
     looked_for: str = ""  # the marker's spec; not in the line
+    is_fault: bool = False  # the error is one of the program itself; not in the line
 
     def to_json(self) -> Json:
         reason = self.error or "no marker found"

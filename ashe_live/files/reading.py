@@ -3,12 +3,14 @@
 import json
 import math
 import os
+import re
 import stat
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from ashe_live.errors import UserError
 
+ADDRESS = re.compile(r"(?P<scheme>https?|s?ftps?|rtsp|rtmp)://?(?P<rest>.+)", re.IGNORECASE | re.DOTALL)
 MOST_SETTINGS_BYTES = 1_000_000  # of a file that a person writes: settings, a camera file
 
 
@@ -32,11 +34,19 @@ def opened(path: Path, may_be_empty: bool = False) -> BinaryIO:
             raise
         return stream
     except (FileNotFoundError, NotADirectoryError):
-        raise UserError(f"there is no file {path}", "check the name and the folder") from None
+        raise _missing(path) from None
     except OSError as error:
         raise UserError(f"cannot read {path} ({error.strerror})", "check its name and permissions") from None
     except ValueError as error:  # a NUL in it
         raise UserError(f"{str(path)!r} is no file's name ({error})", "check the name") from None
+
+
+def _missing(path: Path) -> UserError:
+    # A `Path` has one slash of the two.
+    if (address := ADDRESS.match(str(path))) is not None:
+        said = f"{address['scheme']}://{address['rest']} is an address, and nothing is fetched from a network"
+        return UserError(said, "save what it leads to, and give that file")
+    return UserError(f"there is no file {path}", "check the name and the folder")
 
 
 def read_bytes(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> bytes:

@@ -85,14 +85,14 @@ def _blocks(text: HudText, size: Size, content_scale: float, gap: int, width: in
             if lines
         ]
         heights = [_extent(block.rows, font_px)[1] for block in corners]
-        fits = sum(heights) + (len(heights) + 1) * gap <= size[1]
-        fits &= all(_extent(block.rows, font_px)[0] <= width for block in corners)
+        all_fit = sum(heights) + (len(heights) + 1) * gap <= size[1]
+        all_fit &= all(_extent(block.rows, font_px)[0] <= width for block in corners)
         centred = []
         if text.help:
-            one_or_two = [rows for rows in (text.help, in_two(text.help)) if _fits(rows, font_px, size, gap)]
+            one_or_two = [rows for rows in (text.help, in_two(text.help)) if fits(rows, font_px, size, gap)]
             centred = [_Block("centre", (one_or_two or [text.help])[0], font_px)]
-            fits &= bool(one_or_two)
-        if fits or font_px <= MIN_FONT_PX:
+            all_fit &= bool(one_or_two)
+        if all_fit or font_px <= MIN_FONT_PX:
             return corners + centred
         font_px = max(MIN_FONT_PX, SMALLER * font_px)
 
@@ -105,7 +105,8 @@ def in_two(rows: Rows) -> Rows:
     return tuple(left + right for left, right in zip(filled, [*filled[half:], ("",) * columns], strict=False))[:half]
 
 
-def _fits(rows: Rows, font_px: float, size: Size, gap: int) -> bool:
+def fits(rows: Rows, font_px: float, size: Size, gap: int) -> bool:
+    """Whether a plate of these rows stands in a framebuffer of `size` pixels with `gap` pixels around it."""
     width, height = _extent(rows, font_px)
     return width <= size[0] - 2 * gap and height <= size[1] - 2 * gap
 

@@ -15,7 +15,6 @@ from ashe_live.render.scene import Overlay, Scene
 from ashe_live.viewer.before_after import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
 from ashe_live.viewer.drawn.estimate_inset import EstimateInset, Span
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
-from ashe_live.viewer.hands.controls import help_rows
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
 
@@ -46,6 +45,15 @@ def bare_scene(session: Session) -> Scene:
     )
 
 
+def cut_out(scene: Scene) -> Scene:
+    """Models and shadows alone, with their transparency, and without the arrow.
+
+    The cover of the marker is this clip's ground: it belongs to the shadow that lies on it, and not to a model alone,
+    which would hide that shadow once it is put over it.
+    """
+    return replace(scene, is_cut_out=True, shows_light=False, hides_marker=scene.hides_marker and scene.casts_shadow)
+
+
 class Display:
     """Composes scenes, and caches what has not changed, so that it is neither drawn nor uploaded again."""
 
@@ -69,8 +77,8 @@ class Display:
         moment: Moment | None = None,
     ) -> Scene:
         """The bare scene under status, masks and time bar, or under the help, for a framebuffer of `size` pixels."""
-        if session.show_help:  # alone, as a small window has no room for more
-            overlays = self._hud.overlays(HudText(help=help_rows()), size, content_scale)
+        if session.help.is_shown:  # alone, as a small window has no room for more
+            overlays = self._hud.overlays(HudText(help=session.help.rows(size, content_scale)), size, content_scale)
             return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
         if not self._name or session.table.is_drawn:

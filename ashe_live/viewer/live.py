@@ -239,8 +239,8 @@ class LiveViewer:
         """Leaves one of these, the first that applies: the menu, the help, fullscreen, the program."""
         if self._menu.is_open:
             self._menu.close()
-        elif self._session.show_help:
-            self._session.show_help = False
+        elif self._session.help.is_shown:
+            self._session.help.close()
         elif self._window.is_fullscreen:
             self._window.toggle_fullscreen()
         else:

@@ -15,6 +15,7 @@ from ashe_live.viewer.estimates.easing import LightEasing
 from ashe_live.viewer.estimates.light_watch import LightWatch
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.sharpening import Sharpening
+from ashe_live.viewer.hands.help import Help
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import SETS_LIGHT, Table
@@ -54,7 +55,7 @@ class Session:
         self.show_masks = False
         self.covers_marker: bool | None = None  # where somebody chose
         self.is_mirrored = False  # in the window; what is saved is as the camera sees it
-        self.show_help = False
+        self.help = Help()
         self.show_hud = True
         self.parts_shown = PARTS[0]
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the one that is followed is not in view
@@ -204,7 +205,7 @@ class Session:
                 self.parts_shown = PARTS[(PARTS.index(self.parts_shown) + 1) % len(PARTS)]
                 self.say(f"{self.parts_shown}: B goes on", now_s)
             case Command.HELP:
-                self.show_help = not self.show_help
+                self.help.turn()
             case Command.TOGGLE_HUD:
                 self.show_hud = not self.show_hud
             case _:

@@ -132,7 +132,7 @@ def test_kind_is_told_by_content_and_only_then_by_name(tmp_path: Path, rgb: Imag
         ("empty.jpg", b"", "is empty"),
         ("text.jpg", b"text" * 99, "not a photo of a known format"),
         ("phone.heic", b"\x00\x00\x00\x18ftypheic" + bytes(99), "convert it to JPEG"),
-        ("text.txt", b"text" * 99, "not a clip that can be read"),
+        ("text.txt", b"text" * 99, "not a clip or photo that can be read"),
     ],
 )
 def test_unreadable_files_are_one_clear_line(tmp_path: Path, name: str, content: bytes | None, says: str) -> None:

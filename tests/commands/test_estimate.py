@@ -122,6 +122,75 @@ def test_no_light_is_worse_than_an_answer_and_better_than_no_marker(run, files, 
     assert run("estimate", *KNOWN, files["photo"], files["empty_table"]).status == 3
 
 
+@pytest.fixture
+def fail_on_dark(monkeypatch):
+    """From its call on, the estimator raises this on dark pictures."""
+
+    def fail(error):
+        made = estimator.ESTIMATORS[DEFAULT_ESTIMATOR]
+
+        def failing(preset):
+            class Failing(type(made(preset))):
+                def estimate(self, tracked, others=()):
+                    if tracked.frame.image_bgr.mean() < 60:
+                        raise error
+                    return super().estimate(tracked, others)
+
+            return Failing()
+
+        monkeypatch.setitem(estimator.ESTIMATORS, DEFAULT_ESTIMATOR, failing)
+
+    return fail
+
+
+@pytest.fixture
+def folder(files, tmp_path):
+    """Four photos, of which the second and the third are dark."""
+    photo = cv2.imread(str(files["photo"]))
+    for name, scale in {"a": 1.0, "b": 0.3, "c": 0.3, "d": 1.0}.items():
+        cv2.imwrite(str(tmp_path / f"{name}.png"), np.uint8(photo * scale))
+    return tmp_path
+
+
+def test_a_fault_on_one_picture_is_its_line_and_status_1_and_the_others_are_answered(run, folder, fail_on_dark, schema):
+    fail_on_dark(IndexError("index 3\x1b[31m is out of bounds\nand more"))
+    sheet = folder / "sheet.html"
+    outcome = run("estimate", "--json", *KNOWN, folder, "--sheet", sheet)
+    assert outcome.status == 1
+    for record in outcome.records:
+        jsonschema.validate(record, schema)
+    a, b, c, d = (record["error"] for record in outcome.records)
+    assert a is None
+    assert d is None
+    assert b == c
+    assert "IndexError: index 3" in b
+    assert "test_estimate.py, line" in b
+    # The traceback of one and the same fault is shown once, and nothing in it reaches the terminal as a sequence.
+    assert sum(line.startswith("Traceback") for line in outcome.err) == 1
+    assert any("IndexError" in line for line in outcome.err)
+    assert all(line.isprintable() for line in outcome.err)
+    page = sheet.read_text()
+    assert len(BASE64.findall(page)) == 2
+    assert page.count("IndexError") == 2
+
+
+def test_what_a_picture_alone_is_to_blame_for_is_its_line_without_a_traceback(run, folder, fail_on_dark):
+    fail_on_dark(MemoryError())
+    outcome = run("estimate", *KNOWN, folder)
+    assert outcome.status == 2
+    assert ["not enough memory" in line for line in outcome.out] == [False, True, True, False]
+    assert outcome.err == []
+
+
+def test_a_fault_on_pictures_taken_together_is_one_line_of_them(run, folder, fail_on_dark):
+    fail_on_dark(KeyError("lost"))
+    outcome = run("estimate", *KNOWN, folder / "b.png", folder / "c.png", "--together")
+    assert outcome.status == 1
+    (line,) = outcome.out
+    assert line.startswith(str(folder / "b.png"))
+    assert "KeyError" in line
+
+
 def test_of_a_clip_the_first_steady_frame_is_used_or_the_asked_one(run, film):
     (record,) = run("estimate", "--json", *KNOWN, film.path).records
     assert 0 < record["frame"] < film.frame_count
@@ -229,6 +298,14 @@ def test_the_sheet_has_a_picture_of_every_file_that_has_one_and_escapes_what_it_
     assert "<b>" not in text
     assert "no marker found" in text
     assert not re.search(r"""(src|href)=["'](?!data:)""", text)
+
+
+def test_a_batch_that_is_interrupted_leaves_a_sheet_of_what_was_answered(run, folder, fail_on_dark):
+    sheet = folder / "sheet.html"
+    fail_on_dark(KeyboardInterrupt())
+    outcome = run("estimate", *KNOWN, folder, "--sheet", sheet)
+    assert outcome.status == 130
+    assert len(outcome.out) == len(BASE64.findall(sheet.read_text())) == 1
 
 
 def test_a_sheet_is_not_overwritten_unasked(run, files, tmp_path):

@@ -10,6 +10,7 @@ import jsonschema
 import numpy as np
 import pytest
 
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
@@ -60,6 +61,17 @@ def test_a_clip_is_answered_from_several_of_its_frames(run, film, schema):
     assert record["views"]["files"] is None
     assert record["views"]["span_deg"] > 2
     assert f"{len(frames)} views over" in run("estimate", "--camera-file", film.camera_file, film.path).out[0]
+
+
+def test_views_of_a_still_camera_are_none_beside_the_frame(run, table, tmp_path):
+    clip = tmp_path / "still.mp4"
+    picture = cv2.imread(str(table[0]))
+    with Recorder(clip, (640, 480), 30.0) as recorder:
+        for index in range(20):
+            recorder.write(picture, index / 30)
+    (record,) = run("estimate", "--json", *KNOWN, clip).records
+    assert record["error"] is None
+    assert record["views"] is None
 
 
 @pytest.mark.parametrize("views", [1, 2, 5])

@@ -71,3 +71,18 @@ def test_only_json_of_finite_numbers_is_read(tmp_path: Path, content: str) -> No
     path.write_text(content)
     with pytest.raises(UserError, match="is not JSON"):
         read_json(path)
+
+
+@pytest.mark.parametrize("address", ["https://example.com/a.mp4", "RTSP://10.0.0.1/live", "https:/example.com/a.mp4"])
+def test_an_address_is_named_as_one_with_both_slashes(address: str) -> None:
+    with pytest.raises(UserError, match="is an address") as caught:
+        opened(Path(address))
+    assert caught.value.message.startswith(address if "//" in address else address.replace(":/", "://"))
+
+
+def test_a_file_may_be_called_as_an_address_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "https:").mkdir()
+    (tmp_path / "https:" / "a.mp4").write_bytes(b"x")
+    with opened(Path("https://a.mp4")) as stream:
+        assert stream.read() == b"x"

@@ -260,6 +260,9 @@ class FakeRenderer:
     def read_bgr(self) -> np.ndarray:
         return np.full((self.size[1], self.size[0], 3), len(self.scenes), np.uint8)
 
+    def read_bgra(self) -> np.ndarray:
+        return np.full((self.size[1], self.size[0], 4), len(self.scenes), np.uint8)
+
 
 class Fakes:
     """All of the above by name, as a conftest cannot be imported."""

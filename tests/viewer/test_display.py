@@ -30,7 +30,8 @@ def inside(overlay, size) -> bool:
 
 
 def test_recordings_carry_no_text(session):
-    session.show_help = session.show_masks = True
+    session.help.turn()
+    session.show_masks = True
     assert bare_scene(session).overlays == ()
 
 
@@ -44,19 +45,19 @@ def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):
     session.say("saved", 0.0)
     session.show_hud = False
     assert Display().scene(session, SIZE, "fast", 0.0).overlays == ()
-    session.show_help = True
+    session.help.turn()
     assert len(Display().scene(session, SIZE, "fast", 0.0).overlays) == 1
 
 
 @pytest.mark.parametrize(
-    ("size", "scale"), [((320, 240), 1.0), ((480, 640), 1.0), ((640, 480), 2.0), ((1280, 960), 1.0)]
+    ("size", "scale"), [((300, 225), 1.0), ((320, 240), 1.0), ((480, 640), 1.0), ((640, 480), 2.0), ((1280, 960), 1.0)]
 )
 def test_everything_stays_inside_the_window(session, size, scale):
     session.show_masks = True
     session.say("a notice of the usual length, as a saved snapshot has", 0.0)
     overlays = Display().scene(session, size, "auto (balanced)", 0.0, 60.0, "end of the clip", scale).overlays
     assert len(overlays) == 4
-    session.show_help = True
+    session.help.turn()
     overlays += Display().scene(session, size, "auto (balanced)", 0.0, 60.0, "end of the clip", scale).overlays
     assert len(overlays) == 5
     assert all(inside(overlay, size) for overlay in overlays)

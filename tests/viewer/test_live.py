@@ -313,6 +313,22 @@ def test_a_snapshot_carries_the_estimate(stage, tmp_path, capfd):
     assert str(path) in stage.session.last_notice
 
 
+def test_what_covers_the_marker_is_cut_out_with_the_shadow_and_not_with_a_model_alone(stage, monkeypatch):
+    cut_out, said = stage.fakes.Renderer(), []
+    monkeypatch.setattr(stage.renderer, "beside", lambda _preset, _size: cut_out)
+
+    def listen() -> None:
+        said.append(stage.session.last_notice)
+
+    stage.put(0)
+    once = (Command.CUT_OUT, listen)
+    stage.run(None, Command.TOGGLE_LIGHT, *once, Command.BEFORE_AFTER, *once, Command.RESET, Command.HIDE_MARKER, *once)
+    assert [scene.hides_marker for scene in cut_out.scenes] == [True, False, False]
+    assert [scene.casts_shadow for scene in cut_out.scenes] == [True, False, True]
+    assert not any(scene.shows_light for scene in cut_out.scenes)
+    assert ["ground over the marker" in text for text in said] == [True, False, False]
+
+
 def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):
     monkeypatch.setattr(
         keeping, "unused_name", lambda _folder, _stem, suffix, _at: tmp_path / "missing" / f"name{suffix}"
@@ -390,7 +406,7 @@ def test_a_dropped_model_is_chosen_and_the_source_stays(stage):
 
 def test_escape_leaves_what_was_entered_last(stage):
     def is_help_closed() -> None:
-        assert not stage.session.show_help
+        assert not stage.session.help.is_shown
 
     stage.run(
         Command.FULLSCREEN,

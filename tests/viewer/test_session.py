@@ -185,13 +185,19 @@ def test_switches_toggle(make):
         (Command.TOGGLE_LIGHT, "show_light"),
         (Command.TOGGLE_MASKS, "show_masks"),
         (Command.HIDE_MARKER, "hides_marker"),
-        (Command.HELP, "show_help"),
         (Command.TOGGLE_HUD, "show_hud"),
     ):
         before = getattr(session, switch)
         for expected in (not before, before):
             session.handle(Request(command), 0.0)
             assert getattr(session, switch) is expected
+
+
+def test_the_help_is_shown_and_hidden_by_its_key(make):
+    session = make()
+    for expected in (True, False):
+        session.handle(Request(Command.HELP), 0.0)
+        assert session.help.is_shown is expected
 
 
 def test_a_sheet_is_covered_and_a_cube_is_not_unless_somebody_chooses(make, fakes):

@@ -45,9 +45,10 @@ class ClipSource(Source):
         self.close()
         self.note: str | None = None
         self._pictures = ClipPictures(self.path)
+        self._to_srgb = self._pictures.to_srgb
         first = self._pictures.first
         self._ahead.append(first)
-        self._decoded_size = (first.video.width, first.video.height)
+        self._decoded_size = self._pictures.size
         self.size = self._decoded_size[::-1] if _quarter_turns(first.video) % 2 else self._decoded_size
         self.fps = self._pictures.fps
         self.duration_s = self._pictures.stated_duration_s() if self._index is None else self._index.duration_s
@@ -166,6 +167,8 @@ class ClipSource(Source):
             matrix = Colorspace.ITU709 if picture.height >= HD_HEIGHT_PX else Colorspace.ITU601
         width, height = self._decoded_size
         image = picture.to_ndarray(format="bgr24", width=width, height=height, src_colorspace=matrix, threads=1)
+        if self._to_srgb is not None:
+            image = self._to_srgb(np.asarray(image, dtype=np.uint8))
         return np.ascontiguousarray(np.rot90(image, _quarter_turns(picture)))
 
     def _note_what_is_missing(self) -> None:

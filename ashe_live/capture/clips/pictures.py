@@ -6,6 +6,7 @@ Both decode alike; OpenCV saves one copy, 0.1 to 0.4 ms a frame at 640x480.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 
 import av
@@ -14,6 +15,7 @@ from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
 from ashe_live.capture.clips.index import ClipIndex
+from ashe_live.capture.clips.wide_gamut import srgb_converter
 from ashe_live.capture.container import opened_container
 from ashe_live.capture.sources import refuse_too_large
 from ashe_live.errors import UserError
@@ -24,6 +26,8 @@ FALLBACK_FPS = 30.0
 ONE_THREAD_PIXELS = 1_000_000
 # By how much the duration that a whole clip states may exceed its frames.
 TOLERATED_GAP_FRAMES = 2
+# Of a pixel: nearer to a square is an encoder's rounding, farther from it damage.
+SAME_ASPECT, MOST_ASPECT = 0.005, 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,18 +58,21 @@ class ClipPictures:
             if codec is None:  # whatever the stub says: of a codec that FFmpeg does not know
                 raise IndexError
         except (av.error.FFmpegError, IndexError):
+            is_sound = bool(self._container.streams.audio) and not self._container.streams.video
             self.close()
-            raise _no_clip(path) from None
+            raise (_sound_alone(path) if is_sound else _no_clip(path)) from None
         self.fps = float(self._stream.average_rate or self._stream.guessed_rate or FALLBACK_FPS)
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
+        self.to_srgb = srgb_converter(codec.color_primaries, codec.color_trc)  # None: its colours are sRGB's
         self._videos = self._decoded(self._container, self._stream)
         first = next(self._videos, None)
         if first is None:
             self.close()
             raise UserError(f"{path} has no readable picture in it", "copy or record it again")
+        self.size = _with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
         try:
-            refuse_too_large(path, (first.width, first.height))
+            refuse_too_large(path, self.size)
         except UserError:
             self.close()
             raise
@@ -145,5 +152,20 @@ class ClipPictures:
                     yield picture
 
 
+def _with_square_pixels(size: tuple[int, int], aspect: Fraction | None) -> tuple[int, int]:
+    """Width and height at which a picture of `size` is shown whose pixels are `aspect` times as wide as high.
+
+    Camcorders squeeze theirs (HDV: 1440x1080 for 1920x1080); a squeezed picture has wrong angles.
+    """
+    if not aspect or abs(aspect - 1) < SAME_ASPECT or not 1 / MOST_ASPECT <= aspect <= MOST_ASPECT:
+        return size
+    width, height = size
+    return (round(width * aspect), height) if aspect > 1 else (width, round(height / aspect))
+
+
 def _no_clip(path: Path) -> UserError:
-    return UserError(f"{path} is not a clip that can be read", "convert it to MP4 (H.264)")
+    return UserError(f"{path} is not a clip or photo that can be read", "convert it to MP4 (H.264), JPEG or PNG")
+
+
+def _sound_alone(path: Path) -> UserError:
+    return UserError(f"{path} has sound and no picture", "name the clip that the camera has recorded")

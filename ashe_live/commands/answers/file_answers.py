@@ -3,16 +3,21 @@
 import argparse
 import dataclasses
 import statistics
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from datetime import datetime
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.snapshot import write_png
 from ashe_live.capture.sources import Source, open_source
+from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, of_one_scene, renumbered
 from ashe_live.commands.flags.marker_choice import with_marker, with_marker_in
 from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, make_tracker
+from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.contract import FileRecord
 from ashe_live.core.types import LightEstimate, TrackedFrame
@@ -21,13 +26,18 @@ from ashe_live.drawing.steps import DebugPicture, debug_pictures
 from ashe_live.errors import UserError
 from ashe_live.files.writing import unused_name
 from ashe_live.light.estimators.estimator import Estimator, TracingEstimator
+from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.process.messages import printable, tell
+from ashe_live.process.unforeseen import fault, outer_cause, show_traceback
 from ashe_live.tracking.families.in_view import markers_in_view
 from ashe_live.tracking.tracker import MarkerTracker
 
 STEP_WIDTH_PX = 480
 
-FileAnswer = tuple[FileRecord, TrackedFrame | None]  # what is said, and the frame that was used, unless none could be
+Result = TypeVar("Result")
+
+# What is said; and, where a sheet is asked for, the frame that was used with the light in it, unless none could be.
+FileAnswer = tuple[FileRecord, Image | None]
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -37,11 +47,18 @@ class FileEstimator:
     estimator: Estimator
     camera_for: CameraFor
     options: argparse.Namespace
+    # What a person has been told, and is not for every file again.
+    faults: set[str] = dataclasses.field(default_factory=set)  # whose traceback has been shown
+    followed: set[str] = dataclasses.field(default_factory=set)  # markers that nobody has named
 
     def of(self, path: Path) -> FileAnswer:
         """The answer for a file."""
-        looked = self._looked_at(path, self.options, {})
-        return looked if isinstance(looked, tuple) else self._answered(looked)
+
+        def answered() -> FileAnswer:
+            looked = self._looked_at(path, self.options, {})
+            return looked if isinstance(looked, tuple) else self._answered(looked)
+
+        return self._guarded(path, answered)
 
     def of_all(self, paths: Sequence[Path]) -> Iterator[FileAnswer]:
         """One answer for all files together, after those for the files that are of no use for it.
@@ -53,13 +70,28 @@ class FileEstimator:
         options, cameras = self._marker_of_all(paths), self._cameras_of_all(paths)
         used: list[_Looked] = []
         for path in paths:
-            looked = self._looked_at(path, options, cameras)
+            looked = self._guarded(path, partial(self._looked_at, path, options, cameras))
             if isinstance(looked, tuple):
                 yield looked
             else:
                 used.append(looked)
         if used:
-            yield self._answered(*used)
+            yield self._guarded(used[0].path, partial(self._answered, *used))
+
+    def _guarded(self, path: Path, work: Callable[[], Result]) -> Result | FileAnswer:
+        """What `work` gives; where it fails as nobody has foreseen, an answer that says so."""
+        try:
+            return work()
+        except UserError:
+            raise
+        except Exception as error:
+            cause = outer_cause(error)
+            said = cause or f"the program failed ({fault(error)}): report it with the traceback on standard error"
+            if cause is None and said not in self.faults:
+                self.faults.add(said)
+                show_traceback(error)
+            record = FileRecord(str(path), self.options.quality, self.options.estimator)
+            return dataclasses.replace(record, error=printable(said), is_fault=cause is None), None
 
     def _looked_at(
         self, path: Path, options: argparse.Namespace, cameras: Mapping[Size, Camera]
@@ -75,7 +107,7 @@ class FileEstimator:
             with open_source(path) as source:
                 is_known = _tells_no_camera(source) and source.size in cameras
                 camera_for = cameras.__getitem__ if is_known else self.camera_for
-                chosen = with_marker_in(source, options)
+                chosen = with_marker_in(source, options, self.followed)
                 tracker = make_tracker(chosen, camera_for, source=source)
                 seen = look_at(source, tracker, wanted)
         except UserError as error:
@@ -86,13 +118,16 @@ class FileEstimator:
             return _Looked(path, record, seen, tracker)
         in_view = markers_in_view(tracked.frame.image_bgr)
         times = {"detect": tracked.detect_ms, "total": tracked.detect_ms}
-        return dataclasses.replace(record, timing_ms=times, in_view=in_view, looked_for=chosen.marker), tracked
+        record = dataclasses.replace(record, timing_ms=times, in_view=in_view, looked_for=chosen.marker)
+        return record, self._picture(tracked, None)
 
     def _answered(self, first: "_Looked", *more: "_Looked") -> FileAnswer:
         """The answer for the first file's frozen frame, from all views."""
         places: dict[int, tuple[str, int]] = {}
         frozen, *others = _renumbered([first, *more], places) if more else (first.seen.frozen, *first.seen.others)
         others = self._of_one_scene(frozen, others, places)
+        if not more and span_of([frozen, *others]) < LEAST_SPAN_RAD:
+            others = []  # a still camera's: they show hardly more than the frame alone
         if len(others) >= self.options.views:
             tell(f"of {len(others) + 1} views the first {self.options.views} are used")
             others = others[: self.options.views - 1]
@@ -109,7 +144,10 @@ class FileEstimator:
             timing_ms=timing_ms,
             places=tuple(places[view] for view in estimate.views) if more else (),
         )
-        return record, first.seen.frozen
+        return record, self._picture(first.seen.frozen, estimate)
+
+    def _picture(self, tracked: TrackedFrame, estimate: LightEstimate | None) -> Image | None:
+        return None if self.options.sheet is None else picture_of(tracked, estimate)
 
     def _of_one_scene(
         self, frozen: TrackedFrame, others: Sequence[TrackedFrame], places: Mapping[int, tuple[str, int]]
@@ -124,8 +162,9 @@ class FileEstimator:
     def _marker_of_all(self, paths: Sequence[Path]) -> argparse.Namespace:
         """The options with the marker of the first file that can be read."""
         for source in _sources(paths):
-            options = with_marker_in(source, self.options)
-            return with_marker(options, options.marker)
+            with suppress(Exception):  # its own line says so
+                options = with_marker_in(source, self.options, self.followed)
+                return with_marker(options, options.marker)
         return self.options
 
     def _cameras_of_all(self, paths: Sequence[Path]) -> dict[Size, Camera]:
@@ -135,12 +174,14 @@ class FileEstimator:
             return cameras
         trackers: dict[Size, MarkerTracker] = {}
         for source in _sources(paths):
-            if _tells_no_camera(source):
-                tracker = trackers.setdefault(source.size, make_tracker(self.options, self.camera_for))
+            if not _tells_no_camera(source):
+                continue
+            tracker = trackers.setdefault(source.size, make_tracker(self.options, self.camera_for))
+            with suppress(Exception):  # its own line says so
                 frame = source.read()
                 assert frame is not None
                 cameras[source.size] = tracker.track(frame).camera
-                tracker.reset()
+            tracker.reset()
         return cameras
 
     def _timed(

@@ -55,6 +55,10 @@ class LightPage:
         image = "" if picture_bgr is None else _embedded(picture_bgr, f"{name}: {said}")
         self._figures.append(FIGURE.format(image=image, name=html.escape(name), said=html.escape(said)))
 
+    @property
+    def has_figures(self) -> bool:
+        return bool(self._figures)
+
     def write(self, path: Path, overwrite: bool) -> Path:
         """Whole or not at all; returns where it is. Raises UserError when `path` cannot be written."""
         title = f"Light in {len(self._figures)} {'picture' if len(self._figures) == 1 else 'pictures'}"

@@ -34,10 +34,11 @@ def tracker_maker(
     return tracker_for
 
 
-def with_marker_in(source: Source, options: argparse.Namespace) -> argparse.Namespace:
+def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str] | None = None) -> argparse.Namespace:
     """`options`, with the one marker in the beginning of a clip, or in a photo, unless one was named or it has that.
 
-    The source is rewound. What is opened later may have another one: nobody has named any.
+    The source is rewound. What is opened later may have another one: nobody has named any. `told_of`: the markers of
+    which a person knows that they are followed, of many sources.
     """
     if source.is_live or not options.takes_any_marker:
         return options
@@ -51,7 +52,10 @@ def with_marker_in(source: Source, options: argparse.Namespace) -> argparse.Name
             if options.marker in in_view or (not in_view and named.find(frame.image_bgr[..., 1].copy())):
                 break
             if len(in_view) == 1:
-                tell(f"{source.name}: {in_view[0]} is in view and is followed, as no --marker was given")
+                if in_view[0] not in (told_of or ()):
+                    tell(f"{source.name}: {in_view[0]} is in view and is followed, as no --marker was given")
+                if told_of is not None:
+                    told_of.add(in_view[0])
                 return argparse.Namespace(**{**vars(options), "marker": in_view[0]})
             if in_view:
                 tell(f"{source.name}: {' and '.join(in_view)} are in view: choose one with --marker")

@@ -19,6 +19,7 @@ from ashe_live.render.gl.offscreen import graphics_failures_told, offscreen_cont
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.viewer.display import cut_out
 from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.output.as_shown import AsShown, read_as_shown
 from ashe_live.viewer.output.report import Report
@@ -74,11 +75,7 @@ def _recorder(setup: ViewerSetup) -> Recorder | TransparentRecorder | LastPictur
 def _layers(scene: Scene, wanted: str | None) -> Scene:
     if wanted is None:
         return scene
-    ground = wanted != "model"  # its shadow, and what covers the marker
-    hides_marker = scene.hides_marker and ground
-    return replace(
-        scene, is_cut_out=True, shows_model=wanted != "shadow", casts_shadow=ground, hides_marker=hides_marker
-    )
+    return cut_out(replace(scene, shows_model=wanted != "shadow", casts_shadow=wanted != "model"))
 
 
 def _tell_where(wanted: Path, path: Path) -> None:

@@ -12,6 +12,7 @@ from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
 from ashe_live.process.pipes import receive_value, send_value
+from ashe_live.process.unforeseen import fault
 
 if TYPE_CHECKING:
     from ashe_live.core.arrays import Image
@@ -142,5 +143,4 @@ def _answer(estimator: "Estimator", held: HeldViews, request: Request) -> Answer
             return Answer(estimate, request.draw(frozen, estimate, trace), gone)
         return Answer(estimator.estimate(frozen, others), None, gone)
     except Exception as error:
-        first_line = (str(error).strip() or "no message").splitlines()[0]
-        return WorkerFailure(frozen.frame.index, f"{type(error).__name__}: {first_line}")
+        return WorkerFailure(frozen.frame.index, fault(error))

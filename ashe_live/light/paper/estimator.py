@@ -11,10 +11,10 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.camera import Size
+from ashe_live.core.camera import Camera, Size
 from ashe_live.core.square import square_corners
 from ashe_live.core.stages import StageClock
-from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.paper import geometry, masks
 from ashe_live.light.paper.shadow_colour import shadow_rgb_ratio
 
@@ -75,9 +75,7 @@ class PaperEstimator:
         camera = tracked.camera.resized(size)
         smallest_px = steps.smallest_share * size[0] * size[1]
 
-        cube_hull = masks.hull_of_points(camera, marker.T_cam_marker, geometry.cube_corners(marker.side_m))
-        sheet_side_m = steps.sheet_over_marker * marker.side_m
-        sheet_hull = masks.hull_of_points(camera, marker.T_cam_marker, square_corners(sheet_side_m))
+        cube_hull, sheet_hull = self._hulls(camera, marker)
         if cube_hull is None or sheet_hull is None:
             return answer(None, "the virtual object reaches behind the camera")
         # The marker lies inside the cube's mask, its white margin beside it: neither object nor shadow.
@@ -102,12 +100,7 @@ class PaperEstimator:
         if shadow_mask is None:
             return answer(None, "no shadow found beside the object")
 
-        centres_px = np.array([masks.centre_of_mass(object_mask), masks.centre_of_mass(shadow_mask)])
-        object_px, shadow_px = geometry.undistorted(camera, centres_px)
-        scale = geometry.real_to_virtual_scale(_polygon_area(cube_hull), float(object_mask.sum()))
-        to_light = geometry.to_light_from_centres(
-            camera, marker.T_cam_marker, marker.side_m, object_px, shadow_px, scale
-        )
+        to_light = _to_light(camera, marker, cube_hull, object_mask, shadow_mask)
         clock.end("fit")
 
         if to_light is None or to_light[2] <= 0:
@@ -116,6 +109,23 @@ class PaperEstimator:
         ratio = shadow_rgb_ratio(image, shadow_mask, object_mask | sheet)
         clock.end("judge")
         return answer(Light(to_light, shadow_rgb_ratio=ratio), None)
+
+    def _hulls(self, camera: Camera, marker: MarkerPose) -> tuple[Float | None, Float | None]:
+        """(n, 2) pixels, of the virtual cube and of the printed sheet; None for one that reaches behind the camera."""
+        sheet_side_m = self.steps.sheet_over_marker * marker.side_m
+        bodies = geometry.cube_corners(marker.side_m), square_corners(sheet_side_m)
+        cube, sheet = (masks.hull_of_points(camera, marker.T_cam_marker, corners) for corners in bodies)
+        return cube, sheet
+
+
+def _to_light(
+    camera: Camera, marker: MarkerPose, cube_hull: Float, object_mask: Mask, shadow_mask: Mask
+) -> Float | None:
+    """(3,) towards the light, marker frame; None where the ray through the shadow's centre misses the ground."""
+    centres_px = np.array([masks.centre_of_mass(object_mask), masks.centre_of_mass(shadow_mask)])
+    object_px, shadow_px = geometry.undistorted(camera, centres_px)
+    scale = geometry.real_to_virtual_scale(_polygon_area(cube_hull), float(object_mask.sum()))
+    return geometry.to_light_from_centres(camera, marker.T_cam_marker, marker.side_m, object_px, shadow_px, scale)
 
 
 def _polygon_area(hull_px: Float) -> float:

@@ -64,12 +64,12 @@ def _standing(corners: Float, step: int, axis: int, lower: Float, extents: Float
     sizes = np.linalg.norm(areas, axis=1)
     flat = [other for other in range(3) if other != axis]
     bottom = lower[axis] + NEAR * extents[axis]
-    is_base = (corners[:, :, axis] < bottom).all(axis=1) & (np.abs(areas[:, axis]) > LEVEL * sizes)
+    is_base = (corners[:, :, axis] <= bottom).all(axis=1) & (np.abs(areas[:, axis]) > LEVEL * sizes)
     base = min(1.0, step * float(np.abs(areas[is_base, axis]).sum() / np.prod(extents[flat])))
     middles, share = corners.mean(axis=1), sizes / max(float(sizes.sum()), 1e-300)
     centre = share @ middles
     points = corners.reshape(-1, 3)
-    support = points[points[:, axis] < bottom][:, flat]
+    support = points[points[:, axis] <= bottom][:, flat]
     angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
     around = np.column_stack([np.cos(angles), np.sin(angles)])
     margin = float(((support - centre[flat]) @ around.T).max(axis=0).min())

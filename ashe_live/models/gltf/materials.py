@@ -8,11 +8,11 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.container import named_content
+from ashe_live.models.gltf.maps import Maps
 from ashe_live.models.gltf.schema import CLAMP_TO_EDGE, MIRRORED_REPEAT, REPEAT
 from ashe_live.models.gltf.specular import metal_rough_from_specular
 from ashe_live.models.material import (
     BLACK,
-    MAP_SETS,
     UNKNOWN,
     WHITE,
     Alpha,
@@ -59,7 +59,7 @@ class Materials:
 
     def _converted(self, given: dict[str, Any], uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:
         extensions = given.get("extensions", {})
-        maps = _Maps(uv_sets)
+        maps = Maps(uv_sets)
         if OLD in extensions:
             surface = self._specular_glossiness(extensions[OLD], maps)
         else:
@@ -95,7 +95,7 @@ class Materials:
         )
         return material, tuple(maps.sets)
 
-    def _metallic_roughness(self, given: dict[str, Any], maps: "_Maps") -> dict[str, Any]:
+    def _metallic_roughness(self, given: dict[str, Any], maps: Maps) -> dict[str, Any]:
         self._add(maps, "base_map", "baseColorTexture", given.get("baseColorTexture", {}))
         self._add(maps, "metallic_roughness_map", "metallicRoughnessTexture", given.get("metallicRoughnessTexture", {}))
         return {
@@ -104,7 +104,7 @@ class Materials:
             "roughness": given.get("roughnessFactor", 1.0),
         }
 
-    def _specular_glossiness(self, given: dict[str, Any], maps: "_Maps") -> dict[str, Any]:
+    def _specular_glossiness(self, given: dict[str, Any], maps: Maps) -> dict[str, Any]:
         diffuse, shine = given.get("diffuseTexture", {}), given.get("specularGlossinessTexture", {})
         layouts = [self._layout(texture) for texture in (diffuse, shine) if texture]
         if len(set(layouts)) > 1:
@@ -136,7 +136,7 @@ class Materials:
         red, green, blue, _ = surface["base_colour"]
         return {"base_colour": (red, green, blue, 1 - share * (1 - LEAST_COVER)), "alpha": Alpha.BLEND}
 
-    def _add(self, maps: "_Maps", name: str, key: str, texture: dict[str, Any]) -> None:
+    def _add(self, maps: Maps, name: str, key: str, texture: dict[str, Any]) -> None:
         if not texture:
             return
         layout = self._layout(texture)
@@ -194,37 +194,6 @@ class Materials:
         return bytes(self._arrays.view(image["bufferView"]))
 
 
-class _Maps:
-    """A material's maps as they are gathered, by the sets of texture coordinates that the mesh has."""
-
-    def __init__(self, uv_sets: frozenset[int]) -> None:
-        self.texels: dict[str, Any] = {}
-        self.layouts: dict[str, MapLayout] = {}
-        self.unplaced: dict[str, tuple[Any, MapLayout]] = {}  # for which the mesh has no coordinates
-        self.sets: list[int] = []
-        self.has_third_set = self.lacks_coordinates = False
-        self._there = uv_sets
-
-    def takes(self, layout: MapLayout) -> bool:
-        """Whether the map can be drawn: laid out, or in one colour where the mesh has no such coordinates."""
-        is_there = layout.uv_set in self._there
-        has_room = layout.uv_set in self.sets or len(self.sets) < MAP_SETS
-        self.has_third_set |= is_there and not has_room
-        self.lacks_coordinates |= not is_there
-        return has_room or not is_there
-
-    def add(self, name: str, layout: MapLayout, texels: Image) -> None:
-        if not self.takes(layout):
-            return
-        if layout.uv_set not in self._there:
-            self.unplaced[name] = texels, layout
-            return
-        if layout.uv_set not in self.sets:
-            self.sets.append(layout.uv_set)
-        self.texels[name] = texels
-        self.layouts[name] = layout.for_set(self.sets.index(layout.uv_set))
-
-
 def _coat(extensions: dict[str, Any]) -> dict[str, Any]:
     """The clear coat by its factors; no coat where a map says how much of it there is, as that is not drawn."""
     given = extensions.get("KHR_materials_clearcoat", {})
@@ -241,7 +210,7 @@ def _from_top_left(moved: dict[str, Any]) -> tuple[tuple[float, float, float], t
     return (a, -b, b + x), (-c, d, 1 - d - y)
 
 
-def _shining(surface: dict[str, Any], maps: _Maps) -> dict[str, Any]:
+def _shining(surface: dict[str, Any], maps: Maps) -> dict[str, Any]:
     """KHR_materials_unlit: the base colour, as it is, whatever light there is."""
     base: LinearRGBA = surface["base_colour"]
     texels = maps.texels.get("base_map")

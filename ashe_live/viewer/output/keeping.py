@@ -3,7 +3,6 @@
 import json
 import shlex
 from collections.abc import Callable
-from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -17,10 +16,13 @@ from ashe_live.files.writing import unused_name, write_json
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.light_map import write_light_map
 from ashe_live.render.renderer import SceneRenderer
-from ashe_live.viewer.display import bare_scene
+from ashe_live.render.scene import Scene
+from ashe_live.viewer.display import bare_scene, cut_out
 from ashe_live.viewer.output.as_shown import AsShown, shown_now
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.session import Session
+
+COVER_SAID = ", with the ground over the marker: C first leaves it out"
 
 
 class Keeper:
@@ -52,12 +54,13 @@ class Keeper:
         if session.tracked is None:
             return
         path = unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
-        known = self._known(session.tracked)
+        scene = bare_scene(session)
+        scene = cut_out(scene) if is_cut_out else scene
+        has_cover = is_cut_out and scene.hides_marker and session.tracked.marker is not None
+        texts = {SNAPSHOT_KEYWORD: json.dumps(self._known(session.tracked))}
         try:
-            path = write_png(
-                path, self._picture(preset, is_cut_out), texts={SNAPSHOT_KEYWORD: json.dumps(known)}, beside=True
-            )
-            self._tell(f"saved {path}", now_s)
+            path = write_png(path, self._picture(preset, scene), texts=texts, beside=True)
+            self._tell(f"saved {path}{COVER_SAID if has_cover else ''}", now_s)
         except UserError as error:
             self._tell(str(error), now_s)
 
@@ -110,7 +113,7 @@ class Keeper:
         if self._recording.size == drawn_size(self._session.tracked.frame.size):
             if self.clip_path is not None:
                 self._as_shown.add(self._session.tracked.frame.index, shown_now(self._session))
-            self._recording.take(lambda: self._picture(preset), is_new, now_s)
+            self._recording.take(lambda: self._picture(preset, bare_scene(self._session)), is_new, now_s)
             if self._recording.failure is None:
                 return
         self.finish(now_s)
@@ -141,7 +144,7 @@ class Keeper:
                 return f"not as it was moved by hand: {error}"
         return shlex.join(["ashe-live", *words, "--headless", "--out", "FILE.mp4"])
 
-    def _picture(self, preset: RenderPreset, is_cut_out: bool = False) -> Image:
+    def _picture(self, preset: RenderPreset, scene: Scene) -> Image:
         """(h, w, 3) uint8 BGR, or BGRA where it is cut out."""
         assert self._session.tracked is not None
         size = drawn_size(self._session.tracked.frame.size)
@@ -152,5 +155,5 @@ class Keeper:
         self._renderer.preset = preset
         # A snapshot must show the model that was chosen; a recording must not stall the window.
         self._renderer.switches_at_once = self._recording is None
-        self._renderer.render(replace(bare_scene(self._session), is_cut_out=is_cut_out))
-        return self._renderer.read_bgra() if is_cut_out else self._renderer.read_bgr()
+        self._renderer.render(scene)
+        return self._renderer.read_bgra() if scene.is_cut_out else self._renderer.read_bgr()

@@ -51,7 +51,7 @@ class Followed:
         if self._hunt.in_view:
             self._follow(self._hunt.in_view[0], now_s)
         elif not self._pipeline.may_follow_others:
-            self._session.say("here the marker is known", now_s)
+            self._session.say("the demo's marker is known: there is no other to follow", now_s)
         else:
             self._hunt.ask()
             self._session.say("looking for other markers", now_s)
@@ -59,7 +59,7 @@ class Followed:
     def next_field_of_view(self, now_s: float) -> None:
         """The next of FIELDS_OF_VIEW_DEG; after the last, what is known or estimated without a person's choice."""
         if not self._pipeline.may_follow_others:
-            self._session.say("here the camera is known", now_s)
+            self._session.say("the demo's camera is known, and so its field of view", now_s)
             return
         choices = (None, *FIELDS_OF_VIEW_DEG)
         self._hfov_deg = choices[(choices.index(self._hfov_deg) + 1) % len(choices)]

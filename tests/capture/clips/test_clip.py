@@ -1,6 +1,7 @@
 """Every readable frame of a clip, upright and at its own time; no clip at all is one clear line."""
 
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 
 import av
@@ -101,6 +102,17 @@ def test_what_is_no_clip_is_refused_in_one_line(
     assert capfd.readouterr().err == ""
 
 
+def test_sound_alone_is_said_to_be_that(tmp_path: Path) -> None:
+    path = tmp_path / "voice.mp4"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("aac", rate=44100)
+        silence = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), format="fltp", layout="mono")
+        silence.sample_rate = 44100
+        container.mux([*stream.encode(silence), *stream.encode(None)])
+    with pytest.raises(UserError, match="sound and no picture"):
+        ClipSource(path)
+
+
 def test_clip_cut_before_its_first_picture_is_refused(clip: Path) -> None:
     content = clip.read_bytes()
     clip.write_bytes(content[: content.index(b"mdat") + 8])
@@ -141,6 +153,42 @@ def test_rotation_metadata_of_phones_is_applied(tmp_path: Path, quarter_turns: i
     turned_by_opencv, opencvs_image = cv2.VideoCapture(str(path)).read()
     assert turned_by_opencv
     assert np.abs(frame.image_bgr.astype(int) - opencvs_image).mean() < 6
+
+
+@pytest.mark.parametrize(
+    ("aspect", "size"),
+    [
+        (Fraction(4, 3), (128, 64)),
+        (Fraction(3, 4), (96, 85)),
+        (Fraction(1), (96, 64)),
+        (Fraction(1000, 1001), (96, 64)),  # of an encoder that rounds
+        (Fraction(400), (96, 64)),  # of a damaged file
+    ],
+)
+@pytest.mark.parametrize("quarter_turns", [0, 1])
+def test_squeezed_pixels_become_square(
+    tmp_path: Path, aspect: Fraction, size: tuple[int, int], quarter_turns: int
+) -> None:
+    path = tmp_path / "camcorder.mp4"
+    image = np.full((64, 96, 3), 40, np.uint8)
+    image[:, 48:] = (30, 60, 220)
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=30, options={"crf": "10"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        stream.codec_context.sample_aspect_ratio = aspect
+        stream.set_display_rotation(90.0 * quarter_turns)
+        for _ in range(3):
+            container.mux(stream.encode(VideoFrame.from_ndarray(image, "bgr24")))
+        container.mux(stream.encode(None))
+    with ClipSource(path) as source:
+        frame = source.read()
+        assert frame is not None
+        assert source.size == frame.size == (size if quarter_turns == 0 else size[::-1])
+    upright = np.rot90(frame.image_bgr, -quarter_turns).astype(int)
+    # The step stays in the middle.
+    np.testing.assert_allclose(
+        upright[20, [5, size[0] // 2 - 5, size[0] // 2 + 5, size[0] - 5], 2], (40, 40, 220, 220), atol=12
+    )
 
 
 @pytest.mark.skipif(not REAL.is_dir(), reason="no shared/real beside the checkout")

@@ -1,6 +1,8 @@
 """Where nobody names a marker, the one that is in view is followed; else it is said which ones there are."""
 
 import json
+import shutil
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -33,6 +35,14 @@ def test_the_one_marker_in_view_is_followed(run, photo):
     assert outcome.status == 0
     assert json.loads(outcome.out[0])["marker"]["found"]
     assert f"{OTHER} is in view and is followed, as no --marker was given" in " ".join(outcome.err)
+
+
+def test_of_many_photos_with_that_marker_it_is_told_once(run, photo, tmp_path):
+    first = Path(photo(OTHER))
+    shutil.copy(first, tmp_path / "again.png")
+    outcome = run("estimate", first, tmp_path / "again.png", "--hfov", "60", "--json")
+    assert [record["marker"]["found"] for record in outcome.records] == [True, True]
+    assert sum("is followed" in line for line in outcome.err) == 1
 
 
 def test_the_usual_marker_is_followed_whatever_else_is_in_view(run, photo):

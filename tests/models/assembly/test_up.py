@@ -74,6 +74,16 @@ def test_a_shape_that_tells_nothing_is_as_most_of_its_format(tmp_path: Path, suf
     assert load_model_file(tmp_path / f"ball{suffix}").up == up
 
 
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_flat_thing_at_a_maps_coordinates_is_a_model_too(tmp_path: Path, axis: int) -> None:
+    """Its thickness is less than the least difference that there is between numbers so large."""
+    corners = np.insert(10.0 * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), axis, 0.0, axis=1) + 5_200_000
+    lines = [f"v {x:.1f} {y:.1f} {z:.1f}" for x, y, z in corners]
+    (tmp_path / "tile.obj").write_text("\n".join([*lines, "f 1 2 3 4", ""]))
+    lower, upper = load_model_file(tmp_path / "tile.obj").bounds
+    np.testing.assert_allclose(sorted(upper - lower), (0, 10, 10))
+
+
 @pytest.mark.parametrize("up", UPS)
 def test_what_is_said_holds(tmp_path: Path, up: str) -> None:
     model = load_model_file(saved(tapered(), tmp_path / "vase.glb", up), up)

@@ -1,0 +1,60 @@
+"""Colours of HDR clips, as phones record them, as those of any other picture: sRGB.
+
+Rec. ITU-R BT.2100 has two ways to encode them, both with the wide primaries of BT.2020. HLG is made to be shown as it
+is by a screen that knows no HDR, but for its primaries; PQ states nits, and becomes HLG as BT.2100 and BT.2408 bridge
+the two, by a screen of 1000 nits.
+"""
+
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
+
+# FFmpeg's numbers, of ISO/IEC 23091-2.
+BT2020_PRIMARIES = 9
+PQ_TRANSFER = 16
+
+# Linear R, G, B of BT.709 from those of BT.2020: ITU-R BT.2407, 2.
+RGB_709_FROM_2020: Float = np.array([
+    [1.6605, -0.5876, -0.0728],
+    [-0.1246, 1.1329, -0.0083],
+    [-0.0182, -0.1006, 1.1187],
+])  # fmt: skip
+BGR_709_FROM_2020 = np.ascontiguousarray(RGB_709_FROM_2020[::-1, ::-1], dtype=np.float32)
+
+SCREEN_NITS = 1000.0
+SYSTEM_GAMMA = 1.2  # of HLG on such a screen
+SRGB_STEPS = 4096  # of the root of linear light
+
+
+def srgb_converter(primaries: int, transfer: int) -> Callable[[Image], Image] | None:
+    """Makes sRGB of a picture (h, w, 3) uint8 BGR with these colours; None where it is that already."""
+    if primaries != BT2020_PRIMARIES:
+        return None
+    coded = np.arange(256) / 255
+    linear = linear_from_srgb(hlg_from_pq(coded) if transfer == PQ_TRANSFER else coded).astype(np.float32)
+    # By the root, of which equal steps are nearly as fine as sRGB's own; the table itself is sRGB's.
+    encoded = np.round(255 * srgb_from_linear((np.arange(SRGB_STEPS) / (SRGB_STEPS - 1)) ** 2)).astype(np.uint8)
+
+    def converted(image_bgr: Image) -> Image:
+        wide = cv2.transform(cv2.LUT(image_bgr, linear), BGR_709_FROM_2020)
+        roots = np.sqrt(np.clip(wide, 0.0, 1.0, out=wide), out=wide)
+        return encoded[np.rint(np.multiply(roots, SRGB_STEPS - 1, out=roots), out=roots).astype(np.uint16)]
+
+    return converted
+
+
+def hlg_from_pq(coded: Float) -> Float:
+    """HLG's signal from that of PQ, both [0, 1] of any shape, where a screen of SCREEN_NITS shows the same.
+
+    BT.2100: PQ's EOTF (table 4), HLG's inverse OOTF, of each channel by itself, and OETF (table 5).
+    """
+    root = coded ** (1 / 78.84375)
+    nits = 10_000 * (np.maximum(root - 0.8359375, 0.0) / (18.8515625 - 18.6875 * root)) ** (1 / 0.1593017578125)
+    scene = np.minimum(nits / SCREEN_NITS, 1.0) ** (1 / SYSTEM_GAMMA)
+    a, b, c = 0.17883277, 0.28466892, 0.55991073
+    bright = a * np.log(np.maximum(12 * scene - b, 1e-9)) + c
+    return np.where(scene <= 1 / 12, np.sqrt(3 * scene), bright)

@@ -1,0 +1,55 @@
+"""The table of keys as it is shown in the window: on one page, or on several where one would be too small to read."""
+
+from itertools import pairwise
+
+from ashe_live.core.camera import Size
+from ashe_live.render.hud import GAP_PT, MIN_FONT_PX, Rows, fits, in_two
+from ashe_live.viewer.hands.controls import help_rows
+
+LEGIBLE_PT = 9.0  # letters on a page of several are at least so large, where the window has room for it
+FEWEST_ROWS = 3  # of a page
+
+
+class Help:
+    """Which page is shown, if any."""
+
+    def __init__(self) -> None:
+        self.is_shown = False
+        self._page = 0
+        self._pages = 1  # as drawn last
+
+    def turn(self) -> None:
+        """Shows the first page, then the next; hides the last one."""
+        if self.is_shown and self._page < self._pages - 1:
+            self._page += 1
+        else:
+            self.is_shown, self._page = not self.is_shown, 0
+
+    def close(self) -> None:
+        self.is_shown, self._page = False, 0
+
+    def rows(self, size: Size, content_scale: float) -> Rows:
+        """Of the page that is shown, for a framebuffer of `size` pixels."""
+        pages = pages_of(help_rows(), size, content_scale)
+        self._pages = len(pages)
+        self._page = min(self._page, len(pages) - 1)  # the window may have grown
+        return pages[self._page]
+
+
+def pages_of(rows: Rows, size: Size, content_scale: float) -> tuple[Rows, ...]:
+    """As few as hold all rows in letters that can be read; where there are several, each says what comes next."""
+    gap = round(GAP_PT * content_scale)
+    pages: tuple[Rows, ...] = (rows,)
+    for font_px in (LEGIBLE_PT * content_scale, MIN_FONT_PX):
+        for count in range(1, max(1, len(rows) // FEWEST_ROWS) + 1):
+            pages = _parted(rows, count)
+            if all(fits(page, font_px, size, gap) or fits(in_two(page), font_px, size, gap) for page in pages):
+                return pages
+    return pages
+
+
+def _parted(rows: Rows, count: int) -> tuple[Rows, ...]:
+    begins = [len(rows) * page // count for page in range(count + 1)]
+    parts = [rows[begin:end] for begin, end in pairwise(begins)]
+    goes_on = [(("H", f"page {page + 1} of {count}: the next"),) for page in range(count - 1)]
+    return tuple(part + more for part, more in zip(parts, [*goes_on, ()], strict=True))

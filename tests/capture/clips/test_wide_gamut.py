@@ -1,0 +1,71 @@
+"""HDR clips: the colours of what was filmed, in sRGB."""
+
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.wide_gamut import (
+    BT2020_PRIMARIES,
+    PQ_TRANSFER,
+    RGB_709_FROM_2020,
+    hlg_from_pq,
+    srgb_converter,
+)
+from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
+
+HLG_TRANSFER, BT709 = 18, 1
+# sRGB, 8 bits: greys, and colours as things have them.
+COLOURS = np.array(
+    [(0, 0, 0), (64, 64, 64), (180, 180, 180), (255, 255, 255), (200, 100, 60), (60, 120, 50), (40, 60, 160)]
+)
+
+
+def in_2020(srgb: np.ndarray) -> np.ndarray:
+    """(n, 3) 8 bits of the same colours, by the inverse of the published matrix."""
+    linear = linear_from_srgb(srgb / 255) @ np.linalg.inv(RGB_709_FROM_2020).T
+    return np.rint(255 * srgb_from_linear(linear)).astype(np.uint8)
+
+
+def test_colours_of_bt_2020_come_back() -> None:
+    convert = srgb_converter(BT2020_PRIMARIES, HLG_TRANSFER)
+    assert convert is not None
+    back = convert(np.ascontiguousarray(in_2020(COLOURS)[None, :, ::-1]))[0, :, ::-1]
+    np.testing.assert_allclose(back.astype(int), COLOURS, atol=2)
+
+
+def test_ordinary_pictures_are_left_as_they_are() -> None:
+    assert srgb_converter(BT709, HLG_TRANSFER) is None
+    assert srgb_converter(2, 2) is None
+
+
+def test_pq_and_hlg_agree_where_the_recommendation_says_so() -> None:
+    """BT.2408, table 1: reference white, 203 nits, is 58 % of PQ and 75 % of HLG; 18 % grey is 38 % of both."""
+    np.testing.assert_allclose(hlg_from_pq(np.array([0.58, 0.38])), (0.75, 0.38), atol=0.01)
+    signal = hlg_from_pq(np.linspace(0, 1, 500))
+    assert (np.diff(signal) >= 0).all()
+    assert signal.min() >= 0
+    assert signal.max() == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(("transfer", "coded", "seen"), [(HLG_TRANSFER, 0.58, 0.58), (PQ_TRANSFER, 0.58, 0.75)])
+def test_a_clip_says_which_colours_it_has(tmp_path: Path, transfer: int, coded: float, seen: float) -> None:
+    path = tmp_path / "hdr.mkv"
+    grey, rust = np.full(3, round(255 * coded)), np.array((200, 100, 60))
+    halves = np.repeat(np.array([grey, in_2020(rust)], np.uint8), 32, axis=0)
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("ffv1", rate=30)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv444p10le"
+        stream.codec_context.color_primaries = BT2020_PRIMARIES
+        stream.codec_context.color_trc = transfer
+        picture = av.VideoFrame.from_ndarray(np.tile(halves, (48, 1, 1)), format="rgb24")
+        container.mux([*stream.encode(picture), *stream.encode()])
+    with ClipSource(path) as clip:
+        frame = clip.read()
+    assert frame is not None
+    left, right = frame.image_bgr[24, [16, 48], ::-1].astype(int)
+    np.testing.assert_allclose(left, 255 * seen, atol=5)
+    if transfer == HLG_TRANSFER:
+        np.testing.assert_allclose(right, rust, atol=6)
