@@ -46,7 +46,7 @@ def chosen_patches(
             masked = np.repeat(mask[..., None].astype(np.float32), 3, axis=2)
             misfit = cv2.matchTemplate(picture, picture[window], cv2.TM_SQDIFF, mask=masked)
             misfit += masked.sum() * np.square(shading[reach:-reach, reach:-reach] - shading[place])
-            misfit += cv2.matchTemplate(standing_out, (~mask).astype(np.float32), cv2.TM_CCORR)
+            misfit = misfit + cv2.matchTemplate(standing_out, (~mask).astype(np.float32), cv2.TM_CCORR)
             misfit = np.where(sources[reach:-reach, reach:-reach], misfit, np.inf)
             at = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
             source = (int(at[0]) + reach, int(at[1]) + reach)

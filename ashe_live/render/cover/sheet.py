@@ -45,11 +45,11 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
     beside = near & ~grown & is_ground
     if beside.any():
         dark = near & ~sheet & (brightness < DARKER * np.median(brightness[beside]))
-        thrown = cv2.morphologyEx((dark | grown).astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3)))
+        touching = cv2.morphologyEx((dark | grown).astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3)))
         # Between the sheet and a wide shadow may lie a rim of paper, where the paper is not told from the ground.
         wide = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, _disc(WIDE_SIDES * side_px))
         reaching = cv2.morphologyEx(wide | grown.astype(np.uint8), cv2.MORPH_CLOSE, _disc(EDGE_SIDES * side_px))
-        thrown = _joined((thrown | reaching) > 0, sheet)
+        thrown = _joined((touching | reaching) > 0, sheet)
         grown |= cv2.dilate(thrown.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
     return grown
 
