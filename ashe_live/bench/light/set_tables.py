@@ -83,7 +83,7 @@ def print_lamps(console: Console, results: Sequence[CaseResult]) -> None:
 
 
 def print_places(console: Console, results: Sequence[CaseResult]) -> None:
-    """Prints how single pictures were answered category by category, if these are places of lamps and of suns."""
+    """Prints how single pictures were answered category by category, if there are several and a lamp is in any."""
     columns = (
         "q 1/m",
         "lit",
@@ -118,7 +118,7 @@ def print_places(console: Console, results: Sequence[CaseResult]) -> None:
                 percent(summary.distance_error),
                 fraction(max(sigmas, default=None)),
             )
-    if any(result.lamp and result.lamp.true_distance_m for result in results):
+    if table.row_count > 1 and any(result.lamp and result.lamp.true_distance_m for result in results):
         console.print(table)
 
 
