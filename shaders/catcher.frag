@@ -17,7 +17,9 @@ const float BORDER_PX = 2.0;  // from within a border to lit ground
 const float NEAR_SHADOW = 1.0 / 16.0;  // of a light, that the real object takes near what may be its shadow's border
 const float FAR_RIM = 0.012;  // its error where the proxy is a poor one: a fraction of the picture's width
 #endif
-uniform sampler2D contact;  // fraction of the sky that the model hides, and its mean direction's x and y times that; ends in 0
+// Fraction of the sky that the model hides, and its mean direction's x and y times that, as they end in the model's shadow;
+// alpha: the part of these that counts on lit ground.
+uniform sampler2D contact;
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
 uniform sampler2D walls;  // light of the ground on what is seen of the nearest wall, over pi; the same places
 uniform mat4 marker_from_placed;
@@ -102,7 +104,9 @@ void main() {
     covered = cover_at(ground).a;
 #endif
     // What hides the sky is as much of a wall as it does so on one side; the rest of it hangs above.
-    vec3 hidden = texture(contact, at).rgb;
+    vec4 contact_here = texture(contact, at);
+    vec3 hidden = contact_here.rgb;
+    float shaded = 0.0;  // of the light that the model blocks most of
     float is_wall = min(length(hidden.yz) / max(WALL * hidden.x, 1e-4), 1.0);
     vec2 outward_placed = normalize(-hidden.yz + vec2(1e-9, 0.0));
     vec2 outward = normalize((marker_from_placed * vec4(outward_placed, 0.0, 0.0)).xy);
@@ -126,11 +130,12 @@ void main() {
         vec3 seen = sun_on_ground[light] * ground_falloff(light, ground);
         float share = 1.0;
 #if CASTERS > 1
-        share = lit_past_real(light, covered, max(hidden.x, 1.0 - lit) > MATTERS);
+        share = lit_past_real(light, covered, max(hidden.x * contact_here.a, 1.0 - lit) > MATTERS);
         seen *= share;
 #endif
         before += seen;
         after += seen * lit;
+        shaded = max(shaded, 1.0 - lit);
         // A shadow on the ground goes on up the walls beside it.
         on_walls += sun[light] * (falloff * share * lit * max(dot(outward, towards.xy), 0.0));
     }
@@ -139,6 +144,7 @@ void main() {
     // Drawn over a picture that has the shadows, and another model's contact.
     before = after;
 #endif
+    hidden *= mix(contact_here.a, 1.0, shaded);
     // In the place of the hidden sky the ground sees the model, lit by the ground before it, and if a wall by half the sky.
     vec3 from_ground = ground_bounce * after / max(before, 1e-3);
     vec3 on_wall = 0.5 * (sky + texture(walls, at).rgb) + on_walls;

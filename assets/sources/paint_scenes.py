@@ -1,14 +1,18 @@
 """Paints the scenes with a known light in ../scenes: objects beside a marker, ray by ray, in NumPy alone.
 
-Convex bodies under a sun with a disc (penumbrae), a second sun or none, and an open sky that objects hide (contact
-shadows), on grounds with patterns; then exposure, blur, noise and JPEG. Not path traced: no light is thrown from one
-surface onto another. Fields and frames are those that `ashe_live/bench/cases.py` reads. Two minutes on one core:
+Convex bodies under a sun or lamp with a disc (penumbrae), a second sun or none, and an open sky that objects hide
+(contact shadows), on grounds with patterns; then exposure, blur, noise and JPEG. Not path traced: no light is thrown
+from one surface onto another, and lamps are not seen themselves. Fields and frames are those that
+`ashe_live/bench/cases.py` reads. Two minutes on one core; the second, lamps at the extremes of their places, six:
 
     python assets/sources/paint_scenes.py
+    python assets/sources/paint_scenes.py --extremes DIR
 """
 
+import argparse
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -68,6 +72,13 @@ class Convex:
     def blocks(self, origins: Floats, directions: Floats) -> Masks:
         return np.isfinite(self.hit(origins, directions)[0])
 
+    def shades(self, points: Floats, sun: Floats) -> Masks:
+        """(n,) whether the body is between points (n, 3) and a light (4,)."""
+        away = seen_from(points, sun)
+        length = np.linalg.norm(away, axis=1)
+        at = self.hit(points, away / length[:, None])[0]
+        return np.isfinite(at) & (np.where(np.isfinite(at), at, 0) * sun[3] < length)
+
 
 def box(x: float, y: float, size: tuple[float, float, float], yaw_deg: float, **kwargs: Colour) -> Convex:
     c, s = math.cos(math.radians(yaw_deg)), math.sin(math.radians(yaw_deg))
@@ -114,6 +125,7 @@ class Scene:
     eye: tuple[float, float, float] = (0.42, 38.0, 95.0)  # distance, pitch and heading of the camera
     sun_deg: float = SUN_DEG
     clutter: tuple[Convex, ...] = field(default=())
+    inverse_distance: float = 0.0  # 1/m of the suns from the marker's centre; below 0 their rays meet under the table
 
 
 RED, BLUE, GREEN, WHITE, DARK = (0.5, 0.09, 0.07), (0.08, 0.15, 0.45), (0.1, 0.32, 0.12), (0.75, 0.73, 0.7), (0.03,) * 3
@@ -160,22 +172,54 @@ SCENES = (
     Scene("diffuse_cylinder", "diffuse", "cylinder", (upright(0.1, 0.03, 0.03, 0.09, albedo=BLUE),), (), "concrete"),
 )  # fmt: skip
 
+# Lamps from beyond infinity to 8 cm in one direction, and where a picture tells little or nothing of them: metres.
+INVERSE_DISTANCES = (-0.01, 0.0, 0.01, 0.05, 0.5, 1.0, 2.0, 4.0, 8.0, 12.0)
+EXTREME_PLACES = {
+    "45 cm above the marker": (0.0, 0.0, 0.45),
+    "30 cm above the object": (0.11, 0.02, 0.3),
+    "8 cm above the marker": (0.0, 0.0, 0.08),
+    "grazing, 60 cm away": (-0.59, -0.1, 0.07),
+    "below the object's top": (0.3, 0.0, 0.05),
+    "behind the camera": (0.08, -0.7, 0.5),
+    "behind the object": (0.25, 0.45, 0.35),
+}
+
+
+def extremes() -> Iterator[Scene]:
+    """A box and a cylinder under each of these lamps, on plain ground and on wood."""
+    places = {f"q = {q}": (205.0, 45.0, q) for q in INVERSE_DISTANCES}
+    for name, (x, y, z) in EXTREME_PLACES.items():
+        across = math.hypot(x, y)
+        angles = math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, across))
+        places[name] = (*angles, 1 / math.hypot(across, z))
+    for number, (category, (azimuth, elevation, q)) in enumerate(places.items()):
+        for caster, body, ground in (
+            ("box", box(0.11, 0.02, (0.06, 0.04, 0.08), 25, albedo=RED), "plain"),
+            ("cylinder", upright(0.1, 0.03, 0.03, 0.09, albedo=BLUE), "wood"),
+        ):
+            sun = (azimuth, elevation, 2.0)
+            yield Scene(f"{number:02}_{caster}", category, caster, (body,), (sun,), ground, inverse_distance=q)
+
 
 def main() -> None:
-    OUT.mkdir(exist_ok=True)
+    ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    ask.add_argument("--extremes", type=Path, metavar="DIR", help="only lamps at the extremes of their places, there")
+    asked = ask.parse_args()
+    out, scenes = (OUT, SCENES) if asked.extremes is None else (asked.extremes, tuple(extremes()))
+    out.mkdir(exist_ok=True)
     described = []
-    for number, scene in enumerate(SCENES):
-        described.append(painted(scene, np.random.default_rng(SEED + number)))
+    for number, scene in enumerate(scenes):
+        described.append(painted(scene, np.random.default_rng(SEED + number), out))
         print(scene.id, flush=True)
-    (OUT / "ground_truth.json").write_text(json.dumps({"seed": SEED, "scenes": described}, indent=1) + "\n")
+    (out / "ground_truth.json").write_text(json.dumps({"seed": SEED, "scenes": described}, indent=1) + "\n")
 
 
-def painted(scene: Scene, rng: np.random.Generator) -> dict:
-    """Writes the scene's picture and masks; its entry in ground_truth.json."""
+def painted(scene: Scene, rng: np.random.Generator, out: Path) -> dict:
+    """Writes the scene's picture and masks to a folder; its entry in ground_truth.json."""
     K = np.array([(FOCAL_PX, 0, (SIZE[0] - 1) / 2), (0, FOCAL_PX, (SIZE[1] - 1) / 2), (0, 0, 1)])
     R, t = pose(*scene.eye)
     bodies = (*scene.bodies, *scene.clutter)
-    suns = [direction(azimuth, elevation) for azimuth, elevation, _ in scene.suns]
+    suns = [np.append(direction(azimuth, elevation), scene.inverse_distance) for azimuth, elevation, _ in scene.suns]
     tint = np.array([1.0, 0.97, 0.92])
     sky = np.array([0.92, 0.97, 1.05])
 
@@ -196,23 +240,23 @@ def painted(scene: Scene, rng: np.random.Generator) -> dict:
         here = owner == number
         normals = body.normals[face[here]]
         shade = sky * (0.5 + 0.5 * normals[:, 2:]) + 0.12 * (0.5 - 0.5 * normals[:, 2:])
-        for towards, (_, _, strength) in zip(suns, scene.suns, strict=True):
-            facing = np.maximum(normals @ towards, 0)
+        points = (eye[here] + nearest[here, None] * rays[here]) + 1e-5 * normals
+        for sun, (_, _, strength) in zip(suns, scene.suns, strict=True):
+            facing = np.maximum((normals * seen_from(points, sun)).sum(axis=1), 0) * fall(points, sun)
             clear = facing > 0
-            points = (eye[here] + nearest[here, None] * rays[here]) + 1e-5 * normals
             for other in bodies:
                 if other is not body:
-                    clear &= ~other.blocks(points, np.broadcast_to(towards, points.shape))
-            shade += (strength / towards[2] * facing * clear)[:, None] * tint
+                    clear &= ~other.shades(points, sun)
+            shade += (strength / sun[2] * facing * clear)[:, None] * tint
         light[here] = np.array(body.albedo) * shade
 
     down = (owner < 0) & (rays[:, 2] < -1e-3)
     points = eye[down] - eye[down, 2:] / rays[down, 2:] * rays[down]
     falls = sky * open_sky(points, bodies)[:, None]
     seen_suns = []
-    for towards, (_, _, strength) in zip(suns, scene.suns, strict=True):
-        share = open_disc(points, bodies, towards, math.radians(scene.sun_deg))
-        falls = falls + (strength * share)[:, None] * tint
+    for sun, (_, _, strength) in zip(suns, scene.suns, strict=True):
+        share = open_disc(points, bodies, sun, math.radians(scene.sun_deg))
+        falls = falls + (strength * share * fall(points, sun))[:, None] * tint
         seen_suns.append(share)
     light[down] = ground_albedo(scene.ground, points, rng) * falls
 
@@ -222,18 +266,18 @@ def painted(scene: Scene, rng: np.random.Generator) -> dict:
     masks = {"object": mask((owner >= 0) & (owner < len(scene.bodies)))}
     if scene.clutter:
         masks["clutter"] = mask(owner >= len(scene.bodies))
-    for number, towards in enumerate(suns):
+    for number, sun in enumerate(suns):
         for name, those in (("shadow", bodies), ("shadow_caster", scene.bodies)):
             if name == "shadow_caster" and (number or not scene.clutter):
                 continue
             whole = np.zeros(len(rays), np.bool_)
-            whole[down] = np.any([b.blocks(points, np.broadcast_to(towards, points.shape)) for b in those], axis=0)
+            whole[down] = np.any([b.shades(points, sun) for b in those], axis=0)
             masks[name if number == 0 else f"{name}{number + 1}"] = mask(whole)
 
     picture = developed(light.reshape(*fine, 3), rng)
-    cv2.imwrite(str(OUT / f"{scene.id}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, 90])
+    cv2.imwrite(str(out / f"{scene.id}.jpg"), picture, [cv2.IMWRITE_JPEG_QUALITY, 90])
     for name, values in masks.items():
-        cv2.imwrite(str(OUT / f"{scene.id}_{name}.png"), values.astype(np.uint8) * 255, [cv2.IMWRITE_PNG_BILEVEL, 1])
+        cv2.imwrite(str(out / f"{scene.id}_{name}.png"), values.astype(np.uint8) * 255, [cv2.IMWRITE_PNG_BILEVEL, 1])
     half = SIDE_M / 2
     corners = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)]) @ R.T + t
     corners = corners @ K.T
@@ -254,10 +298,15 @@ def painted(scene: Scene, rng: np.random.Generator) -> dict:
         },
         "directional": bool(suns),
         "lights": [
-            {"dir_to_light": towards.tolist(), "relative_strength": strength, "angular_diameter_deg": scene.sun_deg}
-            for towards, (_, _, strength) in zip(suns, scene.suns, strict=True)
+            {
+                "dir_to_light": sun[:3].tolist(),
+                "relative_strength": strength,
+                "angular_diameter_deg": scene.sun_deg,
+                **lamp(sun, scene.sun_deg),
+            }
+            for sun, (_, _, strength) in zip(suns, scene.suns, strict=True)
         ],
-        "caster": {"type": scene.caster},
+        "caster": {"type": scene.caster, "base_xy_m": scene.bodies[0].middle[:2].tolist()},
         "masks": {name: f"{scene.id}_{name}.png" for name in masks},
     }
 
@@ -265,6 +314,24 @@ def painted(scene: Scene, rng: np.random.Generator) -> dict:
 def direction(azimuth_deg: float, elevation_deg: float) -> Floats:
     a, e = math.radians(azimuth_deg), math.radians(elevation_deg)
     return np.array([math.cos(a) * math.cos(e), math.sin(a) * math.cos(e), math.sin(e)])
+
+
+def seen_from(points: Floats, sun: Floats) -> Floats:
+    """(n, 3) the vector from points (n, 3) to a light (4,), over the light's distance from the marker's centre."""
+    return sun[:3] - sun[3] * points
+
+
+def fall(points: Floats, sun: Floats) -> Floats:
+    """(n,) one over the cube of that vector's length: with its part along a normal, the irradiance of a small light."""
+    return np.asarray((seen_from(points, sun) ** 2).sum(axis=1) ** -1.5)
+
+
+def lamp(sun: Floats, diameter_deg: float) -> dict:
+    """What ground_truth.json says of a light's place, if it has one."""
+    if sun[3] <= 0:
+        return {}
+    radius_m = math.tan(math.radians(diameter_deg) / 2) / sun[3]
+    return {"lamp": {"position_m": (sun[:3] / sun[3]).tolist(), "radius_m": radius_m}}
 
 
 def pose(distance: float, pitch_deg: float, heading_deg: float) -> tuple[Floats, Floats]:
@@ -288,17 +355,17 @@ def open_sky(points: Floats, bodies: tuple[Convex, ...]) -> Floats:
     return np.clip(share, 0, 1)
 
 
-def open_disc(points: Floats, bodies: tuple[Convex, ...], towards: Floats, diameter_rad: float) -> Floats:
-    """(n,) share of a sun's disc that ground points see past the bodies."""
-    east = np.cross((0, 0, 1.0), towards)
+def open_disc(points: Floats, bodies: tuple[Convex, ...], sun: Floats, diameter_rad: float) -> Floats:
+    """(n,) share of the disc of a light (4,) that ground points see past the bodies; as wide as it is at the marker."""
+    towards = sun[:3]
+    east = np.cross((0, 0, 1.0) if towards[2] < 0.999 else (0, 1.0, 0), towards)
     east /= np.linalg.norm(east)
     up = np.cross(towards, east)
     share = np.zeros(len(points))
     for i in range(SUN_SAMPLES):
         radius, turn = math.tan(diameter_rad / 2) * math.sqrt((i + 0.5) / SUN_SAMPLES), i * math.pi * (3 - math.sqrt(5))
-        way = towards + radius * (math.cos(turn) * east + math.sin(turn) * up)
-        way /= np.linalg.norm(way)
-        share += ~np.any([b.blocks(points, np.broadcast_to(way, points.shape)) for b in bodies], axis=0)
+        place = np.append(towards + radius * (math.cos(turn) * east + math.sin(turn) * up), sun[3])
+        share += ~np.any([b.shades(points, place) for b in bodies], axis=0)
     return share / SUN_SAMPLES
 
 

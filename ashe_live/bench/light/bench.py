@@ -15,7 +15,14 @@ from ashe_live.bench.light.clips import ClipResult, estimate_clip, read_clips
 from ashe_live.bench.light.known_casters import print_known_casters, with_known_casters
 from ashe_live.bench.light.preset_tables import print_preset
 from ashe_live.bench.light.results import CaseResult, Summary, case_result, grouped, stage_times, summarise
-from ashe_live.bench.light.set_tables import print_clips, print_lamp_takes, print_lamps, print_risk, print_takes
+from ashe_live.bench.light.set_tables import (
+    print_clips,
+    print_lamp_takes,
+    print_lamps,
+    print_places,
+    print_risk,
+    print_takes,
+)
 from ashe_live.bench.light.takes import Take, TakeResult, read_takes, take_results
 from ashe_live.bench.light.targets import Verdict, verdicts
 from ashe_live.bench.light.trade import COST, print_trade, sweep
@@ -85,6 +92,7 @@ class LightBench(Bench):
         if results:
             print_risk(self.console, results)
             print_lamps(self.console, results)
+            print_places(self.console, results)
         if clips:
             print_clips(self.console, clips)
         if takes:

@@ -82,6 +82,46 @@ def print_lamps(console: Console, results: Sequence[CaseResult]) -> None:
     _print_by_distance(console, "one light, by its distance: error of the direction at the marker, and beside", groups)
 
 
+def print_places(console: Console, results: Sequence[CaseResult]) -> None:
+    """Prints how single pictures were answered category by category, if there are several and a lamp is in any."""
+    columns = (
+        "q 1/m",
+        "lit",
+        "answered",
+        "as a lamp",
+        "median",
+        "largest",
+        "sure and wrong",
+        "distance off",
+        "q off, σ",
+    )
+    table = figures_table("one light, by category", ("preset", "category"), *columns)
+    for preset in dict.fromkeys(result.preset for result in results):
+        alone = [(result, result.lamp) for result in results if result.lamp is not None and result.preset == preset]
+        for category in dict.fromkeys(result.category for result, _ in alone):
+            members = [pair for pair in alone if pair[0].category == category]
+            lamps = [lamp for _, lamp in members]
+            summary = summarise_lamps(lamps, [result.is_answered for result, _ in members])
+            errors = [result.error_deg for result, _ in members if result.error_deg is not None]
+            sigmas = [abs(lamp.sigmas) for lamp in lamps if lamp.sigmas is not None]
+            q = np.median([1 / (lamp.true_distance_m or math.inf) for lamp in lamps])
+            table.add_row(
+                preset,
+                category,
+                f"{q:.2f}",
+                str(summary.attempted),
+                percent(summary.answered),
+                percent(summary.stated),
+                degrees(float(np.median(errors)) if errors else None),
+                degrees(max(errors, default=None)),
+                str(sum(result.is_bad for result, _ in members)),
+                percent(summary.distance_error),
+                fraction(max(sigmas, default=None)),
+            )
+    if table.row_count > 1 and any(result.lamp and result.lamp.true_distance_m for result in results):
+        console.print(table)
+
+
 def print_lamp_takes(console: Console, results: Sequence[TakeResult]) -> None:
     """Prints the same of takes by the number of views, of all and of those that turn far enough, if any has a lamp."""
     for least_deg, which in ((0.0, "takes"), (WIDE_DEG, f"takes of {WIDE_DEG:.0f}° and more")):

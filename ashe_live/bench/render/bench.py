@@ -140,8 +140,8 @@ def _lamps(ctx: Context, frames: int) -> Json:
     found: Json = {}
     for quality in QUALITIES.values():
         scenes = [orbit(LOOP_SIZES[0], round_model(10_000), lights) for lights in (lights_around(1), lamps_around(1))]
-        sun, lamp = costs_by_turns(ctx, quality.render, LOOP_SIZES[0], scenes, frames)
-        found[quality.name] = {"sun": sun, "lamp": lamp}
+        (sun, sun_cpu), (lamp, lamp_cpu) = costs_by_turns(ctx, quality.render, LOOP_SIZES[0], scenes, frames)
+        found[quality.name] = {"sun": sun, "lamp": lamp, "sun_cpu": sun_cpu, "lamp_cpu": lamp_cpu}
     return found
 
 

@@ -54,19 +54,24 @@ def cost_of(ctx: Context, preset: RenderPreset, size: Size, scenes: Sequence[Sce
 
 def costs_by_turns(
     ctx: Context, preset: RenderPreset, size: Size, several: Sequence[Sequence[Scene]], frames: int
-) -> list[float]:
-    """Median milliseconds a picture of each of several lists of scenes, which take turns: other programs meet all."""
+) -> list[tuple[float, float]]:
+    """Median milliseconds a picture of each of several lists of scenes, by the clock and of the processor.
+
+    They take turns, so that other programs meet all; what these take of the clock is not in the processor's time, which
+    is that of all of the process's threads, a software rasteriser's among them.
+    """
     renderers = [SceneRenderer(ctx, preset, size) for _ in several]
-    wall_ms: list[list[float]] = [[] for _ in several]
+    spent_ms: list[list[tuple[float, float]]] = [[] for _ in several]
     for number in range(WARM_UP_FRAMES + frames):
-        for renderer, scenes, spent in zip(renderers, several, wall_ms, strict=True):
-            begun_s = time.perf_counter()
+        for renderer, scenes, spent in zip(renderers, several, spent_ms, strict=True):
+            begun_s, busy_s = time.perf_counter(), time.process_time()
             renderer.render(scenes[number % len(scenes)])
             renderer.finish()
-            spent.append((time.perf_counter() - begun_s) * 1e3)
+            spent.append((1e3 * (time.perf_counter() - begun_s), 1e3 * (time.process_time() - busy_s)))
     for renderer in renderers:
         renderer.release()
-    return [float(np.median(spent[WARM_UP_FRAMES:])) for spent in wall_ms]
+    medians = [np.median(spent[WARM_UP_FRAMES:], axis=0) for spent in spent_ms]
+    return [(float(wall), float(busy)) for wall, busy in medians]
 
 
 def orbit(size: Size, model: PlacedModel | None, lights: tuple[Light, ...], views: int = 8) -> list[Scene]:

@@ -29,9 +29,11 @@ def print_render_figures(console: Console, record: Json) -> None:
         colours = (row["shadow_de"], row["model_de"])
         cells = (f"{row['ms']:.1f}", *(f"{n:.3f}" for n in numbers), *(f"{n:.1f}" for n in colours))
         errors.add_row(f"{row['series']}: {row['name']}", *cells)
-    lamps = figures_table("one light, 640x480, ms a picture", "", "sun", "lamp", "ratio")
+    columns = ("sun", "lamp", "ratio", "sun, processor", "lamp, processor", "ratio")
+    lamps = figures_table("one light, 640x480, ms a picture", "", *columns)
     for name, row in record["lamps"].items():
-        lamps.add_row(name, f"{row['sun']:.2f}", f"{row['lamp']:.2f}", f"{row['lamp'] / row['sun']:.2f}")
+        pairs_of_ms = ((row["sun"], row["lamp"]), (row["sun_cpu"], row["lamp_cpu"]))
+        lamps.add_row(name, *(f"{ms:.2f}" for sun, lamp in pairs_of_ms for ms in (sun, lamp, lamp / sun)))
     pairs = [_pairs(record["pairs"])] if record["pairs"] else []
     for table in (loop, costs, lamps, errors, scene_table(record["errors"]), *pairs):
         console.print(table)

@@ -17,24 +17,31 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.adding import draw_added
 
-PATCH_SIZE = 104  # texels a side
+PATCH_SIZE = 140  # texels a side
 # Standard deviation of a Gaussian that merges the single directions' shadows beside the model, and of one farther away
 # over the distance: half of what lies between neighbouring directions, in radians.
 BLUR_TEXELS, SPREAD = 1.5, 0.2
 LEAST_BLUR_TEXELS = 0.1  # which changes nothing: OpenCV chooses a blur of its own for none
-REACH_HEIGHTS = 1.0  # how far the patch goes beyond the model's bounds, in heights of the model
+# How far the darkening goes beyond the model's bounds, in heights of the model: on lit ground, where it costs pixels
+# that are drawn for nothing else; and in the model's own shadow, where nothing outshines what is missing of the sky.
+REACH_HEIGHTS, REACH_IN_SHADOW = 1.0, 1.5
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
-FADES_FROM = 0.5  # share of that reach from which on the darkening ends: beyond the patch the video is unchanged
+FADES_FROM = 0.5  # share of a reach from which on the darkening ends: beyond it the video is unchanged
 
 
 class ContactPatch:
-    """A texture of the ground around a model: hidden share of the sky, and its mean direction's x and y times that."""
+    """A texture of the ground around a model: hidden share of the sky, and its mean direction's x and y times that.
+
+    All of these are as far as they count in the model's shadow; the fourth channel is the part of them that counts on
+    lit ground.
+    """
 
     def __init__(self, ctx: moderngl.Context, programs: Programs, model: GpuModel) -> None:
         lower, upper = model.placed.bounds
-        self._reach = REACH_HEIGHTS * max(upper[2], MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
+        self._height = max(float(upper[2]), MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
+        reach = REACH_IN_SHADOW * self._height
         # (2, 2) least, largest x, y; metres, marker frame
-        self.bounds: Float = np.array([lower[:2] - self._reach, upper[:2] + self._reach])
+        self.bounds: Float = np.array([lower[:2] - reach, upper[:2] + reach])
         self._texel = float((self.bounds[1] - self.bounds[0]).max()) / PATCH_SIZE
         # No wider than the model is high: beside what is flat nothing is hidden.
         self._blur_texels = float(np.clip(upper[2] / self._texel, LEAST_BLUR_TEXELS, BLUR_TEXELS))
@@ -49,9 +56,10 @@ class ContactPatch:
 
     @property
     def corners(self) -> Float:
-        """(8, 2) metres, marker frame: an octagon around all that is within reach of the model's bounds."""
-        (x0, y0), (x1, y1) = self.bounds
-        cut = (2 - math.sqrt(2)) * self._reach
+        """(8, 2) metres, marker frame: an octagon around the lit ground that is within reach of the model's bounds."""
+        reach = REACH_HEIGHTS * self._height
+        (x0, y0), (x1, y1) = self.model_bounds[0, :2] - reach, self.model_bounds[1, :2] + reach
+        cut = (2 - math.sqrt(2)) * reach
         sides = [(x0 + cut, y0), (x1 - cut, y0), (x1, y0 + cut), (x1, y1 - cut)]
         return np.array([*sides, *((x0 + x1 - x, y0 + y1 - y) for x, y in sides)])
 
@@ -79,8 +87,15 @@ class ContactPatch:
             sigma = self._blur_texels * 2**doubling
             blurred = cv2.GaussianBlur(occlusion, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
             smooth += np.maximum(1 - np.abs(doublings - doubling), 0.0)[..., None] * blurred
-        left = np.clip((1 - away / self._reach) / (1 - FADES_FROM), 0.0, 1.0)
-        return (smooth * (left**2 * (3 - 2 * left))[..., None]).astype(np.float16)
+        on_lit_ground, in_shadow = (self._left(away, each) for each in (REACH_HEIGHTS, REACH_IN_SHADOW))
+        smooth[..., :3] *= in_shadow[..., None]
+        smooth[..., 3] = on_lit_ground / np.maximum(in_shadow, 1e-6)
+        return smooth.astype(np.float16)
+
+    def _left(self, away: Float, reach: float) -> Float:
+        """Of the darkening at a distance from the model's bounds where it ends at `reach`, in heights of the model."""
+        left = np.clip((1 - away / (reach * self._height)) / (1 - FADES_FROM), 0.0, 1.0)
+        return np.asarray(left**2 * (3 - 2 * left))
 
     def _away(self) -> Float:
         """(PATCH_SIZE, PATCH_SIZE) metres from the model's bounds; rows along y."""

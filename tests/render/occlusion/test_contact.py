@@ -14,7 +14,7 @@ RADIUS = 0.03
 
 @pytest.fixture
 def around_a_ball(ctx, stage) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 2) places around a ball on the ground, over its radius, and (n, 3) of its contact there."""
+    """(n, 2) places around a ball on the ground, over its radius, and (n, 4) of its contact there."""
     angles = np.linspace(-np.pi / 2, np.pi / 2, 33)
     profile = RADIUS * np.column_stack([np.cos(angles).round(9), 1 + np.sin(angles)])
     placed, programs, known = stage.placed(revolved(profile, segments=64)), Programs(ctx), Known()
@@ -26,7 +26,7 @@ def around_a_ball(ctx, stage) -> tuple[np.ndarray, np.ndarray]:
     places = lower + (np.indices((PATCH_SIZE, PATCH_SIZE))[::-1].reshape(2, -1).T + 0.5) / PATCH_SIZE * (upper - lower)
     for held in (contact, model, programs):
         held.release()
-    return places / RADIUS, known[placed].contact[..., :3].reshape(-1, 3).astype(float)
+    return places / RADIUS, known[placed].contact.reshape(-1, 4).astype(float)
 
 
 def test_a_ball_hides_its_form_factor_all_around(around_a_ball) -> None:
@@ -42,12 +42,25 @@ def test_a_ball_hides_its_form_factor_all_around(around_a_ball) -> None:
 def test_the_hidden_sky_is_where_the_ball_is(around_a_ball) -> None:
     places, contact = around_a_ball
     ring = (np.hypot(*places.T) > 1.3) & (np.hypot(*places.T) < 2.0)
-    towards = contact[ring, 1:] / np.linalg.norm(contact[ring, 1:], axis=1)[:, None]
+    towards = contact[ring, 1:3] / np.linalg.norm(contact[ring, 1:3], axis=1)[:, None]
     cosine = -(towards * places[ring]).sum(axis=1) / np.hypot(*places[ring].T)
     assert np.degrees(np.arccos(np.minimum(cosine, 1))).max() < 15
 
 
 def test_nothing_is_left_at_the_border_and_it_ends_on_a_circle(around_a_ball) -> None:
+    """On lit ground one height away, which is two radii; in the ball's shadow half a height farther."""
     places, contact = around_a_ball
-    beyond = np.maximum(np.abs(places) - 1, 0)  # of the ball's bounds
-    assert np.abs(contact[np.hypot(*beyond.T) >= 2.0]).max() == 0
+    beyond = np.hypot(*np.maximum(np.abs(places) - 1, 0).T)  # of the ball's bounds
+    on_lit_ground = contact[:, :3] * contact[:, 3:]
+    assert np.abs(on_lit_ground[beyond >= 2.0]).max() == 0
+    assert np.abs(contact[beyond >= 3.0]).max() == 0
+    between = (beyond > 2.0) & (beyond < 2.4)
+    assert (contact[between, 0] > 0).all()
+
+
+def test_in_the_shadow_it_is_the_form_factor_as_far_as_lit_ground_has_any(around_a_ball) -> None:
+    places, contact = around_a_ball
+    away, beyond = np.hypot(*places.T), np.hypot(*np.maximum(np.abs(places) - 1, 0).T)
+    ring = (beyond > 1.1) & (beyond < 1.5)
+    np.testing.assert_allclose(contact[ring, 0], (away[ring] ** 2 + 1) ** -1.5, atol=0.02)
+    assert (contact[ring, 3] < 1).all()

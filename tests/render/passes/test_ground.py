@@ -87,22 +87,32 @@ def test_contact_darkening_has_no_direction(make_renderer, stage) -> None:
     assert (beyond == 255).all()
 
 
-@pytest.mark.parametrize("away", [0.15, 0.25, 0.35])
-def test_contact_is_what_the_model_hides_of_the_sky(make_renderer, stage, away: float) -> None:
-    """Beside the middle of a black box's wall, by rays to the sky, as many as their cosines."""
-    side = 0.05
-    tracked = stage.tracked(200, stage.pose(-90, 70, 0.35, target=(0, 0, 0)))
-    renderer = make_renderer()
-    renderer.render(Scene(tracked, stage.placed(box((side, side, side), (0.0, 0.0, 0.0, 1.0)))))
+def _hidden_by_a_box(side: float, away: float) -> float:
+    """Of the sky, beside the middle of a cube's wall: by rays to the sky, as many as their cosines."""
     place = np.array([0.0, -(0.5 + away) * side, 0.0])
     rng = np.random.default_rng(2)
     turn, share = 2 * np.pi * rng.random(20_000), rng.random(20_000)
     rays = np.column_stack([np.sqrt(share) * np.cos(turn), np.sqrt(share) * np.sin(turn), np.sqrt(1 - share)])
     ends = np.array([(-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)]) * side
     to_sides = np.sort((ends[:, None] - place) / rays, axis=0)
-    hidden = float((to_sides[1].min(axis=1) > np.maximum(to_sides[0].max(axis=1), 0)).mean())
-    seen = LINEAR_FROM_SRGB_8BIT[int(_pixel(renderer.read_bgr(), tracked, tuple(place))[0])]
-    assert 1 - seen / LINEAR_FROM_SRGB_8BIT[200] == pytest.approx(hidden, abs=0.03)
+    return float((to_sides[1].min(axis=1) > np.maximum(to_sides[0].max(axis=1), 0)).mean())
+
+
+@pytest.mark.parametrize(
+    ("away", "is_shadowed"), [(0.15, False), (0.25, False), (0.35, False), (0.5, True), (0.7, True)]
+)
+def test_contact_is_what_the_model_hides_of_the_sky(make_renderer, stage, away: float, is_shadowed: bool) -> None:
+    """Beside a black box: under the sky alone, and farther away in a shadow, where the sky is all there is."""
+    side, sky = 0.05, 0.4
+    tracked = stage.tracked(200, stage.pose(-90, 70, 0.35, target=(0, 0, 0)))
+    renderer = make_renderer()
+    lights = (stage.light(90, 30, (sky, sky, sky)),) if is_shadowed else ()
+    renderer.render(Scene(tracked, stage.placed(box((side, side, side), (0.0, 0.0, 0.0, 1.0))), Illumination(lights)))
+    place = (0.0, -(0.5 + away) * side, 0.0)
+    seen = LINEAR_FROM_SRGB_8BIT[int(_pixel(renderer.read_bgr(), tracked, place)[0])]
+    left = sky if is_shadowed else 1.0
+    hidden = 1 - seen / (left * LINEAR_FROM_SRGB_8BIT[200])
+    assert hidden == pytest.approx(_hidden_by_a_box(side, away), abs=0.02 if is_shadowed else 0.03)
 
 
 @pytest.mark.parametrize("quality", list(QUALITIES))
