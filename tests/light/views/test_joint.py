@@ -11,7 +11,13 @@ from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.views.evidence import joint_features
-from ashe_live.light.views.joint import JointStart, explained_in_views, explained_where_it_stands, own_costs, turned_from
+from ashe_live.light.views.joint import (
+    JointStart,
+    explained_in_views,
+    explained_where_it_stands,
+    own_costs,
+    turned_from,
+)
 from ashe_live.light.views.joint_refinement import by_families
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import direction
