@@ -72,9 +72,8 @@ def explained_together(
         if costs[0] is not None:
             starts.append(JointStart(one, lit, [each for each in costs if each is not None]))
     likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[: steps.joint]
-    by_all = [by_families(each, steps.fine_fit) for each in likely[:REFITTED]]
-    families = {id(several[0].origin): several for several in by_all}
-    likely[:REFITTED] = [several[0] for several in by_all]
+    families = {id(each.origin): by_families(each, steps.fine_fit) for each in likely[:REFITTED]}
+    likely[:REFITTED] = [several[0] for several in families.values()]
     if rest:
         starts = []
         for each in likely:

@@ -9,7 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import angle_between, view_direction
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.evidence import of_families, of_steps
+from ashe_live.light.explanation.judgement.evidence import of_steps_and_families
 from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
     LEAST_PROBABILITY,
@@ -47,14 +47,13 @@ def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
     """The features of an explanation of several views: the mean over the first JUDGED views of what each shows.
 
     A view counts by how much of body and shadow it has in its picture. Steps of light are those of all views together,
-    and so is the covariance that tells how well the light is determined. How much the light depends on the family is
-    what one view tells, until families are aligned in several: only lights by the same views can be compared.
+    and so is the covariance that tells how well the light is determined.
     """
     judged = explanation.each[:JUDGED]
     of_views = [explanation_features(each) for each in judged]
     weights = [max(share_seen(each), LEAST_SEEN) for each in judged]
     means = {name: float(np.average([each[name] for each in of_views], weights=weights)) for name in of_views[0]}
-    return {**means, **of_steps(explanation.joint), **of_families(explanation.origin)}
+    return {**means, **of_steps_and_families(explanation.joint)}
 
 
 def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:

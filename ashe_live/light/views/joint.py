@@ -119,7 +119,9 @@ def explained_where_it_stands(start: JointStart) -> JointExplanation | None:
         ground = costs.region.is_ground
         split = Split(seen.body & ground, seen.shadow & ground, None, seen.parts)
         each.append(Explanation(costs.region, costs.materials, split, alignment, lights, costs.as_object))
-    return JointExplanation(replace(each[0], bodies=start.origin.bodies), tuple(each[1:]), start.origin)
+    # How much the light depends on the family is what one view tells, until all views choose it.
+    together = replace(each[0], bodies=start.origin.bodies)
+    return JointExplanation(together, tuple(each[1:]), start.origin)
 
 
 def pixels_cost(placed: Sequence[PlacedBody]) -> float:

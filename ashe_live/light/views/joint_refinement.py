@@ -24,8 +24,7 @@ from ashe_live.light.views.joint import (
 def by_families(explanation: JointExplanation, preset: FitPreset) -> list[JointExplanation]:
     """The explanation with the body of each family that may explain all views, the likeliest first.
 
-    One view's labels are fitted alike by several families. The origin of each has them all as its bodies, with its own
-    light among theirs, by which it is told how much the light depends on the family.
+    One view's labels are fitted alike by several families.
     """
     costs = [own_costs(each) for each in explanation.each]
     own = explanation.joint.alignment.placed.lit.body.family.name
@@ -33,7 +32,7 @@ def by_families(explanation: JointExplanation, preset: FitPreset) -> list[JointE
     others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:LIKELY_FAMILIES]])
     several = sorted([explanation, *(each for each in others if each is not None)], key=joint_criterion)
     lits = tuple(each.joint.alignment.placed.lit for each in several)
-    return [replace(each, origin=replace(each.origin, bodies=lits, lights=each.joint.lights)) for each in several]
+    return [replace(each, joint=replace(each.joint, bodies=lits)) for each in several]
 
 
 def refined_by_all_tangents(explanation: JointExplanation) -> JointExplanation:

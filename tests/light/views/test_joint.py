@@ -3,22 +3,13 @@
 import dataclasses
 
 import numpy as np
-import pytest
 
-from ashe_live.core.transforms import angle_between, angles_from_direction
+from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import FAST
-from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.views.evidence import joint_features
-from ashe_live.light.views.joint import (
-    JointStart,
-    explained_in_views,
-    explained_where_it_stands,
-    own_costs,
-    turned_from,
-)
-from ashe_live.light.views.joint_refinement import by_families
+from ashe_live.light.views.joint import JointStart, explained_in_views, own_costs, turned_from
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import direction
 
@@ -45,19 +36,3 @@ def test_a_start_that_alignment_turns_or_loses_is_kept_where_it_stood() -> None:
         towards = kept.joint.lights[0].to_light_marker
         assert angle_between(towards, turned.lit.to_lights_marker[0]) < 1e-6
     assert len(turned_from([turned, turned], [aligned, None])) == 2
-
-
-def test_a_light_that_further_views_move_depends_no_more_on_the_family() -> None:
-    one = explained()
-    here, costs = one.alignment.placed.lit, [own_costs(one)]
-    (aligned,) = explained_in_views([JointStart(one, here, costs)])
-    assert aligned is not None
-    likeliest, *others = by_families(aligned, FAST.fine_fit)
-    assert others
-    lights = [each.joint.lights[0].to_light_marker for each in (likeliest, *others)]
-    own, told = lights[0], joint_features(likeliest)["family"]
-    assert told == pytest.approx(np.median([angle_between(own, each) for each in lights[:LIKELY_FAMILIES]]), abs=1e-6)
-    azimuth, elevation = np.degrees(angles_from_direction(own))
-    moved = explained_where_it_stands(JointStart(likeliest.origin, lit_from(here, azimuth + 5, elevation + 5), costs))
-    assert moved is not None
-    assert joint_features(moved)["family"] == told

@@ -63,8 +63,7 @@ def evidence(explanation: Explanation) -> dict[str, float]:
     alignment, shading = explanation.alignment, _shading(explanation)
     return {
         "misfit": math.log(max(alignment.misfit_px, 0.05) / alignment.placed.object_px),
-        **of_steps(explanation),
-        **of_families(explanation),
+        **of_steps_and_families(explanation),
         "uneven": _unevenness(explanation),
         "grazing": max(LOW_SINE - float(explanation.lights[0].to_light_marker[2]), 0.0),
         "clear shadow": alignment.clear_shadow,
@@ -77,18 +76,15 @@ def evidence(explanation: Explanation) -> dict[str, float]:
     }
 
 
-def of_steps(explanation: Explanation) -> dict[str, float]:
-    """How far the worse of both outlines lies from steps of light."""
-    steps = explanation.steps
-    return {"steps": math.log(max(steps.body, steps.shadow, LEAST_STEP_COST))}
-
-
-def of_families(explanation: Explanation) -> dict[str, float]:
-    """By how much the light depends on the family, radians."""
-    foot = explanation.alignment.placed.lit.body.frame.origin_marker
+def of_steps_and_families(explanation: Explanation) -> dict[str, float]:
+    """How far the worse of both outlines lies from steps of light; by how much the light depends on the family, rad."""
+    steps, foot = explanation.steps, explanation.alignment.placed.lit.body.frame.origin_marker
     light = towards(explanation.lights[0].light, np.array([*foot, 0.0]))
     others = [angle_between(light, body.to_lights_marker[0]) for body in explanation.bodies[:LIKELY_FAMILIES]]
-    return {"family": float(np.median(others)) if others else 0.0}
+    return {
+        "steps": math.log(max(steps.body, steps.shadow, LEAST_STEP_COST)),
+        "family": float(np.median(others)) if others else 0.0,
+    }
 
 
 def _unevenness(explanation: Explanation) -> float:
