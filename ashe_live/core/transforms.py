@@ -46,12 +46,12 @@ def transform_points(T_a_b: Float, points_b: ArrayLike) -> Float:
 def normalised(vector: ArrayLike) -> Float:
     """`vector` at length 1. Raises ValueError when it has none."""
     array = np.asarray(vector, dtype=np.float64)
-    length = float(np.linalg.norm(array))
+    length = math.hypot(*array.ravel())
     if not (math.isfinite(length) and length > 0):
         raise ValueError(f"{array} has no direction")
-    # Twice, as the square of a tiny or huge length loses precision.
+    # Twice, as dividing by a tiny or huge length loses precision.
     array = array / length
-    return np.asarray(array / np.linalg.norm(array))
+    return np.asarray(array / math.hypot(*array.ravel()))
 
 
 def direction_from_angles(azimuth_rad: float, elevation_rad: float) -> Float:

@@ -70,8 +70,8 @@ def directions_from_labels(
     (found,) = explained([Proposal(region, materials, split)], steps.fine_fit)
     if found is None:
         return None
-    lights = Sharpener.of([fine]).sharpened(refined_by_tangents(found)).lights
-    return [lights[order.index(i)].to_light_marker for i in range(len(order))]
+    (sharp,) = Sharpener.of([fine]).sharpened([refined_by_tangents(found)])
+    return [sharp.lights[order.index(i)].to_light_marker for i in range(len(order))]
 
 
 def _materials(region: Region, ground: LitGround, shifts: Sequence[Float]) -> Materials | None:

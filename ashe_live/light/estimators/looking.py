@@ -177,7 +177,7 @@ def _found_by_place(
         steps.caster, hints, view.fine, view.coarse, trace.unlit, view.ground, steps.region_px
     )
     likeliest = sorted(sharpener.measured(placed), key=log_odds, reverse=True)[: steps.refined + 1]
-    sharp = [refined_alone(each, sharpener, steps, lamps) for each in likeliest]
+    sharp = refined_alone(likeliest, sharpener, steps, lamps)
     return [each for each in sharp if not any(_is_same(each, one) for one in found)]
 
 

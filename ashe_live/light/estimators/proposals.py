@@ -114,10 +114,15 @@ def selected_for_fit(proposals: Sequence[Proposal], count: int, judge: Judge) ->
     alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
     together = [proposal for proposal in proposals if proposal.materials.lights == 2]
 
+    by_colours: dict[tuple[int, int], float] = {}
+
     def score(one: Proposal) -> float:
         region, split = one.region, one.split
-        of_colours = judge.split_score(region, one.materials, split)
-        return of_colours + plane_support(region, split.object_mask, split.shadow_mask)
+        # A split and the same with its shadow in doubt share the object's mask, and colours tell the same of both.
+        key = id(one.materials), id(split.object_mask)
+        if key not in by_colours:
+            by_colours[key] = judge.split_score(region, one.materials, split)
+        return by_colours[key] + plane_support(region, split.object_mask, split.shadow_mask)
 
     alone.sort(key=score, reverse=True)
     together.sort(key=lambda one: cost_reduction(one.region, one.materials, one.split), reverse=True)

@@ -41,7 +41,7 @@ def refined_and_others(
     others = different(each for each in ranked if not any(each is one for one in chosen))
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
-    judged = [*(_sharp_and_decided(each, sharpener, steps, lamps) for each in found), *others]
+    judged = [*_sharp_and_decided(found, sharpener, steps, lamps), *others]
     if leaves_no_doubt(judged, log_odds):
         return judged
     alone = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
@@ -54,18 +54,19 @@ def leaves_no_doubt(judged: Sequence[Explanation], log_odds: Callable[[Explanati
 
 
 def refined_alone(
-    explanation: Explanation, sharpener: Sharpener, steps: ProxySteps, lamps: LampHypotheses
-) -> Explanation:
-    """One explanation relabelled, fitted anew and moved onto the steps of light, as a sun's or a lamp's."""
-    (fine_fit,) = refined([explanation], steps.fine_fit)
-    best = explanation if fine_fit is None else refined_by_tangents(fine_fit)
+    several: Sequence[Explanation], sharpener: Sharpener, steps: ProxySteps, lamps: LampHypotheses
+) -> list[Explanation]:
+    """Each explanation relabelled, fitted anew and moved onto the steps of light, as a sun's or a lamp's."""
+    fits = zip(several, refined(several, steps.fine_fit), strict=True)
+    best = [one if fine is None else refined_by_tangents(fine) for one, fine in fits]
     return _sharp_and_decided(best, sharpener, steps, lamps)
 
 
 def _sharp_and_decided(
-    explanation: Explanation, sharpener: Sharpener, steps: ProxySteps, lamps: LampHypotheses
-) -> Explanation:
-    return lamps.decided(sharpener.sharpened(explanation), partial(explained_near, preset=steps.fine_fit), sharpener)
+    several: Sequence[Explanation], sharpener: Sharpener, steps: ProxySteps, lamps: LampHypotheses
+) -> list[Explanation]:
+    fit = partial(explained_near, preset=steps.fine_fit)
+    return [lamps.decided(each, fit, sharpener) for each in sharpener.sharpened(several)]
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:

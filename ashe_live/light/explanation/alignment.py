@@ -153,6 +153,8 @@ def _aligned(several: Sequence[Start]) -> list[Alignment | None]:
 
 def placed_in(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[PlacedBody]:
     """Projects and paints each body in its picture, and adds up the unary costs."""
+    if not several:
+        return []
     outlines = lit_outlines([lit for lit, _, _ in several], [Sight.of(costs.region.view) for _, _, costs in several])
     found = []
     for (lit, sight, costs), hulls in zip(several, outlines, strict=True):

@@ -12,11 +12,12 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.second_light import LEAST_CLARITY, NEAR_RAD
-from ashe_live.light.explanation.shadow_search import ShadowCandidate, shadow_candidates
+from ashe_live.light.explanation.shadow_search import shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.light_points import NO_LIGHTS
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
@@ -31,26 +32,28 @@ def with_shadows_searched(
     coarse: View,
     ground: LitGround,
     region_px: int,
-    refine: Callable[[Explanation], Explanation],
+    refine: Callable[[Sequence[Explanation]], list[Explanation]],
     log_odds: Callable[[Explanation], float],
 ) -> list[Explanation]:
     """The explanations, and those of the clearest objects' shadows that their shapes find.
 
     Of explanations of one object by nearly one light the likeliest is kept. coarse: the view that `ground` was fitted
     to. fine: the view at the largest scale to use. region_px: size in pixels to which a region is scaled. refine: fits
-    an explanation anew, and moves it onto the steps of light. log_odds: by which explanations are judged.
+    each explanation anew, and moves it onto the steps of light. log_odds: by which explanations are judged.
     """
+    objects = _clear_objects(judged, log_odds)
+    starts = [_starts(one, fine, coarse, ground, region_px) for one in objects]
+    # Aligned and refined as one batch, as they do not depend on one another.
+    aligned = iter(aligned_explanations([start for of_one in starts for start in of_one]))
+    found = [[each for _ in of_one if (each := next(aligned)) is not None] for of_one in starts]
+    refined = iter(refine([each for of_one in found for each in of_one]))
     kept = list(judged)
-    for one in _clear_objects(judged, log_odds):
+    for one, of_one in zip(objects, found, strict=True):
         same = [each for each in kept if each.region is one.region]
-        for candidate in shadow_candidates(one.proxy, NO_LIGHTS, coarse, ground, TRIED):
-            start = _explained(one, candidate, fine, coarse, ground, region_px)
-            found = None if start is None else refine(start)
-            if found is None or not _shows_shadow(found):
-                continue
-            rivals = [each for each in same if _near(each, found)]
-            if all(log_odds(found) > log_odds(each) for each in rivals):
-                kept, same = ([each for each in some if each not in rivals] + [found] for some in (kept, same))
+        for new in (next(refined) for _ in of_one):
+            rivals = [each for each in same if _near(each, new)]
+            if _shows_shadow(new) and all(log_odds(new) > log_odds(each) for each in rivals):
+                kept, same = ([each for each in some if each not in rivals] + [new] for some in (kept, same))
     return kept
 
 
@@ -63,21 +66,21 @@ def _clear_objects(judged: Sequence[Explanation], log_odds: Callable[[Explanatio
     return found[:BODIES]
 
 
-def _explained(
-    one: Explanation, candidate: ShadowCandidate, fine: View, coarse: View, ground: LitGround, region_px: int
-) -> Explanation | None:
-    """The object of `one` with the candidate as its shadow, aligned; None where that is not in view."""
-    shift = candidate.shift(ground)
-    if shift is None:
-        return None
-    start = replace(one.alignment.placed.lit, lights=candidate.light[None])
-    region = candidate.region(start, fine, coarse, ground, region_px)
-    materials, masks = materials_of(region, ground, shift), predicted(one.proxy, start.lights, region.view)
-    as_object = object_cost(region, masks.body & region.is_ground)
-    split = relabelled(region, materials, as_object, masks)
-    proposal = Proposal(region, materials, split, None, as_object)
-    (found,) = aligned_explanations([(proposal, [start], Sight.of(region.view))])
-    return found
+def _starts(
+    one: Explanation, fine: View, coarse: View, ground: LitGround, region_px: int
+) -> list[tuple[Proposal, Sequence[LitBody], Sight]]:
+    """The object of `one` with each candidate for its shadow, to be aligned."""
+    starts: list[tuple[Proposal, Sequence[LitBody], Sight]] = []
+    for candidate in shadow_candidates(one.proxy, NO_LIGHTS, coarse, ground, TRIED):
+        shift = candidate.shift(ground)
+        if shift is not None:
+            start = replace(one.alignment.placed.lit, lights=candidate.light[None])
+            region = candidate.region(start, fine, coarse, ground, region_px)
+            materials, masks = materials_of(region, ground, shift), predicted(one.proxy, start.lights, region.view)
+            as_object = object_cost(region, masks.body & region.is_ground)
+            split = relabelled(region, materials, as_object, masks)
+            starts.append((Proposal(region, materials, split, None, as_object), [start], Sight.of(region.view)))
+    return starts
 
 
 def _shows_shadow(found: Explanation) -> bool:

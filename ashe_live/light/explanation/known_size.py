@@ -28,7 +28,8 @@ def is_as_given(explanation: Explanation, preset: FitPreset, sharpener: Sharpene
     bodies = refitted_bodies(explanation, replace(preset, resizes=True))
     if not bodies or _is_near(bodies[0], preset):
         return True
-    likelier = sharpener.sharpened(replace(explanation, bodies=tuple(bodies))).alignment.placed.lit
+    (moved,) = sharpener.sharpened([replace(explanation, bodies=tuple(bodies))])
+    likelier = moved.alignment.placed.lit
     return likelier.body.family is not resized_family_of(preset.caster) or _is_near(likelier, preset)
 
 

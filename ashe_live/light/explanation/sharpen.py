@@ -1,6 +1,6 @@
 """Explanations moved onto the steps of light in the picture at full resolution: the last and finest alignment."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
-from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, measured, placed_in
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, PlacedBody, measured, placed_in
 from ashe_live.light.explanation.explain import refined_by_tangents
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
 from ashe_live.light.labels.costs import Costs
@@ -20,6 +20,7 @@ from ashe_live.light.shape.directions import (
     fitted_lights,
     with_hemisphere_prior,
 )
+from ashe_live.light.shape.sight import Sight
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,54 +34,64 @@ class Sharpener:
         """Of views at full resolution."""
         return Sharpener([LightPicture.of(view) for view in views])
 
-    def sharpened(self, explanation: Explanation, near: NearnessPrior | None = None) -> Explanation:
-        """The explanation by the body and the lights that agree best with the steps of light.
+    def sharpened(self, several: Sequence[Explanation], near: NearnessPrior | None = None) -> list[Explanation]:
+        """Each explanation by the body and the lights that agree best with the steps of light.
 
         Of the families that its labels allow, each is aligned, and the likeliest is kept, by the steps and by the
         pixels' unary costs, both in units of what one more parameter costs. The explanation as it is where no body
-        stays in view, or too little of a shadow. near: of its only light's nearness, where that is not held.
+        stays in view, or too little of a shadow. near: of their only lights' nearness, where that is not held.
         """
-        placed = explanation.alignment.placed
-        others = [one for one in explanation.bodies if len(one.lights) == len(placed.lit.lights)]
-        fits = self._fits([placed.lit, *others[:LIKELY_FAMILIES]], explanation, near)
-        costs = Costs(explanation.region, explanation.materials, explanation.as_object)
-        moved = placed_in([(fit.lit, placed.sight, costs) for fit in fits]) if fits else []
-        seen = [(fit, one) for fit, one in zip(fits, moved, strict=True) if one.is_in_view]
-        if not seen:
-            (as_it_is,) = self.measured([explanation])
-            return as_it_is
-        criteria = [fit.criterion + body.cost / COST_PER_PARAMETER for fit, body in seen]
-        best, body = seen[int(np.argmin(criteria))]
-        (alignment,) = measured([body])
-        lights = lights_by_steps(best, alignment)
-        # Where the body is a poor model, and its steps tell little, the common tangents decide.
-        found = replace(
-            explanation,
-            alignment=alignment,
-            lights=lights,
-            steps=best.mean_costs,
-            criterion=min(criteria),
-            nearness=best.nearness,
-        )
-        return refined_by_tangents(found)
+        found = list(several)
+        for members in _by_lights(several):
+            for i, one in zip(members, self._sharpened([several[i] for i in members], near), strict=True):
+                found[i] = one
+        return found
+
+    def _sharpened(self, several: Sequence[Explanation], near: NearnessPrior | None) -> Iterator[Explanation]:
+        """As `sharpened`, of explanations with the same number of lights."""
+        fits = self._fits([[each.alignment.placed.lit, *_other_bodies(each)] for each in several], several, near)
+        pairs = [(fit, each) for each, own in zip(several, fits, strict=True) for fit in own]
+        moved = iter(placed_in([(fit.lit, *_placing(each)) for fit, each in pairs]))
+        best = [_likeliest([(fit, next(moved)) for fit in own]) for own in fits]
+        alignments = iter(measured([one[1] for one in best if one is not None]))
+        for explanation, one in zip(several, best, strict=True):
+            if one is None:
+                yield from self.measured([explanation])
+                continue
+            fit, _, criterion = one
+            alignment = next(alignments)
+            # Where the body is a poor model, and its steps tell little, the common tangents decide.
+            yield refined_by_tangents(
+                replace(
+                    explanation,
+                    alignment=alignment,
+                    lights=lights_by_steps(fit, alignment),
+                    steps=fit.mean_costs,
+                    criterion=criterion,
+                    nearness=fit.nearness,
+                )
+            )
 
     def best_fit(self, explanation: Explanation, near: NearnessPrior | None = None) -> EdgeFit | None:
         """The explanation's own body with its lights, moved; None where no steps are seen. near: as in `sharpened`."""
-        return next(iter(self._fits([explanation.alignment.placed.lit], explanation, near)), None)
+        (fits,) = self._fits([[explanation.alignment.placed.lit]], [explanation], near)
+        return next(iter(fits), None)
 
     def _fits(
-        self, bodies: Sequence[LitBody], explanation: Explanation, near: NearnessPrior | None = None
-    ) -> list[EdgeFit]:
-        """The bodies with their lights, moved, without those whose shadows show too few steps to tell their lights."""
-        shifts = np.repeat([_shifts(explanation)], len(bodies), axis=0)
-        fits = aligned_with_steps(bodies, self.pictures, shifts, near)
-        return [fit for fit in fits if fit is not None and fit.mean_cost < MISSED]
+        self, bodies: Sequence[Sequence[LitBody]], several: Sequence[Explanation], near: NearnessPrior | None
+    ) -> list[list[EdgeFit]]:
+        """Each explanation's bodies with their lights, moved, without those whose shadows show too few steps to tell
+        their lights.
+        """
+        shifts = np.repeat([_shifts(each) for each in several], [len(own) for own in bodies], axis=0)
+        fits = iter(aligned_with_steps([lit for own in bodies for lit in own], self.pictures, shifts, near))
+        moved = [[next(fits) for _ in own] for own in bodies]
+        return [[fit for fit in own if fit is not None and fit.mean_cost < MISSED] for own in moved]
 
     def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:
         """The explanations where they stand, each with the costs of its steps."""
         found = list(explanations)
-        for count in {len(each.lights) for each in explanations}:
-            members = [i for i, each in enumerate(explanations) if len(each.lights) == count]
+        for members in _by_lights(explanations):
             bodies = [explanations[i].alignment.placed.lit for i in members]
             shifts = np.array([_shifts(explanations[i]) for i in members])
             for i, costs in zip(members, step_costs(bodies, self.pictures, shifts), strict=True):
@@ -98,6 +109,34 @@ def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_as_one: float = 1.
     return tuple(
         corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, alignment.ends_in_view, strict=True)
     )
+
+
+def _by_lights(several: Sequence[Explanation]) -> list[list[int]]:
+    """The indices of explanations with one light, of those with two, and so on, as each is computed as one batch."""
+    counts = [len(each.lights) for each in several]
+    return [[i for i, each in enumerate(counts) if each == count] for count in set(counts)]
+
+
+def _other_bodies(explanation: Explanation) -> list[LitBody]:
+    """Those of the likeliest families for the explanation's labels, with as many lights."""
+    count = len(explanation.alignment.placed.lit.lights)
+    return [one for one in explanation.bodies if len(one.lights) == count][:LIKELY_FAMILIES]
+
+
+def _placing(explanation: Explanation) -> tuple[Sight, Costs]:
+    """Where a body of the explanation's is placed, and what its pixels cost."""
+    costs = Costs(explanation.region, explanation.materials, explanation.as_object)
+    return explanation.alignment.placed.sight, costs
+
+
+def _likeliest(several: Sequence[tuple[EdgeFit, PlacedBody]]) -> tuple[EdgeFit, PlacedBody, float] | None:
+    """Of moved bodies the one with the lowest criterion, with that; None where none is in view."""
+    seen = [(fit, body) for fit, body in several if body.is_in_view]
+    if not seen:
+        return None
+    criteria = [fit.criterion + body.cost / COST_PER_PARAMETER for fit, body in seen]
+    best = int(np.argmin(criteria))
+    return *seen[best], criteria[best]
 
 
 def _shifts(explanation: Explanation) -> list[float]:

@@ -13,7 +13,7 @@ from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE
 from ashe_live.light.pixels.areas import shrunk, smoothed
-from ashe_live.light.pixels.log_colour import OPPONENT
+from ashe_live.light.pixels.log_colour import FROM_OPPONENT, OPPONENT
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, cost, mixture_of
 
 OBJECT_COLOURS = 4
@@ -86,7 +86,7 @@ def shifts_of_shares(shift: Float, shares: Float) -> Float:
     Light adds up, its logs do not: half in a shadow of a tenth of the light, a pixel shows a quarter of its shift. A
     share above 1 is a deeper shadow of the same colour.
     """
-    ratio = np.exp(np.linalg.solve(OPPONENT, shift))
+    ratio = np.exp(FROM_OPPONENT @ shift)
     mixed = np.log(1 - np.minimum(shares, 1.0)[:, None] * (1 - ratio)) @ OPPONENT.T
     return np.asarray(np.where(shares[:, None] <= 1, mixed, shares[:, None] * shift))
 

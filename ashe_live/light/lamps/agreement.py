@@ -8,6 +8,7 @@ unlikely, however well it fits.
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import itemgetter
 
 import numpy as np
 
@@ -40,11 +41,12 @@ def with_gloss(fall_off: FallOff) -> FallOff:
     some, suns = fall_off.every(EVERY), _suns()
     directions = FallDirections(some)
 
-    def least_cost(gloss: Gloss | None) -> float:
-        return float(replace(some, gloss=gloss).worst_costs(suns, SHARE, directions.reference).min())
+    def least_cost(gloss: Gloss | None, lights: Float) -> float:
+        return float(replace(some, gloss=gloss).worst_costs(lights, SHARE, directions.reference).min())
 
-    found = min((Gloss(alpha, albedo) for alpha in ROUGHNESSES for albedo in ALBEDOS), key=least_cost)
-    least, dull = least_cost(found), least_cost(None)
+    tried = [Gloss(alpha, albedo) for alpha in ROUGHNESSES for albedo in ALBEDOS]
+    least, found = min(((least_cost(each, suns), each) for each in tried), key=itemgetter(0))
+    dull = least_cost(None, np.zeros((1, 3)))  # without gloss, all suns light the ground alike
     is_glossy = dull - least > GLOSS_DEVIANCE and least < directions.of_lamps.min()
     return replace(fall_off, gloss=found) if is_glossy else fall_off
 

@@ -45,6 +45,7 @@ WORST = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST]
 LEAST_CONTRAST, MOST_CONTRAST = 0.3, 3.0
 FAR = 0.2  # 1/m, nearness up to which a light is a sun to the ground's gloss
 ROBUST_ROUNDS = 6
+BLOCK = 40  # lights that are tried at once: what is computed of them then fits into the processor's cache
 LEAST_NOISE = 0.01  # of log brightness
 
 
@@ -144,16 +145,27 @@ class FallOff:
 
     def worst_costs(self, parameters: Float, share: float, reference: Float) -> Float:
         """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), all of one share, as in `pull`."""
+        known = np.column_stack([self.uneven, self.brightness])
+        of_known = known, self._gram(known), self._weighted(known)[1]
+        blocks = range(0, len(parameters), BLOCK)
+        return np.concatenate(
+            [self._worst_costs(parameters[i : i + BLOCK], share, reference, *of_known) for i in blocks]
+        )
+
+    def _worst_costs(
+        self, parameters: Float, share: float, reference: Float, known: Float, among: Float, known_explained: Float
+    ) -> Float:
+        """As `worst_costs`. known: (n, 6) unevenness and brightness; (6, 6) their inner products; (c, 6) as what can be
+        fitted along.
+        """
         relative = irradiances(self.places, parameters) / irradiances(reference[None], parameters)
         suns = np.flatnonzero(parameters[:, 2] <= FAR)
         if self.gloss is not None:
             glossy = 1 + mirrored(self.places, self.eye, parameters[suns], self.gloss)  # 1 of lamps
             relative = np.hstack([relative, relative[:, suns] * glossy])
         lights = np.log(np.maximum(1 - share + share * relative, 1e-3))
-        known = np.column_stack([self.uneven, self.brightness])
-        among = self._gram(known)
         weighted, explained = self._weighted(lights)
-        by_light = known.T @ weighted - self._weighted(known)[1].T @ explained
+        by_light = known.T @ weighted - known_explained.T @ explained
         square = (lights * weighted).sum(axis=0) - (explained**2).sum(axis=0)
         uneven, told, with_told = slice(0, 5), 5, by_light[5]
         # As in `pull`: inner products of unevenness and contrast with one another, and with what the light leaves.

@@ -40,7 +40,7 @@ def in_all_views(
     explains all of them is tried as well, and need not be fitted again.
     """
     if not explanation.alignment.elsewhere:
-        return None if again is None else Sharpener(sharpener.pictures[:1]).sharpened(again, near)
+        return None if again is None else Sharpener(sharpener.pictures[:1]).sharpened([again], near)[0]
     costs = costs_of_views(explanation)
     starts = [JointStart(explanation, explanation.alignment.placed.lit.with_first_light_near(nearness), costs)]
     if again is not None:

@@ -1,5 +1,7 @@
 """Areas of a mask: connected, large, cleaned of specks, grown and filled."""
 
+from functools import cache
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +18,7 @@ def smoothed(values: Float32) -> Float32:
 
 def cleaned(mask: Mask) -> Mask:
     """Morphologically opened, then closed: without specks and pinholes."""
-    kernel = np.ones((3, 3), np.uint8)
+    kernel = _square(3)
     opened = cv2.morphologyEx(_bytes(mask), cv2.MORPH_OPEN, kernel)
     return cv2.morphologyEx(opened, cv2.MORPH_CLOSE, kernel).view(np.bool_)
 
@@ -99,5 +101,6 @@ def _bytes(mask: Mask) -> NDArray[np.uint8]:
     return np.ascontiguousarray(mask).view(np.uint8)
 
 
+@cache
 def _square(side_px: int) -> NDArray[np.uint8]:
     return np.ones((side_px, side_px), np.uint8)

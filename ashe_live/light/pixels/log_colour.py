@@ -15,6 +15,7 @@ DARKEST = 0.004
 CHROMA_WEIGHT = 1.2
 # Rows: brightness, red over blue, red and blue over green; columns: logs of red, green, blue.
 OPPONENT = np.array([(1 / 3, 1 / 3, 1 / 3), (CHROMA_WEIGHT, 0, -CHROMA_WEIGHT), CHROMA_WEIGHT * np.array((1, -2, 1))])
+FROM_OPPONENT = np.linalg.inv(OPPONENT)
 
 
 def log_opponent(image_bgr: Image, smoothing_px: float = 0.7) -> Float32:
@@ -34,4 +35,4 @@ def log_opponent_of_linear(rgb: Float) -> Float:
 
 def linear_rgb(log_opponent_colours: Float | Float32) -> Float:
     """(..., 3) linear RGB of log-opponent colours: the inverse of `log_opponent`."""
-    return np.asarray(np.exp(log_opponent_colours @ np.linalg.inv(OPPONENT).T) - DARKEST, dtype=np.float64)
+    return np.asarray(np.exp(log_opponent_colours @ FROM_OPPONENT.T) - DARKEST, dtype=np.float64)

@@ -51,7 +51,7 @@ class Layout:
         parameters = light_parameters(lights)
         if self.with_nearness:
             parameters = np.column_stack([parameters, nearness_of(lights)])
-        return np.append(parameters, shape)
+        return np.concatenate([parameters.ravel(), shape])
 
 
 def nearness_of(lights: Float) -> Float:

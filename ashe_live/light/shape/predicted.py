@@ -110,7 +110,7 @@ def _filled(hull_px: Float | None, shape: tuple[int, ...]) -> Mask:
     mask = np.zeros(shape, np.uint8)
     if hull_px is not None:
         cv2.fillConvexPoly(mask, np.round(hull_px * 2**SUBPIXEL_BITS).astype(np.int32), 1, shift=SUBPIXEL_BITS)
-    return mask.astype(bool)
+    return mask.view(np.bool_)
 
 
 def _before_camera(points_marker: Float, T_cam_marker: Float) -> Float:

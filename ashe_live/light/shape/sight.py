@@ -26,10 +26,13 @@ class Sight:
     @property
     def P_marker(self) -> Float:
         """(3, 4) projection from the marker frame to pixels about `centre_px`."""
-        x, y = self.centre_px
-        about = np.array([[1.0, 0.0, -x], [0.0, 1.0, -y], [0.0, 0.0, 1.0]])
-        return np.asarray(about @ self.camera.K @ self.T_cam_marker[:3])
+        P = self.camera.K @ self.T_cam_marker[:3]
+        P[:2] -= self.centre_px[:, None] * P[2]
+        return np.asarray(P)
 
     def P(self, frame: BodyFrame) -> Float:
         """(3, 4) projection from a body frame to pixels about `centre_px`."""
-        return np.asarray(self.P_marker @ frame.T_marker_body)
+        P = self.P_marker
+        in_body_frame = frame.unit_m * P
+        in_body_frame[:, 3] = P[:, :2] @ frame.origin_marker + P[:, 3]
+        return np.asarray(in_body_frame)

@@ -58,7 +58,7 @@ def test_one_object_by_nearly_one_light_is_explained_once() -> None:
     sharpener = Sharpener.of([View.of(here.scene.tracked, BALANCED.fine_width_px)])
     (rough,) = explained([Proposal(here.region, here.materials, Split(here.body, here.shadow))], BALANCED.fine_fit)
     assert rough is not None
-    right = sharpener.sharpened(rough)
+    (right,) = sharpener.sharpened([rough])
     near = [error for error in errors_deg(searched(here, right), here.scene.to_light) if error < 10]
     assert len(near) == 1
 

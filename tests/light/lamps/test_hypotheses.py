@@ -26,7 +26,8 @@ def by_a_sun(here: PaintedRegion) -> tuple[Explanation, Sharpener]:
     sharpener = Sharpener.of([View.of(here.scene.tracked, BALANCED.fine_width_px)])
     (rough,) = explained([Proposal(here.region, here.materials, Split(here.body, here.shadow))], BALANCED.fine_fit)
     assert rough is not None
-    return sharpener.sharpened(rough), sharpener
+    (sharp,) = sharpener.sharpened([rough])
+    return sharp, sharpener
 
 
 def hypotheses(here: PaintedRegion, kind: str = AUTO) -> LampHypotheses:

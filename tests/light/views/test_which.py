@@ -25,6 +25,14 @@ def test_the_views_that_differ_most_come_first_and_fewer_are_a_subset_of_more() 
     assert len(usable(first, others, 9)) == 4
 
 
+def test_frames_that_are_added_do_not_displace_those_that_answers_began_with() -> None:
+    first, few = seen_from(90), [seen_from(heading) for heading in (120, 104, 112)]
+    between = [seen_from(heading) for heading in (106, 114, 97, 121, 109)]
+    began_with = usable(first, few, 7)
+    assert len(began_with) == 3
+    assert usable(first, few + between, 7)[:3] == began_with
+
+
 def test_views_without_a_marker_or_from_one_place_are_left_out() -> None:
     first = seen_from(90)
     without = dataclasses.replace(seen_from(120), marker=None)

@@ -1,6 +1,7 @@
 """The tables of the judge: what each feature contributes to the log odds, as `ashe-live bench fit-judge` fits them."""
 
 import json
+from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from types import MappingProxyType
@@ -26,7 +27,12 @@ class Curve:
             raise ValueError(f"a curve rises or falls, not both: {self.log_odds}")
 
     def __call__(self, value: float) -> float:
-        return float(np.interp(value, self.at, self.log_odds))
+        # As np.interp, whose call costs ten times as much as what it does for one value.
+        end = bisect_right(self.at, value)
+        if end in (0, len(self.at)):
+            return self.log_odds[max(end - 1, 0)]
+        share = (value - self.at[end - 1]) / (self.at[end] - self.at[end - 1])
+        return self.log_odds[end - 1] + share * (self.log_odds[end] - self.log_odds[end - 1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
