@@ -27,7 +27,8 @@ def chosen_patches(
     known: (m, m) where the coarse picture is that of the ground; in the unknown part where lines were drawn in it.
     """
     reach = PATCH // 2
-    standing_out = _standing_out(coarse, sources)
+    usual = float(np.median(np.square(coarse[sources]).sum(axis=1)))
+    standing_out = _standing_out(coarse, usual)
     picture, known, left = coarse.copy(), known.copy(), unknown.copy()
     found: list[tuple[Float, Float]] = []
     size = len(unknown)
@@ -46,7 +47,8 @@ def chosen_patches(
             masked = np.repeat(mask[..., None].astype(np.float32), 3, axis=2)
             misfit = cv2.matchTemplate(picture, picture[window], cv2.TM_SQDIFF, mask=masked)
             misfit += masked.sum() * np.square(shading[reach:-reach, reach:-reach] - shading[place])
-            misfit = misfit + cv2.matchTemplate(standing_out, (~mask).astype(np.float32), cv2.TM_CCORR)
+            brought = cv2.matchTemplate(standing_out, (~mask).astype(np.float32), cv2.TM_CCORR)
+            misfit = misfit + np.maximum(brought - _standing_out(picture[window], usual)[mask].sum(), 0.0)
             misfit = np.where(sources[reach:-reach, reach:-reach], misfit, np.inf)
             at = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
             source = (int(at[0]) + reach, int(at[1]) + reach)
@@ -61,13 +63,12 @@ def chosen_patches(
     return found
 
 
-def _standing_out(coarse: Float32, ground: Mask) -> Float32:
-    """(m, m) what is beyond the contrast of ground (m, m), squared: lines, specks. Where known ground does not ask for
-    them, they are not copied: a piece of a joint would lie there, cut off at both ends.
+def _standing_out(detail: Float32, usual: float) -> Float32:
+    """(m, m) what of the squared detail (m, m, 3) is beyond that of texture, whose median is `usual`: lines, specks.
+
+    No more of them is copied than the known ground beside has: a piece of a joint would lie there, cut off at its ends.
     """
-    squares = (coarse**2).sum(axis=2)
-    usual = float(np.median(squares[ground]))
-    return np.maximum(squares - STANDS_OUT**2 * usual, 0.0).astype(np.float32)
+    return np.maximum(np.square(detail).sum(axis=2) - STANDS_OUT**2 * usual, 0.0).astype(np.float32)
 
 
 def _window(row: int, column: int) -> tuple[slice, slice]:
