@@ -42,6 +42,7 @@ def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str
     """
     if source.is_live or not options.takes_any_marker:
         return options
+    told_of = set() if told_of is None else told_of
     named = parse_marker(options.marker)
     try:
         for _ in range(LOOKED_AT):
@@ -52,10 +53,9 @@ def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str
             if options.marker in in_view or (not in_view and named.find(frame.image_bgr[..., 1].copy())):
                 break
             if len(in_view) == 1:
-                if in_view[0] not in (told_of or ()):
+                if in_view[0] not in told_of:
                     tell(f"{source.name}: {in_view[0]} is in view and is followed, as no --marker was given")
-                if told_of is not None:
-                    told_of.add(in_view[0])
+                told_of.add(in_view[0])
                 return argparse.Namespace(**{**vars(options), "marker": in_view[0]})
             if in_view:
                 tell(f"{source.name}: {' and '.join(in_view)} are in view: choose one with --marker")

@@ -47,6 +47,7 @@ def chosen_patches(
             masked = np.repeat(mask[..., None].astype(np.float32), 3, axis=2)
             misfit = cv2.matchTemplate(picture, picture[window], cv2.TM_SQDIFF, mask=masked)
             misfit += masked.sum() * np.square(shading[reach:-reach, reach:-reach] - shading[place])
+            # A piece of a joint would be cut off at its ends: no more lines are copied than the known ground here has.
             brought = cv2.matchTemplate(standing_out, (~mask).astype(np.float32), cv2.TM_CCORR)
             misfit = misfit + np.maximum(brought - _standing_out(picture[window], usual)[mask].sum(), 0.0)
             misfit = np.where(sources[reach:-reach, reach:-reach], misfit, np.inf)
@@ -64,10 +65,7 @@ def chosen_patches(
 
 
 def _standing_out(detail: Float32, usual: float) -> Float32:
-    """(m, m) what of the squared detail (m, m, 3) is beyond that of texture, whose median is `usual`: lines, specks.
-
-    No more of them is copied than the known ground beside has: a piece of a joint would lie there, cut off at its ends.
-    """
+    """(m, m) what of the squared detail (m, m, 3) is beyond that of texture, whose median is `usual`: lines, specks."""
     return np.maximum(np.square(detail).sum(axis=2) - STANDS_OUT**2 * usual, 0.0).astype(np.float32)
 
 

@@ -131,19 +131,25 @@ def test_clip_of_pictures_that_are_too_long_is_refused(tmp_path: Path) -> None:
         ClipSource(path)
 
 
+def _write_clip(path: Path, image: np.ndarray, quarter_turns: int, pixel_aspect: Fraction = Fraction(1)) -> None:
+    """Three times the picture (h, w, 3) BGR, to be shown turned anticlockwise, its pixels so much wider than high."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=30, options={"crf": "10"})
+        stream.height, stream.width = image.shape[:2]
+        stream.pix_fmt = "yuv420p"
+        stream.codec_context.sample_aspect_ratio = pixel_aspect
+        stream.set_display_rotation(90.0 * quarter_turns)
+        for _ in range(3):
+            container.mux(stream.encode(VideoFrame.from_ndarray(image, "bgr24")))
+        container.mux(stream.encode(None))
+
+
 @pytest.mark.parametrize("quarter_turns", [0, 1, 2, 3])
 def test_rotation_metadata_of_phones_is_applied(tmp_path: Path, quarter_turns: int) -> None:
     path = tmp_path / "phone.mp4"
     image = np.full((64, 96, 3), 40, np.uint8)
     image[:20, :30] = (30, 60, 220)
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=30, options={"crf": "10"})
-        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
-        # Anticlockwise.
-        stream.set_display_rotation(90.0 * quarter_turns)
-        for _ in range(3):
-            container.mux(stream.encode(VideoFrame.from_ndarray(image, "bgr24")))
-        container.mux(stream.encode(None))
+    _write_clip(path, image, quarter_turns)
     with ClipSource(path) as source:
         frame = source.read()
         assert frame is not None
@@ -172,14 +178,7 @@ def test_squeezed_pixels_become_square(
     path = tmp_path / "camcorder.mp4"
     image = np.full((64, 96, 3), 40, np.uint8)
     image[:, 48:] = (30, 60, 220)
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=30, options={"crf": "10"})
-        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
-        stream.codec_context.sample_aspect_ratio = aspect
-        stream.set_display_rotation(90.0 * quarter_turns)
-        for _ in range(3):
-            container.mux(stream.encode(VideoFrame.from_ndarray(image, "bgr24")))
-        container.mux(stream.encode(None))
+    _write_clip(path, image, quarter_turns, aspect)
     with ClipSource(path) as source:
         frame = source.read()
         assert frame is not None
