@@ -20,13 +20,13 @@ from ashe_live.files.resources import resource
 from ashe_live.process.apart import NoAnswerError, called_apart
 from ashe_live.process.children import Limits
 from ashe_live.process.messages import printable, say
+from ashe_live.render.gl.driver import is_software
 
 PACKAGES = (
     *("numpy", "opencv-contrib-python-headless", "moderngl", "glfw", "av", "pillow", "pyrr", "rich"),
     *("dracopy", "mapbox-earcut"),
 )
 PROBE_S = 30.0  # a driver that takes longer will not give a picture
-SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software")
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,9 +115,8 @@ def offscreen_probe() -> str:
 
 
 def _described(info: dict[str, str]) -> str:
-    renderer = info["GL_RENDERER"]
-    slow = " (no GPU is used: --quality fast helps)" if any(word in renderer.lower() for word in SOFTWARE) else ""
-    return f"OpenGL {info['GL_VERSION']}, {renderer}{slow}"
+    slow = " (no GPU is used: --quality fast helps)" if is_software(info) else ""
+    return f"OpenGL {info['GL_VERSION']}, {info['GL_RENDERER']}{slow}"
 
 
 def apart(probe: Callable[[], str]) -> str:

@@ -7,6 +7,7 @@ import moderngl
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.models.placement import PlacedModel
+from ashe_live.render.gl.driver import is_software
 from ashe_live.render.gl.framing import letterbox
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.mirror import Mirror
@@ -49,7 +50,7 @@ class SceneRenderer:
         self._programs = Programs(ctx)
         self._models_on_video = ModelsOnVideo(ctx, self._programs, preset, self.video)
         self._models = ModelSwitches(ctx, self._programs, self._build_shaders, switches_at_once, self._known)
-        self._surface = Surface(ctx, size, preset.msaa_samples)
+        self._surface = self._new_surface(size)
 
     def beside(self, preset: RenderPreset, size: Size) -> "SceneRenderer":
         """Another renderer of the same context, for other pictures."""
@@ -107,7 +108,7 @@ class SceneRenderer:
     def resize(self, size: Size) -> None:
         """Follows the window's framebuffer; sides of 0 (a minimised window) count as 1."""
         former = self._surface
-        self._surface = Surface(self._ctx, (max(1, size[0]), max(1, size[1])), self._preset.msaa_samples)
+        self._surface = self._new_surface((max(1, size[0]), max(1, size[1])))
         # moderngl binds again what was bound before, which must not have been released by then.
         self._surface.colour.use()
         former.release()
@@ -168,6 +169,11 @@ class SceneRenderer:
             self._programs,
         ):
             held.release()
+
+    def _new_surface(self, size: Size) -> Surface:
+        preset = self._preset
+        samples = preset.software_msaa_samples if is_software(self._ctx.info) else preset.msaa_samples
+        return Surface(self._ctx, size, samples)
 
     def _follow_models(self, placed: Sequence[PlacedModel]) -> None:
         if self._models.follow(placed):

@@ -192,7 +192,7 @@ def _pairs(ctx: Context, folder: Path) -> list[Json]:
 def _settings() -> list[tuple[str, str, RenderPreset]]:
     base = BALANCED.render
     maps = [(str(size), replace(base, shadow_map_size=size, ground_shadow_size=size // 2)) for size in (128, 256, 512)]
-    samples = [(str(count), replace(base, msaa_samples=count)) for count in (0, 2, 8)]
+    samples = [(str(count), base.with_samples(count)) for count in (0, 2, 8)]
     taps = [(f"{count}", replace(base, blocker_taps=count, soft_taps=2 * count)) for count in (2, 4, 32)]
     return [
         *((name, "presets", quality.render) for name, quality in QUALITIES.items()),

@@ -123,7 +123,7 @@ def sweeps(base: RenderPreset) -> dict[str, list[tuple[float, RenderPreset, int,
         "triangles": [(count, base, 1, count) for count in (1_000, 10_000, 100_000, 1_000_000)],
         "lights": [(count, base, count, 10_000) for count in range(5)],
         "depth map": [(size, replace(base, shadow_map_size=size), 1, 10_000) for size in (512, 1024, 2048, 4096)],
-        "samples": [(count, replace(base, msaa_samples=count), 1, 10_000) for count in (0, 2, 4, 8)],
+        "samples": [(count, base.with_samples(count), 1, 10_000) for count in (0, 2, 4, 8)],
     }
 
 

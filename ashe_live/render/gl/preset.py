@@ -1,6 +1,6 @@
 """The renderer's presets: frozen records of counts and sizes that its passes read, whatever they are called."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,11 +13,16 @@ class RenderPreset:
     soft_taps: int  # over the penumbra
     soft_on_model: bool  # False: shadows on model and real object have one softness, of (2 r + 1)^2 taps
     pcf_radius: int  # that r
-    msaa_samples: int  # 0: none
+    msaa_samples: int  # a pixel, on a GPU; 0: one, and outlines are smoothed afterwards
+    software_msaa_samples: int  # the same where the processor draws, which they cost up to twice a picture's time
     matches_blur: bool  # model and shadow are blurred as the video is
     matches_noise: bool  # and get its noise
     matches_lens: bool  # and bends as its lens does; False: the lens is taken off the video
     environment_size: int  # texels a side of what polished surfaces mirror, a power of two
+
+    def with_samples(self, count: int) -> "RenderPreset":
+        """The same with `count` samples a pixel, whatever draws."""
+        return replace(self, msaa_samples=count, software_msaa_samples=count)
 
 
 FAST = RenderPreset(
@@ -28,6 +33,7 @@ FAST = RenderPreset(
     soft_on_model=False,
     pcf_radius=1,
     msaa_samples=0,
+    software_msaa_samples=0,
     matches_blur=True,
     matches_noise=True,
     matches_lens=True,
@@ -41,6 +47,7 @@ BALANCED = RenderPreset(
     soft_on_model=True,
     pcf_radius=1,
     msaa_samples=4,
+    software_msaa_samples=0,
     matches_blur=True,
     matches_noise=True,
     matches_lens=True,
@@ -54,6 +61,7 @@ ACCURATE = RenderPreset(
     soft_on_model=True,
     pcf_radius=2,
     msaa_samples=8,
+    software_msaa_samples=8,
     matches_blur=True,
     matches_noise=True,
     matches_lens=True,
