@@ -12,6 +12,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination
 from ashe_live.files.writing import written_whole
 from ashe_live.render.lights.lighting import lighting_of
+from ashe_live.render.lights.shadow_colour import steadied
 
 HEIGHT_PX = 512
 
@@ -23,7 +24,7 @@ def light_map(illumination: Illumination, height_px: int = HEIGHT_PX) -> NDArray
     left. The upper half is the sky, with each light's disc in it, a lamp's as seen from the marker's centre; the lower
     half is black, where the ground is.
     """
-    lighting = lighting_of(illumination.lights, illumination.ambient_rgb_ratio)
+    lighting = lighting_of(*steadied(illumination))
     elevations = math.pi * (0.5 - (np.arange(height_px) + 0.5) / height_px)
     azimuths = 2 * math.pi * (0.5 - (np.arange(2 * height_px) + 0.5) / (2 * height_px))
     flat = np.cos(elevations)[:, None]

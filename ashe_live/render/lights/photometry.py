@@ -34,8 +34,8 @@ class Photometry:
         """The irradiances; the same object for the same illumination."""
         known = (*of.lights, of.ambient_rgb_ratio, of.sky_slope_rgb, of.ground_rgb, of.seen_in, of.real_object)
         if self._lighting is None or not same_objects(self._lighting[0], known):
-            lights = tuple(steadied(light, of.ground_rgb) for light in of.lights)
-            albedo, ambient = None, of.ambient_rgb_ratio
+            lights, ambient = steadied(of)
+            albedo = None
             if of.ground_rgb is not None and of.seen_in is not None:
                 white_rgb = np.array(white_of(of.seen_in, lighting_of(lights, ambient), of.real_object))
                 albedo = of.ground_rgb / white_rgb

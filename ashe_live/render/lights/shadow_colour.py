@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Light
+from ashe_live.core.types import Illumination, Light
 
 # Linear, of the display's white: what a lens scatters into a shadow, 1 % of a ground of 0.2.
 UNCERTAIN = 0.002
@@ -17,11 +17,18 @@ UNCERTAIN = 0.002
 SPREAD = 0.3
 
 
-def steadied(light: Light, ground_rgb: Float | None) -> Light:
-    """The light, its shadow's ratio drawn towards one for all channels where ground (3,), linear, shows too little."""
-    if light.shadow_rgb_ratio is None or ground_rgb is None:
-        return light
-    return replace(light, shadow_rgb_ratio=steadied_ratio(light.shadow_rgb_ratio, ground_rgb))
+def steadied(of: Illumination) -> tuple[tuple[Light, ...], Float | None]:
+    """The lights and the ambient ratio (3,), towards one for all channels where the ground shows too little."""
+    ground, ambient = of.ground_rgb, of.ambient_rgb_ratio
+    if ground is None:
+        return of.lights, ambient
+    lights = tuple(
+        light
+        if light.shadow_rgb_ratio is None
+        else replace(light, shadow_rgb_ratio=steadied_ratio(light.shadow_rgb_ratio, ground))
+        for light in of.lights
+    )
+    return lights, None if ambient is None else steadied_ratio(ambient, ground)
 
 
 def steadied_ratio(ratio: Float, ground_rgb: Float) -> Float:

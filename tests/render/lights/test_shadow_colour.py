@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ashe_live.render.lights.shadow_colour import steadied_ratio
+from ashe_live.core.types import Illumination, Light
+from ashe_live.render.lights.shadow_colour import steadied, steadied_ratio
 
 BLUISH = np.array((0.25, 0.32, 0.42))
 
@@ -33,3 +34,14 @@ def test_black_ground_and_no_shadow_at_all_stay_finite() -> None:
         found = steadied_ratio(ratio, np.zeros(3))
         assert np.isfinite(found).all()
         assert (found <= 1).all()
+
+
+def test_what_no_light_reaches_is_of_the_same_colour() -> None:
+    """Terracotta again: in an estimate the ambient holds where a light's ratio contradicts it."""
+    terracotta, seen = np.array((0.31, 0.064, 0.007)), np.array((0.064, 0.051, 0.001))
+    sun = Light(np.array((0.6, 0.0, 0.8)), shadow_rgb_ratio=seen)
+    (light,), ambient = steadied(Illumination((sun,), ambient_rgb_ratio=seen, ground_rgb=terracotta))
+    assert light.shadow_rgb_ratio is not None
+    assert ambient is not None
+    np.testing.assert_allclose(ambient, light.shadow_rgb_ratio)
+    assert ambient[2] > 0.5 * ambient[1]
