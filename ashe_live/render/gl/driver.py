@@ -1,0 +1,9 @@
+"""What draws: a GPU, or the processor in its place."""
+
+SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software")  # in what rasterisers without a GPU call themselves
+
+
+def is_software(info: dict[str, str]) -> bool:
+    """Of a context's `info`: whether no GPU is used, so that every sample of a pixel costs the processor's time."""
+    renderer = info["GL_RENDERER"].lower()
+    return any(word in renderer for word in SOFTWARE)
