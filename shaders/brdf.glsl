@@ -15,16 +15,16 @@ vec3 fresnel(vec3 f0, float v_h) {
     return f0 + (1.0 - f0) * (side2 * side2 * side);
 }
 
-uniform sampler2D mirrored_shares;  // of render/gl/reflectance.py
+uniform sampler2D mirrored_shares;  // computed by render/gl/reflectance.py
 
-// Of uniform light from all around f0 * x + y is mirrored at once; z is the mean of x + y over all directions.
+// Of even light from all around, f0 * x + y is mirrored in a single reflection. z is the mean of x + y over all directions.
 vec3 mirrored_share(float roughness, float n_v) {
     vec2 knots = vec2(textureSize(mirrored_shares, 0));
     return textureLod(mirrored_shares, (vec2(n_v, roughness) * (knots - 1.0) + 0.5) / knots, 0.0).rgb;
 }
 
-// By how much light that is thrown on from facet to facet adds to what is mirrored: Kulla and Conty, "Revisiting
-// physically based shading at Imageworks", 2017. Each time the mean of Schlick's term is left of it.
+// The factor by which light reflected between facets adds to single reflections: Kulla and Conty, "Revisiting physically based
+// shading at Imageworks", 2017. Each reflection leaves the mean of Schlick's term of it.
 vec3 thrown_on(vec3 f0, vec3 share) {
     vec3 mean = f0 + (1.0 - f0) / 21.0;
     vec3 leaves = mean * share.z / (1.0 - mean * (1.0 - share.z));

@@ -1,5 +1,6 @@
-// The fraction of light that the ground loses where the model blocks it, by the measured ratio of the real shadow, except
-// where the real object's shadow has darkened it already. It is less than nothing where the model's lit sides light it.
+// The shadow catcher: the fraction of its light that the ground loses to the model, by the real shadow's measured ratio.
+// Light that the real object's shadow has taken already is not taken again. Beside lit sides of the model, which reflect
+// light onto the ground, the fraction is negative.
 #version 330 core
 #include "srgb.glsl"
 #include "lights.glsl"
@@ -7,23 +8,23 @@
 
 uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
-uniform vec3 sky;  // its fraction of the light on level ground at the marker, linear RGB; the lights' are the rest
-uniform vec3 sky_slope[2];  // what surfaces that face x and y get of it beyond that of an even one
+uniform vec3 sky;  // the sky's fraction of the light on level ground at the marker, linear RGB; the rest is the lights'
+uniform vec3 sky_slope[2];  // what surfaces facing x and y get from the sky beyond the light of an even one
 #if LIGHTS > 0 && CASTERS > 1
-uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video, linear; 0 if it is not known
+uniform vec3 ground_rgb;  // linear colour of the lit ground at the marker in the video; 0 if unknown
 const float RIM_PX = 2.5;  // error of the real shadow's outline
-const float MATTERS = 0.02;  // share of the sky or of a light that the model takes
-const float BORDER_PX = 2.0;  // from within a border to lit ground
-const float NEAR_SHADOW = 1.0 / 16.0;  // of a light, that the real object takes near what may be its shadow's border
-const float FAR_RIM = 0.012;  // its error where the proxy is a poor one: a fraction of the picture's width
+const float MATTERS = 0.02;  // share of the sky or of a light that the model takes, below which errors are not seen
+const float BORDER_PX = 2.0;  // distance from inside a shadow's border to lit ground
+const float NEAR_SHADOW = 1.0 / 16.0;  // share of a light that the real object takes close to the border of its shadow
+const float FAR_RIM = 0.012;  // the outline's error with a poor proxy, as a fraction of the picture's width
 #endif
-// Fraction of the sky that the model hides, and its mean direction's x and y times that, as they end in the model's shadow;
-// alpha: the part of these that counts on lit ground.
+// The fraction of the sky that the model hides, and that fraction times the x and y of the hidden part's mean direction,
+// as far as both reach in the model's own shadow. Alpha: the part of them that counts on lit ground.
 uniform sampler2D contact;
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
-uniform sampler2D walls;  // light of the ground on what is seen of the nearest wall, over pi; the same places
+uniform sampler2D walls;  // for the same places: the ground's light on the visible part of the nearest wall, over pi
 uniform mat4 marker_from_placed;
-uniform vec3 model_albedo;  // its mean, linear RGB
+uniform vec3 model_albedo;  // mean over the model, linear RGB
 uniform vec3 ground_bounce;
 #if LIGHTS > 0
 uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
@@ -32,8 +33,9 @@ uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
 #ifdef COVERS
 #include "cover.glsl"
 #endif
-// Of a pixel's side, the width of the texels looked at, lest leaves' shadows that are finer than a pixel break up. Their
-// interpolation blurs by 0.6 of a pixel's own area, which the composite adds: with more, borders are too wide for the lens.
+// Width of the texels to look up, in sides of a pixel, so that shadows finer than a pixel (leaves) do not break up. With their
+// interpolation this blurs by 0.6 of the area of a pixel, by which the composite blurs as well: with wider texels, borders
+// would be too wide for the lens.
 const float TEXEL_SIDES = 0.45;
 uniform float strength;  // 0: the model darkens nothing
 #ifdef SOFT_BORDER
@@ -42,7 +44,7 @@ uniform float border_px;  // standard deviation of the real shadow's border beyo
 
 in vec2 ground;
 in vec2 ground_placed;
-layout(location = 0) out vec4 added_light;  // none; alpha: where the cover is seen, as in cover.glsl
+layout(location = 0) out vec4 added_light;  // no light; alpha: where the cover is visible, as in cover.glsl
 layout(location = 1) out vec4 removed;
 
 vec3 video_at(vec2 pixel) {
@@ -52,9 +54,10 @@ vec3 video_at(vec2 pixel) {
 #if LIGHTS > 0 && CASTERS > 1
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
-// Fraction of a light that the real object lets through. Near its shadow's outline it is measured in the video, as an
-// outline that is off by a pixel would leave a seam where the ground is darkened twice, or not at all. Farther away, what
-// is clearly in shadow counts as such. Where the model changes next to nothing (not `matters`) so does an error.
+// The fraction of a light that the real object lets through. Near the outline of its shadow it is measured in the video:
+// where the two shadows meet, an outline that is off by a pixel would leave a seam that is darkened twice or not at all.
+// Farther from the outline, only what is clearly in shadow in the video counts as shadow. Where the model takes hardly any
+// light (not `matters`), an error would not be seen, and nothing is measured.
 float lit_past_real(int light, float covered, bool matters) {
     float known = lit_on_ground(1, light, ground);
     vec2 across = dFdx(ground), along = dFdy(ground);
@@ -77,24 +80,25 @@ float lit_past_real(int light, float covered, bool matters) {
     float gone = clamp((level - seen) / max(share, 1e-3), 0.0, 1.0);
     float measured = mix(known, 1.0 - gone, most - least);
 #if LAMPS == 0
-    // Beside lit ground is the shadow's border, where light is left that the model takes: else a bright line stays there.
+    // A pixel close to lit ground is on the border of the shadow. The light left there is taken by the model; otherwise a
+    // bright line would remain.
     float brightest = seen;
     for (int side = -1; side <= 1; side += 2) {
         brightest = max(brightest, dot(video_at(gl_FragCoord.xy + vec2(side * BORDER_PX, 0.0)), LUMINANCE) / lit_ground);
         brightest = max(brightest, dot(video_at(gl_FragCoord.xy + vec2(0.0, side * BORDER_PX)), LUMINANCE) / lit_ground);
     }
-    // What is hardly darker than lit ground is lit ground of another colour.
+    // What is hardly darker than lit ground is no shadow's border, but lit ground of another colour.
     float is_border = smoothstep(0.1, 0.35, gone) * (1.0 - smoothstep(0.4, 0.7, (level - brightest) / max(share, 1e-3)));
     float in_shadow = min(measured, 1.0 - smoothstep(0.4, 0.8, gone) * (most - far));
     return mix(in_shadow, 1.0 - gone, is_border * min((most - far) / NEAR_SHADOW, 1.0));
 #else
-    // Beside an object that a lamp lights, hidden sky is as dark as a shadow.
+    // Close to an object that a lamp lights, the ground is dark where the object hides the sky: that is no shadow's border.
     return measured;
 #endif
 }
 #endif
 
-// Horizontal part of the mean direction to half of the sky, by cosine: that which a wall hides at its foot.
+// Length of the horizontal part of the mean direction, weighted by cosine, of the half of the sky hidden at a wall's foot.
 const float WALL = 0.4244;  // 4 / (3 pi)
 
 void main() {
@@ -103,14 +107,14 @@ void main() {
 #ifdef COVERS
     covered = cover_at(ground).a;
 #endif
-    // What hides the sky is as much of a wall as it does so on one side; the rest of it hangs above.
+    // What hides the sky on one side only is a wall; what hides it evenly hangs above. Most places are in between.
     vec4 contact_here = texture(contact, at);
     vec3 hidden = contact_here.rgb;
-    float shaded = 0.0;  // of the light that the model blocks most of
+    float shaded = 0.0;  // fraction blocked of the light that the model blocks most
     float is_wall = min(length(hidden.yz) / max(WALL * hidden.x, 1e-4), 1.0);
     vec2 outward_placed = normalize(-hidden.yz + vec2(1e-9, 0.0));
     vec2 outward = normalize((marker_from_placed * vec4(outward_placed, 0.0, 0.0)).xy);
-    vec3 on_walls = vec3(0.0);  // what the lights give them
+    vec3 on_walls = vec3(0.0);  // light of the lights on these walls
     vec3 before = sky;
     vec3 after = sky;
 #if LIGHTS > 0
@@ -120,7 +124,7 @@ void main() {
         float falloff;
         vec3 towards = towards_light(light, vec3(ground, 0.0), falloff);
 #ifdef SOFT_BORDER
-        // Four taps have the variance of their offsets.
+        // Four taps at these offsets blur by a standard deviation of border_px along both axes.
         vec2 across = border_px * dFdx(ground), along = border_px * dFdy(ground);
         float lit = 0.25 * (lit_on_ground(0, light, ground + across + along) + lit_on_ground(0, light, ground + across - along)
             + lit_on_ground(0, light, ground - across + along) + lit_on_ground(0, light, ground - across - along));
@@ -136,20 +140,21 @@ void main() {
         before += seen;
         after += seen * lit;
         shaded = max(shaded, 1.0 - lit);
-        // A shadow on the ground goes on up the walls beside it.
+        // A shadow that reaches a wall on the ground continues up the wall.
         on_walls += sun[light] * (falloff * share * lit * max(dot(outward, towards.xy), 0.0));
     }
 #endif
 #ifdef CONTACT_ALONE
-    // Drawn over a picture that has the shadows, and another model's contact.
+    // The picture below already has all shadows and another model's contact.
     before = after;
 #endif
     hidden *= mix(contact_here.a, 1.0, shaded);
-    // In the place of the hidden sky the ground sees the model, lit by the ground before it, and if a wall by half the sky.
+    // Where the sky is hidden, the ground sees the model instead: an underside lit by the ground, or a wall lit by the
+    // ground, the lights and half of the sky.
     vec3 from_ground = ground_bounce * after / max(before, 1e-3);
     vec3 on_wall = 0.5 * (sky + texture(walls, at).rgb) + on_walls;
     vec3 facing = model_albedo * mix(from_ground, on_wall, is_wall);
-    // A sky whose radiance leans by k times a direction's x gives a wall that faces x a third of k more.
+    // A sky whose radiance increases by k times the x of its direction gives a wall that faces x a third of k more.
     vec2 hidden_from = (marker_from_placed * vec4(hidden.yz, 0.0, 0.0)).xy;
     hidden_from *= length(hidden.yz) / max(length(hidden_from), 1e-6);
     vec3 gone = hidden.x * sky + 3.0 * (sky_slope[0] * hidden_from.x + sky_slope[1] * hidden_from.y);

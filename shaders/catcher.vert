@@ -1,4 +1,4 @@
-// The part of the marker plane that the model may darken.
+// The polygon of the marker's plane that the model may darken.
 #version 330 core
 
 uniform mat4 clip_from_marker;

@@ -1,14 +1,14 @@
-// Both layers at half the resolution, blurred along one axis.
+// Blurs both layers, at half the resolution, along one axis.
 #version 330 core
 
 uniform sampler2D added_light;
 uniform sampler2D removed;  // alpha as in halved.frag
-uniform ivec2 along;  // from one tap to the next
-uniform float weights[TAPS + 1];  // of the middle, and of its neighbours on either side
+uniform ivec2 along;  // offset from one tap to the next
+uniform float weights[TAPS + 1];  // of the middle tap, and of its neighbours on either side
 
 layout(location = 0) out vec4 coarse_light;
-layout(location = 1) out vec4 coarse_gone;  // alpha: 0 where nothing is within the taps' reach, else 1 and the most that the
-                                           // layers differ by within SPREAD of a pixel and its neighbours
+layout(location = 1) out vec4 coarse_gone;  // alpha: 0 if nothing is within the taps' reach, else 1 plus the largest
+                                           // difference of the layers within SPREAD pixels
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(added_light, 0) - 1;

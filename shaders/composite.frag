@@ -1,5 +1,6 @@
-// The video times what is left of its light, plus the model's light, both blurred as the video is; then sharpened, with
-// colours as coarse and the noise that the video's own pixels have lost or never had. Elsewhere the video is left alone.
+// The composite: the video times the fraction of its light that is left, plus the light of the model, both blurred as the
+// video is. Then it is sharpened, its colours are blurred, and noise is added, as the video's own camera does. Pixels that
+// nothing was drawn near keep the video as it is.
 #version 330 core
 #include "srgb.glsl"
 #include "middle.glsl"
@@ -11,28 +12,28 @@ uniform mat3 ground_from_pixel;  // of the pinhole camera's picture, to the mark
 uniform sampler2D added_light;  // linear RGB; alpha: fraction of the pixel that the model covers, or as in cover.glsl
 uniform sampler2D removed;  // fraction of the video's light that is gone, linear RGB
 uniform sampler2D video;
-uniform float weights[REACH + 1];  // of a row's middle, and of its neighbours on either side
+uniform float weights[REACH + 1];  // of the kernel's middle row or column, and of its neighbours on either side
 #ifdef WIDE
-uniform float wide_weights[REACH + 1];  // of a blur a pixel wider, which sharpening takes away
+uniform float wide_weights[REACH + 1];  // of a blur one pixel wider, as unsharp masking needs
 uniform float sharpening;
 #endif
 #ifdef COARSE
-uniform sampler2D coarse_light;  // both layers as blurred as colours are, at half the resolution
+uniform sampler2D coarse_light;  // the layers, blurred as the video's colours are, at half the resolution
 #endif
-uniform sampler2D coarse_gone;  // alpha: 1 and what the layers differ by around, as in coarse.frag
+uniform sampler2D coarse_gone;  // alpha: 1 plus the largest difference of the layers near by, as in coarse.frag
 #ifdef OVEREXPOSED
-uniform vec3 paper;  // what the picture shows as white, linear RGB as the picture would have it if it could
-const vec2 WHITE = vec2(0.88, 0.94);  // linear brightness from which, and from which fully (as in camera/white.py)
+uniform vec3 paper;  // linear RGB of what the picture shows as white, beyond 1 where the picture clips it
+const vec2 WHITE = vec2(0.88, 0.94);  // linear brightness at which clipping begins and is complete (as in camera/white.py)
 #endif
-uniform float noise_sigmas[4];  // standard deviations of encoded values, at the middles of four ranges of brightness
+uniform float noise_sigmas[4];  // standard deviations in encoded values, at the middles of four ranges of brightness
 uniform vec2 grain_px;  // size of a pixel of the video, in pixels of the viewport
 uniform int seed;
 
 out vec4 encoded;
 
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
-const int ACROSS = max(REACH, 2);  // rows and columns together; of the smallest kernel all
-const float EVEN = 0.006;  // linear difference within a kernel's reach that no blur shows
+const int ACROSS = max(REACH, 2);  // rows plus columns from the kernel's middle; the smallest kernel is a full square
+const float EVEN = 0.006;  // linear difference within a kernel's reach below which blurring changes nothing visible
 
 // Jarzynski, Olano, "Hash functions for GPU rendering", JCGT 2020: PCG.
 uint scrambled(uint value) {
@@ -54,7 +55,7 @@ float noise_sigma(float brightness) {
     return mix(noise_sigmas[below], noise_sigmas[below + 1], at - float(below));
 }
 
-// Layers at a whole number of pixels from `middle`, which is between pixels where the lens bends.
+// Reads a layer a whole number of pixels from `middle`, which lies between pixels if the lens distorts.
 #ifdef BENDS
 #define READ(layer, middle, column, row) textureLod(layer, (middle + vec2(column, row)) / vec2(textureSize(layer, 0)), 0.0)
 #else
@@ -66,7 +67,7 @@ float noise_sigma(float brightness) {
 vec3 left_of(vec3 seen, vec3 gone) {
 #ifdef OVEREXPOSED
     float share = smoothstep(WHITE.x, WHITE.y, dot(seen, LUMINANCE));
-    // What was too bright to be seen is lost first.
+    // Of clipped light, what exceeds white is lost first.
     return min(mix(seen, max(seen, paper), share) * (1.0 - gone), max(seen, seen * (1.0 - gone)));
 #else
     return seen * (1.0 - gone);
@@ -74,7 +75,7 @@ vec3 left_of(vec3 seen, vec3 gone) {
 }
 
 #ifdef COVERS
-// The cover in a pixel, as far as it is seen. `alpha`: of the added light, blurred.
+// The cover in a pixel; its alpha is how much of it is visible. `alpha`: of the blurred added light.
 vec4 cover_behind(vec2 middle, float alpha) {
     vec3 ground = ground_from_pixel * vec3(middle, 1.0);
     vec4 covering = ground.z > 0.0 ? cover_at(ground.xy / ground.z) : vec4(0.0);
@@ -90,7 +91,7 @@ void main() {
     if (any(lessThan(middle, region.xy)) || any(greaterThan(middle, region.xy + region.zw))) discard;
 #endif
     vec4 coarse_removed = textureLod(coarse_gone, in_coarse(middle, coarse_gone), 0.0);
-    // Most of a picture is even or changes steadily over a kernel's width, and is not worth looking at more closely.
+    // Most of a picture is even, or changes steadily over a kernel's width, and needs no blur.
     bool is_even = coarse_removed.a < 1.0 + EVEN;
 #ifdef COARSE
     vec4 coarse_added = textureLod(coarse_light, in_coarse(middle, coarse_light), 0.0);
@@ -102,10 +103,10 @@ void main() {
     vec4 wide_light = light;
     vec3 wide_gone = gone;
 #endif
-    // Ending a loop early saves time on a software rasteriser, which a branch does not.
+    // A software rasteriser saves time when a loop ends early, but not when a branch is not taken.
     int rows = is_even ? -REACH - 1 : REACH;
     for (int row = -REACH; row <= rows; ++row) {
-        // A diamond has half of the square's pixels, and nearly all of its weight.
+        // A diamond has half of the square's pixels but nearly all of the kernel's weight.
         int columns = min(REACH, ACROSS - abs(row));
         float row_weight = weights[abs(row)];
 #ifdef WIDE
@@ -153,8 +154,8 @@ void main() {
     uvec2 grain = uvec2((gl_FragCoord.xy - viewport.xy) / grain_px);
     composed += noise_sigma(luma) * light.a * noise(grain);
 #ifdef CUT_OUT
-    // What gives this picture when it is put over the video: as transparent as it can be, and opaque where the model is
-    // and what covers the sheet.
+    // The layer that gives this picture when it is put over the video: as transparent as possible, but opaque where the
+    // model or the cover is.
     vec3 behind = texture(video, at).rgb;
     vec3 wanted = clamp(composed, 0.0, 1.0);
     vec3 darker = (behind - wanted) / max(behind, 0.5 / 255.0);
@@ -166,7 +167,7 @@ void main() {
 #endif
     float alpha = clamp(max(opaque, max(least.r, max(least.g, least.b))), 0.0, 1.0);
     if (alpha < 0.5 / 255.0) discard;
-    // In steps of a byte, as it will be stored, so that the colour makes up for what it loses.
+    // Alpha is rounded to the byte that will be stored, so that the colour can make up for the rounding.
     alpha = ceil(alpha * 255.0) / 255.0;
     encoded = vec4((wanted - (1.0 - alpha) * behind) / alpha, alpha);
 #else

@@ -1,9 +1,10 @@
-// Occlusion of the ground by the model from some directions of the sky, and their horizontal parts where hidden.
+// How much of the ground's sky the model hides: for a few directions of the sky at a time, those that are hidden are summed,
+// and their horizontal parts with them.
 #version 330 core
 #include "lights.glsl"
 #include "shadow.glsl"
 
-uniform float weight;  // of a direction straight above
+uniform float weight;  // of a direction straight up
 
 in vec3 position;
 out vec4 occlusion;

@@ -1,4 +1,4 @@
-// The patch of ground around the model, seen from straight above, mapped to the whole texture.
+// Maps the patch of ground around the model, seen from straight above, to the whole texture.
 #version 330 core
 
 uniform vec4 patch_bounds;  // lower x, y and upper x, y; metres, marker frame

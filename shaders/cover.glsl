@@ -1,12 +1,13 @@
-// The ground in the place of the marker's sheet. As it is made of the video, it is as sharp as that already: the composite puts
-// it behind the layers, unblurred, where these say that it is seen.
+// The ground that is shown in place of the marker's sheet. It is made from the video and so already as sharp as the video:
+// the composite puts it behind the layers, without blurring it, where they say that it is visible.
 
 uniform sampler2D cover;  // sRGB, straight alpha
 uniform float cover_half_m;
-uniform vec3 cover_gain;  // exposure of this frame over that of the cover's
+uniform vec3 cover_gain;  // exposure of this frame over that of the frame that the cover was made from
 
-// In the layer of added light, of what is covered: told from the model by it, so that an outline before it is found as
-// before bare video. It has as much of the noise that is given to the model, for it has some of the frame that it was made of.
+// The alpha of covered pixels in the layer of added light. It differs from the model's 1, so that the model's outline is
+// found in front of the cover as it is in front of bare video. It also scales the added noise: the cover keeps some noise of
+// the frame that it was made from.
 const float COVER_ALPHA = 0.45;
 
 // Linear RGB, straight alpha.

@@ -1,4 +1,5 @@
-// Depth only; discards a surface's holes, and the fraction of the texels of a transparent surface that it lets through.
+// Writes depth only. Discards the holes of a cut-out surface, and of a transparent one the share of texels by which it lets
+// light through.
 #version 330 core
 
 uniform float base_alpha;
@@ -18,7 +19,7 @@ void main() {
 #ifdef CUT_OUT
     if (alpha < alpha_cutoff) discard;
 #else
-    // Bayer's ordered 4 x 4 dither pattern, which the shadow's filter averages.
+    // Bayer's ordered 4 x 4 dithering, which the shadow filter averages.
     ivec2 at = ivec2(gl_FragCoord.xy);
     ivec2 flip = at ^ at.yy * ivec2(1, 0);
     int rank = (flip.x & 1) << 3 | (at.y & 1) << 2 | (flip.x & 2) | (at.y & 2) >> 1;

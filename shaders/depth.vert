@@ -1,4 +1,4 @@
-// The model in the light's view.
+// The model as the light sees it.
 #version 330 core
 
 uniform mat4 clip_from_marker;

@@ -1,4 +1,4 @@
-// The fraction of one light that one caster lets through to the ground.
+// The fraction of a light that a caster lets through to the ground, for one light and one caster.
 #version 330 core
 #include "lights.glsl"
 #include "shadow.glsl"
@@ -10,6 +10,6 @@ in vec3 ground;
 out float lit;
 
 void main() {
-    // Above a lamp's horizon there is no ground.
+    // Rays above the horizon of a lamp never meet the ground.
     lit = ground.z < 1e-4 ? 1.0 : lit_past(caster, light, vec3(ground.xy / ground.z, 0.0));
 }

@@ -1,9 +1,10 @@
-// Look-up of the shadows on the ground, which render/lights/ground_shadows.py has filtered.
+// Looks up the shadows on the ground, prefiltered by render/lights/ground_shadows.py.
 
-// Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
-// these are the middles of the thirds, as 1 - h / sqrt(h^2 + d^2) of it comes from within d.
+// Of the light that a point at height h on a wall gets from the ground, the part 1 - h / sqrt(h^2 + d^2) comes from within a
+// distance d of the wall: a third from nearer than 1.1 h, a third from farther than 2.8 h. In units of h, the middles of the
+// three thirds, and half of the widths over which each is averaged.
 const float THIRDS[3] = float[](0.66, 1.73, 5.92);
-const float WIDTHS[3] = float[](0.55, 0.85, 2.9);  // and half of how wide these are, to either side of which is looked
+const float WIDTHS[3] = float[](0.55, 0.85, 2.9);
 
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
@@ -13,10 +14,10 @@ uniform mat4 ground_shadow_from_marker[MAPS];
 uniform vec2 ground_shadow_lower[MAPS];  // lower left corners of the tiles
 uniform vec2 ground_shadow_upper[MAPS];
 uniform float ground_shadow_texels_per_m[MAPS];  // at the marker's centre
-uniform float ground_shadow_levels;  // of the texture's pyramid, in each of which a tile is still some texels
+uniform float ground_shadow_levels;  // mipmap levels in which a tile still has several texels
 
-// Where a map has a point of the plane, in the texture's coordinates; not behind a lamp that sees its caster beside it, where
-// nothing is shaded.
+// Finds the texture coordinates of a point of the plane. False where the map has no such point, as it is behind the lamp,
+// where nothing is shaded.
 bool is_on_map(int map, vec2 ground, out vec2 at) {
     vec4 seen = ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0);
     at = seen.xy;
@@ -27,7 +28,7 @@ bool is_on_map(int map, vec2 ground, out vec2 at) {
     return true;
 }
 
-// Fraction of a light that a caster (0: the model, 1: the real object) lets through to a point of the plane.
+// The fraction of a light that a caster (0: the model, 1: the real object) lets through to a point of the plane.
 float lit_on_ground(int caster, int light, vec2 ground) {
     int map = caster * LIGHTS + light;
     vec2 at;
@@ -35,7 +36,7 @@ float lit_on_ground(int caster, int light, vec2 ground) {
     return textureLod(ground_shadows, clamp(at, ground_shadow_lower[map], ground_shadow_upper[map]), 0.0).r;
 }
 
-// Its mean over about `width_m` of the plane.
+// The mean of that fraction over about `width_m` of the plane.
 float lit_around(int caster, int light, vec2 ground, float width_m) {
     int map = caster * LIGHTS + light;
     vec2 at;
@@ -43,16 +44,16 @@ float lit_around(int caster, int light, vec2 ground, float width_m) {
     float texels = clamp(width_m * ground_shadow_texels_per_m[map], 1.0, exp2(ground_shadow_levels));
     vec2 size = vec2(textureSize(ground_shadows, 0));
     vec2 texel = texels / size;
-    vec2 within = 0.5 * (texel - 1.0 / size);  // to the middle of a coarser texel at the tile's border
+    vec2 within = 0.5 * (texel - 1.0 / size);  // from the tile's border to the middle of the coarser texel there
     vec2 nearest = clamp(at, ground_shadow_lower[map] + within, ground_shadow_upper[map] - within);
-    // Beyond the tile nothing is shaded.
+    // Nothing beyond the tile is shaded.
     vec2 beyond = abs(at - nearest) / texel;
     float lit = textureLod(ground_shadows, nearest, log2(texels)).r;
     return mix(lit, 1.0, min(max(beyond.x, beyond.y), 1.0));
 }
 
-// The light on level ground, as far as the model leaves it, over that at the marker's centre with nothing there; the mean
-// over about `width_m`.
+// The light that the model leaves on level ground, averaged over about `width_m`, relative to the unshaded light at the
+// marker's centre.
 vec3 light_on_ground(vec2 at, float width_m) {
     vec3 light = vec3(1.0);
     for (int number = 0; number < LIGHTS; ++number) {

@@ -1,7 +1,7 @@
-// A tile of the ground, aligned with the light's view.
+// The part of the ground that one tile shows, aligned with the light's view.
 #version 330 core
 
-uniform mat4 marker_from_tile;  // for one light and caster: where its rays meet the marker plane
+uniform mat4 marker_from_tile;  // where the light's rays meet the marker's plane
 
 out vec3 ground;  // x, y, w; metres, marker frame
 

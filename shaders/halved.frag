@@ -1,11 +1,11 @@
-// Both layers at half the resolution: the means of two by two pixels.
+// Both layers at half the resolution, as means of two by two pixels.
 #version 330 core
 
 uniform sampler2D added_light;
 uniform sampler2D removed;
 
-layout(location = 0) out vec4 halved_light;  // none brighter than a picture shows: a camera's colours are blurred after that
-layout(location = 1) out vec4 halved_gone;  // alpha: 0 where nothing is, else 1 and by how much the four pixels differ
+layout(location = 0) out vec4 halved_light;  // clipped to what a picture can show, as cameras clip before they blur colours
+layout(location = 1) out vec4 halved_gone;  // alpha: 0 if nothing is drawn there, else 1 plus the largest difference
 
 void main() {
     ivec2 last = textureSize(added_light, 0) - 1, lower = 2 * ivec2(gl_FragCoord.xy);

@@ -1,4 +1,4 @@
-// Where a fragment looks its maps up; MapLayout in ashe_live/models/material.py. Macros as of the file that includes it.
+// Texture coordinates of a material's maps (MapLayout in ashe_live/models/material.py). Uses the including file's macros.
 
 const int BASE = 0;
 const int METALLIC_ROUGHNESS = 1;
@@ -8,7 +8,7 @@ const int EMISSIVE = 4;
 
 #ifdef LAID_OUT
 in vec4 uvs;  // two sets of texture coordinates
-uniform vec4 map_rows[10];  // two for each map: its u and its v from both sets
+uniform vec4 map_rows[10];  // two for each map: how its u and its v follow from both sets
 uniform vec2 map_offsets[5];
 
 vec2 laid_out(int map) {

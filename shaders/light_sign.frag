@@ -1,4 +1,4 @@
-// Bright where it faces the eye and dark at its rim, so that the sign looks round and stands out from any video.
+// The light's sign: bright where it faces the eye and dark at its rim, so that it looks round and stands out from any video.
 #version 330 core
 #include "srgb.glsl"
 

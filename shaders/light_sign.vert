@@ -1,4 +1,4 @@
-// The light's sign in the camera's view.
+// The light's sign as the camera sees it.
 #version 330 core
 
 uniform mat4 clip_from_marker;

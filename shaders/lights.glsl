@@ -1,16 +1,16 @@
-// The lights as homogeneous points, LIGHTS of them; LAMPS is 1 where any is near by.
+// LIGHTS lights as homogeneous points. LAMPS is 1 if any of them is near by.
 #if LIGHTS > 0
 uniform vec3 sun_on_ground[LIGHTS];  // fraction of the light on level ground at the marker's centre, linear RGB
 uniform vec4 light_point[LIGHTS];  // unit vector from the marker's centre, and one over the distance in 1/m: 0 for a sun
 
 #if LAMPS
-// Nothing is lit more than from a hundredth of the lamp's distance from the marker's centre (as in lighting.py): it has a
-// size.
+// A real lamp has a size. So nothing is lit more than at a hundredth of the lamp's distance from the marker's centre, as in
+// lighting.py.
 const float LEAST_DISTANCE2 = 1e-4;
 #endif
 
-// Unit vector from a point towards a light. `falloff`: the light's irradiance there, across its direction, over that at
-// the marker's centre, by the inverse square of the distance.
+// The unit vector from a point towards a light. `falloff`: the irradiance on a surface facing the light at that point over
+// that at the marker's centre, by the inverse square of the distance.
 vec3 towards_light(int light, vec3 position, out float falloff) {
 #if LAMPS
     vec3 towards = light_point[light].xyz - light_point[light].w * position;
@@ -23,7 +23,7 @@ vec3 towards_light(int light, vec3 position, out float falloff) {
 #endif
 }
 
-// The light's irradiance of the level ground over that at the marker's centre: h / d^3.
+// The irradiance of level ground by the light over that at the marker's centre: h / d^3 by Lambert's law.
 float ground_falloff(int light, vec2 ground) {
     float falloff;
     towards_light(light, vec3(ground, 0.0), falloff);
@@ -33,7 +33,7 @@ float ground_falloff(int light, vec2 ground) {
     return falloff;
 }
 
-// The light on level ground, which nothing shades, over that at the marker's centre.
+// All light on unshaded level ground over that at the marker's centre.
 vec3 level_at(vec2 ground) {
     vec3 level = vec3(1.0);
 #if LAMPS
@@ -45,7 +45,7 @@ vec3 level_at(vec2 ground) {
 }
 #endif
 
-// What the ground throws onto a surface with that normal, over what it does under suns.
+// The light that the ground reflects onto a surface with this normal, relative to ground lit by suns alone.
 vec3 bounce_at(vec3 position, vec3 normal) {
 #if LIGHTS > 0 && LAMPS
     // Half of the ground's light on a wall comes from farther away than 1.7 times its height.

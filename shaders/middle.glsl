@@ -1,12 +1,12 @@
-// Where in the layers a pixel of the picture is.
+// Where the layers have what a pixel of the picture shows.
 
 uniform vec4 viewport;  // left, bottom, width, height in pixels
 #ifdef BENDS
-uniform sampler2D straight_from_bent;  // undistorted coordinates by those of the video; a coarse grid
+uniform sampler2D straight_from_bent;  // a coarse grid: undistorted coordinates for those of the video
 uniform vec4 region;  // of the pinhole picture, in which something was drawn
 #endif
 
-// In pixels of the layers.
+// The place in the layers, in pixels, about which the composite blurs them.
 vec2 middle_of_blurs() {
 #ifdef BENDS
     vec2 nodes = vec2(textureSize(straight_from_bent, 0));
@@ -17,7 +17,7 @@ vec2 middle_of_blurs() {
 #endif
 }
 
-// The same in the coordinates of a texture of half the resolution.
+// The same place in the coordinates of a texture of half the resolution.
 vec2 in_coarse(vec2 middle, sampler2D coarse) {
     return middle / (2.0 * vec2(textureSize(coarse, 0)));
 }

@@ -34,7 +34,7 @@ in vec3 position;
 // the triangle's plane, which does no harm; at the centroid, Mesa would divide them by the middle's depth, which takes
 // them off their surface.
 centroid in vec3 normal;
-centroid in vec4 openness;  // shares of sky and ground that the model leaves in front of the surface, and behind it
+centroid in vec4 openness;  // shares of sky and ground that the model leaves open, in front of the surface and behind it
 #include "layout.glsl"
 #ifdef VERTEX_COLOURS
 centroid in vec4 colour;
@@ -54,8 +54,8 @@ uniform sampler2D occlusion_map;
 #ifdef EMISSIVE_MAP
 uniform sampler2D emissive_map;
 #endif
-layout(location = 0) out vec4 added_light;  // premultiplied by the coverage, which is its alpha
-layout(location = 1) out vec4 removed;  // fraction of the light behind it; alpha: see number_of_surface
+layout(location = 0) out vec4 added_light;  // premultiplied; alpha: coverage
+layout(location = 1) out vec4 removed;  // fraction taken of the light from behind; alpha: see number_of_surface
 
 vec3 smooth_normal() {
     return normalize(gl_FrontFacing ? normal : -normal);
@@ -82,21 +82,22 @@ vec3 surface_normal() {
     return n;
 }
 
-// The unit normal of the triangle itself, on the side that is seen; `n` where it is seen edge-on and has no side.
+// The unit normal of the triangle itself on the visible side; `n` for a triangle that is seen edge-on.
 vec3 triangle_normal(vec3 n) {
     vec3 across = cross(dFdx(position), dFdy(position));
     float size2 = dot(across, across);
     return size2 > 0.0 && size2 < 1e30 ? faceforward(across, position - eye, across) * inversesqrt(size2) : n;
 }
 
-const float NEARER = 1.2;  // the middle of the nearer two THIRDS, in heights of the wall,
-const float NEARER_WIDTH = 1.5;  // and about how far they reach to both sides of it
+// In heights of the point on the wall: the middle of the nearer two THIRDS together, and how far they reach on both sides.
+const float NEARER = 1.2;
+const float NEARER_WIDTH = 1.5;
 
-// Light of the ground, over pi, on a wall that faces `direction`, with the model's shadow on it. `unshaded`: without.
+// Light, over pi, that a wall facing `direction` gets from the ground with the model's shadow on it. `unshaded`: without it.
 vec3 from_ground(vec3 direction, out vec3 unshaded) {
     float height = max(position.z, 0.0);
     vec2 away = height * direction.xy;
-    // Near by it has the colours of the picture there: the marker's paper is brighter than what it lies on.
+    // The ground near by has the colours of the picture there: the marker's paper is brighter than what it lies on.
     vec3 near = ground_seen(position.xy + NEARER * away, NEARER_WIDTH * height) / 3.0;
     vec3 far = ground_bounce / 3.0;
     unshaded = 2.0 * near + far;
@@ -105,8 +106,8 @@ vec3 from_ground(vec3 direction, out vec3 unshaded) {
     return near * left + far * light_on_ground(position.xy + THIRDS[2] * away, WIDTHS[2] * height);
 }
 
-// Light from all around, over pi, on a surface or from a direction: the sky above and `ground` below, as far as they are
-// `open`.
+// Light, over pi, on a surface facing `direction` (or the radiance from it): of the sky above and the `ground` below, as far
+// as they are `open`.
 vec3 ambient(vec3 direction, vec2 open, vec3 ground) {
     float upward = 0.5 + 0.5 * direction.z;
     vec3 from_sky = sky * upward + sky_slope[0] * direction.x + sky_slope[1] * direction.y;
@@ -119,15 +120,15 @@ vec3 ambient(vec3 direction, vec2 open, vec3 ground) {
 #else
 #define AROUND(towards, rough) ambient(towards, vec2(1.0), unshaded * left_towards(towards))
 
-// Of what mirrors little and roughly one look at the shadow is enough, at the middle of the nearer two THIRDS.
+// Surfaces with faint, rough reflections look the shadow up only once, in the middle of the nearer two THIRDS.
 vec3 left_towards(vec3 towards) {
     float height = max(position.z, 0.0);
     return left_on_ground(position.xy + NEARER * height * towards.xy, NEARER_WIDTH * height);
 }
 #endif
 
-// The direction that is mirrored. Where an interpolated or mapped normal would mirror what is below the surface, whose
-// triangle faces `facing`, the lowest that is not, and the normal that mirrors it.
+// The mirrored direction. An interpolated or mapped normal may mirror what lies below the triangle, which faces `facing`. Then
+// it is the lowest direction that does not, and `n` becomes the normal that mirrors this one.
 vec3 mirrored_direction(vec3 to_eye, vec3 facing, inout vec3 n) {
     vec3 mirror = reflect(-to_eye, n);
     float above = dot(mirror, facing);
@@ -138,23 +139,24 @@ vec3 mirrored_direction(vec3 to_eye, vec3 facing, inout vec3 n) {
     return mirror;
 }
 
-// Share of the lobe around the mirrored direction that is open: Lagarde and de Rousiers, "Moving Frostbite to PBR", 2014.
+// The open share of the lobe around the mirrored direction: Lagarde, de Rousiers, "Moving Frostbite to PBR", 2014.
 float open_lobe(vec2 open, vec3 mirror, float rough, float n_v) {
     float ahead = mix(open.y, open.x, 0.5 + 0.5 * mirror.z);
     return clamp(pow(n_v + ahead, exp2(-16.0 * rough - 1.0)) - 1.0 + ahead, 0.0, 1.0);
 }
 #endif
 
-// By which steps between surfaces, and at the borders of shadows, are told from what is painted on one: the same all over the
-// plane of a triangle that faces `facing`, where as much of the lights comes `through`, and hardly ever elsewhere.
+// A number by which outlines.frag distinguishes edges between surfaces, and borders of shadows, from what is painted on a
+// surface. It is the same wherever the plane of the triangle and the light that comes `through` are the same, and hardly
+// ever elsewhere.
 float number_of_surface(vec3 facing, float through) {
     float plane = dot(facing, vec3(0.32, 0.44, 0.27)) + dot(facing, position - eye) * inversesqrt(dot(eye, eye));
     return plane + 0.04 * through;
 }
 
-const float GLASS = 0.04;  // what plastic, glass and clear coats mirror straight on
-const float ANYHOW = 0.25;  // mean over all directions of a cosine where it is positive
-const float MOST_ALBEDO = 0.9;  // beyond which nothing throws light back
+const float GLASS = 0.04;  // reflectance of plastic, glass and clear coats at normal incidence
+const float ANYHOW = 0.25;  // mean of the clamped cosine over surfaces that face anywhere
+const float MOST_ALBEDO = 0.9;  // of real surfaces
 
 void main() {
     vec4 base = base_colour;
@@ -172,16 +174,16 @@ void main() {
     vec2 open = gl_FrontFacing ? openness.xy : openness.zw;
     float hidden = 1.0 - mix(open.y, open.x, 0.5 + 0.5 * n.z);
 #ifdef OCCLUSION_MAP
-    // It says the same of the same parts, and more finely: the smaller of the two.
+    // The map says the same of the same parts in finer detail; taking the product would count the occlusion twice.
     open = min(open, 1.0 + occlusion_strength * (texture(occlusion_map, laid_out(OCCLUSION)).r - 1.0));
 #endif
-    // Where an interpolated or mapped normal leans away from the triangle, light from below this is none: of the cosines
-    // around n a half and half of n.facing are above both planes.
+    // An interpolated or mapped normal may lean away from the triangle, from below which no light comes. Of the
+    // cosine-weighted hemisphere around n, the share (1 + n.facing) / 2 is above the triangle as well.
     vec3 unshaded;
     vec3 ground = from_ground(n, unshaded);
     vec3 from_around = ambient(n, open, ground) * (0.5 + 0.5 * dot(n, facing));
     vec3 from_suns = vec3(0.0);
-    float through = 0.0;  // of all lights
+    float through = 0.0;  // sum over the lights of the fractions that arrive
     vec3 diffuse = from_around;
     vec3 mirrored = vec3(0.0);
     vec3 albedo = base.rgb;
@@ -202,12 +204,12 @@ void main() {
     float n_v = max(dot(shine_n, to_eye), 1e-3);
     vec3 share = mirrored_share(rough, n_v);
     vec3 again = thrown_on(f0, share);
-    // What is mirrored does not get in.
+    // What is mirrored does not reach the diffuse layer.
     vec3 reflectance = (f0 * share.x + share.y) * again;
     albedo *= 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
 #endif
 #ifdef COATED
-    // KHR_materials_clearcoat: a layer of glass, which the relief below does not reach.
+    // KHR_materials_clearcoat: a smooth layer of glass over the normal map.
     vec3 coat_n = smooth_normal();
     vec3 coat_mirror = mirrored_direction(to_eye, facing, coat_n);
     float coat_rough = max(coat_roughness, MIN_ROUGHNESS);
@@ -247,10 +249,10 @@ void main() {
 #endif
     }
 #endif
-    // In the place of what they hide the model's parts show themselves, of this place's colour: lit by sky and ground as
-    // this place is, and by the suns as a surface that is turned anyhow, and sees as much of the sky. Of light thrown to
-    // and fro the sum is a geometric series (Jimenez, Wu, Pesce, Jarabo, "Practical realtime strategies for accurate
-    // indirect occlusion", 2016, whose fit that is for grey cavities).
+    // Where the model hides sky and ground from itself, it shows itself instead. These parts are taken to have the colour of
+    // this place, and the same light from sky and ground; from the suns they get what a surface facing anywhere gets that
+    // sees as much of the sky. Interreflections sum up to a geometric series (the fit for grey cavities of Jimenez, Wu,
+    // Pesce, Jarabo, "Practical realtime strategies for accurate indirect occlusion", 2016).
     vec3 thrown = hidden * min(base.rgb, MOST_ALBEDO);
     vec3 on_parts = (from_around + ANYHOW * open.x * from_suns) / (1.0 - thrown);
     diffuse += thrown * on_parts;
@@ -275,7 +277,7 @@ void main() {
 #ifdef BLEND
     float cover = base.a;
 #ifdef GLOSSY
-    // What is reflected does not come through.
+    // Reflected light hides what is behind the surface.
     vec3 reflected = f0 * share.x + share.y;
     cover += (1.0 - cover) * min(max(reflected.r, max(reflected.g, reflected.b)), 1.0);
 #endif

@@ -1,8 +1,8 @@
-// The model in the camera's view.
+// The model as the camera sees it.
 #version 330 core
 
 uniform mat4 clip_from_marker;
-uniform mat4 marker_from_placed;  // a similarity
+uniform mat4 marker_from_placed;  // a similarity transform
 
 in vec3 in_position;
 in vec3 in_normal;

@@ -1,28 +1,28 @@
-// Outlines of the model, and of its parts before one another, where pixels were drawn whole or not at all: from how the
-// steps of that staircase follow one another, what part of each pixel is beyond the line that they stand for (Reshetov,
-// "Morphological antialiasing", HPG 2009). That part becomes what the layers show beyond the step. Three passes: FIND the
-// steps, what the layers become there, and PUT_BACK.
+// Morphological antialiasing (Reshetov, HPG 2009) of the model's outlines, and of those of its parts before one another, in
+// layers drawn with one sample a pixel. Such an outline is a staircase. From how its steps follow one another it is
+// computed what part of each pixel lies beyond the line that they stand for; that part is given what the layers show beyond
+// the step. Three passes: FIND the steps, compute what the layers become there, and PUT_BACK the result.
 #version 330 core
 
 uniform sampler2D added_light;
 uniform sampler2D removed;
 
 #if defined(FIND)
-out vec4 steps;  // whether there is one to the right, above, to the left and below; all other pixels are not chosen
+out vec4 steps;  // whether there is a step to the right, above, to the left and below; pixels without any are not chosen
 
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
-const float SEEN = 0.35;  // of the brighter one's light, that pixels differ by where there is a step between them
-const float LEAST_SEEN = 0.03;  // linear
-const float OTHER_SURFACE = 0.004;  // four steps of a half-precision number, which tell surfaces apart (model.frag)
+const float SEEN = 0.35;  // the least difference at a step, as a share of the brighter pixel's light
+const float LEAST_SEEN = 0.03;  // and in linear light
+const float OTHER_SURFACE = 0.004;  // difference of the numbers of two surfaces (model.frag): four steps of half precision
 
-// Brightness, how much is covered by what is drawn, and the number of the surface that is seen.
+// A pixel's brightness, its coverage, and the number of the surface that it shows.
 vec3 seen(ivec2 at) {
     ivec2 within = clamp(at, ivec2(0), textureSize(added_light, 0) - 1);
     vec4 light = texelFetch(added_light, within, 0);
     return vec3(dot(light.rgb, LUMINANCE), light.a, texelFetch(removed, within, 0).a);
 }
 
-// What is painted onto a surface has been filtered, and has no steps.
+// Whether there is a step between two pixels. Within one surface there is none: its texture has been filtered already.
 float differs(vec3 one, vec3 other) {
     bool is_seen = abs(one.x - other.x) > max(SEEN * max(one.x, other.x), LEAST_SEEN);
     return (is_seen && abs(one.z - other.z) > OTHER_SURFACE) || abs(one.y - other.y) > 0.5 ? 1.0 : 0.0;
@@ -55,15 +55,15 @@ uniform sampler2D outline_steps;
 
 const int FARTHEST = 12;  // pixels along a step: a longer one counts as level
 
-// Whether there is a step between a pixel and the next one in a direction, one of four.
+// Whether there is a step between a pixel and its neighbour in one of the four directions.
 bool is_step(ivec2 at, ivec2 towards) {
     vec4 steps = texelFetch(outline_steps, clamp(at, ivec2(0), textureSize(outline_steps, 0) - 1), 0);
     vec2 ahead = towards.x + towards.y > 0 ? steps.xy : steps.zw;
     return (towards.x != 0 ? ahead.x : ahead.y) > 0.5;
 }
 
-// From the middle of a pixel to where its step towards `across` ends; `rises`: whether the line there is half a pixel
-// beyond the step (0.5) or before it, or the step is level.
+// The distance from the middle of a pixel to where its step towards `across` ends. `rises`: whether the line there is half a
+// pixel beyond the step (0.5) or before it (-0.5), or the staircase does not go on there (0).
 float length_of_step(ivec2 at, ivec2 across, ivec2 along, out float rises) {
     float length = 0.5;
     bool turns = false, turns_beyond = false;
@@ -75,12 +75,12 @@ float length_of_step(ivec2 at, ivec2 across, ivec2 along, out float rises) {
         length += 1.0;
     }
     rises = turns == turns_beyond ? 0.0 : turns ? -0.5 : 0.5;
-    // Where the turn goes on for more than a pixel it is a corner, and no step of a line.
+    // A turn that goes on for more than a pixel is a corner and no step of a line.
     if (is_step(turns ? at - across : at + 2 * across, along)) rises = 0.0;
     return length;
 }
 
-// The part of a pixel beyond the line, which rises linearly from the middle of the step to its ends.
+// The part of a pixel that lies beyond the line, which rises linearly from the middle of the step to its ends.
 float beyond(ivec2 at, ivec2 across) {
     ivec2 along = across.yx;
     float ahead, behind;
@@ -100,7 +100,7 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec2 aside = vec2(beyond(at, RIGHT), beyond(at, -RIGHT));
     vec2 upright = vec2(beyond(at, UP), beyond(at, -UP));
-    // Steps that follow one another in both directions stand for one line.
+    // A pixel may have steps in both directions, but only one line passes through it: the one that takes the larger part.
     bool is_steep = aside.x + aside.y > upright.x + upright.y;
     vec2 shares = is_steep ? aside : upright;
     ivec2 across = is_steep ? RIGHT : UP;

@@ -1,4 +1,4 @@
-// The fraction of light that the real object loses where the model blocks a light from it.
+// The fraction of its light that the real object loses where the model blocks a light.
 #version 330 core
 #include "lights.glsl"
 #include "shadow.glsl"
@@ -10,7 +10,7 @@ uniform vec3 sun[LIGHTS];
 #endif
 
 in vec3 position;
-layout(location = 0) out vec4 added_light;  // none
+layout(location = 0) out vec4 added_light;  // stays empty
 layout(location = 1) out vec4 removed;
 
 void main() {

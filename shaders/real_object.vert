@@ -1,4 +1,4 @@
-// The real object's proxy in the camera's view.
+// The proxy of the real object as the camera sees it.
 #version 330 core
 
 uniform mat4 clip_from_marker;

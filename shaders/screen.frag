@@ -1,4 +1,4 @@
-// A picture without changes, already encoded for the display.
+// Copies a picture that is already encoded for the display.
 #version 330 core
 
 uniform sampler2D picture;

@@ -1,4 +1,5 @@
-// What the model hides of some directions from points on its own surface: of sky and ground before it, and behind it.
+// How much of sky and ground the model hides from points on its own surface, in front of it and behind it: the sum over
+// a few directions at a time.
 #version 330 core
 #include "lights.glsl"
 #include "shadow.glsl"

@@ -1,10 +1,10 @@
-// The fraction of a light that reaches a point, from shadow maps: a tile of one texture for each caster and light.
-// LIGHTS may be 0; LAMPS is 1 where any of them is near by; CASTERS is 1 (the model) or 2 (with the real object).
+// The fraction of a light that reaches a point, from shadow maps: one tile of a shared texture per caster and light.
+// LIGHTS may be 0. LAMPS is 1 if any light is near by. CASTERS is 1 (the model) or 2 (the model and the real object).
 //
-// BLOCKER_TAPS 0: percentage-closer filtering with PCF_RADIUS, 1 or more (Reeves, Salesin, Cook, "Rendering
-// antialiased shadows with depth maps", SIGGRAPH 1987). Else SOFT_TAPS over the penumbra by the light's size
-// (Fernando, "Percentage-closer soft shadows", SIGGRAPH 2005; here for parallel rays, as which those of a lamp are seen
-// in its map's coordinates (render/lights/light_view.py): the blocker search covers the light as seen from the receiver).
+// With BLOCKER_TAPS 0, percentage-closer filtering with PCF_RADIUS >= 1 (Reeves, Salesin, Cook, "Rendering antialiased
+// shadows with depth maps", SIGGRAPH 1987). Otherwise percentage-closer soft shadows with SOFT_TAPS over the penumbra
+// (Fernando, SIGGRAPH 2005). Rays are parallel in a map's coordinates, also those of a lamp (render/lights/light_view.py),
+// so that the blocker search covers the disc of the light as seen from the receiver.
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
 
@@ -13,14 +13,14 @@ uniform sampler2D shadow_depths;  // the same texture, without comparison
 uniform vec2 shadow_texture_size;  // texels
 uniform float shadow_map_size;  // texels a side of a tile
 uniform vec2 shadow_tile[MAPS];  // lower left corners, texels
-uniform mat4 shadow_from_marker[MAPS];  // to a tile's coordinates and depth, all in [0, 1]; of a lamp projective
+uniform mat4 shadow_from_marker[MAPS];  // to a tile's coordinates and depth, all in [0, 1]; projective for a lamp
 #if LAMPS
-uniform mat4 shadow_planes_from_marker[MAPS];  // the same for planes (normal, offset)
+uniform mat4 shadow_planes_from_marker[MAPS];  // the same for planes, given as (normal, offset)
 #endif
 uniform vec3 shadow_extent[MAPS];  // size in metres of a tile's coordinates and depth
 uniform float tan_half_size[MAPS];  // the light's radius over its distance from the caster
 
-// From a tile's texels to the texture's coordinates; the tile's border is empty, so points beyond it are lit.
+// From a tile's texels to texture coordinates. The tile's border is empty, so clamping leaves points beyond it lit.
 vec2 in_texture(int map, vec2 texel) {
     return (shadow_tile[map] + clamp(texel, 0.5, shadow_map_size - 0.5)) / shadow_texture_size;
 }
@@ -29,8 +29,8 @@ vec2 in_texture(int map, vec2 texel) {
 // Golden-angle spiral: points at radii of the square roots of equal steps are spread evenly over a disc (Vogel 1979).
 const mat2 GOLDEN_TURN = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
 
-// A direction on the half circle for each texel of a map, to turn bands into noise that is fixed to the receiver (the
-// hash is Jimenez's of 2014).
+// A direction on the half circle that differs from texel to texel, to turn banding into noise that stays fixed to the
+// receiver (interleaved gradient noise, Jimenez 2014).
 vec2 first_ray(vec2 texel) {
     float t = 2.0 * fract(52.9829189 * fract(dot(floor(texel), vec2(0.06711056, 0.00583715)))) - 1.0;
     return vec2(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
@@ -45,7 +45,7 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
     vec2 start = ray;
     float depths = 0.0;
     float blockers = 0.0;
-    // Ending a loop early saves time on a software rasteriser too, which a branch does not.
+    // A software rasteriser saves time when a loop ends early, but not when a branch is not taken.
     for (int k = 0; k < (is_near ? BLOCKER_TAPS : 0); ++k) {
         vec2 aside = ray * sqrt((float(k) + 0.5) / float(BLOCKER_TAPS)) * search;
         float depth = texture(shadow_depths, in_texture(map, centre + aside)).r;
@@ -67,9 +67,9 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
     return is_penumbra ? lit / float(SOFT_TAPS) : 1.0 - step(0.5, blockers);
 }
 #else
-// Along one axis the interpolated taps -r..r together weight 2 r + 2 texels by 1-f, 1, ..., 1, f. Each pair of texels
-// needs only one tap, between the two by their weights: (r + 1)^2 taps give exactly the result of (2 r + 1)^2.
-// Returns the weight of pair k, and the tap's position after the pair's first texel.
+// Along one axis, 2 r + 1 bilinear taps weight 2 r + 2 texels by 1-f, 1, ..., 1, f. One bilinear tap placed between two
+// texels can weight both, so (r + 1)^2 taps give exactly the result of (2 r + 1)^2.
+// Returns the weight of pair k and the tap's offset from the pair's first texel.
 vec2 tap_pair(int k, float f) {
     return k == 0 ? vec2(2.0 - f, 1.0 / (2.0 - f)) : k == PCF_RADIUS ? vec2(1.0 + f, f / (1.0 + f)) : vec2(2.0, 0.5);
 }
@@ -92,11 +92,11 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
 }
 #endif
 
-// A map's coordinates and depth of a point. `scale`: how much larger a texel is there than at the caster.
+// A point's coordinates and depth in a map. `scale`: how much larger a texel is at the point than at the caster.
 vec3 in_map(int map, vec3 position, out float scale) {
     vec4 at = shadow_from_marker[map] * vec4(position, 1.0);
 #if LAMPS
-    // Beside and behind a lamp nothing is blocked: its caster is before it.
+    // The caster is in front of the lamp, so that beside and behind the lamp nothing is blocked.
     const float LEAST_SCALE = 1e-3;
     scale = max(at.w, LEAST_SCALE);
     return at.w < LEAST_SCALE ? vec3(0.5, 0.5, -1.0) : at.xyz / scale;
@@ -106,16 +106,15 @@ vec3 in_map(int map, vec3 position, out float scale) {
 #endif
 }
 
-// Fraction of a light that a caster (0: the model, 1: the real object) lets through to a point that is not on it.
+// The fraction of a light that a caster (0: the model, 1: the real object) lets through to a point that is not part of it.
 float lit_past(int caster, int light, vec3 position) {
     int map = caster * LIGHTS + light;
     float scale;
-    // The map's depth range ends behind the caster, but the ground continues: points beyond it count as at its end.
+    // The map's depth range ends behind the caster but the ground goes on: lit_fraction clamps points beyond the range.
     return lit_fraction(map, tan_half_size[map], in_map(map, position, scale), vec2(0.0));
 }
 
-// The same for a point on the caster's own surface, `normal` pointing to the side of the light, which is in the direction
-// `to_light`.
+// The same for a point on the caster's own surface. `normal` is on the light's side, `to_light` the direction to the light.
 float lit_past_itself(int caster, int light, vec3 position, vec3 normal, vec3 to_light) {
     int map = caster * LIGHTS + light;
     vec3 extent = shadow_extent[map];
@@ -124,11 +123,11 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal, vec3 to
     float texel = scale * max(extent.x, extent.y) / shadow_map_size;
     float cosine = dot(normal, to_light);
     float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
-    // A tap at distance t compares with a depth that differs by t tan(theta); an offset along the normal by
-    // t sin(theta) compensates exactly for that on a plane, at every slope.
+    // On a plane at an angle theta to the light, a tap at distance t finds a depth that differs by t tan(theta). An offset
+    // of the receiver along its normal by t sin(theta) compensates for exactly that.
 #if BLOCKER_TAPS > 0
-    // For a wide penumbra that offset would detach the shadow from its caster: taps follow the plane's slope (depth per
-    // texel), and the offset only covers rounding and curvature.
+    // With a wide penumbra, that offset would detach the shadow from its caster. The taps follow the plane's slope (depth
+    // per texel) instead, and the offset only has to cover rounding and curvature.
     float reach = 1.5 * texel;
 #if LAMPS
     vec3 facing = (shadow_planes_from_marker[map] * vec4(normal, -dot(normal, position))).xyz;
@@ -145,7 +144,7 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal, vec3 to
     return lit_fraction(map, tan_half_size[map], in_map(map, lifted, scale), slope);
 }
 
-// Fraction of a light that reaches a point on the model.
+// The fraction of a light that reaches a point on the model.
 float shadow(int light, vec3 position, vec3 normal, vec3 to_light) {
     float lit = lit_past_itself(0, light, position, normal, to_light);
 #if CASTERS > 1

@@ -1,5 +1,5 @@
-// sRGB and linear light, IEC 61966-2-1; the curves of ashe_live/core/colour.py within 0.00004, a hundredth of a level. Of
-// their powers these are the Chebyshev fits from 0.04045 and 0.0031308 to 1: a software rasteriser takes twice as long for pow.
+// sRGB and linear light (IEC 61966-2-1), within 0.00004, a hundredth of a level, of the curves of ashe_live/core/colour.py.
+// Chebyshev fits to their powers from 0.04045 and 0.0031308 to 1, as pow takes a software rasteriser twice as long.
 
 vec3 linear_from_srgb(vec3 encoded) {
     vec3 power = 0.05624370 * encoded - 0.23194377;

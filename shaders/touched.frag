@@ -1,4 +1,4 @@
-// Chooses the pixels that the composite may change: those with something in the layers within the reach of its blurs.
+// Chooses the pixels that the composite may change: those with something in the layers within reach of its blurs.
 #version 330 core
 #include "middle.glsl"
 

@@ -1,12 +1,12 @@
-// For each place of the ground around a model: the light that the ground throws onto what is seen from there of the nearest
-// wall, over pi. At the wall's foot that has the model's shadow, farther up what lies beyond.
+// For each place on the ground around a model: the light, over pi, that the ground reflects onto what is seen of the nearest
+// wall from there. Near its foot a wall faces ground in the model's shadow, farther up also ground beyond it.
 #version 330 core
 #include "lights.glsl"
 #include "ground_shadow.glsl"
 
 uniform sampler2D contact;  // as in catcher.frag
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
-uniform vec4 model_bounds;  // the same of the model itself
+uniform vec4 model_bounds;  // the same for the model itself
 uniform float model_height;
 uniform mat4 marker_from_placed;
 uniform vec3 ground_bounce;
@@ -18,7 +18,7 @@ void main() {
     vec2 ground_placed = mix(patch_bounds.xy, patch_bounds.zw, at);
     vec2 outward = normalize(-texture(contact, at).yz + vec2(1e-9, 0.0));
     vec2 foot = clamp(ground_placed, model_bounds.xy, model_bounds.zw);
-    // Half of what a wall hides of the sky is below the direction whose cosine is the mean of 1 and that of its top.
+    // The direction below which half of the sky hidden by a wall is: its cosine is the mean of 1 and that of the wall's top.
     float away = distance(ground_placed, foot);
     float cosine = 0.5 + 0.5 * away * inversesqrt(max(away * away + model_height * model_height, 1e-12));
     float height = away * sqrt(1.0 - cosine * cosine) / cosine;

@@ -1,4 +1,4 @@
-// The whole framebuffer, of passes that have no vertex shader of their own; a scissor restricts them to a part of it.
+// Covers the whole framebuffer, for passes without a vertex shader of their own. A scissor restricts them to a part of it.
 #version 330 core
 
 void main() {
