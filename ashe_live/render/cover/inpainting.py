@@ -11,10 +11,12 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches
+from ashe_live.render.cover.repetition import pattern_of
 from ashe_live.render.cover.straight_lines import straight_lines
 
 COARSE_SIDE_PX = 26.0  # of the marker where patches are looked for
 OVER_TEXTURE = 0.5, 1.5  # contrasts of a straight line over the ground's, from which it is drawn and not only copied
+DIMMEST = 0.03  # root of linear RGB, of ground whose contrast is told
 GUIDES = 0.75  # visibility from which patches continue a line: grain is everywhere, and chooses badly
 # Beside the hole, in the marker's sides: ground that the picture's coarse colours and sharpening have not mixed with
 # what lies in it.
@@ -53,18 +55,26 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
         return None
     shading = _mean_around(roots, trusted, SHADING_SIDES * side_px)
     detail = np.where(trusted[..., None], roots - shading, 0)
-    lines = straight_lines(detail, bleeds, trusted, side_px)
-    drawn = np.where(bleeds, _visibility(lines, detail[trusted]), 0)
-    guides = drawn > GUIDES
+    plain = trusted & (_scaled(ground, len(hole)) > 0.5)
+    pattern = pattern_of(np.where(plain[..., None], detail / np.maximum(shading, DIMMEST), 0), plain, bleeds, side_px)
+    if pattern is None:
+        lines = straight_lines(detail, bleeds, trusted, side_px)
+        drawn = np.where(bleeds, _visibility(lines, detail[trusted]), 0)
+    else:  # its joints are part of it, and its checks, which touch at their corners, are no lines
+        lines, drawn = pattern.contrast * shading, pattern.is_there.astype(np.float64)
+    guides = bleeds & (drawn > GUIDES)
     detail = np.where(guides[..., None], lines, detail)
     copied = CopiedPatches(detail, trusted | guides, len(hole) / size)
-    known = ground | (_scaled(guides, size) > 0.5)
+    is_told = _scaled(guides, size) > 0.5
+    if pattern is not None:
+        unknown &= ~is_told
     brightness = _scaled(shading.mean(axis=2), size)
-    for place, source in chosen_patches(_scaled(detail, size), brightness, unknown, known, sources):
+    for place, source in chosen_patches(_scaled(detail, size), brightness, unknown, ground | is_told, sources):
         copied.paste(place, source)
     share = drawn[..., None]
     texture = np.asarray(share * lines + (1 - share) * copied.blended(BAND_SIDES * side_px), np.float32)
-    level = _spread_difference(roots, texture, copied.is_there & trusted, hole, side_px)
+    is_there = copied.is_there if pattern is None else copied.is_there | pattern.is_there
+    level = _spread_difference(roots, texture, is_there & trusted, hole, side_px)
     return np.asarray(np.where(hole[..., None], np.square(np.maximum(texture + level, 0)), lit), np.float32)
 
 

@@ -1,0 +1,122 @@
+"""Ground that repeats itself: checks, tiles, bricks, weaves and prints continue across a hole as they are beside it.
+
+Ground moved into the hole by a shift of the pattern's lattice is the pattern there. The median over several shifts is
+taken, as one place has a stain or a fold that others do not have, with the fine texture of one of them (He and Sun,
+"Statistics of patch offsets for image completion", ECCV 2012, choose one shift for every pixel).
+"""
+
+import math
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.render.cover.lattice import LEAST_OVERLAP, REPEATS, repeated_shifts, structure_of
+
+SIDE_PX = 26.0  # of the marker where shifts are looked for
+LEVEL_SIDES = 0.2  # standard deviation, in the marker's sides, of a blur that leaves sheen and folds, and no pattern
+MOST_SHIFTS = 24
+BESIDE_SIDES = 0.5  # of the marker: ground beside the hole that a shift must continue
+NEARLY_BEST = 0.15  # less correlated than the best shift that shows a place
+FEATHER_SIDES, LEAST_WEIGHT = 0.15, 0.1  # over which what is beside a thing begins to count, and from which it does
+ALIKE_SIDES, FINE_SIDES = 0.1, 0.02  # blurs: of the misfit by which fine texture is chosen, and of what is finer
+
+
+class Pattern(NamedTuple):
+    """The ground as its pattern has it, in the hole and beside it."""
+
+    contrast: Float32  # (n, n, 3) over the ground's level
+    is_there: Mask  # (n, n)
+
+
+def pattern_of(contrast: Float32, trusted: Mask, hole: Mask, side_px: float) -> Pattern | None:
+    """What repeats in the ground, or None where nothing does, or along one line alone.
+
+    contrast: (n, n, 3) detail over the ground's level, so that a pattern in the shade is like that in the light.
+    trusted: (n, n) where it is that of the ground. side_px: the marker's side.
+    """
+    n = len(trusted)
+    size = min(n, round(n * SIDE_PX / side_px))
+    scale = n / size
+    coarse, share, gap = (
+        cv2.resize(each.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA)
+        for each in (np.where(trusted[..., None], contrast, 0), trusted, hole)
+    )
+    seen = np.asarray(share > 0.98)
+    structure = structure_of(np.asarray(coarse), seen, LEVEL_SIDES * SIDE_PX)
+    shifts = repeated_shifts(structure, seen)
+    if not len(shifts):
+        return None
+    around = _box(np.asarray(gap > 0.02), round(BESIDE_SIDES * SIDE_PX))
+    misfits = np.array([_misfit(structure, seen, around, shift) for shift in shifts])
+    kept = np.argsort(misfits)[: min(MOST_SHIFTS, int((misfits < 1 - REPEATS).sum()))]
+    if not len(kept):
+        return None
+    box = _box(hole, round(FEATHER_SIDES * side_px))
+    pattern, is_there = np.zeros_like(contrast), np.zeros_like(trusted)
+    pattern[box], is_there[box] = _moved_into(box, contrast, trusted, shifts[kept] * scale, misfits[kept], side_px)
+    return Pattern(pattern, is_there)
+
+
+def _box(mask: Mask, beside: int) -> tuple[slice, slice]:
+    """The rectangle around a mask, and so many pixels more."""
+    left, top, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    return (
+        slice(max(0, top - beside), min(len(mask), top + height + beside)),
+        slice(max(0, left - beside), min(len(mask), left + width + beside)),
+    )
+
+
+def _misfit(structure: Float32, seen: Mask, box: tuple[slice, slice], shift: Float) -> float:
+    """1 less the correlation of ground and moved ground in a box; infinite where too little of both is seen."""
+    moved, there = (_moved(each, shift, box) for each in (structure, seen.astype(np.float32)))
+    both = seen[box] & (there > 0.99)
+    if both.sum() < LEAST_OVERLAP * seen[box].sum():
+        return math.inf
+    here, moved = structure[box][both], moved[both]
+    return 1 - 2 * float((here * moved).sum()) / max(float(np.square(here).sum() + np.square(moved).sum()), 1e-9)
+
+
+def _moved(picture: Float32, shift: Float, box: tuple[slice, slice]) -> Float32:
+    """What a picture has by a shift (x, y) beside each pixel of a box; 0 beyond its border."""
+    size = box[1].stop - box[1].start, box[0].stop - box[0].start
+    to_source = np.column_stack([np.eye(2), (shift[0] + box[1].start, shift[1] + box[0].start)])
+    return np.asarray(
+        cv2.warpAffine(picture, to_source, size, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP), np.float32
+    )
+
+
+def _moved_into(
+    box: tuple[slice, slice], contrast: Float32, trusted: Mask, shifts: Float, misfits: Float, side_px: float
+) -> tuple[Float32, Mask]:
+    """The ground moved into a box of the picture by shifts (k, 2): their median, and where there is one.
+
+    With the fine texture of that shift which is most like the median around a place, and farthest inside its ground.
+    """
+    inside = cv2.copyMakeBorder(trusted.astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    inside = cv2.distanceTransform(inside, cv2.DIST_L2, 5)[1:-1, 1:-1] / np.float32(FEATHER_SIDES * side_px)
+    moved = np.array([_moved(contrast, shift, box) for shift in shifts])
+    weights = np.array([_moved(np.minimum(inside, 1), shift, box) for shift in shifts])
+    by_misfit = np.where(weights > LEAST_WEIGHT, misfits[:, None, None], np.inf)
+    is_seen = (weights > LEAST_WEIGHT) & (by_misfit < by_misfit.min(axis=0) + NEARLY_BEST)
+    if not is_seen.any():
+        return moved[0], is_seen[0]
+    median = _median(moved, is_seen)
+    squares = np.square(moved - median).sum(axis=3)
+    unlike = np.array([cv2.GaussianBlur(each, (0, 0), ALIKE_SIDES * side_px) for each in squares])
+    fitness = np.where(is_seen, weights / (unlike + max(float(np.median(unlike[is_seen])), 1e-9)), 0)
+    finer = np.take_along_axis(moved, fitness.argmax(axis=0)[None, ..., None], 0)[0] - median
+    finer -= cv2.GaussianBlur(finer, (0, 0), FINE_SIDES * side_px)
+    return np.asarray(median + finer, np.float32), is_seen.any(axis=0)
+
+
+def _median(several: Float32, is_seen: Mask) -> Float32:
+    """(h, w, 3) of several (k, h, w, 3) where they are seen (k, h, w); 0 where none is."""
+    count = is_seen.sum(axis=0)
+    ordered = np.sort(np.where(is_seen[..., None], several, np.inf), axis=0)
+    lower, upper = (
+        np.take_along_axis(ordered, np.maximum(at, 0)[None, ..., None], 0)[0] for at in ((count - 1) // 2, count // 2)
+    )
+    is_there = count[..., None] > 0
+    return np.asarray(0.5 * (np.where(is_there, lower, 0) + np.where(is_there, upper, 0)), np.float32)

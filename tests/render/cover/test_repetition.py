@@ -1,0 +1,84 @@
+"""Patterns continue across a hole; grounds without one are told from them."""
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.render.cover.inpainting import filled
+from ashe_live.render.cover.repetition import pattern_of
+
+SIZE, SIDE_PX = 352, 64.0
+AXIS = np.arange(SIZE) - (SIZE - 1) / 2
+X, Y = np.meshgrid(AXIS, AXIS)
+HOLE = np.maximum(np.abs(X), np.abs(Y)) < 0.7 * SIDE_PX
+TURN = np.radians(24.0)
+U, V = np.cos(TURN) * X + np.sin(TURN) * Y, np.cos(TURN) * Y - np.sin(TURN) * X
+
+
+def _speckled(brightness: np.ndarray, contrast: float = 0.02) -> np.ndarray:
+    """(n, n, 3) linear RGB of ground with this brightness (n, n)."""
+    blobs = cv2.GaussianBlur(np.random.default_rng(5).normal(size=(SIZE, SIZE)), (0, 0), 1.5)
+    return np.clip((brightness + contrast * blobs / blobs.std())[..., None] * (1.0, 0.9, 0.8), 0.02, 0.9).astype(
+        np.float32
+    )
+
+
+def _checks(period: float) -> np.ndarray:
+    """(n, n) dark and light squares, the edges a pixel wide."""
+    waves = np.sin(2 * np.pi * U / period) * np.sin(2 * np.pi * V / period)
+    return np.asarray(0.3 + 0.15 * np.clip(waves * period / np.pi, -1, 1))
+
+
+def _tiles(period: float, shift: float = 0.0) -> np.ndarray:
+    """(n, n) tiles with joints of three pixels, each row moved by a part of the period."""
+    along = U + shift * period * np.floor(V / period)
+    from_middle = np.maximum(np.abs(V % period - period / 2), np.abs(along % period - period / 2))
+    return np.asarray(0.4 - 0.25 * np.clip(2.0 - period / 2 + from_middle, 0, 1))
+
+
+def _contrast(ground: np.ndarray) -> np.ndarray:
+    roots = np.sqrt(ground)
+    level = cv2.GaussianBlur(roots, (0, 0), 0.5 * SIDE_PX)
+    return np.asarray(np.where(HOLE[..., None], 0, roots / level - 1), np.float32)
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [_checks(45.0), _checks(26.0), _tiles(70.0), _tiles(60.0, 0.5)],
+    ids=["checks", "small", "tiles", "bricks"],
+)
+def test_a_pattern_goes_on_in_the_hole(pattern: np.ndarray) -> None:
+    truth = _speckled(pattern)
+    found = filled(np.where(HOLE[..., None], np.float32(0.8), truth), HOLE, ~HOLE, SIDE_PX)
+    assert found is not None
+    there, wanted = (cv2.GaussianBlur(each.mean(axis=2), (0, 0), 1.5)[HOLE] for each in (found, truth))
+    assert np.corrcoef(there, wanted)[0, 1] > 0.9
+
+
+def test_a_thing_on_the_pattern_does_not_get_into_the_hole() -> None:
+    truth = _speckled(_checks(45.0))
+    with_thing = truth.copy()
+    with_thing[150:190, 250:290] = (0.25, 0.5, 0.3)
+    pattern = pattern_of(_contrast(with_thing), ~HOLE, HOLE, SIDE_PX)
+    assert pattern is not None
+    assert pattern.is_there[HOLE].mean() > 0.95
+    contrast, wanted = (
+        cv2.GaussianBlur(each.mean(axis=2), (0, 0), 1.5)[HOLE] for each in (pattern.contrast, np.sqrt(truth))
+    )
+    assert np.corrcoef(contrast, wanted)[0, 1] > 0.9
+
+
+@pytest.mark.parametrize(
+    "brightness",
+    [
+        np.full((SIZE, SIZE), 0.4),
+        0.4 - 0.25 * np.clip(2.5 - np.abs(V - 12), 0, 1),  # a single joint
+        0.4
+        + 0.05
+        * cv2.GaussianBlur(np.random.default_rng(2).normal(size=(SIZE, 1)), (0, 0), 2.0)
+        * np.ones(SIZE),  # grain
+    ],
+    ids=["speckles", "joint", "grain"],
+)
+def test_what_does_not_repeat_in_two_directions_is_no_pattern(brightness: np.ndarray) -> None:
+    assert pattern_of(_contrast(_speckled(brightness)), ~HOLE, HOLE, SIDE_PX) is None
