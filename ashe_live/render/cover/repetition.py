@@ -101,7 +101,7 @@ def _moved_into(
     by_misfit = np.where(weights > LEAST_WEIGHT, misfits[:, None, None], np.inf)
     is_seen = (weights > LEAST_WEIGHT) & (by_misfit < by_misfit.min(axis=0) + NEARLY_BEST)
     if not is_seen.any():
-        return moved[0], is_seen[0]
+        return np.zeros_like(moved[0]), is_seen[0]
     median = _median(moved, is_seen)
     squares = np.square(moved - median).sum(axis=3)
     unlike = np.array([cv2.GaussianBlur(each, (0, 0), ALIKE_SIDES * side_px) for each in squares])
