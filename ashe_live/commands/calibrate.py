@@ -12,8 +12,9 @@ import numpy as np
 from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Table
 
+from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo_series import PhotoSeries
-from ashe_live.capture.sources import Source, SourceLost, open_source
+from ashe_live.capture.sources import Source, SourceLost
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError

@@ -2,7 +2,7 @@
 
 import argparse
 
-from ashe_live.capture.sources import open_source
+from ashe_live.capture.opening import open_source
 from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker_in
 from ashe_live.commands.flags.model_choice import follow_named_marker
 from ashe_live.commands.flags.setup import make_tracker

@@ -10,9 +10,10 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
+from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.snapshot import write_png
-from ashe_live.capture.sources import Source, open_source
+from ashe_live.capture.sources import Source
 from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, of_one_scene, renumbered
 from ashe_live.commands.flags.marker_choice import with_marker, with_marker_in

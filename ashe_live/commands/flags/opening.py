@@ -4,7 +4,8 @@ import argparse
 from pathlib import Path
 
 from ashe_live.capture.cameras import connected, name_of
-from ashe_live.capture.sources import Source, open_source
+from ashe_live.capture.opening import open_source
+from ashe_live.capture.sources import Source
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker_in
 from ashe_live.commands.flags.setup import make_tracker

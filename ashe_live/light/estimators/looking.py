@@ -21,7 +21,7 @@ from ashe_live.light.explanation.explain import Proposal, explained, explained_n
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company, company_features
 from ashe_live.light.explanation.judgement.judge import Judge, explanation_features, is_settled, probabilities_of
-from ashe_live.light.explanation.known_place import explanations_by_place, hints_of
+from ashe_live.light.explanation.searches.known_place import explanations_by_place, hints_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average

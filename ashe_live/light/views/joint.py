@@ -20,9 +20,9 @@ from ashe_live.light.explanation.alignment import (
     normal_equations,
     placed_in,
 )
-from ashe_live.light.explanation.explain import lights_of
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.explanation.light_covariance import lights_of
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit.search import damped_steps, prior_information
