@@ -205,7 +205,7 @@ def test_code_that_the_pages_name_is_there() -> None:
         for named in re.findall(r"`([\w/]+\.py)`", text):
             assert any(path.endswith(f"/{named}") for path in paths), f"{page.name}: {named}"
     of_equations = (CHECKOUT / "docs" / "maths.md").read_text(encoding="utf-8")
-    for stem, name in re.findall(r"`(?:\w+/)*([a-z_]+)\.(?!(?:py|json)`)(\w+)[`.]", of_equations):
+    for stem, name in re.findall(r"`(?:\w+/)*([a-z_]+)\.(?!(?:py|json|frag|vert|glsl)`)(\w+)[`.]", of_equations):
         homes = [path for path in modules if path.stem == stem]
         assert any(name in names_in(path) for path in homes), f"{stem}.{name}"
 

@@ -49,6 +49,13 @@ def set_frozen(instance: object, **fields: object) -> None:
         object.__setattr__(instance, name, value)
 
 
+def set_given_frozen(instance: object, **shapes: tuple[int, ...]) -> None:
+    """As `set_frozen` of `frozen_floats`, each field with its shape; those that are None, as was not measured, stay."""
+    for name, shape in shapes.items():
+        if (values := getattr(instance, name)) is not None:
+            set_frozen(instance, **{name: frozen_floats(values, shape, name)})
+
+
 def upper_median(values: Float | Float32) -> float:
     """The median of values (n,), or the upper of the two middle ones; many times as fast as NumPy's for few values."""
     return upper_quantile(values, 0.5)

@@ -17,11 +17,10 @@ from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.sharpening import Sharpening
 from ashe_live.viewer.hands.help import Help
 from ashe_live.viewer.hands.requests import Command, Request
+from ashe_live.viewer.notice import Notice
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import SETS_LIGHT, Table
 
-NOTICE_S = 4.0
-READ_PER_S = 15.0  # letters, by who reads slowly
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
 
 
@@ -47,6 +46,8 @@ class Session:
         self.estimated_from: TrackedFrame | None = None
         self.steps_bgr: Image | None = None  # sheet of the steps to the last estimate; None: nobody asked for it
         self.shown = Illumination()  # on its way to `lit_by`
+        self.notice = Notice()
+        self.say = self.notice.say
         self.table = Table(shelf, others, self.say)
         self.hand, self.arrangement = self.table.hand, self.table.arrangement
         self.automatic = policy.automatic  # the light is watched, also while the camera stands still
@@ -66,7 +67,6 @@ class Session:
         self._steadiness = steadiness
         self._easing = LightEasing()
         self._by_hand_s = -math.inf
-        self._notice: tuple[str, float] | None = None
 
     @property
     def lit_by(self) -> Illumination:
@@ -84,24 +84,10 @@ class Session:
         """Whether the marker has been in any frame of this source."""
         return self._estimated.seen_in is not None
 
-    def notice(self, now_s: float) -> str | None:
-        """The last message, for a few seconds."""
-        if self._notice is None or now_s > self._notice[1]:
-            return None
-        return self._notice[0]
-
-    @property
-    def last_notice(self) -> str | None:
-        """The last message, however old."""
-        return None if self._notice is None else self._notice[0]
-
     @property
     def awaits_steady(self) -> bool:
         """Whether an estimate will be made without a request once the marker is steady."""
         return self._policy.on_first_steady and self._policy.at_frame is None and not self._policy_is_done
-
-    def say(self, text: str, now_s: float) -> None:
-        self._notice = text, now_s + max(NOTICE_S, len(text) / READ_PER_S)
 
     def take(self, tracked: TrackedFrame, now_s: float) -> None:
         """Shows `tracked` from now on, and requests an estimate from it when the policy says so."""
@@ -166,7 +152,7 @@ class Session:
 
         Returns a new estimate, once.
         """
-        self.table.poll(now_s, is_quiet=self.notice(now_s) is None)
+        self.table.poll(now_s, is_quiet=self.notice.shown(now_s) is None)
         outcome = self._accept(self.watch.poll(), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light

@@ -103,8 +103,8 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
         yield f"the marker {options.marker} is not found in {name}: {named}"
     elif options.estimate_at not in (None, *found):
         yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
-    elif session.last_notice is not None:
-        yield session.last_notice
+    elif session.notice.text is not None:
+        yield session.notice.text
     camera = camera_line(session.tracked)
     if camera is not None and session.tracked is not None and session.tracked.camera.source == "estimated":
         yield camera
