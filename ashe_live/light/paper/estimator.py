@@ -58,8 +58,7 @@ class PaperEstimator:
         """
         if tracked.marker is None:
             raise ValueError("an estimate needs a frame with a marker")
-        clock = StageClock()
-        steps, marker = self.steps, tracked.marker
+        clock, steps, marker = StageClock(), self.steps, tracked.marker
         object_mask: Mask | None = None
         shadow_mask: Mask | None = None
 
@@ -93,8 +92,8 @@ class PaperEstimator:
         if object_mask is None:
             clock.end("associate")
             return answer(None, "no object found beside the marker")
-        c_px = steps.score_c_share * size[0]
-        shadow_mask = masks.shadow_of(object_mask, dark & ~cube, c_px, steps.score_k, smallest_px)
+        c_px, k = steps.score_c_share * size[0], steps.score_k
+        shadow_mask = masks.shadow_of(object_mask, dark & ~cube, c_px, k, smallest_px)
         clock.end("associate")
         if shadow_mask is None:
             return answer(None, "no shadow found beside the object")
