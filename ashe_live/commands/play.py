@@ -13,7 +13,7 @@ from ashe_live.commands.viewing.window import show
 def run(options: argparse.Namespace) -> int:
     check_outputs(options)
     follow_named_marker(options)
-    make_tracker(options)  # a marker that is none is said before the file is opened
+    make_tracker(options)  # reports a wrong --marker before the file is opened
     source = open_source(options.file)
     chosen = with_marker_in(source, options)
     tracker = make_tracker(chosen, source=source)

@@ -114,7 +114,7 @@ class LiveViewer:
         while (left_s := due_s - time.monotonic()) > 0 and not self._window.is_closing:
             for request in self._window.take_requests(left_s):
                 self._obey(request, time.monotonic())
-            # Any event wakes it: a key is obeyed at once, and the mouse followed.
+            # Any event ends the wait for an idle picture: a key is obeyed, and the mouse followed, at once.
             if self._is_idle and time.monotonic() < due_s:
                 return
 
@@ -158,7 +158,7 @@ class LiveViewer:
             self._session, size, manner, now_s, self._stillness.fps(self._is_idle), status, scale, moment
         )
         if menu := self._menu.overlays(size):
-            scene = replace(scene, overlays=menu)  # alone, as text over text cannot be read
+            scene = replace(scene, overlays=menu)  # without the other text, over which it could not be read
         self._stillness.add(scene, size, self._renderer.preset, self._renderer.is_settled)
         # Nothing changes (a pause, a photo, the end of a clip): the last picture is shown again.
         if not self._is_idle:
