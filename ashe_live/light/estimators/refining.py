@@ -35,7 +35,7 @@ def refined_and_others(
     chosen = different(ranked, steps.refined)
     fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, steps.fine_fit)]
     turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
-    # Of the same looks as the others that they are compared with.
+    # They are compared with the rough ones by their steps of light, among others, which must be measured alike.
     sharp = sharpener.measured([fine for fine in fines if fine is not None])
     found = with_lights_counted(sharp, rough, fine, coarse, ground, steps.region_px, log_odds)
     others = different(each for each in ranked if not any(each is one for one in chosen))

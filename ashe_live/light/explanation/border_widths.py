@@ -7,10 +7,10 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 
 REACH_PX, STEP_PX = 9.0, 0.1  # of a profile across a border, to both sides
-END_PX = 2.0  # at each end, whose median is the level there
-TOGETHER = 8  # neighbouring profiles that are averaged, after they were brought to one middle
+END_PX = 2.0  # at each end of a profile, whose median is the level there
+TOGETHER = 8  # neighbouring profiles that are averaged once their middles are aligned
 LEAST_STEP = 0.15  # of the brightness on the lit side, in a border worth measuring
-MOST_SLOPE = 0.15  # of that step: more brightness than this changes at an end, and something else lies there
+MOST_SLOPE = 0.15  # of that step: a larger change within an end means that something else lies there
 
 
 def border_widths(image_bgr: Image, places_px: Float, outward_px: Float, scale: float = 1.0) -> Float:
@@ -20,7 +20,7 @@ def border_widths(image_bgr: Image, places_px: Float, outward_px: Float, scale: 
     in the list stand for one another: each width is that of the mean of up to TOGETHER profiles around it.
     """
     offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
-    # By tables of each channel's part: a product with all of the picture's linear light takes far longer.
+    # By tables of each channel's contribution: a matrix product over the linear picture takes far longer.
     red, green, blue = (LINEAR_FROM_SRGB_8BIT * REC709_LUMINANCE[:, None]).astype(np.float32)
     linear = blue[image_bgr[..., 0]] + green[image_bgr[..., 1]] + red[image_bgr[..., 2]]
     at = (places_px[:, None] + scale * offsets[:, None] * outward_px[:, None]).astype(np.float32)

@@ -14,7 +14,7 @@ from ashe_live.light.shape.directions import (
 
 # The number of borders over their effective sample size, as errors of neighbouring borders are correlated; and the
 # misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. What
-# both leave over is fitted as the overdispersion of `uncertainty.Calibration`.
+# the two do not explain is fitted as the overdispersion of `uncertainty.Calibration`.
 BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE = 2.3, 0.007
 
 

@@ -34,10 +34,10 @@ LEAST_SIGMAS = 3.0  # standard errors by which the squared diameter must differ 
 EDGES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their number over the effective sample size
 LARGEST_RAD = math.radians(20)
 ROBUST_ROUNDS = 6
-# Of the widths of borders in the whole picture.
-DISC_SIGMAS = 2.75  # from 10 to 90 % of a disc's edge
-FINE_WIDTH_PX = 480.0  # of a picture, for which the reaches of border_widths.py are
-LEAST_SPREAD_PX = 4.0  # that a light of 1 rad adds: at the foot, 5 degrees add a third of a pixel
+# For widths of borders in the whole picture, as `soft_size` measures them.
+DISC_SIGMAS = 2.75  # width from 10 to 90 % of a disc's edge, in its standard deviations
+FINE_WIDTH_PX = 480.0  # the picture's width for which the reaches in border_widths.py are stated
+LEAST_SPREAD_PX = 4.0  # least width that a light of 1 rad adds: near the foot, 5 degrees add a third of a pixel
 FEWEST_PLACES = 24
 MARKER_PLACES = np.linspace(0.15, 0.85, 16)  # of profiles across the marker's sides, which end at its corners
 MARKER_REACH = 0.5  # of the profiles at the marker, which end on its margin and in its black frame

@@ -1,8 +1,8 @@
 """An object's shadow, searched for by its shape where no explanation is likely.
 
-On ground of many colours a shadow's may be those of lit ground elsewhere, as a table's dark grain: its pixels do not
-stand out one by one, and no split of what does holds a shadow. The object alone stands out, and where it is clear its
-body predicts what shadows it can cast.
+On ground of many colours a shadow may have the colours of lit ground elsewhere, as of a table's dark grain. Then its
+pixels do not stand out one by one, and no split contains it. Only the object stands out; where it is clear, its body
+predicts which shadows it can cast.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
 
 BODIES, TRIED = 2, 2  # objects whose shadows are searched for, and candidates for each
-CLEAR_BODY = 0.5  # mean clarity of an outline from which on it is an object's
+CLEAR_BODY = 0.5  # least mean clarity of an outline that is taken for an object's
 
 
 def with_shadows_searched(
