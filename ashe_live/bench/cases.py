@@ -24,7 +24,7 @@ GROUND_TRUTH = "ground_truth.json"
 MOST_TRUTH_BYTES, MOST_PICTURE_BYTES = 100_000_000, 200_000_000
 EXACT_PX = 1e-6  # standard deviation of a rendered scene's focal length
 PHOTO_CATEGORY = "photo"
-# Kinds of families that a set's pictures are drawn from, as far as its ground truth tells them.
+# Kinds of families that a set's pictures are drawn from, as far as its ground truth states them.
 KINDS = ("object_family", "material", "ground", "camera", "surroundings")
 
 

@@ -30,7 +30,7 @@ from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge, pro
 from ashe_live.light.explanation.judgement.judge_tables import UNCHANGED, OfKnownBody, Score, read_tables
 
 LOOK = of_one_view(BALANCED)
-OFFSETS, SLOPES = np.arange(-1.0, 3.01, 0.1), np.arange(0.5, 2.01, 0.1)  # of which the likeliest pair is taken
+OFFSETS, SLOPES = np.arange(-1.0, 3.01, 0.1), np.arange(0.5, 2.01, 0.1)  # that are tried; the likeliest pair is taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class KnownBodiesBench(Bench):
 
     scenes: Sequence[Path]
     limit: int | None = None  # number of pictures of each folder, the first ones, whatever they show; None: all
-    every: int = 1  # of those of known casters, only every so many-th
+    every: int = 1  # of the pictures with known casters, only every `every`th
     jobs: int = 1  # number of processes that look at pictures
 
     def parts(self) -> Iterator[Json]:
