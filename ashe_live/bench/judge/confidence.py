@@ -51,8 +51,14 @@ def with_open_directions(
     answers: by the number of looks, as recalibrated by `averages`.
     """
 
+    # Linear in the share that is sought, of which 20 values are tried.
+    none_open, all_open = (
+        {looks: _good_if_right(several, calibration, share) for looks, several in answers.items()}
+        for share in (0.0, 1.0)
+    )
+
     def refitted(open_: float) -> dict[int, tuple[Float, tuple[float, float]]]:
-        factors = {looks: _good_if_right(several, calibration, open_) for looks, several in answers.items()}
+        factors = {looks: each + open_ * (all_open[looks] - each) for looks, each in none_open.items()}
         return {looks: (each, fitted_confidence(answers[looks], each)) for looks, each in factors.items()}
 
     def cost(open_: float) -> float:
