@@ -11,6 +11,9 @@ Float32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 Image = NDArray[np.uint8]
 
+# The standard deviation of a normal variable over the median of its absolute value.
+SIGMA_OVER_MEDIAN = 1.48
+
 
 def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
     """A read-only float64 copy of `values`; -1 in `shape` allows any length.

@@ -10,6 +10,7 @@ REACH_PX, STEP_PX = 9.0, 0.1  # of a profile across a border, to both sides
 END_PX = 2.0  # at each end of a profile, whose median is the level there
 TOGETHER = 8  # neighbouring profiles that are averaged once their middles are aligned
 LEAST_STEP = 0.15  # of the brightness on the lit side, in a border worth measuring
+LEAST_STEP_LINEAR = 0.02  # the same in linear light: smaller ones drown in noise
 MOST_SLOPE = 0.15  # of that step: a larger change within an end means that something else lies there
 
 
@@ -29,7 +30,7 @@ def border_widths(image_bgr: Image, places_px: Float, outward_px: Float, scale: 
     ends = round(END_PX / STEP_PX)
     dark, lit = np.median(profiles[:, :ends], axis=1), np.median(profiles[:, -ends:], axis=1)
     step = lit - dark
-    good = inside & (step > LEAST_STEP * lit) & (step > 0.02)
+    good = inside & (step > LEAST_STEP * lit) & (step > LEAST_STEP_LINEAR)
     steps = (profiles - dark[:, None]) / np.where(good, step, 1.0)[:, None]
     good &= np.abs(steps[:, :ends]).max(axis=1) < MOST_SLOPE
     good &= np.abs(steps[:, -ends:] - 1).max(axis=1) < MOST_SLOPE

@@ -5,7 +5,7 @@ import math
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Float32, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import along_sides
@@ -96,7 +96,7 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     for _ in range(ROBUST_ROUNDS):
         (blur, squared), *_ = np.linalg.lstsq(design * weights[:, None], variances * weights, rcond=None)
         rest = variances - design @ np.array([blur, squared])
-        scale = 1.48 * float(np.median(np.abs(rest))) + 1e-3
+        scale = SIGMA_OVER_MEDIAN * float(np.median(np.abs(rest))) + 1e-3
         weights = 1 / np.sqrt(1 + (rest / (2 * scale)) ** 2)
     information = (design * weights[:, None]).T @ (design * weights[:, None])
     error = scale * math.sqrt(EDGES_PER_SAMPLE * float(np.linalg.inv(information)[1, 1]))

@@ -59,7 +59,7 @@ def costs_around(lit: LitBody, shifts: Sequence[Float], view: SceneView, region_
     if np.count_nonzero(whole) < LEAST_PX:
         return None
     unlit = unlit_mask(view.ground, view.coarse.is_ground, LEAST_PX)
-    around = overlapping(unlit, whole, 0.3) if (unlit & whole).any() else whole
+    around = overlapping(unlit, whole) if (unlit & whole).any() else whole
     region = region_of(view.fine, whole | around, view.ground, region_px)
     materials = _materials(region, view.ground, shifts)
     if materials is None:

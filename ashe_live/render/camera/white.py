@@ -37,6 +37,7 @@ INK_SIDES = 0.45  # likewise, in the middle of the square's black border
 LEAST_LEVEL = 0.05  # least light in a shadow, over full light, in which paper says something about white
 BLACKEST = 1e-3  # least linear brightness of ink, which a picture may show as 0
 MIN_PAPER = 0.02  # least linear brightness of paper in the picture
+LIT_SHARE, BLACK_SHARE = 0.4, 0.6  # brightest places of paper and of ink that count: a shadow may lie on the others
 AROUND = 12  # places along each of the square's edges
 BODY_PRINT_SHARE = 0.7  # of a body's edge: the black square on its faces, as `tracking.cube.faces` has it printed
 
@@ -61,10 +62,10 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
         return grey
     brightness, darkness = paper @ REC709_LUMINANCE, ink @ REC709_LUMINANCE
     # Some of the paper may lie in a shadow.
-    lit = paper[brightness >= np.quantile(brightness, 0.6)]
+    lit = paper[brightness >= np.quantile(brightness, 1 - LIT_SHARE)]
     if np.median(brightness) < max(MIN_CONTRAST * np.median(darkness), MIN_PAPER):
         return grey
-    black = ink[darkness >= np.quantile(darkness, 0.4)]
+    black = ink[darkness >= np.quantile(darkness, 1 - BLACK_SHARE)]
     red, green, blue = (float(value) / PAPER_ALBEDO for value in _as_exposed(lit.mean(axis=0), black.mean(axis=0)))
     return red, green, blue
 
