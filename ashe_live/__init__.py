@@ -7,8 +7,8 @@ the package, which every start of the command line does, loads neither OpenCV no
 TYPE_CHECKING = False  # as `typing` has it, which would be loaded at every start
 if TYPE_CHECKING:
     from ashe_live.api import Tracker, estimate_light, make_estimator, read_photo
+    from ashe_live.capture.opening import open_source
     from ashe_live.capture.snapshot import write_png
-    from ashe_live.capture.sources import open_source
     from ashe_live.core.camera import Camera, read_camera_file
     from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
     from ashe_live.errors import ModelWarning, UserError
@@ -56,7 +56,7 @@ _HOMES = {
     "estimate_light": "api",
     "make_estimator": "api",
     "model_names": "models.catalogue",
-    "open_source": "capture.sources",
+    "open_source": "capture.opening",
     "read_camera_file": "core.camera",
     "read_photo": "api",
     "write_light_map": "render.lights.light_map",

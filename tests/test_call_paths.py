@@ -17,8 +17,9 @@ Name = tuple[str, str]  # a module of light, and a function or class at its top 
 def called_by_name() -> dict[Name, set[Name]]:
     """What each function and class of `light` calls or hands on by name; methods of objects are not followed."""
     calls: dict[Name, set[Name]] = {}
-    for path in sorted(LIGHT.glob("*/*.py")):
-        module, tree = f"{path.parent.name}.{path.stem}", ast.parse(path.read_text(encoding="utf-8"))
+    for path in sorted(LIGHT.rglob("*.py")):
+        module = ".".join(path.relative_to(LIGHT).with_suffix("").parts)
+        tree = ast.parse(path.read_text(encoding="utf-8"))
         tops = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef)}
         known = {name: (module, name) for name in tops}
         for node in ast.walk(tree):

@@ -189,6 +189,27 @@ def test_settings_are_taken(page: Path, tmp_path: Path) -> None:
             assert read_settings(tmp_path / "settings.toml")
 
 
+def names_in(path: Path) -> set[str]:
+    """Of all that a module defines, its classes' members among it."""
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    defined = {node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)}
+    return defined | {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+
+
+def test_code_that_the_pages_name_is_there() -> None:
+    """`folder/module.py` on any page and `module.name` on that of the equations, which outlive what they name."""
+    modules = sorted(path for top in ("ashe_live", "tests", "assets") for path in (CHECKOUT / top).rglob("*.py"))
+    paths = [f"/{path.relative_to(CHECKOUT).as_posix()}" for path in modules]
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for named in re.findall(r"`([\w/]+\.py)`", text):
+            assert any(path.endswith(f"/{named}") for path in paths), f"{page.name}: {named}"
+    of_equations = (CHECKOUT / "docs" / "maths.md").read_text(encoding="utf-8")
+    for stem, name in re.findall(r"`(?:\w+/)*([a-z_]+)\.(?!(?:py|json|frag|vert|glsl)`)(\w+)[`.]", of_equations):
+        homes = [path for path in modules if path.stem == stem]
+        assert any(name in names_in(path) for path in homes), f"{stem}.{name}"
+
+
 def reasons() -> Iterator[tuple[str, str]]:
     """Module and words of every reason that an estimator gives for no answer."""
     for module in sorted((CHECKOUT / "ashe_live" / "light").rglob("*.py")):

@@ -42,7 +42,7 @@ class Bench(ABC):
         written: Path | None = None
         for part in self.parts():
             record |= _with_nulls(part)
-            if out is not None:  # each part at once, as the next may take as long again
+            if out is not None:  # at once, so that an interruption of the next part loses nothing of this one
                 written = write_json(written or out / RESULTS, record, overwrite or written is not None, beside=True)
         if out is not None:
             self.draw(record, out, overwrite)
@@ -61,7 +61,7 @@ class Bench(ABC):
 
 
 def _with_nulls(value: Any) -> Any:
-    """What JSON can say of `value`: null for numbers that could not be measured."""
+    """`value` for JSON, which has null for numbers that could not be measured."""
     if isinstance(value, Mapping):
         return {key: _with_nulls(each) for key, each in value.items()}
     if isinstance(value, list | tuple):

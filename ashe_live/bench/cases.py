@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float, Image, Mask, set_given_frozen
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import rigid
@@ -24,7 +24,7 @@ GROUND_TRUTH = "ground_truth.json"
 MOST_TRUTH_BYTES, MOST_PICTURE_BYTES = 100_000_000, 200_000_000
 EXACT_PX = 1e-6  # standard deviation of a rendered scene's focal length
 PHOTO_CATEGORY = "photo"
-# Kinds of families that a set's pictures are drawn from, as far as its ground truth tells them.
+# Kinds of families that a set's pictures are drawn from, as far as its ground truth states them.
 KINDS = ("object_family", "material", "ground", "camera", "surroundings")
 
 
@@ -48,12 +48,7 @@ class Case:
     foot_m: Float | None = None  # (2,) where the object that casts the shadow stands; None: not stated
 
     def __post_init__(self) -> None:
-        if self.to_lights_marker is not None:
-            set_frozen(self, to_lights_marker=frozen_floats(self.to_lights_marker, (-1, 3), "to_lights_marker"))
-        if self.lamp_m is not None:
-            set_frozen(self, lamp_m=frozen_floats(self.lamp_m, (3,), "lamp_m"))
-        if self.foot_m is not None:
-            set_frozen(self, foot_m=frozen_floats(self.foot_m, (2,), "foot_m"))
+        set_given_frozen(self, to_lights_marker=(-1, 3), lamp_m=(3,), foot_m=(2,))
 
     def tracked(self, index: int = 0) -> TrackedFrame:
         """The picture as a frame, with the true pose; raises UserError when it cannot be read."""

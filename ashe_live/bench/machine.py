@@ -21,7 +21,7 @@ def header_json(schema: int, with_opengl: bool = False) -> Json:
 
 
 def _machine_json() -> Json:
-    """Cores that this process may use, system, kind of processor, and the load average (None: not available)."""
+    """The cores that this process may use, the system, the processor, and the load average (None: not available)."""
     affinity = getattr(os, "sched_getaffinity", None)
     return {
         "cpus": len(affinity(0)) if affinity is not None else os.cpu_count(),

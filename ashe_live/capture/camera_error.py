@@ -9,7 +9,7 @@ from ashe_live.errors import UserError
 
 
 def check_is_device(path: str) -> None:
-    """Raises UserError unless `path` can be a camera's: OpenCV takes other files for clips, and some names end it."""
+    """Raises UserError unless `path` can be a camera: OpenCV takes other files for clips, and some names crash it."""
     try:
         path.encode("utf-8")
         is_device = not sys.platform.startswith("linux") or Path(path).is_char_device()

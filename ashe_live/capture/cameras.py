@@ -10,7 +10,7 @@ from cv2_enumerate_cameras.camera_info import CameraInfo
 from ashe_live.capture.webcam import BACKEND, Capture, OpenCapture, open_opencv_capture
 from ashe_live.core.camera import Size
 
-# What cameras have as a rule; OpenCV has no list of what one has, but tells what it chose instead.
+# Sizes that cameras usually have. OpenCV has no list of a camera's sizes, but tells which it chose instead of one.
 USUAL_SIZES: tuple[Size, ...] = (
     (320, 240),
     (640, 360),
@@ -24,7 +24,7 @@ USUAL_SIZES: tuple[Size, ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A camera as the system has it."""
+    """A camera as the system lists it."""
 
     number: int  # as --camera takes it
     name: str  # with vendor and product, where there are: the same model has the same name on every system
@@ -33,7 +33,7 @@ class Device:
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """Pictures that a camera gives."""
+    """A format of the pictures that a camera gives."""
 
     size: Size  # width, height
     fps: float  # as the camera claims
@@ -41,7 +41,7 @@ class Mode:
 
 
 def connected(listed: Callable[[int], Iterable[CameraInfo]] = enumerate_cameras) -> list[Device]:
-    """By number. Opens none of them."""
+    """The connected cameras, by number. Opens none of them."""
     return sorted((_device(info) for info in listed(BACKEND)), key=lambda device: device.number)
 
 

@@ -1,11 +1,10 @@
-"""Where frames come from: a photo, a clip or a camera, all read in the same way."""
+"""What a photo, a clip and a camera have in common as sources of frames, and how large a picture may be."""
 
 from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self, runtime_checkable
 
-from ashe_live.core import arguments
 from ashe_live.core.ranges import SIDE
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -82,16 +81,3 @@ class Seekable(Protocol):
     def seek_frame(self, index: int) -> None:
         """The next frame read is number `index`, 0 before all, or the end when there is none."""
         ...
-
-
-def open_source(path: str | Path) -> Source:
-    """The photo or clip in the file `path`, told apart by content. Raises UserError when there is neither."""
-    # Each kind loads a library of its own, which the other does not need.
-    from ashe_live.capture.photo import PhotoSource, looks_like_photo
-
-    path = arguments.path(path, "path")
-    if looks_like_photo(path):
-        return PhotoSource(path)
-    from ashe_live.capture.clips.clip import ClipSource
-
-    return ClipSource(path)

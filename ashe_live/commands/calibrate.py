@@ -12,8 +12,9 @@ import numpy as np
 from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Table
 
+from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo_series import PhotoSeries
-from ashe_live.capture.sources import Source, SourceLost, open_source
+from ashe_live.capture.sources import Source, SourceLost
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError
@@ -31,7 +32,7 @@ class Guidance(Protocol):
     """Tells a person what the board must still do."""
 
     def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
-        """What this frame showed, and what is wanted next; False when the person wants to end."""
+        """Shows what this frame gave and what is wanted next; returns False when the user wants to end."""
         ...
 
 
@@ -54,12 +55,12 @@ def _opened(options: argparse.Namespace) -> Source:
     path = Path(options.camera)
     if path.is_dir():
         return PhotoSeries(path)
-    # A device is no regular file.
+    # A camera may be named by its device file.
     return WebcamSource(options.camera, options.size) if path.is_char_device() else open_source(path)
 
 
 def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Calibration | None:
-    """Reads to the end of a clip, or until a live camera is known; None when it ended before."""
+    """Reads to the end of a clip, or until a live camera is calibrated; None if the user ended it before."""
     board = CalibrationBoard()
     frame: Frame | None = None
     said: str | None = None
@@ -91,7 +92,7 @@ def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Cal
 
 
 class _Lines:
-    """A bar with what is wanted, redrawn in place where there is a terminal."""
+    """A progress bar that says what is wanted, redrawn in place on a terminal."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
@@ -116,7 +117,7 @@ def _lines() -> Iterator[Guidance]:
 
 @contextlib.contextmanager
 def _window(source: Source) -> Iterator[Guidance]:
-    """Lines where there is no display."""
+    """Guidance in a window, or in lines where there is no display."""
     from ashe_live.commands.viewing.setup import has_display
     from ashe_live.viewer.windows.calibration_window import CalibrationWindow
 

@@ -30,9 +30,9 @@ def run(options: argparse.Namespace) -> int:
     options.takes_any_marker = False
     options.marker, options.marker_size = clip.marker_spec, clip.marker_side_m
     follow_named_marker(options)
-    options.takes_any_marker = True  # of what is opened later; that of the clip is known
+    options.takes_any_marker = True  # in files that are opened later; the clip's own marker is known
     tracker = make_tracker(options, clip.camera.resized)
-    # Layers, and what was recorded in a window, are the picture alone.
+    # Layers, and what was recorded in a window, are shown without text.
     is_bare = options.layers is not None or options.as_shown is not None
     setup = ViewerSetup(ClipSource(clip.path), tracker, options, clip.to_light_marker, shows_light=not is_bare)
     if options.headless:
@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _into_files(setup: ViewerSetup, is_bare: bool) -> int:
-    """A video, in the current folder if no other is named, and a contact sheet beside it.
+    """Writes a video, into the current folder unless another is named, and a contact sheet beside it.
 
     is_bare: without text.
     """

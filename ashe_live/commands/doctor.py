@@ -1,6 +1,6 @@
 """`ashe-live doctor`: what works on this machine, how to mend what does not, and whether the demo can run.
 
-Every check is a try of the thing itself. Nothing heavy is imported before its own check, as that may be what is broken.
+Every check tries the thing itself. Heavy packages are imported by their own checks only, as one may be what is broken.
 """
 
 import argparse
@@ -31,7 +31,7 @@ PROBE_S = 30.0  # a driver that takes longer will not give a picture
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What came of one check."""
+    """The result of one check."""
 
     name: str
     works: bool
@@ -52,7 +52,7 @@ def run(_options: argparse.Namespace) -> int:
 
 
 def needed_for_demo(has_display: bool) -> tuple[str, ...]:
-    """In a window, or without a display into a video."""
+    """The checks that must succeed: for the demo in a window, or without a display as a video."""
     return "packages", "files", *(("window",) if has_display else ("offscreen pictures", "H.264 video"))
 
 
@@ -108,7 +108,7 @@ def window_probe() -> str:
 
 
 def offscreen_probe() -> str:
-    """Raises UserError when there is no OpenGL 3.3 without a window."""
+    """Draws without a window. Raises UserError when there is no OpenGL 3.3 for that."""
     from ashe_live.render.gl.offscreen import offscreen_context
 
     return _described(offscreen_context().info)
@@ -120,9 +120,9 @@ def _described(info: dict[str, str]) -> str:
 
 
 def apart(probe: Callable[[], str]) -> str:
-    """What a function of this module returns, called in a process of its own: a broken driver may take that with it.
+    """What a function of this module returns, called in a process of its own, which a broken driver may crash.
 
-    Raises the UserError that it raised, or one about its end.
+    Raises the UserError that the function raised, or one about the process's end.
     """
     remedy = "install or update the graphics driver (Debian, Ubuntu: apt-get install libgl1 libegl1 libgl1-mesa-dri)"
     try:

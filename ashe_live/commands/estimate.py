@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
     check_outputs([options.sheet], [*named, options.camera_file], options.overwrite)
     estimator = make_estimator(options.estimator, light_steps(options))
     camera_for = camera_chooser(options)
-    make_tracker(options, camera_for)  # a marker that is none is said before any file is opened
+    make_tracker(options, camera_for)  # reports a wrong --marker before any file is opened
     page = LightPage()
     statuses = set()
     files = FileEstimator(estimator, camera_for, options)
@@ -50,8 +50,8 @@ def run(options: argparse.Namespace) -> int:
             if options.sheet is not None:
                 page.add(_named(record), _said(record), picture)
             elif not is_read and options.debug is None:
-                break  # nobody wants the rest
-    finally:  # also by Ctrl-C in the middle of a long batch
+                break  # whoever read the output has gone
+    finally:  # Ctrl-C in the middle of a long batch must not lose the sheet
         if page.has_figures:
             tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
     return next(status for status in WORST_FIRST if status in statuses)
@@ -64,7 +64,7 @@ def _check_frames(options: argparse.Namespace) -> None:
 
 
 def _watched(paths: Sequence[Path]) -> Iterator[Path]:
-    """The paths, and how far they are on stderr, if a person looks at it and there is something to wait for."""
+    """The paths, with a progress bar on stderr if that is a terminal and there is something to wait for."""
     progress = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
@@ -73,7 +73,7 @@ def _watched(paths: Sequence[Path]) -> Iterator[Path]:
         console=TerminalConsole(stderr=True),
         transient=True,
         disable=len(paths) < 2 or not sys.stderr.isatty(),
-        # Lines for a person go above the bar; those for a file or another program go there, as they are.
+        # On a terminal the answers are printed above the bar; into a file or another program they go unchanged.
         redirect_stdout=sys.stdout.isatty(),
     )
     with progress:
@@ -85,13 +85,13 @@ def _watched(paths: Sequence[Path]) -> Iterator[Path]:
 
 
 def _named(record: FileRecord) -> str:
-    """The file, or all that the answer rests on."""
+    """The name of the file, or of all files that the answer rests on."""
     files = list(dict.fromkeys(file for file, _ in record.places)) or [record.file]
     return files[0] if len(files) == 1 else f"{', '.join(files[:-1])} and {files[-1]}"
 
 
 def _line(record: FileRecord) -> str:
-    """What is said of a file, after its name, which most errors say themselves."""
+    """The line about a file: its name, unless the error says it itself, and the answer."""
     said = _said(record)
     return said if printable(record.file) in said else f"{_named(record)}: {said}"
 

@@ -9,7 +9,7 @@ from ashe_live.tracking.cube.sheet import write_cube_sheet
 from ashe_live.tracking.families.layout import Layout, cube_layout, is_of_cube, parse_target
 from ashe_live.tracking.families.printing import write_marker_sheet
 
-SHOWN_PX = 960  # a multiple of what a cell may take, and larger than most windows show it
+SHOWN_PX = 960  # divisible by the usual numbers of cells, and larger than most windows show the marker
 
 
 def run(options: argparse.Namespace) -> int:
@@ -19,7 +19,7 @@ def run(options: argparse.Namespace) -> int:
         raise UserError("--side is a cube's edge", "give --cube with it, or --size-mm for a flat marker")
     marker = parse_target(options.marker)
     if options.show:
-        # Only here, so that printing needs neither GLFW nor OpenGL.
+        # Imported here, as printing must need neither GLFW nor OpenGL.
         from ashe_live.commands.viewing.setup import has_display
         from ashe_live.viewer.windows.marker_window import show_marker
 

@@ -17,7 +17,7 @@ def run(_options: argparse.Namespace) -> int:
     settings = read_settings(path)
     # This command has all the flags that settings stand for.
     effective = vars(parsed(["webcam"]))
-    (effective["model"],) = effective["model"]  # a setting is of one
+    (effective["model"],) = effective["model"]  # the flag may be repeated, a setting names one model
     say(f"# {path}" if path.exists() else f"# {path} (not there: ashe-live settings > FILE is a start)")
     for key in SETTINGS:
         value = effective[key.replace("-", "_")]

@@ -1,6 +1,6 @@
-"""Wrong use from Python, in words that name the argument: TypeError for another kind, ValueError for another value.
+"""Checks of arguments from Python, whose errors name the argument: TypeError for its kind, ValueError for its value.
 
-`name` is the argument's, as the caller wrote it.
+`name` is the argument's name, as the caller wrote it.
 """
 
 import os
@@ -17,7 +17,7 @@ Value = TypeVar("Value")
 
 
 def instance(value: Value, kind: type[Any], name: str) -> Value:
-    """`value`, which must be of that class."""
+    """Returns `value`, which must be of the class `kind`."""
     if not isinstance(value, kind):
         raise TypeError(f"{name} must be {_a(kind)}, and is {_a(type(value))}")
     return value
@@ -28,7 +28,7 @@ def _a(kind: type[Any]) -> str:
 
 
 def text(value: str, name: str) -> str:
-    """`value`, which must be a str, without NUL."""
+    """Returns `value`, which must be a str without NUL."""
     instance(value, str, name)
     if "\0" in value:
         raise ValueError(f"{name} has a NUL in it")
@@ -36,14 +36,14 @@ def text(value: str, name: str) -> str:
 
 
 def path(value: str | os.PathLike[str], name: str) -> Path:
-    """A str or a path, as a Path."""
+    """Returns a str or path as a Path."""
     if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
         raise TypeError(f"{name} must be a str or a Path, and is a {type(value).__name__}")
     return Path(text(os.fspath(value), name))
 
 
 def one_of(value: str, choices: Iterable[str], name: str) -> str:
-    """`value`, which must be among `choices`."""
+    """Returns `value`, which must be among `choices`."""
     known = list(choices)
     if text(value, name) not in known:
         raise ValueError(f"{name} {value!r} is not one of {', '.join(known)}")
@@ -51,7 +51,7 @@ def one_of(value: str, choices: Iterable[str], name: str) -> str:
 
 
 def picture(value: Image, name: str, channels: tuple[int, ...] = (3,)) -> Image:
-    """`value`, which must be an array (h, w, 3) uint8, or of another number of `channels`, with at least one pixel."""
+    """Returns `value`, which must be (h, w, c) uint8 with c among `channels` and at least one pixel."""
     if not isinstance(value, np.ndarray):
         raise TypeError(f"{name} must be a NumPy array, and is a {type(value).__name__}")
     if value.ndim != 3 or value.shape[2] not in channels or value.dtype != np.uint8 or value.size == 0:
@@ -61,7 +61,7 @@ def picture(value: Image, name: str, channels: tuple[int, ...] = (3,)) -> Image:
 
 
 def picture_size(value: tuple[int, int], name: str) -> tuple[int, int]:
-    """(width, height) in whole pixels."""
+    """Returns (width, height), which must be whole pixels."""
     if not isinstance(value, tuple | list) or len(value) != 2:
         raise TypeError(f"{name} must be (width, height), and is {value!r:.40}")
     for side in value:

@@ -1,4 +1,4 @@
-"""Arrays: their types, the checks that keep those of value types as their fields say, and what is asked of many."""
+"""Types of arrays, the checks with which value types freeze theirs, and a few computations that many parts need."""
 
 import math
 from typing import Any
@@ -11,12 +11,15 @@ Float32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 Image = NDArray[np.uint8]
 
+# The standard deviation of a normal variable over the median of its absolute value.
+SIGMA_OVER_MEDIAN = 1.48
+
 
 def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
     """A read-only float64 copy of `values`; -1 in `shape` allows any length.
 
-    An array that this function has returned before is given back as it is, so that whoever knows it by identity knows
-    it again. Raises TypeError for what is no number, ValueError when the shape differs or a value is not finite.
+    An array that this function has returned before is returned as it is, so that its identity can stand for its
+    values. Raises TypeError for what is not a number, ValueError when the shape differs or a value is not finite.
     """
     is_frozen = isinstance(values, np.ndarray) and values.base is None and not values.flags.writeable
     try:
@@ -34,7 +37,7 @@ def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float
 def frozen_view(array: NDArray[Any]) -> NDArray[Any]:
     """A read-only view of `array`, without a copy: what images of several megabytes deserve.
 
-    One that is a read-only view already is given back as it is, so that whoever knows it by identity knows it again.
+    A read-only view is returned as it is, so that its identity can stand for its values.
     """
     if array.base is not None and not array.flags.writeable:
         return array
@@ -49,19 +52,26 @@ def set_frozen(instance: object, **fields: object) -> None:
         object.__setattr__(instance, name, value)
 
 
+def set_given_frozen(instance: object, **shapes: tuple[int, ...]) -> None:
+    """Replaces each field by its `frozen_floats` of the given shape; one that is None, not measured, stays None."""
+    for name, shape in shapes.items():
+        if (values := getattr(instance, name)) is not None:
+            set_frozen(instance, **{name: frozen_floats(values, shape, name)})
+
+
 def upper_median(values: Float | Float32) -> float:
     """The median of values (n,), or the upper of the two middle ones; many times as fast as NumPy's for few values."""
     return upper_quantile(values, 0.5)
 
 
 def upper_quantile(values: Float | Float32, share: float) -> float:
-    """The least of values (n,) that is larger than a `share` of them, below 1; without NumPy's interpolation."""
+    """The least of values (n,) that is larger than a `share` (< 1) of them; not interpolated as NumPy's quantile."""
     rank = int(share * len(values))
     return float(np.partition(values, rank)[rank])
 
 
 def directions_on_spiral(count: int, first_z: float = 1.0, last_z: float = -1.0) -> Float:
-    """(count, 3) unit vectors, evenly spread over the sphere's zone between two z, the whole sphere unless told.
+    """(count, 3) unit vectors, evenly spread over the zone of the sphere between two z, by default all of it.
 
     A golden-angle spiral from the first to the last (Vogel, "A better way to construct the sunflower head", 1979).
     """

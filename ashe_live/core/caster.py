@@ -10,7 +10,7 @@ from ashe_live.core.ranges import CASTER_SIZE
 from ashe_live.errors import UserError
 
 Spheroid = tuple[float, float, float, float, float]  # centre x, y, z, horizontal radius, half height
-SIZES = {"box": 3, "cylinder": 2, "sphere": 1}  # how many each kind has
+SIZES = {"box": 3, "cylinder": 2, "sphere": 1}  # the number of sizes that each kind has
 FORMS = "box:WxDxH, cylinder:RxH or sphere:R"
 # Of a box: x and y of the corners of its foot as multiples of half its sides, counter-clockwise.
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
@@ -26,7 +26,7 @@ class Caster:
 
     kind: str  # box, cylinder, sphere or hull
     spheroids: tuple[Spheroid, ...]  # metres; the lowest point on z = 0, x and y about the middle of their extent
-    period_rad: float  # turned about the vertical by this, it is the same body again; 0: turned by any angle
+    period_rad: float  # a turn about the vertical that maps the body onto itself; 0: any turn does
 
     def __post_init__(self) -> None:
         if not (2 * self.radius_m in CASTER_SIZE and self.height_m in CASTER_SIZE):
@@ -45,7 +45,7 @@ class Caster:
 
     @staticmethod
     def cylinder(radius_m: float, height_m: float) -> "Caster":
-        """An upright one."""
+        """An upright cylinder."""
         return Caster("cylinder", ((0.0, 0.0, 0.0, radius_m, 0.0), (0.0, 0.0, height_m, radius_m, 0.0)), 0.0)
 
     @staticmethod
@@ -61,7 +61,7 @@ class Caster:
 
     @property
     def radius_m(self) -> float:
-        """Half of its breadth, averaged over the sides that it may be seen from."""
+        """Half of its breadth, averaged over the directions that it may be seen from."""
         x, y, _, radius, _ = np.array(self.spheroids).T
         angles = np.arange(16) * (math.pi / 8)
         return float((np.outer(np.cos(angles), x) + np.outer(np.sin(angles), y) + radius).max(axis=1).mean())
@@ -72,7 +72,7 @@ class Caster:
 
 
 def parsed_caster(spec: str) -> Caster:
-    """The body that `spec` gives by its kind and sizes in metres, as in FORMS.
+    """The body that `spec` describes by its kind and sizes in metres, as in FORMS.
 
     Raises UserError when it names another kind, another number of sizes, or sizes that are not within CASTER_SIZE.
     """

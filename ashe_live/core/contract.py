@@ -16,7 +16,7 @@ from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose,
 
 SCHEMA = 1
 SNAPSHOT_KEYWORD = "ashe-live"
-BY_HAND = "by hand"  # in the place of the estimator's name, for a light that a person has set
+BY_HAND = "by hand"  # stands for the estimator's name where a person has set the light
 STAGES = ("detect", "segment", "associate", "fit", "judge", "total")
 
 Json = dict[str, Any]
@@ -73,9 +73,9 @@ def caster_json(caster: Proxy | None) -> Json | None:
 
 
 def views_json(estimate: LightEstimate | None, files: Sequence[str] = ()) -> Json | None:
-    """What an answer rests on beside its own frame; None where that is alone.
+    """The views that an answer rests on; None if that is its own frame alone.
 
-    `files` are those of the views where they are of several; the indices are then those within each file.
+    `files`: the file of each view, if they come from several; the indices are then those within each file.
     """
     if estimate is None or estimate.span_rad is None:
         return None
@@ -114,7 +114,7 @@ def light_by_hand_json(illumination: Illumination, frame_index: int) -> Json:
 
 
 def snapshot_json(tracked: TrackedFrame, models: Sequence[tuple[str, Float | None]], light: Json | None) -> Json:
-    """What is known of a snapshot: written into it under the keyword SNAPSHOT_KEYWORD.
+    """What a snapshot carries, under the keyword SNAPSHOT_KEYWORD.
 
     `models`: at least one, by name, each with its `marker_from_placed` (4, 4), or None where its marker is not in view.
     `light`: of `estimated_light_json` or `light_by_hand_json`; None before there is any.
@@ -149,10 +149,10 @@ class FileRecord:
     marker: MarkerPose | None = None
     estimate: LightEstimate | None = None
     timing_ms: Mapping[str, float] | None = None
-    in_view: tuple[str, ...] = ()  # markers, where the one that was looked for is not found
-    places: tuple[tuple[str, int], ...] = ()  # file and frame of each of the estimate's views, where of several files
-    looked_for: str = ""  # the marker's spec; not in the line
-    is_fault: bool = False  # the error is one of the program itself; not in the line
+    in_view: tuple[str, ...] = ()  # specs of other markers, if the one that was looked for is not found
+    places: tuple[tuple[str, int], ...] = ()  # file and frame of each of the estimate's views, if of several files
+    looked_for: str = ""  # spec of the marker; not part of the line
+    is_fault: bool = False  # whether the error is the program's own; not part of the line
 
     def to_json(self) -> Json:
         reason = self.error or "no marker found"

@@ -1,4 +1,4 @@
-"""A simple body in the place of the real object: what hides, shades and receives shadows for it."""
+"""A simple body that stands for the real object: it occludes, casts shadows and receives them in its place."""
 
 import math
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ class Proxy:
         return np.array([*self.spheroids_marker[:, :2].mean(axis=0), 0.0])
 
     def points_marker(self, around: int = 24) -> Float:
-        """(m, 3) points on the body, marker frame, metres, whose convex hull it is (nearly, where it is round)."""
+        """(m, 3) points on the body, marker frame, metres; it is their convex hull, where it is round approximately."""
         if not self.spheroids_marker[:, 3:].any():
             return self.spheroids_marker[:, :3]
         circle = _circle(around)
@@ -64,8 +64,8 @@ class Proxy:
     def surface(self, around: int = 48, upwards: int = 25) -> tuple[Float, NDArray[np.uint32]]:
         """(n, 3) points and (m, 3) triangles, counter-clockwise from outside; marker frame, metres.
 
-        The mesh where there is one. Else a grid on the unit sphere, each direction moved to the hull's farthest point
-        along it: exact where the hull is round, and its corners are hit by all directions that they are farthest in.
+        The mesh if there is one. Otherwise a grid on the unit sphere, with each direction moved to the hull's farthest
+        point along it: exact where the hull is round; at a corner all directions meet in which it is the farthest.
         """
         if self.mesh is not None:
             return self.mesh.points_marker, self.mesh.triangles

@@ -1,4 +1,4 @@
-"""Which numbers make sense: what the command line, settings, camera files and the Python API are held to alike."""
+"""Which numbers make sense: the same limits for the command line, settings, camera files and the Python API."""
 
 import math
 import numbers
@@ -20,7 +20,7 @@ class Range:
         return f"from {self.low:g} to {self.high:g}{self.unit and ' '}{self.unit}"
 
     def checked(self, value: float, name: str) -> float:
-        """`value`. Raises TypeError or ValueError, which name it, when it is no number or lies outside."""
+        """Returns `value`. Raises TypeError or ValueError, naming it, when it is not a number or lies outside."""
         if isinstance(value, bool) or not isinstance(value, numbers.Real):
             raise TypeError(f"{name} must be a number {self}, and is a {type(value).__name__}")
         if value not in self:
@@ -28,23 +28,23 @@ class Range:
         return value
 
 
-MARKER_SIDE = Range(1e-6, 1e6, "m")  # what arithmetic bears; a printed one has centimetres
-CASTER_SIZE = Range(1e-3, 10.0, "m")  # of an object beside a marker; a drawing in millimetres is above it
-PRINTED_MM = Range(0.1, 10_000, "mm")  # what pages hold is narrower, and printing says so
+MARKER_SIDE = Range(1e-6, 1e6, "m")  # as far as the arithmetic is safe; printed markers measure centimetres
+CASTER_SIZE = Range(1e-3, 10.0, "m")  # of an object beside a marker; sizes given in millimetres are above it
+PRINTED_MM = Range(0.1, 10_000, "mm")  # pages have narrower limits, which printing states
 FOCAL = Range(1e-3, 1e7, "px")  # of a picture of one pixel to a telescope's
 PIXEL = Range(-1e7, 1e7, "px")  # a place in a picture or far outside it
 DISTORTION = Range(-1e6, 1e6)
-SIDE = Range(1, 16384, "px")  # of a picture: what graphics cards draw
-FIELD_OF_VIEW = Range(0.1, 179.0, "degrees")  # of pictures of any such width: their focal lengths are in FOCAL
-DRAWN = Range(1, 4096**2, "px")  # in a picture that is drawn: all that is kept for each takes up to 75 bytes
+SIDE = Range(1, 16384, "px")  # of a picture: the most that graphics cards draw
+FIELD_OF_VIEW = Range(0.1, 179.0, "degrees")  # for a picture with any such SIDE the focal length is within FOCAL
+DRAWN = Range(1, 4096**2, "px")  # in a picture that is drawn, for each of which up to 75 bytes are kept
 COUNT = Range(1, 1e9)
 SHARE = Range(0.0, 1.0)
 ANGLE = Range(0.0, 6.2832, "rad")
 INVERSE_DISTANCE = Range(0.0, 1e3, "1/m")  # of a lamp: no nearer than a millimetre
 LAMP_RADIUS = Range(0.0, 1e3, "m")
 INDEX = Range(0, 1e9)
-VIEWS = Range(1, 12)  # of one scene: what an estimate takes, and what is kept of a video for it
-SCALE = Range(1e-6, 1e6)  # of a model, over what a marker makes of it
+VIEWS = Range(1, 12)  # of one scene that an estimate takes, and that are kept of a video for it
+SCALE = Range(1e-6, 1e6)  # of a model, relative to the size that it is given by its marker
 TURN = Range(-1e6, 1e6, "rad")
 SHIFT = Range(-1e6, 1e6, "m")
 TIME = Range(-1e9, 1e9, "s")  # since a clip or a motion began

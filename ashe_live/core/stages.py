@@ -4,7 +4,7 @@ import time
 
 
 class StageClock:
-    """Milliseconds by stage, from its making on; what runs between two `end`s belongs to the second one's stage."""
+    """Measures milliseconds by stage from its creation on; the time between two `end`s belongs to the second's."""
 
     def __init__(self) -> None:
         self._begin = self._last = time.perf_counter()
@@ -17,5 +17,5 @@ class StageClock:
         self._last = now
 
     def timing_ms(self) -> dict[str, float]:
-        """By stage, with the time since the beginning as "total"."""
+        """Milliseconds by stage, and as "total" those since the beginning."""
         return {**self._stages, "total": 1000 * (time.perf_counter() - self._begin)}

@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen
+from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen, set_given_frozen
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.ranges import ANGLE, INVERSE_DISTANCE, LAMP_RADIUS, MARKER_SIDE, SHARE
@@ -60,10 +60,7 @@ class MarkerPose:
             T_cam_marker=frozen_floats(self.T_cam_marker, (4, 4), "T_cam_marker"),
             corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
         )
-        for name, rows in (("covariance", 6), ("noise_covariance", 6), ("unfiltered_T_cam_marker", 4)):
-            value = getattr(self, name)
-            if value is not None:
-                set_frozen(self, **{name: frozen_floats(value, (rows, rows), name)})
+        set_given_frozen(self, covariance=(6, 6), noise_covariance=(6, 6), unfiltered_T_cam_marker=(4, 4))
         MARKER_SIDE.checked(self.side_m, "side_m")
 
     @property
@@ -123,14 +120,8 @@ class Light:
         INVERSE_DISTANCE.checked(self.inverse_distance, "inverse_distance")
         if self.radius_m is not None:
             LAMP_RADIUS.checked(self.radius_m, "radius_m")
-        for name, shape in (
-            ("covariance_rad2", (2, 2)),
-            ("shadow_rgb_ratio", (3,)),
-            ("lamp_covariance", (3, 3)),
-            ("intensity_rgb_ratio", (3,)),
-        ):
-            if getattr(self, name) is not None:
-                set_frozen(self, **{name: frozen_floats(getattr(self, name), shape, name)})
+        set_given_frozen(self, covariance_rad2=(2, 2), lamp_covariance=(3, 3))
+        set_given_frozen(self, shadow_rgb_ratio=(3,), intensity_rgb_ratio=(3,))
 
     @property
     def azimuth_deg(self) -> float:
@@ -196,10 +187,7 @@ class Illumination:
     def __post_init__(self) -> None:
         for light in arguments.instance(self.lights, tuple, "lights"):
             arguments.instance(light, Light, "each of lights")
-        for name, shape in (("ambient_rgb_ratio", (3,)), ("ground_rgb", (3,)), ("sky_slope_rgb", (2, 3))):
-            colour = getattr(self, name)
-            if colour is not None:
-                set_frozen(self, **{name: frozen_floats(colour, shape, name)})
+        set_given_frozen(self, ambient_rgb_ratio=(3,), ground_rgb=(3,), sky_slope_rgb=(2, 3))
         if self.real_object is not None:
             arguments.instance(self.real_object, Proxy, "real_object")
         if self.seen_in is not None:

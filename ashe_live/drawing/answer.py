@@ -10,7 +10,7 @@ from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body, with_masks
 from ashe_live.light.pixels.view import View
 
-ROSE_HEIGHT = 0.8  # of the frame's
+ROSE_HEIGHT = 0.8  # height of the rose over that of the frame
 LEAST_ROSE_PX = 64
 
 

@@ -26,7 +26,7 @@ from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 
 RIM_PX = 2  # width of the rim of an unlit area, where colours mix
-MOST_EXPLANATIONS = 4  # that are drawn, the likeliest
+MOST_EXPLANATIONS = 4  # the most that are drawn, the likeliest first
 REACH_SHARE = 0.08  # sigma of the Gaussian by which unlit areas are inpainted, as a fraction of the picture's width
 
 

@@ -16,7 +16,7 @@ COLUMNS, WIDTH_PX = 2, 320  # of the sheet, and of each of its pictures
 
 
 def steps_sheet(frozen: TrackedFrame, estimate: LightEstimate, trace: "Trace") -> Image:
-    """(h, w, 3) BGR: the trace of an estimate, and what came of it.
+    """(h, w, 3) BGR: the trace of an estimate, and its answer.
 
     frozen: the frame, with a marker, that both were made from.
     """

@@ -12,12 +12,12 @@ from ashe_live.files.writing import write_json
 
 
 def configuration_file(name: str) -> Path:
-    """Where a file of that name is kept, or would be."""
+    """The path at which a file of that name is kept, whether it exists or not."""
     return platformdirs.user_config_path("ashe-live", appauthor=False) / name
 
 
 class KeptObject:
-    """A JSON object in a file. What cannot be read or written is as if it were not there."""
+    """A JSON object in a file. A file that cannot be read or written counts as missing."""
 
     def __init__(self, path: Path) -> None:
         self._path = path

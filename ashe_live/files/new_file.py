@@ -1,7 +1,7 @@
-"""A file in the making: written beside where it will stand, and put there whole, in one step, or not at all.
+"""A new file, written in the folder of its final path, and put there complete and in one step, or not at all.
 
-Until then it has no name where the system can do that (O_TMPFILE), so that nothing of it is left whatever happens; or
-a hidden name of its own that nobody could foresee, created exclusively and locked as long as somebody writes to it.
+Until then it has no name if the system supports that (O_TMPFILE), so that nothing is left whatever happens. Otherwise
+it has a hidden, random name, is created exclusively, and is locked while it is written.
 """
 
 import contextlib
@@ -17,28 +17,28 @@ from ashe_live.errors import UserError
 
 try:
     import fcntl
-except ImportError:  # Windows, where a file that is open can be neither renamed nor removed
+except ImportError:  # on Windows, where an open file can be neither renamed nor removed
     fcntl = None  # type: ignore[assignment]
 
 TOKEN_BYTES = 4
-# Of a name in characters, so that with its token no name is longer than the 255 bytes that most systems allow.
+# Characters of the stem that a hidden name keeps: with its token it stays within the 255 bytes that most systems allow.
 KEPT_STEM = 40
-# Not on every system: where they are missing, what they forbid is checked by name.
+# These flags are missing on some systems, where what they forbid is checked by name.
 NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 UNNAMED = getattr(os, "O_TMPFILE", 0)
 NUMBERED_FILES = Path("/proc/self/fd")
 
 
 class NewFile:
-    """`stream` is written to; then `publish` or `discard`. A context manager, which discards what is not published."""
+    """Write to `stream`, then `publish` or `discard`. As a context manager it discards what is not published."""
 
     def __init__(self, path: Path, overwrite: bool = False, is_recoverable: bool = False) -> None:
-        """Takes nothing away from `path` yet. One that `is_recoverable` has a hidden name all the while.
+        """Leaves `path` untouched for now. A file that `is_recoverable` has a hidden name in any case.
 
         Raises UserError as `check_output`.
         """
         _check_name(path, overwrite)
-        self.path = path  # where it will stand, and after `publish` where it does
+        self.path = path  # the final path; after `publish` the one that it really has
         self._overwrite = overwrite
         try:
             self.partial, number = _created(path, is_recoverable)
@@ -48,10 +48,10 @@ class NewFile:
         lock(self.stream)
 
     def publish(self, beside: bool = False) -> Path:
-        """Puts it in its place, which is returned; may raise OSError, and is then still there to be discarded.
+        """Puts the file at its final path, and returns that. May raise OSError; the file can still be discarded then.
 
-        What has appeared there meanwhile is replaced only where `overwrite` says so. Else it is `beside` that, under
-        the next name that is free, or UserError.
+        A file that has appeared there meanwhile is replaced only with `overwrite`. Otherwise this one is put `beside`
+        it, under the next free name, or UserError is raised.
         """
         self.stream.flush()
         if fcntl is None:
@@ -66,7 +66,7 @@ class NewFile:
         return self.path
 
     def discard(self) -> None:
-        """Leaves nothing; may be called twice, and after `publish`."""
+        """Removes all traces of an unpublished file; may be called twice, and after `publish`."""
         with contextlib.suppress(OSError):
             self.stream.close()
         if self.partial is not None:
@@ -80,7 +80,7 @@ class NewFile:
         self.discard()
 
     def _put(self, path: Path) -> bool:
-        """False when something is there that must stay."""
+        """Returns False if something is at `path` that must stay."""
         if self._overwrite:
             _check_name(path, overwrite=True)
             if self.partial is None:
@@ -100,7 +100,7 @@ class NewFile:
         return True
 
     def _link(self, path: Path) -> None:
-        """Gives it another name, which must be free."""
+        """Gives the file another name, which must be free."""
         if self.partial is not None:
             os.link(self.partial, path)
             return
@@ -112,7 +112,7 @@ class NewFile:
             os.close(folder)
 
     def _moved_onto_reservation(self, path: Path) -> bool:
-        """For file systems without hard links (FAT): the name is taken first, exclusively, then replaced."""
+        """For file systems without hard links (FAT): reserves the name exclusively first, then replaces it."""
         if self.partial is None:
             raise OSError("the file has no name and cannot be given one")
         try:
@@ -124,7 +124,7 @@ class NewFile:
 
 
 def check_output(path: Path, overwrite: bool) -> None:
-    """Raises UserError when `path` cannot or must not be written. For a moment a new file is in its folder."""
+    """Raises UserError when `path` cannot or must not be written, by creating a file in its folder for a moment."""
     _check_name(path, overwrite)
     try:
         partial, number = _created(path, is_recoverable=False)
@@ -136,18 +136,18 @@ def check_output(path: Path, overwrite: bool) -> None:
 
 
 def cannot_write(path: Path, error: Exception) -> UserError:
-    """What to raise when writing `path` failed."""
+    """The error to raise when writing `path` has failed."""
     reason = getattr(error, "strerror", None) or str(error)
     return UserError(f"cannot write {path} ({reason})", "choose a folder that you may write to and that has space left")
 
 
 def partial_path(path: Path) -> Path:
-    """Hidden and in the same folder, so that the finished file can be put in its place in one step."""
+    """A hidden name in the same folder, from which the finished file can be moved to its path in one step."""
     return path.with_name(f".{path.stem[:KEPT_STEM]}.{secrets.token_hex(TOKEN_BYTES)}.partial{path.suffix[:KEPT_STEM]}")
 
 
 def lock(stream: BinaryIO) -> bool:
-    """Locks an open file as long as it is open; False when somebody else has, or where the system cannot tell."""
+    """Locks a file while it is open; False if another process holds the lock, or if the system cannot tell."""
     if fcntl is None:
         return True
     try:
@@ -158,9 +158,9 @@ def lock(stream: BinaryIO) -> bool:
 
 
 def _created(path: Path, is_recoverable: bool) -> tuple[Path | None, int]:
-    """Its hidden name, if it has one, and its number among the open files. Raises OSError."""
+    """Creates the file: its hidden name, if it has one, and its file descriptor. Raises OSError."""
     if UNNAMED and not is_recoverable and NUMBERED_FILES.is_dir():
-        with contextlib.suppress(OSError):  # a file system that cannot, or a folder that must not be written to
+        with contextlib.suppress(OSError):  # the file system may not support it, or the folder may be read-only
             return None, os.open(path.parent, UNNAMED | os.O_RDWR, 0o666)
     partial = partial_path(path)
     binary = getattr(os, "O_BINARY", 0)

@@ -1,4 +1,4 @@
-"""What may be opened: regular files, by whatever name. A pipe would be waited for, a device never ends."""
+"""What may be opened: only regular files. A pipe could block for ever, and a device may have no end."""
 
 import json
 import math
@@ -11,17 +11,16 @@ from typing import Any, BinaryIO
 from ashe_live.errors import UserError
 
 ADDRESS = re.compile(r"(?P<scheme>https?|s?ftps?|rtsp|rtmp)://?(?P<rest>.+)", re.IGNORECASE | re.DOTALL)
-MOST_SETTINGS_BYTES = 1_000_000  # of a file that a person writes: settings, a camera file
+MOST_SETTINGS_BYTES = 1_000_000  # of files that people write: settings, camera files
 
 
 def opened(path: Path, may_be_empty: bool = False) -> BinaryIO:
-    """The file at `path` or where the link there leads to, to be closed by the caller.
+    """Opens the file at `path`, or the one that a link there leads to; the caller must close it.
 
-    Raises UserError when it is not there, no regular file, must not be read, or is empty where
-    it may not.
+    Raises UserError when it is missing, not a regular file, not readable, or empty although it must not be.
     """
     try:
-        # Looked at before, as opening a device may do something; and again when open, as it may be another by then.
+        # Checked before, as opening a device may have effects, and again once open, as the file may have been replaced.
         _check_kind(path, path.stat().st_mode)
         number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
         stream = open(number, "rb")  # noqa: SIM115, PTH123
@@ -37,12 +36,12 @@ def opened(path: Path, may_be_empty: bool = False) -> BinaryIO:
         raise _missing(path) from None
     except OSError as error:
         raise UserError(f"cannot read {path} ({error.strerror})", "check its name and permissions") from None
-    except ValueError as error:  # a NUL in it
+    except ValueError as error:  # the name has a NUL in it
         raise UserError(f"{str(path)!r} is no file's name ({error})", "check the name") from None
 
 
 def _missing(path: Path) -> UserError:
-    # A `Path` has one slash of the two.
+    # `Path` reduces the two slashes of an address to one.
     if (address := ADDRESS.match(str(path))) is not None:
         said = f"{address['scheme']}://{address['rest']} is an address, and nothing is fetched from a network"
         return UserError(said, "save what it leads to, and give that file")
@@ -53,7 +52,7 @@ def read_bytes(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> bytes:
     """The whole content. Raises UserError as `opened`, and for more than `most_bytes`."""
     with opened(path, may_be_empty=True) as stream:
         try:
-            # Room is made for what is there, and not for all that there might be.
+            # Memory is reserved for the file's size, and not for all that is allowed.
             content = stream.read(min(os.fstat(stream.fileno()).st_size, most_bytes) + 1)
         except OSError as error:
             raise UserError(f"cannot read {path} ({error.strerror})", "copy it again") from error
@@ -73,7 +72,7 @@ def read_text(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> str:
 
 
 def read_json(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> Any:
-    """As `read_text`, parsed. Raises UserError for what is no JSON, also for NaN and infinite numbers in it."""
+    """As `read_text`, parsed. Raises UserError for what is not JSON, which has no NaN and no infinite numbers."""
     try:
         return json.loads(read_text(path, most_bytes), parse_constant=_refused, parse_float=_finite)
     except (ValueError, RecursionError) as error:
@@ -81,7 +80,7 @@ def read_json(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> Any:
 
 
 def parsers_words(error: Exception) -> str:
-    """What a parser of text says; of one that has gone too deep, in the text's words instead of Python's."""
+    """A parser's own message; for one that has recursed too deeply, words about the text instead of Python's."""
     return "nested too deeply" if isinstance(error, RecursionError) else str(error)
 
 

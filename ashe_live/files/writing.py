@@ -12,11 +12,11 @@ from typing import Any
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NewFile, cannot_write, check_output
 
-STEM_CHARACTERS = 48  # of up to 4 bytes each, in names of at most 255 bytes
+STEM_CHARACTERS = 48  # of a stem: they have up to 4 bytes each, and names at most 255
 
 
 def make_folder(folder: Path) -> None:
-    """The folder and what is above it, if they are not there yet. Raises UserError when that fails."""
+    """Makes the folder and its parents if they are missing. Raises UserError when that fails."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError as error:
@@ -26,7 +26,7 @@ def make_folder(folder: Path) -> None:
 
 
 def check_folder(folder: Path, names: Iterable[str], overwrite: bool) -> None:
-    """Makes the folder, so that nothing is done in vain. Raises UserError when one of `names` must not be written."""
+    """Makes the folder before any work is done. Raises UserError when one of `names` in it must not be written."""
     make_folder(folder)
     for name in names:
         check_output(folder / name, overwrite)
@@ -45,10 +45,10 @@ def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None],
 
 @contextlib.contextmanager
 def written_whole(path: Path, overwrite: bool = False, beside: bool = False) -> Iterator[NewFile]:
-    """Within, write to the `stream` of what this gives; at the end that is `path`, or nothing is left of it.
+    """Yields a file to whose `stream` the caller writes; at the end it is complete at `path`, or nothing is left.
 
-    What took long to find out is better put `beside` a file that has appeared at `path` meanwhile than lost (`path` of
-    what this gives then says where). Raises UserError when writing fails.
+    Results that took long should be put `beside` a file that has appeared at `path` meanwhile, rather than lost; the
+    `path` of what is yielded then says where. Raises UserError when writing fails.
     """
     try:
         with NewFile(path, overwrite) as file:
@@ -59,7 +59,7 @@ def written_whole(path: Path, overwrite: bool = False, beside: bool = False) -> 
 
 
 def write_json(path: Path, content: Mapping[str, Any], overwrite: bool = False, beside: bool = False) -> Path:
-    """Whole or not at all; returns where it is. Raises UserError as `written_whole`, ValueError for NaN."""
+    """Writes the whole file or nothing; returns its path. Raises UserError as `written_whole`, ValueError for NaN."""
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     with written_whole(path, overwrite, beside) as file:
         file.stream.write(text.encode("utf-8"))

@@ -1,4 +1,4 @@
-"""One call of a function in a process of its own: whatever it does there, the caller gets an answer in time."""
+"""Calls a function in a process of its own: whatever it does there, the caller gets an answer in time."""
 
 import multiprocessing
 import signal
@@ -55,7 +55,7 @@ def _answer(connection: Connection, function: Callable[..., object], *arguments:
         outcome = NoAnswerError("out of memory")
     except Exception as error:
         outcome = NoAnswerError(f"{type(error).__name__}: {error}")
-    # The parent may be gone, and nobody wants the answer.
+    # The parent may have ended, and nobody waits for the answer.
     with suppress(OSError):
         send_value(connection, outcome)
 

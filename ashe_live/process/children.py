@@ -1,8 +1,8 @@
-"""Child processes: the one place where they are started, so that all of them are started alike.
+"""Child processes: they are started here only, so that all of them are started alike.
 
 A child is spawned, never forked: a fork would inherit the window, its GL context and half-held locks. It imports
 nothing from the current folder, where a file named like one of Python's modules may lie beside a clip. It ends when its
-parent does, whatever ended that. Ctrl-C does not reach it, as the parent decides what comes of it.
+parent does, for whatever reason. Ctrl-C does not reach it, as the parent decides what follows from that.
 """
 
 import ctypes
@@ -23,26 +23,26 @@ from typing import Any
 from ashe_live.process.module_path import safe_module_path
 
 CONTEXT = multiprocessing.get_context("spawn")
-# Read by the child's interpreter as it starts, and by its NumPy as it loads: the threads of that would take the cores
-# that the viewer's loop needs.
+# Read by the child's interpreter as it starts, and by its NumPy as it loads, whose threads would otherwise take the
+# cores that the viewer's loop needs.
 ENVIRONMENT = {"PYTHONSAFEPATH": "1", "OPENBLAS_NUM_THREADS": "1"}
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a child may take, where the system can hold it to that."""
+    """What a child may take, as far as the system can enforce it."""
 
     niceness: int  # added to the parent's
-    memory_bytes: int | None = None  # of address space: beyond it the child meets a MemoryError
-    processor_s: int | None = None  # beyond it the child is killed
-    silent: bool = False  # nothing of what it prints is seen
+    memory_bytes: int | None = None  # of address space: beyond that the child gets a MemoryError
+    processor_s: int | None = None  # of processor time: beyond that the child is killed
+    silent: bool = False  # whether what it prints is discarded
 
 
 def started(
     target: Callable[..., None], arguments: tuple[object, ...], name: str, limits: Limits, far_end: Connection
 ) -> SpawnProcess:
-    """A process of that name that calls `target(far_end, *arguments)`; its module must be importable, as in `-m`.
+    """Starts a process that calls `target(far_end, *arguments)`; the module of `target` must be importable, as in `-m`.
 
     `far_end` is closed here, so that the pipe ends when the child does.
     """
@@ -56,7 +56,7 @@ def started(
 
 
 def _new_launcher() -> ThreadPoolExecutor:
-    # Linux tells a child of the end of the thread that started it: this one lives as long as the process.
+    # Linux ends a child with the thread that started it, so that thread must live as long as the process.
     return ThreadPoolExecutor(1, "ashe-live launcher")
 
 
@@ -67,7 +67,7 @@ def _renew_launcher() -> None:
 
 _launcher = _new_launcher()
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_renew_launcher)  # a fork has no other thread than the one that forked
+    os.register_at_fork(after_in_child=_renew_launcher)  # a fork only has the thread that forked
 
 
 def _start(process: SpawnProcess) -> None:
@@ -85,10 +85,10 @@ def _start(process: SpawnProcess) -> None:
 
 
 def _preparation(name: str) -> dict[str, Any]:
-    """What multiprocessing tells a child before anything else; all of it may be left out (`spawn.prepare`).
+    """What multiprocessing tells a child before anything else, all of which is optional (`spawn.prepare`).
 
-    Left out are the main script, which would run once more (and start another child, where a program that embeds this
-    one does not guard it), and the current folder, which a child has anyway and which may have been deleted.
+    Left out are the main script, which would run once more (and start another child, if a program that embeds this one
+    does not guard it), and the current folder, which a child inherits anyway and which may have been deleted.
     """
     return {
         "name": name,
@@ -101,7 +101,7 @@ def _preparation(name: str) -> dict[str, Any]:
 
 @contextmanager
 def _environment() -> Iterator[None]:
-    """Only while a child is started: what else an embedding program starts is its own affair."""
+    """Sets ENVIRONMENT while a child is started only: other processes of an embedding program are its own affair."""
     before = {name: os.environ.get(name) for name in ENVIRONMENT}
     os.environ.update({name: value for name, value in ENVIRONMENT.items() if not before[name]})
     try:
@@ -116,13 +116,13 @@ def _environment() -> Iterator[None]:
 
 @contextmanager
 def _without_ctrl_c() -> Iterator[None]:
-    """A child inherits this until `_begin`, so that none is interrupted in its imports."""
+    """Blocks Ctrl-C, which a child inherits until `_begin`, so that none is interrupted in its imports."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     from multiprocessing import resource_tracker
 
-    resource_tracker.ensure_running()  # else it is started within, and unblocks what it finds blocked
+    resource_tracker.ensure_running()  # started later, it would unblock the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -131,7 +131,7 @@ def _without_ctrl_c() -> Iterator[None]:
 
 
 def _begin(limits: Limits, target: Callable[..., None], far_end: Connection, *arguments: object) -> None:
-    """In the child."""
+    """Runs in the child: applies the limits, then calls `target`."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
@@ -154,15 +154,15 @@ def _end_with_parent() -> None:
 
     threading.Thread(target=wait, name="ashe-live parent", daemon=True).start()
     if sys.platform == "linux":
-        # The thread above waits while C code holds the interpreter's lock; the kernel does not.
+        # While C code holds the interpreter's lock the thread above cannot run, but the kernel can still end the child.
         with suppress(OSError, AttributeError):
             ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent.pid:  # it ended before
+        if os.getppid() != parent.pid:  # the parent ended before that
             os._exit(1)
 
 
 def _silence() -> None:
-    """Also what libraries in C print."""
+    """Discards what this process prints, also from libraries in C."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for number in (1, 2):
         os.dup2(nowhere, number)

@@ -1,4 +1,4 @@
-"""Tables and progress bars for a person, whoever reads them, and for however long."""
+"""Tables and progress bars on the terminal, also where the reader has gone."""
 
 from typing import Any
 
@@ -6,14 +6,14 @@ from rich.console import Console
 
 
 class TerminalConsole(Console):
-    """Rich's, without colours for numbers in text. Where nobody reads any more, rich would end the process."""
+    """Rich's console without colours for numbers in text. If the reader has gone, rich itself would end the process."""
 
     def __init__(self, **how: Any) -> None:
-        """`how` as for rich's Console."""
+        """`how`: the arguments of rich's Console."""
         super().__init__(**{"highlight": False, **how})
 
     def on_broken_pipe(self) -> None:
-        """Raises BrokenPipeError of standard output, which is what was asked for; what goes to stderr is left out."""
+        """Raises BrokenPipeError for standard output, which carries the results; ignores it for standard error."""
         self.quiet = True
         if not self.stderr:
             raise BrokenPipeError

@@ -1,4 +1,4 @@
-"""The one-slot hand-over between threads: no queue, so nothing is ever older than it must be."""
+"""A mailbox with one slot, to hand values over between threads: without a queue nothing is older than it must be."""
 
 import threading
 from typing import Generic, TypeVar
@@ -7,7 +7,7 @@ T = TypeVar("T")
 
 
 class Closed(Exception):  # noqa: N818 - an end, not an error
-    """The other side has ended in order; nothing more will come."""
+    """The other side has ended normally; nothing more will come."""
 
 
 class LatestMailbox(Generic[T]):
@@ -39,7 +39,7 @@ class LatestMailbox(Generic[T]):
             return value
 
     def close(self, error: BaseException | None = None) -> None:
-        """Ends the hand-over; the first call counts."""
+        """Closes the mailbox; only the first call counts."""
         with self._changed:
             if self._end is None:
                 self._end = error if error is not None else Closed()

@@ -1,4 +1,4 @@
-"""What is said to a person, in the terminal and in the window: one line, printable, of a bounded length.
+"""Messages to the user, in the terminal and in the window: one printable line of bounded length.
 
 File names, and what damaged or hostile files hold, find their way into messages. Whatever they contain must neither
 break the line nor reach the terminal as a control sequence.
@@ -10,7 +10,7 @@ import sys
 
 from ashe_live.errors import UserError
 
-MOST_CHARACTERS = 600  # about eight lines of a terminal; what is longer is cut in its middle
+MOST_CHARACTERS = 600  # about eight lines of a terminal; longer messages are cut in their middle
 GAP = " ... "
 BREAK = re.compile(r"\s*[^\S ]\s*")  # white space other than plain spaces
 
@@ -21,27 +21,28 @@ def printable(text: object, most: int = MOST_CHARACTERS) -> str:
     Line breaks and tabs become one space. Control and format characters (terminal sequences, bidirectional overrides)
     and lone surrogates (bytes of a file name that are no UTF-8) become escapes such as \\x1b or \\udcff.
     """
-    # Cut before and after: escapes are up to ten times as long as what they stand for, and megabytes take their time.
+    # Cut before, as escaping megabytes takes time, and after, as escapes are up to ten times as long as their
+    # characters.
     line = _cut(BREAK.sub(" ", _cut(str(text), 4 * most)).strip(), most)
     return _cut("".join(letter if letter.isprintable() else _escaped(letter) for letter in line), most)
 
 
 def tell(text: object) -> None:
-    """One line on standard error, for a person, under the program's name; where nobody can read it, none."""
+    """Prints one line for the user on standard error, under the program's name; does nothing if that is closed."""
     with contextlib.suppress(OSError):
         print(f"ashe-live: {printable(text)}", file=sys.stderr, flush=True)
 
 
 def say(text: object) -> bool:
-    """One line on standard output, for a person: an answer. As `say_exactly`."""
+    """Prints one line for the user on standard output: an answer. Returns and raises as `say_exactly`."""
     return say_exactly(printable(text))
 
 
 def say_exactly(line: str) -> bool:
-    """One line on standard output, for another program (JSON, TOML), as it is.
+    """Prints one line for another program (JSON, TOML) on standard output, unchanged.
 
-    False when its reader has gone (`| head`), which is no reason to leave out what else was asked for. Raises UserError
-    when there is no space for it.
+    Returns False if its reader has gone (`| head`), which is no reason to skip what else was asked for. Raises
+    UserError when there is no space for it.
     """
     try:
         print(line, flush=True)
@@ -57,7 +58,7 @@ def say_exactly(line: str) -> bool:
 def _cut(text: str, most: int) -> str:
     if len(text) <= most:
         return text
-    # The beginning says what it is about, the end what to do.
+    # The beginning says what happened, the end what to do about it.
     kept = max(16, most) - len(GAP)
     return text[: kept - kept // 2] + GAP + text[len(text) - kept // 2 :]
 

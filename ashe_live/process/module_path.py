@@ -1,4 +1,4 @@
-"""Where modules are looked for. A file beside a clip that is named like one of Python's modules is not our code."""
+"""Where modules are looked for: not in the current folder, where a clip may lie beside a file named like a module."""
 
 import sys
 import sysconfig

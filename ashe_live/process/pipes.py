@@ -9,7 +9,7 @@ from typing import Any
 
 
 def send_value(connection: Connection, value: object) -> None:
-    """Raises OSError when the other side has gone."""
+    """Sends a picklable value. Raises OSError when the other side has gone."""
     buffers: list[pickle.PickleBuffer] = []
     head = pickle.dumps(value, protocol=5, buffer_callback=buffers.append)
     connection.send((len(buffers), head))

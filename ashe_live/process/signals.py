@@ -1,4 +1,4 @@
-"""Requests to end (Ctrl+C, a closed terminal, `kill`) that cost nothing: when they are heard, and when they wait."""
+"""Requests to end (Ctrl+C, a closed terminal, `kill`), handled such that nothing is lost: when they act, or wait."""
 
 import signal
 import threading
@@ -9,16 +9,16 @@ from types import FrameType
 
 @contextmanager
 def ended_by_signals() -> Iterator[Callable[[], None]]:
-    """Within, a request to end unwinds the stack like any error, so that a recording is finished.
+    """Within this, a request to end unwinds the stack like any error, so that a recording is finished.
 
-    What it yields is to be called now and then: it asks once more, where a callback from C or a destructor that the
-    signal fell into has swallowed the error.
+    The function that it yields must be called now and then: it raises the error again in case a callback from C, or a
+    destructor that the signal interrupted, has swallowed it.
     """
     asked: BaseException | None = None
 
     def end(number: int, _stack: FrameType | None) -> None:
         nonlocal asked
-        # Impatience must not cut short what unwinding finishes.
+        # A second request must not interrupt what unwinding finishes.
         if asked is None:
             asked = KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)
             raise asked
@@ -29,7 +29,7 @@ def ended_by_signals() -> Iterator[Callable[[], None]]:
 
     names = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
     numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    # One that is ignored already (nohup, a shell's background job) is not meant for us.
+    # A signal that is already ignored (by nohup, or in a shell's background job) stays ignored.
     before = {number: was for number in numbers if (was := signal.getsignal(number)) is not signal.SIG_IGN}
     try:
         for number in before:
@@ -42,9 +42,9 @@ def ended_by_signals() -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def signals_held() -> Iterator[None]:
-    """Within, signals wait whose handler may raise: for C code that calls Python and does not ask what came of it."""
+    """Within this, signals whose handler may raise wait: for C code that calls Python and ignores its exceptions."""
     waiting: list[int] = []
-    if threading.current_thread() is not threading.main_thread():  # no other one runs handlers
+    if threading.current_thread() is not threading.main_thread():  # only the main thread runs handlers
         yield
         return
     before = {number: was for number in signal.valid_signals() if callable(was := signal.getsignal(number))}

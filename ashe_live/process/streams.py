@@ -1,4 +1,4 @@
-"""Standard streams in any state: closed, full, a pipe that nobody reads any more, an encoding of few letters."""
+"""Standard streams in any state: closed, full, a pipe without a reader, an encoding with few letters."""
 
 import io
 import os
@@ -10,24 +10,24 @@ from ashe_live.process.messages import tell
 
 
 def open_streams() -> None:
-    """No file of ours may get the number of a standard stream that is closed: C libraries would write into it."""
+    """Opens closed standard streams: else a file could get their numbers, and C libraries would write into it."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)
         except OSError:
-            os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number
             setattr(sys, name, open(number, "r" if number == 0 else "w", encoding="utf-8", closefd=False))  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # ASCII is no reason to end
+            stream.reconfigure(errors="backslashreplace")  # an encoding as poor as ASCII must not end the program
 
 
 def flushed(status: int) -> int:
-    """`status`, or another where standard output has not taken all that was written to it."""
+    """`status`, or another one if standard output did not take all that was written to it."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
-        except BrokenPipeError:  # its reader (`| head`) has what it wanted
+        except BrokenPipeError:  # its reader (`| head`) has read what it wanted
             _discard(stream)
         except OSError as error:
             _discard(stream)
@@ -38,5 +38,5 @@ def flushed(status: int) -> int:
 
 
 def _discard(stream: TextIO) -> None:
-    """What is left in its buffer: else the interpreter tries once more at its end, and complains."""
+    """Discards what is left in the buffer, which the interpreter would otherwise try to write at its end, and fail."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -1,4 +1,4 @@
-"""Exceptions that no command has foreseen: what of them a person can mend, and what helps to report the others."""
+"""Exceptions that no command foresees: words for those that the user can mend, and a report for the others."""
 
 import os
 import sys
@@ -9,7 +9,7 @@ from ashe_live.process.messages import printable
 
 
 def outer_cause(error: Exception) -> str | None:
-    """What to say where a file, a name or the machine has brought it about; None: the program itself is at fault."""
+    """What to say if a file, a name or the machine caused the error; None if the program itself is at fault."""
     match error:
         case ImportError():
             return f"a part of the program cannot be loaded ({error}): ashe-live doctor says what is missing"
@@ -33,7 +33,7 @@ def fault(error: Exception) -> str:
 
 
 def show_traceback(error: Exception) -> None:
-    """On standard error, for a report; printable, as what files hold may be in the message."""
+    """Prints the traceback on standard error for a bug report, made printable, as it may quote what files contain."""
     for lines in traceback.format_exception(error):
         for line in lines.splitlines():
             indent = line[: len(line) - len(line.lstrip())]

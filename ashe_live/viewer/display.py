@@ -21,8 +21,7 @@ from ashe_live.viewer.status import source_lines, status_lines
 # Numbers that change with every frame are updated this often: to be legible, and because drawing text takes as long as
 # tracking does.
 READINGS_SHOWN_FOR_S = 0.5
-# Between the halves of a split picture.
-LINE_PT = 1.5
+LINE_PT = 1.5  # width of the line between the halves of a split picture
 SPLIT_LINE = frozen_view(np.array((246, 246, 242, 160), np.uint8).reshape(1, 1, 4))
 
 
@@ -61,7 +60,7 @@ class Display:
         self._hud = Hud()
         self._time_bar = TimeBar()
         self._inset = EstimateInset()
-        self._name = ""  # of the one in hand, as drawn
+        self._name = ""  # of the model in hand, once that is drawn
         self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
         self._read_s = -math.inf
 
@@ -77,7 +76,7 @@ class Display:
         moment: Moment | None = None,
     ) -> Scene:
         """The bare scene under status, masks and time bar, or under the help, for a framebuffer of `size` pixels."""
-        if session.help.is_shown:  # alone, as a small window has no room for more
+        if session.help.is_shown:  # a small window has no room for anything beside it
             overlays = self._hud.overlays(HudText(help=session.help.rows(size, content_scale)), size, content_scale)
             return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
@@ -118,7 +117,7 @@ class Display:
 
 
 def _span_of_models(session: Session, framebuffer: Size) -> Span | None:
-    """Where they are seen, lens aside; None where nothing of them is."""
+    """Where the picture shows the models, without the lens's distortion; None where none is in view."""
     tracked = session.tracked
     models = [(model, placement) for _, model, placement in session.arrangement.models(tracked) if placement]
     if tracked is None or tracked.marker is None or not models:

@@ -112,10 +112,9 @@ class LiveViewer:
     def _idle_until(self, due_s: float) -> None:
         """Waits until the next picture is due, as `swap` does not wait without vertical sync (a virtual display)."""
         while (left_s := due_s - time.monotonic()) > 0 and not self._window.is_closing:
-            requests = self._window.take_requests(left_s)
-            for request in requests:
+            for request in self._window.take_requests(left_s):
                 self._obey(request, time.monotonic())
-            # Any event wakes it: a key is obeyed at once, and the mouse followed.
+            # Any event ends the wait for an idle picture: a key is obeyed, and the mouse followed, at once.
             if self._is_idle and time.monotonic() < due_s:
                 return
 
@@ -159,7 +158,7 @@ class LiveViewer:
             self._session, size, manner, now_s, self._stillness.fps(self._is_idle), status, scale, moment
         )
         if menu := self._menu.overlays(size):
-            scene = replace(scene, overlays=menu)  # alone, as text over text cannot be read
+            scene = replace(scene, overlays=menu)  # without the other text, over which it could not be read
         self._stillness.add(scene, size, self._renderer.preset, self._renderer.is_settled)
         # Nothing changes (a pause, a photo, the end of a clip): the last picture is shown again.
         if not self._is_idle:
@@ -191,8 +190,7 @@ class LiveViewer:
                 continue
             if self._playback.take_mouse(event, size, scale, now_s):
                 continue
-            request = self._gestures.add(event, now_s)
-            if request is not None:
+            if (request := self._gestures.add(event, now_s)) is not None:
                 self._obey(request, now_s)
 
     def _open(self, paths: tuple[str, ...], now_s: float) -> None:

@@ -10,7 +10,7 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.pipeline import Pipeline
 
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0)
-# How long the bar stays after the pointer has moved near it, or a key has sought or stepped.
+# How long the bar stays after the pointer was near it, or after a key has sought or stepped.
 BAR_SHOWN_S = 2.0
 A_PHOTO = "a photo is one moment: keys that go through time are for clips"
 A_CAMERA = "a camera shows what is there now: keys that go through time are for clips (V records one)"

@@ -14,10 +14,10 @@ NAMES = (*QUALITIES, AUTO)
 
 
 class QualityChoice:
-    """One of NAMES, and the preset that is in force."""
+    """The choice, one of NAMES, and the preset that follows from it now."""
 
     def __init__(self, name: str, interval_s: float, renderer: SceneRenderer, session: Session) -> None:
-        """`interval_s`: between two pictures of the display."""
+        """`interval_s`: the time between two pictures of the display."""
         self.name = name
         self._interval_s = interval_s
         self._renderer = renderer
@@ -30,11 +30,11 @@ class QualityChoice:
 
     @property
     def shown(self) -> str:
-        """For a person."""
+        """The choice in words; with `auto` also the preset in force."""
         return self.name if self._auto is None else f"{AUTO} ({self.now.name})"
 
     def begin(self, pipeline: Pipeline) -> None:
-        """Puts the chosen one into force, `auto` from the middle on."""
+        """Puts the choice into force; `auto` begins with the preset in the middle."""
         self._auto = AutoQuality(self._interval_s * 1e3, BALANCED) if self.name == AUTO else None
         # The estimator has a process of its own: its preset need not step down when the renderer's does.
         watch = self._session.watch
@@ -42,12 +42,12 @@ class QualityChoice:
         self._apply(pipeline)
 
     def step(self, pipeline: Pipeline) -> None:
-        """Chooses the next one."""
+        """Goes on to the next of NAMES."""
         self.name = NAMES[(NAMES.index(self.name) + 1) % len(NAMES)]
         self.begin(pipeline)
 
     def adapt(self, pipeline: Pipeline, begun_s: float) -> None:
-        """With `auto`, by what the picture took that was begun then; tracking and drawing run side by side."""
+        """With `auto`, adapts the preset to how long tracking or drawing took for the picture begun at `begun_s`."""
         if self._auto is None:
             return
         # Commands that are only queued have cost nothing yet.

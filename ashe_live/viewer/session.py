@@ -17,11 +17,10 @@ from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.sharpening import Sharpening
 from ashe_live.viewer.hands.help import Help
 from ashe_live.viewer.hands.requests import Command, Request
+from ashe_live.viewer.notice import Notice
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import SETS_LIGHT, Table
 
-NOTICE_S = 4.0
-READ_PER_S = 15.0  # letters, by who reads slowly
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
 
 
@@ -45,37 +44,38 @@ class Session:
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
         self.estimated_from: TrackedFrame | None = None
-        self.steps_bgr: Image | None = None  # sheet of the steps to the last estimate; None: nobody asked for it
+        self.steps_bgr: Image | None = None  # a sheet of the steps to the last estimate; None if nobody asked for one
         self.shown = Illumination()  # on its way to `lit_by`
+        self.notice = Notice()
+        self.say = self.notice.say
         self.table = Table(shelf, others, self.say)
         self.hand, self.arrangement = self.table.hand, self.table.arrangement
-        self.automatic = policy.automatic  # the light is watched, also while the camera stands still
+        self.automatic = policy.automatic  # whether the light is watched even while the camera stands still
         self.watch = LightWatch(worker)
         self.show_light = False
         self.show_masks = False
-        self.covers_marker: bool | None = None  # where somebody chose
-        self.is_mirrored = False  # in the window; what is saved is as the camera sees it
+        self.covers_marker: bool | None = None  # None: nobody has chosen
+        self.is_mirrored = False  # in the window only: what is saved is as the camera sees it
         self.help = Help()
         self.show_hud = True
         self.parts_shown = PARTS[0]
-        self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the one that is followed is not in view
-        # Before the first estimate polished surfaces mirror the first frame with a marker.
+        self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the followed marker is out of view
+        # Until the first estimate, polished surfaces mirror the first frame that shows a marker.
         self._estimated = Illumination()
         self._policy = policy
         self._policy_is_done = False
         self._steadiness = steadiness
         self._easing = LightEasing()
         self._by_hand_s = -math.inf
-        self._notice: tuple[str, float] | None = None
 
     @property
     def lit_by(self) -> Illumination:
-        """The illumination set by hand, else the estimated one."""
+        """The illumination that was set by hand, or else the estimated one."""
         return self._estimated if self.hand.light is None else self.hand.light
 
     @property
     def hides_marker(self) -> bool:
-        """Whether ground is painted over the marker: unless chosen otherwise over a sheet, and not over a body."""
+        """Whether ground is painted over the marker: as chosen; if nobody chose, over a sheet and not over a body."""
         marker = None if self.tracked is None else self.tracked.marker
         return self.covers_marker if self.covers_marker is not None else marker is None or marker.body is None
 
@@ -84,30 +84,16 @@ class Session:
         """Whether the marker has been in any frame of this source."""
         return self._estimated.seen_in is not None
 
-    def notice(self, now_s: float) -> str | None:
-        """The last message, for a few seconds."""
-        if self._notice is None or now_s > self._notice[1]:
-            return None
-        return self._notice[0]
-
-    @property
-    def last_notice(self) -> str | None:
-        """The last message, however old."""
-        return None if self._notice is None else self._notice[0]
-
     @property
     def awaits_steady(self) -> bool:
         """Whether an estimate will be made without a request once the marker is steady."""
         return self._policy.on_first_steady and self._policy.at_frame is None and not self._policy_is_done
 
-    def say(self, text: str, now_s: float) -> None:
-        self._notice = text, now_s + max(NOTICE_S, len(text) / READ_PER_S)
-
     def take(self, tracked: TrackedFrame, now_s: float) -> None:
         """Shows `tracked` from now on, and requests an estimate from it when the policy says so."""
         if tracked.note is not None and (self.tracked is None or self.tracked.note != tracked.note):
             self.say(tracked.note, now_s)
-        # A looped clip has no last frame: where none was steady in a round, as on a slow machine, the next is taken.
+        # A looped clip has no last frame: if none was steady in a round, as on a slow machine, this one has to do.
         has_gone_round = self.tracked is not None and tracked.frame.index < self.tracked.frame.index
         self.tracked = tracked
         if self._estimated.seen_in is None and tracked.marker is not None:
@@ -126,7 +112,7 @@ class Session:
                 self.watch.look_again(tracked, now_s, self._draw)
 
     def settle_for_last(self, now_s: float) -> bool:
-        """At the end of a clip: its last frame is estimated where no marker was steady; returns whether it is."""
+        """At the end of a clip without a steady marker, requests an estimate of its last frame; returns whether."""
         if not self.awaits_steady or self.tracked is None or self.tracked.marker is None:
             return False
         self._policy_is_done = True
@@ -144,7 +130,7 @@ class Session:
         self._steadiness = steadiness
 
     def request_estimate(self, now_s: float) -> bool:
-        """Hands the current frame, and the key views at hand, to the worker for a person who waits; returns True.
+        """Hands the current frame and the key views to the worker for a person who waits; returns whether it took them.
 
         Shows a message when that is not possible.
         """
@@ -158,7 +144,7 @@ class Session:
 
     @property
     def _draw(self) -> Draw | None:
-        """What draws the steps, where they are to be seen."""
+        """What draws the steps of an estimate, if they are shown."""
         return steps_sheet if self.show_masks else None
 
     def poll(self, now_s: float) -> LightEstimate | None:
@@ -166,7 +152,7 @@ class Session:
 
         Returns a new estimate, once.
         """
-        self.table.poll(now_s, is_quiet=self.notice(now_s) is None)
+        self.table.poll(now_s, is_quiet=self.notice.shown(now_s) is None)
         outcome = self._accept(self.watch.poll(), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light

@@ -104,7 +104,7 @@ def status_lines(
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:
     """The lines at the bottom left: guidance, the source's status and the last message."""
-    said = (*guidance(session), source_status, session.table.progress, session.notice(now_s))
+    said = (*guidance(session), source_status, session.table.progress, session.notice.shown(now_s))
     return [text for text in said if text]
 
 

@@ -1,4 +1,4 @@
-"""Whether the pictures still change: a screen that stays as it is needs no processor, and tells no frame rate."""
+"""Whether the pictures still change: an unchanged screen need not be drawn, and has no frame rate."""
 
 import operator
 import time
@@ -8,20 +8,20 @@ from ashe_live.core.camera import Size
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.scene import Scene
 
-# After so many pictures alike, or a few for so long, a person waits for something, or looks elsewhere. As many would
-# keep a slow machine's cores at work for several seconds.
+# After this many equal pictures, or after this time, nothing more is drawn. The time is for slow machines, whose cores
+# that number of pictures would keep busy for several seconds.
 UNCHANGED_PICTURES, UNCHANGED_S = 30, 0.5
-# After so many the frame rate is held: the number alone would keep the picture changing.
+# After this many equal pictures the frame rate shown is held, as its digits would keep the picture changing.
 HELD_AFTER_PICTURES = 3
 FPS_OVER_FRAMES = 30
 
 
 class Stillness:
-    """Told of every picture: what is in it, and when it is on the screen."""
+    """Is told of every picture, and counts those that are equal."""
 
     def __init__(self) -> None:
         self._last: tuple[Scene, Size, RenderPreset] | None = None
-        self._unchanged = 0  # pictures in a row that were as the one before
+        self._unchanged = 0  # number of pictures in a row that were equal to the one before
         self._changed_s = time.monotonic()  # when the first of these was drawn
         self._fps: float | None = None
         self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
@@ -33,7 +33,7 @@ class Stillness:
         return is_slow or self._unchanged >= UNCHANGED_PICTURES
 
     def add(self, scene: Scene, size: Size, preset: RenderPreset, is_settled: bool) -> None:
-        """The next picture; `is_settled`: the same scene would be the same picture again."""
+        """Adds the next picture. `is_settled`: whether the same scene would give the same picture again."""
         now = scene, size, preset
         is_same = is_settled and self._last is not None and _same(now, self._last)
         self._unchanged = self._unchanged + 1 if is_same else 0
@@ -42,20 +42,20 @@ class Stillness:
         self._last = now
 
     def shown(self) -> None:
-        """The picture is on the screen."""
+        """Notes the time at which the picture appeared on the screen."""
         self._shown_s.append(time.monotonic())
 
     def fps(self, is_idle: bool) -> float | None:
-        """Of the display; None until there are two pictures to tell it from. `is_idle`: none is being drawn."""
+        """The display's frame rate; None until two pictures were shown. `is_idle`: whether no pictures are drawn."""
         if is_idle:
-            self._shown_s.clear()  # which says nothing of the display
+            self._shown_s.clear()  # the gap until the next picture says nothing about the display
         if self._unchanged < HELD_AFTER_PICTURES and len(self._shown_s) >= 2:
             self._fps = (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
         return self._fps
 
 
 def _same(now: tuple[Scene, Size, RenderPreset], before: tuple[Scene, Size, RenderPreset]) -> bool:
-    """Whether the pictures are the same, as far as their parts are the same objects."""
+    """Whether two pictures are equal, judged by the identity of their parts."""
     parts = [
         (*scene.overlays, scene.tracked, scene.illumination, *(model for model, _ in scene.models))
         for scene, *_ in (now, before)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
-from ashe_live.capture.sources import open_source
+from ashe_live.capture.opening import open_source
 from ashe_live.errors import UserError
 
 

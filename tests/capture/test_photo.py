@@ -9,8 +9,8 @@ import PIL.Image
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo import PhotoSource
-from ashe_live.capture.sources import open_source
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 

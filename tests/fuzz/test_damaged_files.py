@@ -13,7 +13,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from ashe_live.capture.sources import open_source
+from ashe_live.capture.opening import open_source
 from ashe_live.core.camera import read_camera_file
 from ashe_live.errors import UserError
 from ashe_live.tracking.families.pattern_files import read_marker_picture, read_pattern_file

@@ -35,11 +35,11 @@ def _sheet(material: Material, normal: tuple[float, ...] = (0, 0, 1), **fields) 
 
 
 def _ball(material: Material, radius_m: float = 0.03) -> Mesh:
-    polar, around = np.meshgrid(np.linspace(0, math.pi, 65), np.linspace(0, 2 * math.pi, 129), indexing="ij")
+    polar, around = np.meshgrid(np.linspace(0, math.pi, 33), np.linspace(0, 2 * math.pi, 65), indexing="ij")
     normals = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], -1)
-    row, column = np.mgrid[:64, :128].reshape(2, -1)
-    a = row * 129 + column
-    triangles = np.concatenate([np.stack([a, a + 129, a + 130], 1), np.stack([a, a + 130, a + 1], 1)])
+    row, column = np.mgrid[:32, :64].reshape(2, -1)
+    a = row * 65 + column
+    triangles = np.concatenate([np.stack([a, a + 65, a + 66], 1), np.stack([a, a + 66, a + 1], 1)])
     normals = normals.reshape(-1, 3).astype(np.float32)
     return Mesh(normals * radius_m + np.float32((0, 0, radius_m)), normals, triangles, material=material)
 

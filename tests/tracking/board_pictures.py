@@ -11,7 +11,6 @@ from ashe_live.core.transforms import rigid
 
 GROUND = 110
 SUPERSAMPLING = 2
-PRINT_PX_PER_UNIT = 60
 
 
 @dataclass(frozen=True)

@@ -273,14 +273,14 @@ def test_a_full_disk_ends_the_recording_but_not_the_viewer(stage, tmp_path, monk
     assert str(path) in out
     with ClipSource(path) as clip:
         assert clip.read() is not None
-    assert "No space left" in stage.session.last_notice
+    assert "No space left" in stage.session.notice.text
 
 
 def test_what_plays_every_frame_names_the_clip_as_it_was_named(stage):
     """Also from another folder than the clip's, and ready for a shell."""
     stage.put(0)
     stage.run(Command.RECORD, None, lambda: stage.put(1), None, lambda: stage.put(5), None, Command.RECORD, None)
-    assert "; every frame: ashe-live play 'my films/table.mp4' --model cube --headless" in stage.session.last_notice
+    assert "; every frame: ashe-live play 'my films/table.mp4' --model cube --headless" in stage.session.notice.text
 
 
 def test_a_graphics_driver_that_fails_ends_it_in_one_line_with_the_recording_finished(stage, tmp_path):
@@ -310,7 +310,7 @@ def test_a_snapshot_carries_the_estimate(stage, tmp_path, capfd):
     assert (carried["frame"], carried["estimate"]["frame"], carried["model"]) == (4, 2, "cube")
     assert carried["estimate"]["light"]["elevation_deg"] == pytest.approx(45)
     assert capfd.readouterr().out == f"saved {path}\n"
-    assert str(path) in stage.session.last_notice
+    assert str(path) in stage.session.notice.text
 
 
 def test_what_covers_the_marker_is_cut_out_with_the_shadow_and_not_with_a_model_alone(stage, monkeypatch):
@@ -318,7 +318,7 @@ def test_what_covers_the_marker_is_cut_out_with_the_shadow_and_not_with_a_model_
     monkeypatch.setattr(stage.renderer, "beside", lambda _preset, _size: cut_out)
 
     def listen() -> None:
-        said.append(stage.session.last_notice)
+        said.append(stage.session.notice.text)
 
     stage.put(0)
     once = (Command.CUT_OUT, listen)
@@ -336,7 +336,7 @@ def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, mo
     stage.put(0)
     for command in (Command.SNAPSHOT, Command.RECORD):
         stage.run(command, None, None)
-        assert "no folder" in stage.session.last_notice
+        assert "no folder" in stage.session.notice.text
 
 
 def dropped(*paths: str) -> Request:
@@ -378,7 +378,7 @@ def test_what_cannot_be_opened_is_one_line_and_changes_nothing(stage, capfd):
     stage.put(5)
 
     def is_said() -> bool:
-        return "is not a clip" in (stage.session.last_notice or "")
+        return "is not a clip" in (stage.session.notice.text or "")
 
     viewer = stage.run(Command.RECORD, None, dropped("/far/notes.txt"), *waited_for(is_said), None)
     assert viewer._pipeline is stage.pipeline
@@ -391,7 +391,7 @@ def test_what_cannot_be_opened_is_one_line_and_changes_nothing(stage, capfd):
 def test_what_was_copied_opens_by_a_key(stage, monkeypatch):
     stage.put(5)
     stage.run(Command.OPEN, None)
-    assert "nothing to open" in stage.session.last_notice
+    assert "nothing to open" in stage.session.notice.text
     monkeypatch.setattr(ScriptedWindow, "clipboard", "file:///far/chair.obj")
     stage.run(Command.OPEN, None)
     assert stage.session.table.model_name == "chair.obj"
@@ -485,7 +485,7 @@ def test_the_field_of_view_goes_round_and_cameras_that_are_not_there_are_said(st
         *[Command.FIELD_OF_VIEW] * 6,
         None,
         Command.NEXT_CAMERA,
-        awaited(stage, lambda: "no other camera" in stage.session.last_notice),
+        awaited(stage, lambda: "no other camera" in stage.session.notice.text),
     )
     assert stage.pipeline.seen_by == [50, 60, 70, 80, None, 50]
     assert "--hfov 70" in capfd.readouterr().out
@@ -502,7 +502,7 @@ def test_no_other_is_looked_for_while_the_marker_is_there(stage):
 def test_that_no_other_marker_is_in_view_is_said(stage, others):
     others[:] = ["aruco:4x4_50:0"]
     stage.put(0)
-    told = awaited(stage, lambda: "no other marker" in (stage.session.last_notice or ""))
+    told = awaited(stage, lambda: "no other marker" in (stage.session.notice.text or ""))
     stage.run(None, Command.FOLLOW_OTHER, told, takes_any_marker=True)
     assert stage.pipeline.followed == []
 
@@ -554,4 +554,4 @@ def test_ctrl_z_takes_back_what_was_done_by_hand(stage):
     stage.put(0)
     stage.run(None, Request(Command.SCALE_MODEL, 1), Command.UNDO, None, Command.UNDO, None)
     assert stage.session.hand.placement.scale == 1
-    assert "nothing was done" in stage.session.last_notice
+    assert "nothing was done" in stage.session.notice.text

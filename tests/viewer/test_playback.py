@@ -101,7 +101,7 @@ def test_photos_and_cameras_say_why_nothing_happens(fakes, command):
         assert not stage.mouse(MouseAction.PRESSED, 0.5)
         if kind or command is not Command.PAUSE:
             assert told == []
-            assert stage.session.last_notice.startswith(why)
+            assert stage.session.notice.text.startswith(why)
         else:
             assert told == [("pause", True)]
 

@@ -20,7 +20,8 @@ from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
 from ashe_live.viewer.hands.requests import Command, Request
-from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, Session
+from ashe_live.viewer.notice import NOTICE_S
+from ashe_live.viewer.session import ANSWER_ALONE, Session
 from ashe_live.viewer.status import (
     LAMP_BELOW,
     LAMP_INSIDE,
@@ -120,7 +121,7 @@ def test_a_second_request_meanwhile_is_refused_and_said(make, fakes):
     assert session.request_estimate(0.0)
     session.take(fakes.tracked(2), 0.0)
     assert not session.request_estimate(0.0)
-    assert "still" in session.notice(0.0)
+    assert "still" in session.notice.shown(0.0)
     session.watch._worker.answer = fakes.estimate(1)
     session.poll(0.0)
     assert session.estimated_from.frame.index == 1
@@ -132,7 +133,7 @@ def test_without_a_marker_it_says_so_instead_of_estimating(make, fakes, has_fram
     if has_frame:
         session.take(fakes.tracked(has_marker=False), 0.0)
     assert not session.request_estimate(0.0)
-    assert "no marker in view" in session.notice(0.0)
+    assert "no marker in view" in session.notice.shown(0.0)
     assert not session.watch.is_estimating
 
 
@@ -146,7 +147,7 @@ def test_a_failure_is_said_and_keeps_the_last_light(make, fakes):
     session.watch._worker.answer = WorkerFailure(0, "the light estimator's process has died")
     assert session.poll(1.0) is None
     assert session.estimate is good
-    assert "has died" in session.notice(1.0)
+    assert "has died" in session.notice.shown(1.0)
     assert not session.watch.is_estimating
 
 
@@ -154,15 +155,15 @@ def test_a_model_that_cannot_be_read_is_said(make):
     session = make()
     session.table.shelf.error = UserError("broken.glb is damaged", "export it again")
     session.poll(0.0)
-    assert "broken.glb" in session.notice(0.0)
+    assert "broken.glb" in session.notice.shown(0.0)
 
 
 def test_notices_fade_but_the_last_is_remembered(make):
     session = make()
     session.say("hello", 10.0)
-    assert session.notice(10.0 + NOTICE_S) == "hello"
-    assert session.notice(10.1 + NOTICE_S) is None
-    assert session.last_notice == "hello"
+    assert session.notice.shown(10.0 + NOTICE_S) == "hello"
+    assert session.notice.shown(10.1 + NOTICE_S) is None
+    assert session.notice.text == "hello"
 
 
 def test_keys_choose_models(make):
@@ -176,7 +177,7 @@ def test_keys_choose_models(make):
     ):
         assert session.handle(request, 0.0)
         assert session.table.model_name == name
-    assert "4 models" in session.notice(0.0)
+    assert "4 models" in session.notice.shown(0.0)
 
 
 def test_switches_toggle(make):
@@ -227,18 +228,18 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
     picture = np.zeros((8, 8, 3), np.uint8)
     toggle = Request(Command.TOGGLE_MASKS)
     assert estimated(0.0) is None
-    assert session.last_notice is None
+    assert session.notice.text is None
     session.handle(toggle, 1.0)
-    assert session.last_notice == ANSWER_ALONE
+    assert session.notice.text == ANSWER_ALONE
     assert estimated(10.0) is picture
-    assert session.notice(10.0) is None
+    assert session.notice.shown(10.0) is None
     session.handle(toggle, 11.0)
     session.handle(toggle, 12.0)
     assert session.steps_bgr is picture
-    assert session.notice(12.0) is None
+    assert session.notice.shown(12.0) is None
     picture = None  # as of an estimator that keeps no trace
     assert estimated(20.0) is None
-    assert session.notice(20.0) == ANSWER_ALONE
+    assert session.notice.shown(20.0) == ANSWER_ALONE
 
 
 def test_what_needs_the_window_is_left_to_it(make):
@@ -304,7 +305,7 @@ def test_automatically_nothing_is_asked_without_a_steady_marker(make, fakes):
     session = make(EstimatePolicy(automatic=True))
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0, lambda now_s: round(now_s * 30) % 3 > 0)
     assert session.watch._worker.requested == []
-    assert session.last_notice is None
+    assert session.notice.text is None
 
 
 def test_an_outlier_changes_neither_light_nor_masks_and_a_changed_light_does(make, fakes):
@@ -562,7 +563,7 @@ def test_an_estimate_without_a_light_leaves_the_one_by_hand(make, fakes):
     by_hand(session, 1.0)
     estimated(session, fakes, 2.0, with_light=False)
     assert session.lit_by is session.hand.light is not None
-    assert "stays as set by hand" in session.notice(2.1)
+    assert "stays as set by hand" in session.notice.shown(2.1)
 
 
 def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(make, fakes):
@@ -670,7 +671,7 @@ def test_what_is_left_out_of_a_model_is_told_in_the_window_and_the_terminal(make
     session = make()
     session.table.shelf.words = ["duck.glb: points and lines are left out"]
     session.poll(1.0)
-    assert session.notice(1.0) == "duck.glb: points and lines are left out"
+    assert session.notice.shown(1.0) == "duck.glb: points and lines are left out"
     assert capsys.readouterr().err == "ashe-live: duck.glb: points and lines are left out\n"
     session.poll(2.0)
     assert capsys.readouterr().err == ""
@@ -679,22 +680,22 @@ def test_what_is_left_out_of_a_model_is_told_in_the_window_and_the_terminal(make
 def test_long_messages_stay_long_enough_to_be_read(make):
     session = make()
     session.say("word " * 100, 0.0)
-    assert session.notice(NOTICE_S + 1) is not None
+    assert session.notice.shown(NOTICE_S + 1) is not None
     session.say("short", 0.0)
-    assert session.notice(NOTICE_S + 1) is None
+    assert session.notice.shown(NOTICE_S + 1) is None
 
 
 def test_a_key_stands_the_model_on_another_side(make):
     session = make()
     assert session.handle(Request(Command.TURN_UP), 0.0)
     assert session.table.shelf.turned == 1
-    assert session.notice(0.0) == "cube: z is up"
+    assert session.notice.shown(0.0) == "cube: z is up"
 
 
 def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
     session = make()
     session.handle(Request(Command.STOP_MOTION), 0.0)
-    assert session.notice(0.0) == "cube stands still: it has no animation that is played"
+    assert session.notice.shown(0.0) == "cube stands still: it has no animation that is played"
     session.table.shelf.moves = True
     session.take(fakes.tracked(0), 10.0)
     shown = []

@@ -62,8 +62,8 @@ FIRST_RANGES = {
 }
 OF_SPLITS = ("hue", "brightness", "short", "long", "missed", "shaded", "edge", "border", "second")
 LOOKS = tuple(dict.fromkeys(of_one_view(look) for steps in PRESETS.values() for look in steps.looks))
-WEIGHT = 1 / len(LOOKS)  # all look at the same pictures, which are to count once
-# The first round explains every so many-th picture by so many of its splits, of which it learns which to fit.
+WEIGHT = 1 / len(LOOKS)  # of a look: all look at the same pictures, each of which is to count once
+# The first round takes every FIRST_EVERYth picture and fits FIRST_TRIED of its splits, to learn which are worth it.
 FIRST_EVERY, FIRST_TRIED = 3, 24
 
 
@@ -71,16 +71,16 @@ FIRST_EVERY, FIRST_TRIED = 3, 24
 class JudgeBench(Bench):
     """Fits the judge to the folders `scenes`, with the explanations of each picture by all presets' looks.
 
-    In the first round all features count alike, and more splits than usual are fitted; splits are judged by what came
-    of them. In the second, the explanations are those that the first round's judge fits and refines. The same pictures
-    give the same tables.
+    In the first round all features count alike, and more splits than usual are fitted; splits are judged by what
+    followed from them. In the second, the explanations are those that the first round's judge fits and refines. The
+    same pictures give the same tables.
     """
 
     SCHEMA: ClassVar[int] = 1
 
     scenes: Sequence[Path]
     limit: int | None = None  # number of pictures of each folder, the first ones; None: all
-    every: int = 1  # of these, only every so many-th
+    every: int = 1  # of these, only every `every`th
     jobs: int = 1  # number of processes that look at pictures
 
     def parts(self) -> Iterator[Json]:
@@ -190,7 +190,7 @@ def _looked_at(tables: str, tried: int | None, case: Case) -> dict[ProxySteps, S
 
 
 def _calibration(answers: Sequence[Judged]) -> Calibration:
-    """Of those that are sure enough to be given."""
+    """The calibration of the answers that are sure enough to be given."""
     least = least_confidence(answers)
     given = [each.answer for each in answers if each.confidence >= least]
     return fitted_calibration([each for each in given if each is not None])

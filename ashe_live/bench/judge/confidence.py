@@ -16,9 +16,9 @@ from ashe_live.light.explanation.judgement.uncertainty import Calibration, covar
 LEAST_GOOD = 0.4
 NEWTON_STEPS = 30  # in fitting the recalibration
 LEAST_SLOPE = 0.1  # of the log odds of being right over those of the confidence: less tells nothing
-# Prior information on how confidence is recalibrated: as much as so many answers of even odds have.
+# Weight of the prior on the recalibration: that of this many answers with even odds.
 PRIOR_ANSWERS = 4.0
-# Probabilities of a good direction where outlines leave it open, of which the likeliest is taken.
+# Probabilities of a good direction where outlines leave it open that are tried; the likeliest is taken.
 OPEN_TRIED = tuple(i / 20 for i in range(20))
 # By the number of looks, the weights that are tried.
 WEIGHTS: Mapping[int, Sequence[tuple[float, ...]]] = {1: [(1.0,)], 2: [(0.5, 0.5), (0.6, 0.4), (0.7, 0.3), (0.8, 0.2)]}
@@ -51,8 +51,14 @@ def with_open_directions(
     answers: by the number of looks, as recalibrated by `averages`.
     """
 
+    # Linear in the share that is sought, of which 20 values are tried.
+    none_open, all_open = (
+        {looks: _good_if_right(several, calibration, share) for looks, several in answers.items()}
+        for share in (0.0, 1.0)
+    )
+
     def refitted(open_: float) -> dict[int, tuple[Float, tuple[float, float]]]:
-        factors = {looks: _good_if_right(several, calibration, open_) for looks, several in answers.items()}
+        factors = {looks: each + open_ * (all_open[looks] - each) for looks, each in none_open.items()}
         return {looks: (each, fitted_confidence(answers[looks], each)) for looks, each in factors.items()}
 
     def cost(open_: float) -> float:

@@ -26,11 +26,12 @@ from ashe_live.core.contract import Json
 from ashe_live.files.writing import write_json
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
-from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge, probabilities_of
+from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
 from ashe_live.light.explanation.judgement.judge_tables import UNCHANGED, OfKnownBody, Score, read_tables
 
 LOOK = of_one_view(BALANCED)
-OFFSETS, SLOPES = np.arange(-1.0, 3.01, 0.1), np.arange(0.5, 2.01, 0.1)  # of which the likeliest pair is taken
+LEAST_LIKELIHOOD = 1e-12  # of a picture: no single one rules a pair of numbers out
+OFFSETS, SLOPES = np.arange(-1.0, 3.01, 0.1), np.arange(0.5, 2.01, 0.1)  # that are tried; the likeliest pair is taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +42,7 @@ class KnownBodiesBench(Bench):
 
     scenes: Sequence[Path]
     limit: int | None = None  # number of pictures of each folder, the first ones, whatever they show; None: all
-    every: int = 1  # of those of known casters, only every so many-th
+    every: int = 1  # of the pictures with known casters, only every `every`th
     jobs: int = 1  # number of processes that look at pictures
 
     def parts(self) -> Iterator[Json]:
@@ -102,16 +103,18 @@ def _looked_at(tables: str, picture: tuple[Case, str]) -> dict[ProxySteps, Sampl
 def fitted_to(free: Score, pictures: Pictures) -> tuple[Score, OfKnownBody]:
     """The score of known bodies that makes it likeliest which of the pictures' explanations are right, or none."""
     samples = [sample for picture in pictures for sample in picture.values() if sample.judged]
-    odds = [np.array([free.log_odds(each.features) for each in sample.judged]) for sample in samples]
-    right = [np.array([each.rightness > 0 for each in sample.judged]) for sample in samples]
+    if not samples:
+        return UNCHANGED.applied(free), UNCHANGED
+    log_odds = np.array([free.log_odds(each.features) for sample in samples for each in sample.judged])
+    is_right = np.array([each.rightness > 0 for sample in samples for each in sample.judged])
+    begins = np.cumsum([0, *(len(sample.judged) for sample in samples[:-1])])  # of each picture's explanations
+    none_is_right = ~np.logical_or.reduceat(is_right, begins)
 
     def log_likelihood(found: OfKnownBody) -> float:
-        total = 0.0
-        for log_odds, is_right in zip(odds, right, strict=True):
-            probabilities = probabilities_of((found.offset + found.slope * log_odds).tolist())
-            of_right = probabilities[is_right].sum() if is_right.any() else 1 - probabilities.sum()
-            total += float(np.log(max(float(of_right), 1e-12)))
-        return total
+        odds = np.exp(found.offset + found.slope * log_odds)
+        of_right = np.add.reduceat(odds * is_right, begins) + none_is_right
+        probabilities = of_right / (1 + np.add.reduceat(odds, begins))
+        return float(np.log(np.maximum(probabilities, LEAST_LIKELIHOOD)).sum())
 
     tried = [OfKnownBody(round(float(a), 1), round(float(b), 1)) for a in OFFSETS for b in SLOPES]
     best = max(tried, key=log_likelihood)

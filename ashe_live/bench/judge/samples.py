@@ -32,7 +32,7 @@ class Candidate:
     error_rad: float  # of its first light to the nearest true one; pi where there is none
     error_by_axis: Float  # (2,) rad, that error on the light's tangent basis
     covariance_rad2: Float  # (2, 2) rad^2, by the outlines alone
-    lights: int = 1  # that it states
+    lights: int = 1  # number of lights that it states
     unseen_end: float = 0.0  # share of the elevation's variance by a shadow's end out of view
 
 
@@ -42,7 +42,7 @@ class Sample:
 
     case: str
     tags: Mapping[str, str]  # the families that the picture belongs to, by kind
-    lights: int  # true ones
+    lights: int  # number of true lights
     judged: Sequence[Candidate]
     splits: Sequence[Candidate]
 
@@ -54,13 +54,13 @@ def in_processes(
     console: Console,
     what: str,
 ) -> list[dict[ProxySteps, Sample]]:
-    """What `looked`, which must be picklable, says of each picture, in so many processes; `what` is shown meanwhile."""
+    """What `looked`, which must be picklable, returns for each picture, by `jobs` processes; shows `what` meanwhile."""
     with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
         return list(track(pool.map(looked, pictures), what, len(pictures), console=console, transient=True))
 
 
 def of_one_view(steps: ProxySteps) -> ProxySteps:
-    """The steps without what they do with several views, of which presets differ where they look alike at one."""
+    """The steps without their settings for several views, so that presets which treat one view alike are equal."""
     return replace(steps, views=1, companions=0, joint=1)
 
 

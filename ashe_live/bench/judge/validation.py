@@ -20,7 +20,7 @@ from ashe_live.light.explanation.judgement.judge import (
 )
 from ashe_live.light.explanation.judgement.judge_tables import Average, Score
 
-FEWEST_PICTURES = 12  # of a family that is left out
+FEWEST_PICTURES = 12  # least number of a family's pictures for it to be left out
 BAD_RAD, BAD_CONFIDENCE = np.radians(15.0), 0.5  # of an answer that is sure and wrong
 # Kinds of families of which each picture's are left out where it is judged, and the number of parts that they are in.
 LEFT_OUT, FOLDS = ("object_family", "ground"), 4
@@ -92,10 +92,10 @@ def by_families_left_out(
 
 
 def scores_by_others(pictures: Pictures, fit: Callable[[Pictures], Score]) -> list[Score]:
-    """For each picture the score fitted to those that share neither its part of the objects nor that of the grounds.
+    """For each picture, the score fitted to pictures that share neither its part of the objects nor of the grounds.
 
-    So confidences are of objects and grounds that the score has not seen. Families are dealt to FOLDS parts; pictures
-    without stated families follow each other in parts, as those of one scene do.
+    So the score has seen neither the objects nor the grounds that it judges. Families are dealt to FOLDS parts;
+    pictures without stated families follow each other in parts, as those of one scene do.
     """
     parts = list(zip(*(_parts(pictures, kind) for kind in LEFT_OUT), strict=True))
 

@@ -17,12 +17,12 @@ from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 
 SPECIFICATIONS = "specifications.json"  # beside the truth in the generator's own sets
-# A box's sides follow from its bounding box and its turn but for one half-way between two sides: the least |cos 2 yaw|.
+# A box's sides follow from its bounding box and its yaw, except near 45 degrees: the least |cos 2 yaw| for that.
 LEAST_TOLD = 0.3
 
 
 def with_known_casters(cases: Sequence[Case], folders: Sequence[Path]) -> list[tuple[Case, Caster]]:
-    """Those of the cases of these folders that have a light and a caster of `caster_specs`, with it."""
+    """The cases of these folders that have a light and a caster of `caster_specs`, each with that caster."""
     specs = {folder.resolve().name: caster_specs(folder) for folder in folders}
     lit = (case for case in cases if case.to_lights_marker is not None and len(case.to_lights_marker))
     return [(case, parsed_caster(specs[case.folder][case.id])) for case in lit if case.id in specs[case.folder]]
@@ -81,7 +81,7 @@ def _as_specified(content: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _of_family(specified: Mapping[str, Any]) -> str | None:
-    """Of the generator's families, those that are boxes, cylinders and spheres to a person who measures them."""
+    """The kind of a generator's family that a person would measure as a box, cylinder or sphere; None for others."""
     family, params = specified["family"], specified["params"]
     if family == "carton":
         return _box(*params["size_m"])

@@ -67,9 +67,9 @@ class LampSummary:
     """Statistics of pictures with one light; None where none contributes."""
 
     attempted: int
-    answered: float | None  # fractions
-    stated: float | None  # of the answered, as lamps
-    beside_deg: float | None  # medians
+    answered: float | None  # fraction of the pictures
+    stated: float | None  # fraction of the answered that are stated as lamps
+    beside_deg: float | None  # median
     distance_error: float | None
     within_1_sigma: float | None  # of the inverse distances of those stated
     within_ellipsoid_95: float | None  # of the places of those stated
@@ -78,7 +78,7 @@ class LampSummary:
 
 
 def summarise_lamps(figures: Sequence[LampFigures], answered: Sequence[bool]) -> LampSummary:
-    """Of pictures with or without an answer, which `answered` tells."""
+    """The statistics of pictures; `answered` tells which have an answer."""
     given = [each for each, is_answered in zip(figures, answered, strict=True) if is_answered]
     sigmas = [each.sigmas for each in given if each.sigmas is not None]
     squares = [each.squared_sigmas for each in given if each.squared_sigmas is not None]

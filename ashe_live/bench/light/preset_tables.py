@@ -79,7 +79,7 @@ def _times(name: str, stages: Mapping[str, Mapping[str, float]], everything: Sum
 
 
 def _targets(name: str, verdicts: Iterable[Verdict]) -> Table:
-    """The figures beside their targets, and for a miss the stage responsible."""
+    """The figures beside their targets, with the responsible stage for each miss."""
     table = figures_table(
         f"{name}: targets", ("data", "figure"), "measured", "target", "from true labels", "", "missed by"
     )

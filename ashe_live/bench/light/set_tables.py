@@ -123,7 +123,7 @@ def print_places(console: Console, results: Sequence[CaseResult]) -> None:
 
 
 def print_lamp_takes(console: Console, results: Sequence[TakeResult]) -> None:
-    """Prints the same of takes by the number of views, of all and of those that turn far enough, if any has a lamp."""
+    """Prints the same for takes by number of views, for all and for those of a wide span, if any has a lamp."""
     for least_deg, which in ((0.0, "takes"), (WIDE_DEG, f"takes of {WIDE_DEG:.0f}° and more")):
         groups: dict[str, list[CaseResult]] = {}
         for each in sorted(results, key=lambda each: each.views):
@@ -187,6 +187,6 @@ def print_clips(console: Console, clips: Sequence[ClipResult]) -> None:
 
 
 def _mean(values: Sequence[float | None]) -> float | None:
-    """Of those that are known."""
+    """The mean of the values that are known."""
     known = [value for value in values if value is not None]
     return sum(known) / len(known) if known else None

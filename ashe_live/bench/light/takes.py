@@ -29,7 +29,7 @@ from ashe_live.light.estimators.estimator import Estimator
 
 VIEWS = (1, 2, 4, 8, 12)  # numbers of views that are tried, each set holding those before it
 SPANS_DEG = (3.0, 6.0, 12.0, 25.0, 40.0)
-FALL = 0.02  # of a confidence that counts as one
+FALL = 0.02  # least decrease of a confidence that counts as a fall
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +61,8 @@ class TakeResult:
     """The result of one preset on the first frame of a take, with others of its frames."""
 
     span_deg: float
-    views: int  # given to the estimator, the first frame included
-    used: int  # that the answer rests on
+    views: int  # number of views given to the estimator, the first frame included
+    used: int  # number of views that the answer rests on
     result: CaseResult
 
 
@@ -169,5 +169,5 @@ def grouped_by_span(results: Sequence[TakeResult]) -> dict[str, list[TakeResult]
 
 
 def nearest_span_deg(span_deg: float) -> float:
-    """The one of SPANS_DEG that a take's span counts as."""
+    """The entry of SPANS_DEG that a take's span is counted as."""
     return min(SPANS_DEG, key=lambda span: abs(np.log(span / max(span_deg, 1e-3))))

@@ -7,13 +7,13 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 
-APART_PX = 1.0  # along a border, between two profiles
+APART_PX = 1.0  # distance of two profiles along a border
 
 
 def shadow_border(points: Float, to_light: Float, camera: Camera, T_cam_marker: Float) -> tuple[Float, Float]:
     """(n, 2) pixels along the border of the shadow that the hull of (m, 3) points casts, and (n, 2) normals out of it.
 
-    points: metres, marker frame. Only the straight or rounded outline of the convex hull.
+    points: metres, marker frame. The outline is that of the convex hull.
     """
     cast = points[:, :2] - points[:, 2:] * (to_light[:2] / to_light[2])
     hull = cv2.convexHull(cast.astype(np.float32)).reshape(-1, 2).astype(np.float64)

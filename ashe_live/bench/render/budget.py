@@ -1,8 +1,7 @@
-"""What each cause of the difference from a pair's photos costs: causes taken away one after the other.
+"""How much each cause contributes to the difference from a pair's photos: causes are taken away one after the other.
 
-Light, pose and the sun's size are the true ones in all of it. "True light and shading" are the path tracer's own
-radiance on the model and its own ratio of light on all else, in the place of what the renderer draws: what is left
-then is what the camera makes of it.
+Light, pose and the sun's size are the true ones in all rows. "True light and shading" replaces what the renderer draws
+by the path tracer's own radiance on the model, and its own ratio of light elsewhere: the rest is the camera's.
 """
 
 from collections.abc import Iterator
@@ -46,20 +45,20 @@ from ashe_live.render.passes.video import Video
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
-# The photos besides that assets/sources/scenes/photo/renditions.py makes of a pair.
+# The further photos that assets/sources/scenes/photo/renditions.py makes of a pair.
 OTHER_PHOTOS = {"noise": "with other noise", "moved_25": "moved by 0.25 px", "moved_50": "moved by 0.5 px"}
 COLUMNS = ("FLIP", "on model", "on border", "on paper", "dE ground", "dE paper", "dE model")
-MOST_LIGHT = 4.0  # times what was there: more is the path tracer's noise in the dark
-LEAST_RADIANCE = 1e-4  # of full scale; what is darker has no ratio
+MOST_LIGHT = 4.0  # largest ratio of light with the model to without: more is noise of the path tracer in the dark
+LEAST_RADIANCE = 1e-4  # of full scale; darker pixels have no ratio
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
-    """What a pair's photos are of."""
+    """What the path tracer knows about a pair."""
 
-    bare: Float  # (h, w, 3) linear RGB as it was exposed, before the lens
+    bare: Float  # (h, w, 3) linear RGB, exposed, before the lens
     model: Float  # the same with the model
-    white_rgb: Float  # (3,) what white of radiance 1 was exposed to
+    white_rgb: Float  # (3,) value of white of radiance 1 after exposure
     sky: Float  # (3,) share of the sky in the light on level ground
 
 
@@ -87,7 +86,7 @@ class BudgetBench(Bench):
 
 
 def _mean_cell(name: str, values: list[float]) -> str:
-    """Of the scenes that have any."""
+    """The mean over the scenes that have a value."""
     told = [value for value in values if not np.isnan(value)]
     return f"{np.mean(told):.{1 if name.startswith('dE') else 3}f}" if told else "-"
 
@@ -129,7 +128,7 @@ def budget(ctx: Context, pair: Pair, preset: RenderPreset) -> Iterator[tuple[str
 def figures_of(pair: Pair, picture: Image, where: Regions | None = None) -> Json:
     """Means of FLIP, and of dE, over regions of a picture (h, w, 3) of the pair; NaN where it has none of a kind.
 
-    `where`: the regions of another picture, where that is to be compared with.
+    `where`: the regions of another picture, for comparison with that one.
     """
     where = regions(pair, picture) if where is None else where
     flip, difference = flip_error(picture, pair.expected), smooth_difference(picture, pair.expected)
@@ -154,7 +153,7 @@ def read_truth(pair: Pair) -> Truth:
 
 
 def rendition(pair: Pair, name: str) -> Pair:
-    """The pair as another camera has photographed it."""
+    """The pair as photographed by another camera."""
     bare, expected = (read_picture(pair.file(f"{version}_{name}.jpg")) for version in ("bare", "model"))
     tracked = replace(pair.tracked, frame=Frame(bare, 0, 0.0))
     illumination = replace(pair.scene.illumination, ground_rgb=ground_rgb(bare), seen_in=tracked)
@@ -162,9 +161,9 @@ def rendition(pair: Pair, name: str) -> Pair:
 
 
 def under(scene: Scene, sky: Float, slope: Float | None = None) -> Scene:
-    """The scene in the light of its sun and a sky with such a share (3,) in the light on level ground.
+    """The scene lit by its sun and a sky that gives the share `sky` (3,) of the light on level ground.
 
-    `slope`: (2, 3) by which that sky leans, if not evenly bright.
+    `slope`: (2, 3) by which that sky leans; None for an even one.
     """
     (light,) = scene.illumination.lights
     known = replace(light, shadow_rgb_ratio=None, intensity_rgb_ratio=1 / np.maximum(sky, 1e-3) - 1)
@@ -190,7 +189,7 @@ class RendererInTrueWhite(SceneRenderer):
 
 
 def drawn_at(ctx: Context, scene: Scene, preset: RenderPreset, white_rgb: Float) -> Image:
-    """The picture (h, w, 3) BGR of a scene at such an exposure (3,)."""
+    """The picture (h, w, 3) BGR of a scene at the exposure `white_rgb` (3,)."""
     assert scene.tracked is not None
     return pictured(RendererInTrueWhite(ctx, preset, scene.tracked.frame.size, white_rgb), scene)
 

@@ -55,10 +55,10 @@ def cost_of(ctx: Context, preset: RenderPreset, size: Size, scenes: Sequence[Sce
 def costs_by_turns(
     ctx: Context, preset: RenderPreset, size: Size, several: Sequence[Sequence[Scene]], frames: int
 ) -> list[tuple[float, float]]:
-    """Median milliseconds a picture of each of several lists of scenes, by the clock and of the processor.
+    """Median milliseconds a picture for each of several lists of scenes: wall time and processor time.
 
-    They take turns, so that other programs meet all; what these take of the clock is not in the processor's time, which
-    is that of all of the process's threads, a software rasteriser's among them.
+    The lists take turns, so that other programs disturb all of them alike. Processor time, which is that of all threads
+    of the process, a software rasteriser's included, does not contain what other programs take.
     """
     renderers = [SceneRenderer(ctx, preset, size) for _ in several]
     spent_ms: list[list[tuple[float, float]]] = [[] for _ in several]
@@ -104,7 +104,7 @@ def lamps_around(count: int) -> tuple[Light, ...]:
 
 
 def round_model(triangles: int) -> PlacedModel:
-    """A vase of about that many triangles."""
+    """A vase of about `triangles` triangles."""
     around = max(3, round(math.sqrt(triangles / 2)))
     rings = max(2, round(triangles / 2 / around) + 1)
     height, angle = np.meshgrid(np.linspace(0, 1, rings), np.arange(around) * (2 * math.pi / around), indexing="ij")

@@ -27,8 +27,8 @@ from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 GROUND_POINTS = 5  # places in the shadow at which the ground's brightness is compared
-PATCH_PX = 5  # the side of a square around each, of which the mean counts
-APART_PX = 12  # between two of these places
+PATCH_PX = 5  # side of the square around each, over which brightness is averaged
+APART_PX = 12  # least distance of two of these places
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,14 +44,14 @@ class Reference:
 
     @property
     def kind(self) -> str:
-        """Of its light, as in the contract."""
+        """The kind of its light, as in the contract."""
         assert self.scene.illumination.light is not None
         return self.scene.illumination.light.kind
 
 
 @dataclass(frozen=True, slots=True)
 class PictureError:
-    # Of the masks of pixels outside the model, and of the real shadow, that lost more than half of the light.
+    # Intersection over union of the pixels outside of model and real shadow that lost more than half of the light.
     shadow_iou: float
     shadow_de: float  # mean CIE 1976 colour difference where the path tracer's shadow is
     model_de: float  # mean CIE 1976 colour difference on the model
@@ -107,7 +107,7 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     outline = cv2.convexHull(project(camera, T_cam_marker, proxy.points_marker()).astype(np.float32))
     silhouette = cv2.fillConvexPoly(np.zeros(bare.shape[:2], np.uint8), np.round(outline).astype(np.int32), 1) > 0
     is_object = silhouette.ravel()
-    # What is seen on the real object is about as far from the light as its foot.
+    # Points of the real object are taken to be as far from the light as its foot.
     level = np.where(is_object[:, None], lighting.level_at(proxy.foot_marker[None, :2]), lighting.level_at(ground))
     is_lit = is_object | (lit_past(proxy, lighting.suns[0], ground) == 1)
     tracked = TrackedFrame(Frame(bare, 0, 0.0), camera, marker)
@@ -129,7 +129,7 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
 
 
 def _light(view: Json) -> Light:
-    """The true one, of a view's record."""
+    """The true light of a view's record."""
     towards = direction_from_angles(math.radians(view["azimuth_deg"]), math.radians(view["elevation_deg"]))
     ratio = np.array(view["shadow_ratio"])
     if (distance_m := view.get("distance_m")) is None:
@@ -176,10 +176,10 @@ def colour_difference(a: Image, b: Image) -> Float:
 
 
 def smooth_difference(one: Image, other: Image, sigma_px: float = 1.0) -> Float:
-    """(h, w) CIE 1976 colour differences of pictures (h, w, 3) BGR that are blurred so much before."""
+    """(h, w) CIE 1976 colour differences of pictures (h, w, 3) BGR after a blur by `sigma_px`."""
     return colour_difference(*(cv2.GaussianBlur(each, (0, 0), sigma_px).astype(np.uint8) for each in (one, other)))
 
 
 def mean_where(values: Float, where: Mask) -> float:
-    """Of the values (h, w) in a mask; NaN where that is empty."""
+    """The mean of the values (h, w) within a mask; NaN if that is empty."""
     return float(values[where].mean()) if where.any() else math.nan

@@ -24,7 +24,7 @@ FEATURE_POWER, FEATURE_DEG = 0.5, 0.082
 
 
 def flip_error(a_bgr: Image, b_bgr: Image) -> Float:
-    """(h, w) of two pictures (h, w, 3) uint8 sRGB."""
+    """(h, w) the FLIP error of two pictures (h, w, 3) uint8 sRGB."""
     a, b = (_opponent(LINEAR_FROM_SRGB_8BIT[each[..., ::-1]]) for each in (a_bgr, b_bgr))
     feature = _feature_difference(a[..., 0], b[..., 0])
     return np.asarray(_colour_difference(a, b) ** (1 - feature))
@@ -90,7 +90,7 @@ def _lab(linear: Float) -> Float:
 
 
 def _hunt(lab: Float) -> Float:
-    """Chroma as far as it is seen at its lightness."""
+    """Hunt's adjustment: chroma scaled by lightness, as it is perceived."""
     return np.concatenate([lab[..., :1], 0.01 * lab[..., :1] * lab[..., 1:]], axis=-1)
 
 

@@ -11,8 +11,8 @@ from ashe_live.core.arrays import Float, Image, Mask
 
 CROP_PX = 24
 STEP_PX = 12
-LEAST_SHARE = 0.2  # of a crop that shows the object
-RIDGE = 0.1  # of a feature's variance, added to it: with few scenes no weight may rest on a chance correlation
+LEAST_SHARE = 0.2  # least share of a crop that shows the object
+RIDGE = 0.1  # share of its variance added to a feature's: with few scenes no weight may rest on a chance correlation
 
 
 def crop_features(image: Image, is_object: Mask) -> Float:

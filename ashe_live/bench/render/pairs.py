@@ -34,21 +34,21 @@ from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
-CHANGED_LEVELS = 8  # of any channel, by which the model or its shadow has changed a photo
-SEEN_SHADOW = 0.5  # of the sun's light that is gone where a pixel counts as shadow
-DARKEST_LEVEL = 8.0  # of 255, added to brightness before its logarithm: below it there is but noise
-BORDER_PX = 2  # to either side of an outline, that count as neither
+CHANGED_LEVELS = 8  # of 255 in any channel: a pixel that differs by more was changed by the model or its shadow
+SEEN_SHADOW = 0.5  # least share of the sun's light that is gone in a pixel that counts as shadow
+DARKEST_LEVEL = 8.0  # of 255, added to brightness before its logarithm is taken: below it there is only noise
+BORDER_PX = 2  # width of the rim on either side of an outline that counts as neither side
 FINE_PX = 2.0  # standard deviation of the blur that relief is finer than
-LEAST_RELIEF_PX = 100  # pixels of ground well within the shadow, of which its relief is told
-TINY = 0.02  # a model that hides nothing, for the sheet is covered only where there is one
+LEAST_RELIEF_PX = 100  # pixels of ground well within the shadow that are needed to measure its relief
+TINY = 0.02  # scale of a model that hides nothing: without any model the sheet would not be covered
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pair:
-    """A scene as the renderer gets it, with its true light, and the photos of what it should become."""
+    """A scene as the renderer gets it, with its true light, and photos of what its picture should look like."""
 
     name: str
-    stem: Path  # with which the names of its files begin
+    stem: Path  # the beginning of its files' names
     scene: Scene
     expected: Image  # (h, w, 3) BGR, with the model
     without_sheet: Image  # (h, w, 3) BGR, and without the model
@@ -66,21 +66,21 @@ class Pair:
 
     @property
     def bare(self) -> Image:
-        """The photo as it is, (h, w, 3) BGR."""
+        """(h, w, 3) BGR: the photo that the model is drawn on."""
         return self.tracked.frame.image_bgr
 
     def file(self, name: str) -> Path:
-        """One of its files by what follows its own name."""
+        """The path of one of its files, by what follows the stem."""
         return self.stem.with_name(f"{self.stem.name}_{name}")
 
 
 class Regions(NamedTuple):
-    """Of a pair's photo, (h, w) each."""
+    """Regions of a pair's photo, (h, w) each."""
 
-    changed: Mask  # by model or shadow, in either picture
-    model: Mask  # within its outline
-    beside: Mask  # away from it
-    shadow: Mask  # of that, the model's
+    changed: Mask  # pixels that model or shadow change in either picture
+    model: Mask  # well within its outline
+    beside: Mask  # well outside of it
+    shadow: Mask  # the part of `beside` in the model's shadow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,14 +88,14 @@ class PairError:
     flip: float  # mean LDR-FLIP where model or shadow change the photo; NaN where they nowhere do, as all others
     border_ratio: float  # median over places on the shadow's border of its width over the true one; NaN if none is told
     border_places: int
-    ground_de: float  # mean CIE 1976 colour differences: in the shadow on the ground,
-    paper_de: float  # in the shadow on the sheet,
-    model_de: float  # and on the model
+    ground_de: float  # mean CIE 1976 colour difference in the shadow on the ground
+    paper_de: float  # the same in the shadow on the sheet
+    model_de: float  # the same on the model
     relief_ratio: float  # fine contrast of the ground within the shadow over the true one; NaN if too little is seen
     seam_px: int  # pixels of the ground that are a seam between shadows
-    virtual_features: Float  # (n, 7) of crops that show the model, by which it might be told from the photo's,
-    real_features: Float  # which are these
-    hidden_de: float  # where the sheet was, of means over some pixels, covered, from the ground without a sheet
+    virtual_features: Float  # (n, 7) of crops that show the virtual model, for telling it from the real one
+    real_features: Float  # (n, 7) of the same crops of the photo with the real model
+    hidden_de: float  # mean colour difference, after a blur, of the covered sheet from the ground without a sheet
     hidden_relief_ratio: float  # fine contrast of what covers the sheet over that of the ground without one
 
 
@@ -130,7 +130,7 @@ def pair_error(ctx: Context, pair: Pair, preset: RenderPreset) -> PairError:
 
 
 def regions(pair: Pair, ours: Image) -> Regions:
-    """Of a picture (h, w, 3) that was drawn beside its photo."""
+    """The regions for a picture (h, w, 3) of ours and its photo."""
     changed = np.zeros(pair.is_model.shape, bool)
     for image in (ours, pair.expected):
         smooth = [cv2.GaussianBlur(each, (0, 0), 1.0).astype(int) for each in (image, pair.bare)]
@@ -140,12 +140,12 @@ def regions(pair: Pair, ours: Image) -> Regions:
 
 
 def eroded(mask: Mask) -> Mask:
-    """Pixels (h, w) whose neighbours within BORDER_PX are all of the mask's."""
+    """(h, w) pixels whose neighbours within BORDER_PX are all in the mask."""
     return ~dilated(~mask)
 
 
 def dilated(mask: Mask) -> Mask:
-    """Pixels (h, w) within BORDER_PX of the mask's."""
+    """(h, w) pixels within BORDER_PX of the mask."""
     return cv2.dilate(mask.astype(np.uint8), np.ones((2 * BORDER_PX + 1,) * 2, np.uint8)) > 0
 
 
@@ -161,7 +161,7 @@ def relief_ratio(ours: Image, expected: Image, where: Mask) -> float:
 
 
 def hidden_errors(ctx: Context, pair: Pair, preset: RenderPreset) -> tuple[float, float]:
-    """Of the covered sheet beside the ground without one: `hidden_de` and `hidden_relief_ratio` of a PairError."""
+    """`hidden_de` and `hidden_relief_ratio` of a PairError: the covered sheet compared with ground without a sheet."""
     scene = replace(pair.scene, placement=Placement(scale=TINY), hides_marker=True)
     covered = drawn(ctx, scene, preset)
     return (
@@ -176,7 +176,7 @@ def drawn(ctx: Context, scene: Scene, preset: RenderPreset) -> Image:
 
 
 def pictured(renderer: SceneRenderer, scene: Scene) -> Image:
-    """The picture (h, w, 3) BGR of a scene by a renderer that is released then."""
+    """The picture (h, w, 3) BGR of a scene; releases the renderer."""
     renderer.render(scene)
     picture = renderer.read_bgr()
     renderer.release()

@@ -1,17 +1,17 @@
-"""Lines where two shadows meet: darker or brighter than the ground on both sides of them."""
+"""Seams where two shadows meet: lines that are darker or brighter than the ground on both sides."""
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Image, Mask
 
-LEVELS = 10  # of 255, beyond both sides
+LEVELS = 10  # of 255, by which a seam differs from both sides
 ASIDE_PX = 3
-STRAY_PX = 2  # the photo may have the like that near by: joints, noise
+STRAY_PX = 2  # distance within which a similar line in the photo, of joints or noise, excuses one
 
 
 def seam_pixels(picture: Image, photos: tuple[Image, ...], where: Mask) -> int:
-    """How many pixels (h, w) of `where` are such a line in the picture and none in photos (h, w, 3) of the place."""
+    """How many pixels of `where` (h, w) are a seam in the picture, but in none of the photos (h, w, 3) of the place."""
     kernel = np.ones((2 * STRAY_PX + 1,) * 2, np.uint8)
     seen = np.logical_or.reduce([_lines(photo, LEVELS / 2) for photo in photos])
     known = cv2.dilate(seen.astype(np.uint8), kernel) > 0

@@ -1,4 +1,4 @@
-"""A recorded clip as a source in which one can go to and fro."""
+"""A recorded clip as a source that can seek and step back."""
 
 from collections import deque
 from pathlib import Path
@@ -17,9 +17,9 @@ from ashe_live.files.reading import opened
 # FFmpeg's number for "the clip does not say".
 UNSPECIFIED_MATRIX = 2
 HD_HEIGHT_PX = 720
-# Decoded pictures are kept that long, so that stepping back is as fast as stepping on: 46 of 1280x720, 20 of 1920x1080.
+# Decoded pictures are kept up to this size, so that stepping back is as fast as stepping on: 46 of 1280x720.
 KEPT_BYTES = 64_000_000
-BYTES_PER_PIXEL = 1.5  # as most cameras encode
+BYTES_PER_PIXEL = 1.5  # of decoded pictures in 4:2:0, as most cameras encode
 
 
 class ClipSource(Source):
@@ -36,8 +36,8 @@ class ClipSource(Source):
         self._index: ClipIndex | None = None
         self._has_looked_for_index = False
         self._is_damaged = False  # in any part that was read since it was opened
-        self._behind: deque[Picture] = deque()  # read or passed, the last one last
-        self._ahead: deque[Picture] = deque()  # to be read before any other is decoded
+        self._behind: deque[Picture] = deque()  # pictures that were read or passed, the latest last
+        self._ahead: deque[Picture] = deque()  # pictures that are read next, before any other is decoded
         self.rewind()
 
     def rewind(self) -> None:

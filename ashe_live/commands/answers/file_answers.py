@@ -10,9 +10,10 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
+from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.snapshot import write_png
-from ashe_live.capture.sources import Source, open_source
+from ashe_live.capture.sources import Source
 from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, of_one_scene, renumbered
 from ashe_live.commands.flags.marker_choice import with_marker, with_marker_in
@@ -36,7 +37,7 @@ STEP_WIDTH_PX = 480
 
 Result = TypeVar("Result")
 
-# What is said; and, where a sheet is asked for, the frame that was used with the light in it, unless none could be.
+# The record, and, if a sheet is asked for, the frame that was used with the light drawn in; None if there is none.
 FileAnswer = tuple[FileRecord, Image | None]
 
 
@@ -47,9 +48,9 @@ class FileEstimator:
     estimator: Estimator
     camera_for: CameraFor
     options: argparse.Namespace
-    # What a person has been told, and is not for every file again.
-    faults: set[str] = dataclasses.field(default_factory=set)  # whose traceback has been shown
-    followed: set[str] = dataclasses.field(default_factory=set)  # markers that nobody has named
+    # What the user has been told, and is not told again for every file.
+    faults: set[str] = dataclasses.field(default_factory=set)  # faults whose traceback has been shown
+    followed: set[str] = dataclasses.field(default_factory=set)  # markers that are followed without having been named
 
     def of(self, path: Path) -> FileAnswer:
         """The answer for a file."""
@@ -61,7 +62,7 @@ class FileEstimator:
         return self._guarded(path, answered)
 
     def of_all(self, paths: Sequence[Path]) -> Iterator[FileAnswer]:
-        """One answer for all files together, after those for the files that are of no use for it.
+        """One answer for all files together, preceded by those for files that cannot be used for it.
 
         Raises UserError when there is only one file.
         """
@@ -79,7 +80,7 @@ class FileEstimator:
             yield self._guarded(used[0].path, partial(self._answered, *used))
 
     def _guarded(self, path: Path, work: Callable[[], Result]) -> Result | FileAnswer:
-        """What `work` gives; where it fails as nobody has foreseen, an answer that says so."""
+        """What `work` returns; if it raises an unforeseen exception, an answer that says so."""
         try:
             return work()
         except UserError:
@@ -96,9 +97,9 @@ class FileEstimator:
     def _looked_at(
         self, path: Path, options: argparse.Namespace, cameras: Mapping[Size, Camera]
     ) -> "_Looked | FileAnswer":
-        """What the file shows, or what is said where that is nothing. `cameras`: of photos that tell none."""
+        """What the file shows, or an answer that says why it shows nothing. `cameras`: for photos that state none."""
         record = FileRecord(str(path), options.quality, options.estimator)
-        if path.is_dir():  # in the place of others stand the files in them
+        if path.is_dir():  # other folders have been replaced by the files in them
             problem = "there is no photo or clip in it: name another folder, or files"
             return dataclasses.replace(record, error=problem), None
         first, last = options.frames
@@ -127,7 +128,7 @@ class FileEstimator:
         frozen, *others = _renumbered([first, *more], places) if more else (first.seen.frozen, *first.seen.others)
         others = self._of_one_scene(frozen, others, places)
         if not more and span_of([frozen, *others]) < LEAST_SPAN_RAD:
-            others = []  # a still camera's: they show hardly more than the frame alone
+            others = []  # the camera stood still: they show hardly more than the frame alone
         if len(others) >= self.options.views:
             tell(f"of {len(others) + 1} views the first {self.options.views} are used")
             others = others[: self.options.views - 1]
@@ -168,7 +169,7 @@ class FileEstimator:
         return self.options
 
     def _cameras_of_all(self, paths: Sequence[Path]) -> dict[Size, Camera]:
-        """The cameras that photos of each size tell together, where nothing is known of them."""
+        """The cameras that the photos of each size determine together, if nothing else is known of them."""
         cameras: dict[Size, Camera] = {}
         if not isinstance(self.camera_for, AssumedCamera):
             return cameras
@@ -187,7 +188,7 @@ class FileEstimator:
     def _timed(
         self, tracker: MarkerTracker, tracked: TrackedFrame, others: Sequence[TrackedFrame]
     ) -> tuple[LightEstimate, Mapping[str, float]]:
-        """Once; or, after a warm-up, `--repeat` times with the median time of every stage."""
+        """Estimates once, or with --repeat after a warm-up so many times, with the median time of every stage."""
         repeat, runs = self.options.repeat, []
         for _ in range(1 if repeat is None else repeat + 1):
             if repeat is not None:
@@ -211,7 +212,7 @@ class _Looked:
 
 
 def _renumbered(looked: Sequence[_Looked], places: dict[int, tuple[str, int]]) -> list[TrackedFrame]:
-    """All views with numbers of their own, the first as large as it is; notes in `places` where they are from."""
+    """All views, numbered anew, the first at its full size; adds to `places` where each comes from."""
     views: list[TrackedFrame] = []
     for each in looked:
         for view in (each.seen.frozen, *each.seen.others):
@@ -221,7 +222,7 @@ def _renumbered(looked: Sequence[_Looked], places: dict[int, tuple[str, int]]) -
 
 
 def _sources(paths: Sequence[Path]) -> Iterator[Source]:
-    """Those that can be opened, each until the next is asked for."""
+    """The sources that can be opened, each open until the next one is asked for."""
     for path in paths:
         if path.is_dir():
             continue

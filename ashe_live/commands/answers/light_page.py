@@ -17,7 +17,7 @@ from ashe_live.light.pixels.view import View
 
 WIDTH_PX = 480
 JPEG_QUALITY = 85
-# From so far above the marker's centre the arrow comes, in sides of the marker.
+# Where the arrow begins and ends: distances from the marker's centre towards the light, in sides of the marker.
 ARROW_FROM, ARROW_TO = 1.8, 0.5
 
 PAGE = """<!doctype html>
@@ -45,7 +45,7 @@ IMAGE = '<img src="data:image/jpeg;base64,{data}" width="{width}" height="{heigh
 
 
 class LightPage:
-    """Collects the figures; each picture is kept as the JPEG that it becomes."""
+    """Collects the figures, each picture already encoded as JPEG."""
 
     def __init__(self) -> None:
         self._figures: list[str] = []
@@ -60,7 +60,7 @@ class LightPage:
         return bool(self._figures)
 
     def write(self, path: Path, overwrite: bool) -> Path:
-        """Whole or not at all; returns where it is. Raises UserError when `path` cannot be written."""
+        """Writes the whole page or nothing; returns its path. Raises UserError when it cannot be written."""
         title = f"Light in {len(self._figures)} {'picture' if len(self._figures) == 1 else 'pictures'}"
         page = PAGE.format(title=title, figures="\n".join(self._figures))
         with written_whole(path, overwrite, beside=True) as file:
@@ -69,7 +69,7 @@ class LightPage:
 
 
 def picture_of(tracked: TrackedFrame, estimate: LightEstimate | None) -> Image:
-    """(h, w, 3): the frame at a thumbnail's size with what the estimate says; as it is without one."""
+    """(h, w, 3): the frame at a thumbnail's size, with the light of the estimate if there is one."""
     if tracked.marker is None or estimate is None:
         image = tracked.frame.image_bgr
         scale = min(1.0, WIDTH_PX / image.shape[1])

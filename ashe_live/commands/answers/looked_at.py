@@ -1,4 +1,4 @@
-"""What of a photo or clip the estimator looks at: the frame that is answered for, and other views of its scene."""
+"""What the estimator looks at in a photo or clip: the frame that is answered for, and other views of its scene."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,9 +14,9 @@ from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 
-# Of a clip by an unknown camera: so much of it is watched for the focal length, before the frame is chosen.
+# How much of a clip by an unknown camera is watched for its focal length before the frame is chosen.
 LEARNING_S = 10.0
-# So long a clip is watched for other views after the frame that is answered for, if nobody says until where.
+# How long a clip is watched for other views after the frame that is answered for, unless the user sets its end.
 WATCHED_S = 10.0
 
 
@@ -24,7 +24,7 @@ WATCHED_S = 10.0
 class Wanted:
     """Which frames of a source may be looked at."""
 
-    views: int  # at most, the frame that is answered for among them
+    views: int  # the most views, including the frame that is answered for
     estimate_at: int | None = None  # the index of that frame; None: the first one with a steady marker
     first: int = 0
     last: int | None = None
@@ -74,7 +74,7 @@ def look_at(source: Source, tracker: MarkerTracker, wanted: Wanted) -> LookedAt:
         )
     frozen = frozen or found or last
     if frozen.camera is not last.camera and frozen.marker is not None:
-        # The focal length has been learned meanwhile, and the views' poses are by that one.
+        # The focal length has been learned meanwhile, and poses of the views are measured with it.
         tracker.reset()
         frozen = tracker.track(frozen.frame)
     return LookedAt(frozen, _spread(frozen, kept.views, wanted.views - 1))
@@ -89,7 +89,7 @@ def of_one_scene(frozen: TrackedFrame, others: Sequence[TrackedFrame]) -> list[T
 
 
 def renumbered(tracked: TrackedFrame, index: int, is_kept_large: bool) -> TrackedFrame:
-    """As one of several views from several files; at the size at which views are kept, unless it stays large."""
+    """The frame with this index, as a view of several files; scaled to the size of key views unless it stays large."""
     kept = tracked if is_kept_large else scaled(tracked, kept_size(tracked.frame.size))
     return replace(kept, frame=Frame(kept.frame.image_bgr, index, kept.frame.time_s))
 
@@ -112,7 +112,7 @@ def _refuse(source: Source, wanted: Wanted) -> NoReturn:
 
 
 def _spread(frozen: TrackedFrame, views: Sequence[TrackedFrame], most: int) -> tuple[TrackedFrame, ...]:
-    """At most so many of the other views: of too many those are left out that are nearest to the frozen frame's."""
+    """At most `most` of the other views: those whose directions are nearest to the frozen frame's are left out."""
     if frozen.marker is None:
         return ()
     here = view_direction(frozen.marker.T_cam_marker)
@@ -126,7 +126,7 @@ def _spread(frozen: TrackedFrame, views: Sequence[TrackedFrame], most: int) -> t
 
 
 def _learn_focal_length(source: Source, tracker: FocalTracker) -> None:
-    """Watches a clip's beginning, as far as it has something to tell, and goes back to its start."""
+    """Watches a clip's beginning for as long as that may improve the focal length, then rewinds."""
     if source.is_photo:
         return
     while not tracker.is_sure and (frame := source.read()) is not None and frame.time_s <= LEARNING_S:

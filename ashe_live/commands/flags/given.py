@@ -1,10 +1,10 @@
-"""The flags that a command was given, to be given again."""
+"""The flags that a command was given, for a command that does the same again."""
 
 import argparse
 
 from ashe_live.commands.flags.parser import build_parser
 
-# Of how a clip is looked at; which models there are, and what becomes of the pictures, is told anew.
+# The flags that say how a clip is looked at; those for models and outputs are written anew.
 KEPT = (
     "--marker-size",
     "--caster",
@@ -20,9 +20,9 @@ KEPT = (
 
 
 def flags_given(options: argparse.Namespace) -> list[str]:
-    """Those that `play`, or `demo` of its own clip, has and that are not as they come.
+    """The flags of `play`, or of `demo` for its own clip, that differ from their defaults.
 
-    No quality where the window chooses it.
+    The quality is left out if the window chooses it.
     """
     command = ["demo"] if getattr(options, "command", None) == "demo" else ["play", "clip.mp4"]
     as_they_come = vars(build_parser().parse_args(command))

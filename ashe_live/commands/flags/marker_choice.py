@@ -1,4 +1,4 @@
-"""Which marker is followed where nobody has named one: the one of a known family that is in view."""
+"""Which marker is followed if nobody has named one: the one of a known family that is in view."""
 
 import argparse
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
 
-# Of a clip; at its beginning the marker may still be half hidden.
+# Frames of a clip that are searched: in the very first ones the marker may still be half hidden.
 LOOKED_AT = 5
 
 
@@ -35,10 +35,10 @@ def tracker_maker(
 
 
 def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str] | None = None) -> argparse.Namespace:
-    """`options`, with the one marker in the beginning of a clip, or in a photo, unless one was named or it has that.
+    """`options` with the only marker in a photo, or at the beginning of a clip, unless the one in `options` is there.
 
-    The source is rewound. What is opened later may have another one: nobody has named any. `told_of`: the markers of
-    which a person knows that they are followed, of many sources.
+    A marker that was named is kept. The source is rewound. Files that are opened later may show another marker.
+    `told_of`: the markers of which the user has been told that they are followed, for many sources.
     """
     if source.is_live or not options.takes_any_marker:
         return options

@@ -9,15 +9,15 @@ from ashe_live.tracking.families.markers import Marker, parse_marker
 
 
 def names_of(options: argparse.Namespace) -> list[str]:
-    """Of the models, as they were given."""
+    """The names of the models as they were given."""
     return [name for _, name in _given(options)]
 
 
 def follow_named_marker(options: argparse.Namespace) -> None:
-    """Writes out which marker each model stands on, before another one is followed; a marker with a model is named.
+    """Spells out the marker that each model stands on, before another one is followed.
 
-    The first of these is followed, if nobody has said which one is. Raises UserError where the followed marker has no
-    model, for too many, and where a number names no marker.
+    If nobody has named the marker to follow, it is the first of these. Raises UserError if the followed marker has no
+    model, if there are too many models, and if a number names no marker.
     """
     given = _given(options)
     if len(given) > MOST_MODELS:
@@ -35,14 +35,14 @@ def follow_named_marker(options: argparse.Namespace) -> None:
 
 
 def chosen_models(options: argparse.Namespace) -> tuple[ChosenModel, ...]:
-    """Those that stand on the followed marker first, of which there is at least one."""
+    """The models, beginning with those on the followed marker, of which there is at least one."""
     chosen = [ChosenModel(name, None if spec == options.marker else spec) for spec, name in _given(options)]
     return tuple(sorted(chosen, key=lambda each: each.marker is not None))
 
 
 def other_markers(options: argparse.Namespace) -> list[Marker]:
-    """Those that models of their own stand on."""
-    if not hasattr(options, "model"):  # of a command that shows none
+    """The other markers on which models stand."""
+    if not hasattr(options, "model"):  # the command shows no models
         return []
     specs = dict.fromkeys(spec for spec, _ in _given(options) if spec not in (None, options.marker))
     return [parse_marker(spec) for spec in specs if spec is not None]
@@ -53,7 +53,7 @@ def _given(options: argparse.Namespace) -> list[tuple[str | None, str]]:
 
 
 def _spec(marker: str, followed: str) -> str:
-    """Of a marker given by its number in the followed one's family, or by its spec. Raises UserError for neither."""
+    """The spec of a marker that is given by its number in the followed one's family, or by a spec. Raises UserError."""
     spec = marker
     if marker.isdecimal():
         family, _, number = followed.rpartition(":")

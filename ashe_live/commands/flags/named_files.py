@@ -10,9 +10,9 @@ from ashe_live.capture.photo import SUFFIXES
 
 
 def named_files(names: Iterable[Path]) -> list[Path]:
-    """In the order of `names`: of a folder the photos and clips directly in it, of a pattern what it matches, sorted.
+    """The files in the order of `names`; a folder stands for the photos and clips in it, a pattern for what it matches.
 
-    A name that stands for nothing stays, so that whoever reads it says what is wrong with it.
+    Both are sorted. A name without a file is kept, so that opening it says what is wrong.
     """
     return [path for name in names for path in (_of(name) or [name])]
 
@@ -31,12 +31,12 @@ def _of(name: Path) -> list[Path]:
 
 
 def _matching(pattern: Path) -> Iterator[Path]:
-    """What a shell would give for it: nothing hidden unless the pattern says so, and no link followed to look deeper.
+    """What a shell would match: nothing hidden unless the pattern says so, and no links to folders followed.
 
     (glob.iglob follows links to folders; a few that lead back to their own folder make it go on for ever.)
     """
     parts = [part if part == "**" else re.sub(r"\*{2,}", "*", part) for part in pattern.parts[bool(pattern.anchor) :]]
-    if parts[-1] == "**":  # of which pathlib gives the folders only
+    if parts[-1] == "**":  # for which pathlib returns folders only
         parts.append("*")
     root = Path(pattern.anchor)
     shows_hidden = any(part.startswith(".") for part in parts)
@@ -49,7 +49,7 @@ def _listed(folder: Path) -> Iterator[Path]:
     try:
         yield from folder.iterdir()
     except OSError:
-        return  # not ours to read, as the folder's own line will say
+        return  # it must not be read, as the folder's own line will say
 
 
 def _is_file(path: Path) -> bool:

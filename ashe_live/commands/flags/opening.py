@@ -1,10 +1,11 @@
-"""What a window opens later, by a drop or a key, with the flags that it was started with."""
+"""Opens what a window is given later, by a drop or a key, with the flags that it was started with."""
 
 import argparse
 from pathlib import Path
 
 from ashe_live.capture.cameras import connected, name_of
-from ashe_live.capture.sources import Source, open_source
+from ashe_live.capture.opening import open_source
+from ashe_live.capture.sources import Source
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker_in
 from ashe_live.commands.flags.setup import make_tracker
@@ -14,16 +15,16 @@ from ashe_live.viewer.sources.pipeline import Pipeline
 
 
 class LaterSources:
-    """Called in a thread of its own, one call at a time."""
+    """An Opener, called in a thread of its own, one call at a time."""
 
     def __init__(self, options: argparse.Namespace) -> None:
         self._options = options
-        self._camera: str | None = getattr(options, "camera", None)  # that was opened last
+        self._camera: str | None = getattr(options, "camera", None)  # the camera that was opened last
 
     def __call__(self, path: Path | None) -> Pipeline:
         """A pipeline that plays the file, or the next camera. Raises UserError where there is none.
 
-        It has a camera of its own: as the flags say, else one that nobody knows.
+        Its camera model is its own: that of the flags, or else an assumed one.
         """
         options, memory = self._options, None
         source: Source

@@ -22,7 +22,7 @@ LIGHT_HELP = "what it is taken for: a lamp where the picture tells its distance 
 LAYERS = ("both", "model", "shadow")
 UPS = ("x", "y", "z", "-x", "-y", "-z")
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
-# Those of ashe_live.quality, which would load what help must not wait for.
+# The same as in ashe_live.quality, whose imports --help must not wait for.
 QUALITIES = ("fast", "balanced", "accurate")
 
 
@@ -109,14 +109,14 @@ def add_quality_options(parser: argparse.ArgumentParser, default: str = "balance
 
 
 class _Named(argparse.Action):
-    """A marker that somebody has named: no other is taken in its place."""
+    """Notes that the marker was named, so that no other is followed instead."""
 
     def __call__(self, _parser: object, options: argparse.Namespace, value: Any, _flag: object = None) -> None:
         options.marker, options.takes_any_marker = value, False
 
 
 class _Several(argparse.Action):
-    """Each adds to those before it; the first takes the default's place."""
+    """Collects the values of a repeated flag; the first replaces the default."""
 
     def __call__(self, _parser: object, options: argparse.Namespace, value: Any, _flag: object = None) -> None:
         given = getattr(options, self.dest)

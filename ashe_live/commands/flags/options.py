@@ -1,4 +1,4 @@
-"""What holds for a command: its flags, else the settings, else the defaults."""
+"""The options of a command: by its flags, or else by the settings, or else the defaults."""
 
 import argparse
 from collections.abc import Sequence
@@ -10,12 +10,12 @@ from ashe_live.errors import UserError
 
 
 def has_command(arguments: Sequence[str]) -> bool:
-    """Whether there is one, or a question about all of them."""
+    """Whether the arguments name a command, or ask for help or the version."""
     return bool(arguments) and (not arguments[0].startswith("-") or arguments[0] in ("-h", "--help", "--version"))
 
 
 def _with_axes_joined(arguments: Sequence[str]) -> Sequence[str]:
-    """`--up -z` as one word: argparse would take the axis for a flag."""
+    """Joins `--up -z` into one word, as argparse would take the axis for a flag."""
     joined: list[str] = []
     for word in arguments:
         if joined and joined[-1] == "--up" and word in UPS:
@@ -26,11 +26,11 @@ def _with_axes_joined(arguments: Sequence[str]) -> Sequence[str]:
 
 
 def parsed(arguments: Sequence[str]) -> argparse.Namespace:
-    """The options, with the settings where no flag says otherwise. Raises UserError for settings that cannot be."""
+    """The options, with the settings where no flag says otherwise. Raises UserError for impossible settings."""
     arguments = _with_axes_joined(arguments)
     build, named = (build_parser, 1) if has_command(arguments) else (build_start_parser, 0)
     options = build().parse_args(arguments)
-    # Only here, as --help and wrong use do not come so far.
+    # Imported here, as --help and wrong use end before this.
     from ashe_live.commands.flags.settings_file import COMMANDS, ONE_OF, flags_of, read_settings, settings_path
 
     if options.command not in COMMANDS:
@@ -38,14 +38,14 @@ def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     settings = read_settings(settings_path())
     if any(getattr(options, key.replace("-", "_")) is not None for key in ONE_OF):
         settings = {key: value for key, value in settings.items() if key not in ONE_OF}
-    if getattr(options, "model", DEFAULT_MODELS) is not DEFAULT_MODELS:  # a setting would be one more
+    if getattr(options, "model", DEFAULT_MODELS) is not DEFAULT_MODELS:  # the setting would add another model
         settings.pop("model", None)
     flags = flags_of(settings, options.command)
     return build(_SettingsParser).parse_args([*arguments[:named], *flags, *arguments[named:]])
 
 
 class _SettingsParser(argparse.ArgumentParser):
-    """Says that what is wrong is not on the command line."""
+    """A parser whose errors say that the fault is in the settings, not on the command line."""
 
     def error(self, message: str) -> NoReturn:
         from ashe_live.commands.flags.settings_file import settings_path

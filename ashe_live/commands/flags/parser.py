@@ -26,7 +26,7 @@ START = "start"
 
 
 def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
-    """Of the command line with a command."""
+    """The parser of command lines that name a command."""
     parser = (parser_class or _Parser)(
         prog="ashe-live", description="AR whose virtual objects are lit as the real ones are.", epilog=EPILOG
     )
@@ -69,7 +69,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
 
 
 def build_start_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
-    """Of the command line without a command, which nobody has to know the name of."""
+    """The parser of command lines without a command, which open a camera or the demo."""
     start = (parser_class or _Parser)(prog="ashe-live")
     start.set_defaults(command=START)
     start.add_argument("--camera", type=values.camera, metavar="N|PATH", help="(default: the first one)")
@@ -161,7 +161,7 @@ def _add_paper(printed: argparse.ArgumentParser) -> None:
 
 
 class _Version(argparse.Action):
-    """As argparse's own, which is silent where the text cannot be written."""
+    """As argparse's own action, which says nothing if the text cannot be written."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
         say_exactly(f"ashe-live {__version__}")
@@ -176,5 +176,5 @@ class _Parser(argparse.ArgumentParser):
         self.exit(ExitStatus.WRONG_USE)
 
     def print_help(self, _file: object = None) -> None:
-        # Argparse's own is silent where the text cannot be written.
+        # Argparse's own method says nothing if the text cannot be written.
         say_exactly(self.format_help().rstrip("\n"))

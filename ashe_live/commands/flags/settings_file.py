@@ -1,6 +1,6 @@
-"""What a person does not want to say again with every command: a TOML file in the platform's folder for settings.
+"""The settings: a TOML file in the platform's configuration folder, for flags that one does not want to repeat.
 
-A setting is the long flag of the same name, as if it had been given first; so flags win (docs/settings.md).
+A setting acts as the long flag of the same name, given before all others, so that flags win (docs/settings.md).
 """
 
 import difflib
@@ -27,8 +27,8 @@ SHOWN = ("start", "demo", "webcam", "play")
 class Setting:
     """One key of the file."""
 
-    kind: str  # TEXT, NUMBER or EITHER: what a person is told, too
-    commands: tuple[str, ...]  # that have this flag
+    kind: str  # TEXT, NUMBER or EITHER; also the word for it in messages
+    commands: tuple[str, ...]  # the commands that have this flag
 
 
 SETTINGS: Mapping[str, Setting] = {
@@ -44,7 +44,7 @@ SETTINGS: Mapping[str, Setting] = {
     "estimator": Setting(TEXT, ("demo", *SEEN)),
     "light": Setting(TEXT, ("demo", *SEEN)),
 }
-# Ways to say the same thing: a flag replaces whichever of them the file has.
+# Alternatives of each other: a flag replaces whichever of them the file has.
 ONE_OF = ("camera-file", "focal-px", "hfov")
 COMMANDS = frozenset(command for setting in SETTINGS.values() for command in setting.commands)
 
@@ -59,7 +59,7 @@ def read_settings(path: Path) -> dict[str, Value]:
 
     Raises UserError for a file that cannot be read or is not TOML, a key that is not there, a value of another kind.
     """
-    if not os.path.lexists(path):  # nor where its folder must not be entered
+    if not os.path.lexists(path):  # also if its folder must not be entered
         return {}
     text = read_text(path)
     try:
@@ -74,16 +74,16 @@ def read_settings(path: Path) -> dict[str, Value]:
     if len(several) > 1:
         raise UserError(f"{path} has {' and '.join(several)}", "keep one of them, as they say the same thing")
     if "camera-file" in content:
-        # Beside the settings, wherever the command is given.
+        # Paths are relative to the settings' folder, not to the current one.
         try:
             content["camera-file"] = str(path.parent / Path(content["camera-file"]).expanduser())
-        except RuntimeError as error:  # ~somebody
+        except RuntimeError as error:  # from "~user" without such a user
             raise UserError(f"{path}: camera-file names nobody's folder ({error})", "write the whole path") from None
     return content
 
 
 def flags_of(settings: Mapping[str, Value], command: str) -> list[str]:
-    """The settings that `command` has flags for, as such."""
+    """The settings for which `command` has a flag, as flags."""
     return [f"--{key}={value}" for key, value in settings.items() if command in SETTINGS[key].commands]
 
 

@@ -23,14 +23,14 @@ CameraFor = Callable[[Size], Camera]
 
 
 def quality_of(options: argparse.Namespace) -> Quality:
-    """`auto` starts in the middle."""
+    """The quality that the options name; `auto` starts with the one in the middle."""
     return QUALITIES.get(options.quality, BALANCED)
 
 
 def light_steps(options: argparse.Namespace) -> ProxySteps:
-    """The estimator's preset, with what lights are taken for, and the caster that --caster gives.
+    """The estimator's preset, with the kind of light that is assumed and the caster of --caster.
 
-    Raises UserError for a caster that is none, and for one beside the paper cube.
+    Raises UserError for a caster that cannot be, and for one given together with the paper cube.
     """
     steps = replace(quality_of(options).light, light=options.light)
     if options.caster is None:
@@ -53,9 +53,9 @@ def camera_chooser(options: argparse.Namespace) -> CameraFor:
 
 
 class StatedFocal:
-    """A camera of that focal length for frames of any size; says so when they are not all of one.
+    """A camera with a stated focal length for frames of any size; warns when they are not all of one size.
 
-    Of another size's pixels there are more or fewer in the same length: the answers would be sure and wrong.
+    A focal length in pixels holds for one size: for others the answers would be sure and wrong.
     """
 
     def __init__(self, focal_px: float) -> None:
@@ -65,7 +65,7 @@ class StatedFocal:
 
     def __call__(self, size: Size) -> Camera:
         self._first = self._first or size
-        if not self._is_said and sorted(size) != sorted(self._first):  # upright or across is one camera
+        if not self._is_said and sorted(size) != sorted(self._first):  # upright and across are the same camera
             self._is_said = True
             sizes = " as well as of ".join(f"{width}x{height}" for width, height in (size, self._first))
             tell(f"--focal-px {self._focal_px:g} is taken for pictures of {sizes}: --hfov fits those of any size")
@@ -94,9 +94,9 @@ def make_tracker(
     memory: FocalMemory | None = None,
     source: Source | None = None,
 ) -> MarkerTracker:
-    """One that learns the focal length where nobody gave it, recalled from and kept in `memory`.
+    """A tracker. It learns the focal length if nobody gave it, and recalls it from and keeps it in `memory`.
 
-    `source` may be a photo that states it.
+    `source`: may be a photo that states it.
     """
     marker = parse_target(options.marker)
     camera_for = camera_for or camera_chooser(options)

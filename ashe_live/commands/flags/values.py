@@ -1,4 +1,4 @@
-"""The values on the command line: each is read by one of these, and refused in words that a person knows."""
+"""Parsers of the values on the command line, which refuse wrong ones in words that a user understands."""
 
 import argparse
 from collections.abc import Callable
@@ -24,7 +24,7 @@ def _number_in(allowed: Range) -> Callable[[str], float]:
         try:
             return allowed.checked(float(text), "it")
         except ValueError:
-            # Argparse's own words would name the function here.
+            # Argparse's own message would name this function.
             raise argparse.ArgumentTypeError(f"{text!r} is not a number {allowed}") from None
 
     return number
@@ -46,8 +46,8 @@ count, index, views = (_whole_number_in(allowed) for allowed in (COUNT, INDEX, V
 
 
 def path(text: str) -> Path:
-    """A file or folder that is read."""
-    if not text:  # as of a shell's variable that is not set; pathlib takes it for the current folder
+    """The path of a file or folder to read."""
+    if not text:  # from an unset shell variable, for example; pathlib would take it for the current folder
         raise argparse.ArgumentTypeError("it is empty and names no file")
     return Path(text)
 

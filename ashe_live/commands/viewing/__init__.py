@@ -1,1 +1,1 @@
-"""What the commands share that play: a source in a window, or without one."""
+"""What all commands share that play a source, in a window or without one."""

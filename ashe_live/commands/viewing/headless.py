@@ -30,7 +30,7 @@ from ashe_live.viewer.status import camera_line, light_line
 def show_without_window(
     setup: ViewerSetup, scene: Callable[[Session], Scene], *takers: Callable[[Image, float], None]
 ) -> int:
-    """Every frame; `takers` get each picture (h, w, 3) uint8 BGR and its time in seconds."""
+    """Plays every frame; `takers` get each picture (h, w, 3) uint8 BGR and its time in seconds."""
     options = setup.options
     tell_of_recordings_cut_short(options.out)
     with contextlib.ExitStack() as stack:
@@ -57,7 +57,7 @@ def show_without_window(
         play_headless(setup.source, setup.tracker, session, renderer, run, report)
         if options.report is not None:
             _tell_where(options.report, report.write(options.report, options.overwrite))
-    # Only now it is known what has become of the recording.
+    # Only now is it known what has become of the recording.
     if recorder is not None:
         _tell_where(options.out, recorder.path)
         options.out = recorder.path
@@ -93,7 +93,7 @@ def _summed_up(setup: ViewerSetup, session: Session, report: Report) -> int:
 
 
 def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[str]:
-    """What went otherwise than asked for; `found`: the indices of the frames with a marker."""
+    """Notices about what did not go as asked; `found`: the indices of the frames with a marker."""
     name, options = setup.source.name, setup.options
     if setup.source.note is not None:
         yield setup.source.note
@@ -103,8 +103,8 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
         yield f"the marker {options.marker} is not found in {name}: {named}"
     elif options.estimate_at not in (None, *found):
         yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
-    elif session.last_notice is not None:
-        yield session.last_notice
+    elif session.notice.text is not None:
+        yield session.notice.text
     camera = camera_line(session.tracked)
     if camera is not None and session.tracked is not None and session.tracked.camera.source == "estimated":
         yield camera

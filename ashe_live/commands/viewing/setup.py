@@ -1,4 +1,4 @@
-"""What there is to look at and how, and what is readied for it: with a window and without one alike."""
+"""What is played and how, and its preparation, which is the same with a window and without one."""
 
 import argparse
 import contextlib
@@ -31,14 +31,14 @@ from ashe_live.viewer.table.shelf import Shelf
 
 @dataclass(frozen=True, slots=True)
 class ViewerSetup:
-    """A source, and how it is to be looked at."""
+    """A source, and how it is to be shown."""
 
     source: Source
     tracker: MarkerTracker
     options: argparse.Namespace
     true_to_light_marker: Float | None = None  # (3,) unit, where it is known
     shows_light: bool = False
-    # By another marker's spec, or another field of view in degrees; None: there is no other.
+    # Makes a tracker for another marker's spec, or another field of view in degrees; None: neither can be changed.
     tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None
 
     @property
@@ -48,7 +48,7 @@ class ViewerSetup:
 
 
 def check_outputs(options: argparse.Namespace) -> None:
-    """Raises UserError before anything is opened when a file must not or cannot be written."""
+    """Raises UserError, before anything is opened, if an output must not or cannot be written."""
     models = (Path(name) for name in names_of(options) if name not in model_names())
     inputs = (getattr(options, "file", None), options.camera_file, options.as_shown, *models)
     files.check_outputs((options.out, options.report), inputs, options.overwrite)
@@ -72,7 +72,7 @@ def check_outputs(options: argparse.Namespace) -> None:
 
 
 def has_display() -> bool:
-    """Whether a window can be hoped for; only X11 and Wayland name their display in the environment."""
+    """Whether a window may be possible; only X11 and Wayland name their display in the environment."""
     return not sys.platform.startswith("linux") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
@@ -99,7 +99,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
 
 
 def tell_of_recordings_cut_short(out: Path | None) -> None:
-    """Of a program that was killed, at the next one's start."""
+    """Tells of recordings that an earlier run, which was killed, has left behind, and that were saved."""
     for folder in {Path.cwd(), *([] if out is None else [out.absolute().parent])}:
         for path in rescue_recordings(folder):
             tell(f"a recording that was cut short is now {path}")

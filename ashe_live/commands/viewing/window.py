@@ -20,8 +20,8 @@ def show(setup: ViewerSetup) -> int:
 
 
 def show_in_window(setup: ViewerSetup) -> int:
-    """Until it is closed."""
-    # Only here, so that playing without a display does without GLFW.
+    """Runs the viewer until its window is closed; returns the exit status."""
+    # Imported here, as playing without a display must not need GLFW.
     from ashe_live.commands.flags.opening import LaterSources
     from ashe_live.viewer.live import LiveViewer
     from ashe_live.viewer.output.recording import Recording
@@ -35,7 +35,7 @@ def show_in_window(setup: ViewerSetup) -> int:
     with contextlib.ExitStack() as stack:
         end_if_asked = stack.enter_context(ended_by_signals())
         stack.enter_context(graphics_failures_told())
-        # First, as its process starts while the window opens, and a model that cannot be read opens none.
+        # Before the window, so that the light's process starts meanwhile, and no window opens for an unreadable model.
         session = stack.enter_context(opened_session(setup))
         window = stack.enter_context(GlfwWindow(f"ashe-live: {setup.source.name}", setup.size))
         pipeline = Pipeline(setup.source, setup.tracker, options.loop, setup.tracker_for)

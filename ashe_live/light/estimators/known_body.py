@@ -67,7 +67,7 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
 def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
     """The lights to be stated.
 
-    One that there is is stated beside others for its share of the light, be its direction uncertain.
+    A light that surely exists is stated beside others for its share of the light, even if its direction is uncertain.
     """
     least = [LEAST_HIDDEN if each.fit is None else LEAST_CONFIDENCE for each in found]
     is_likely = [max(each.confidence, each.around) >= one for each, one in zip(found, least, strict=True)]

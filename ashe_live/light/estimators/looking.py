@@ -21,7 +21,7 @@ from ashe_live.light.explanation.explain import Proposal, explained, explained_n
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company, company_features
 from ashe_live.light.explanation.judgement.judge import Judge, explanation_features, is_settled, probabilities_of
-from ashe_live.light.explanation.known_place import explanations_by_place, hints_of
+from ashe_live.light.explanation.searches.known_place import explanations_by_place, hints_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
@@ -37,8 +37,8 @@ LEAST_SHARE = 0.0005
 # The most that is tried in a view beside the first: as much as the preset `fast` tries in a single picture.
 MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
 FIRST_COMPANIONS = 1  # number of views beside the first that are searched in any case
-HINTS = 5  # lights in which a known object's place is searched
-SAME_RAD, SAME_M = math.radians(1), 0.003  # within which two explanations are one
+HINTS = 5  # number of lights in which a known object's place is searched
+SAME_RAD, SAME_M = math.radians(1), 0.003  # angle and distance within which two explanations count as one
 SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
 
 # The log odds of an explanation, judged beside these several.
@@ -78,8 +78,9 @@ def _explained_together(
 ) -> list[tuple[JointExplanation, float]]:
     """As `explained_together`, of what is found in the first view and in as many others as it takes to be sure.
 
-    Where that leaves doubt, views are searched as if each were the only one as well: what is plain does not shear, and
-    is taken for its own shadow where other views have a say in the labels. first: the first view with its explanations.
+    Where that leaves doubt, each view is also searched as if it were the only one: the inside of a plain object does
+    not visibly shear, so that labels which rest on other views take it for the shadow. first: the first view with its
+    explanations.
     """
 
     def searched(several: Sequence[SceneView]) -> Iterator[tuple[SceneView, Sequence[Explanation]]]:
@@ -205,7 +206,7 @@ def _rough_explanations(
     voted = partial(voted_for, ground=ground, count=steps.shifts, widths=(1.0, FINE))
     everywhere = voted(ground.colours[unlit])
     for region in regions:
-        # A region's own pixels vote first, as others may outvote its shadow; then all, as all shadows share the lights.
+        # A region's own pixels vote first, as others could outvote its shadow; then all, as shadows share their lights.
         own = voted(region.colours[region.unlit])
         shifts, paired = (shadow_shifts(votes) for votes in zip(own, everywhere, strict=True))
         proposals += proposals_of(region, ground, shifts, paired)

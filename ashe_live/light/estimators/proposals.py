@@ -118,7 +118,7 @@ def selected_for_fit(proposals: Sequence[Proposal], count: int, judge: Judge) ->
 
     def score(one: Proposal) -> float:
         region, split = one.region, one.split
-        # A split and the same with its shadow in doubt share the object's mask, and colours tell the same of both.
+        # A split and its variant with the shadow in doubt share the object's mask, and have the same score by colours.
         key = id(one.materials), id(split.object_mask)
         if key not in by_colours:
             by_colours[key] = judge.split_score(region, one.materials, split)

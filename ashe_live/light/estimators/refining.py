@@ -7,9 +7,9 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import are_alike, different, explained_near, refined, refined_by_tangents
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.first_shadow import with_shadows_searched
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, is_settled
-from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
+from ashe_live.light.explanation.searches.first_shadow import with_shadows_searched
+from ashe_live.light.explanation.searches.second_light import is_part_of, with_lights_counted
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.hypotheses import LampHypotheses
@@ -35,7 +35,7 @@ def refined_and_others(
     chosen = different(ranked, steps.refined)
     fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, steps.fine_fit)]
     turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
-    # Of the same looks as the others that they are compared with.
+    # They are compared with the rough ones by their steps of light, among others, which must be measured alike.
     sharp = sharpener.measured([fine for fine in fines if fine is not None])
     found = with_lights_counted(sharp, rough, fine, coarse, ground, steps.region_px, log_odds)
     others = different(each for each in ranked if not any(each is one for one in chosen))

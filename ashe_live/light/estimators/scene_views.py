@@ -17,8 +17,8 @@ from ashe_live.light.views.joint import in_each_view
 from ashe_live.light.views.seen import SceneView, with_plane
 from ashe_live.light.views.which import span_rad, usable
 
-# Log odds by which an explanation may be less likely in a view than in the first one, if that view shows its body and
-# shadow as well. A view of another scene has no borders there, and is behind by more.
+# By how many log odds an explanation may be less likely in a view than in the first one, for the view to count as one
+# of the same scene: one of another scene has no borders where the body and its shadow should be, and is behind by more.
 MOST_BEHIND_FIRST = 1.0
 
 
@@ -42,7 +42,7 @@ def scene_views(
     views = [first]
     for number, other in enumerate(usable(tracked, others, steps.views - 1)):
         fine = View.of(other, steps.fine_width_px)
-        # Where nothing is looked for, a coarser model of the ground will do.
+        # A view in which nothing is searched for needs only a coarse model of the ground.
         searched = steps if number < steps.companions else replace(steps, ground=FAST.ground)
         view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), searched)
         if view is not None:

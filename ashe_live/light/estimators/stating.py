@@ -24,7 +24,7 @@ from ashe_live.light.labels.associate import distinct
 from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.lamps.lamp import Scene, stated, with_size
 
-OTHERS_TRIED = 4  # splits of other regions that are fitted, the best-looking, once one object's light is known
+OTHERS_TRIED = 4  # number of splits of other regions that are fitted once one object's light is known
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +79,8 @@ def illumination_of(
             [glint for view in look.views if (glint := glint_in(view.coarse, view.ground)) is not None],
             judge.calibration.overdispersion,
         ),
-        # A hull's shadow has been compared with all of the plane: there is no body's border left to tell of a lamp.
+        # A hull's shadow was compared with the whole plane: no border of a body is left that could tell a lamp from a
+        # sun.
         SUN if best.hull is not None and steps.light == AUTO else steps.light,
     )
     # With two lights there is a third shift, that where both are blocked.

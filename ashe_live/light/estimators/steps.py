@@ -23,11 +23,11 @@ class ProxySteps:
     tried: int  # number of splits that are fitted, the best-looking
     refined: int  # number of fits that are relabelled and refitted, the likeliest
     ground: GroundSteps
-    fine_fit: FitPreset  # of those; the first fit is the same for all presets, but for the caster
+    fine_fit: FitPreset  # for refitting those; the first fit is the same in all presets, except for the caster
     views: int  # number of views that are used together, the frame's own included
     companions: int  # number of the other views that explanations are looked for in at most, as in the frame itself
     joint: int  # number of explanations that are aligned in all views, the likeliest
-    light: str = AUTO  # one of KINDS: what lights are taken for
+    light: str = AUTO  # one of KINDS: what kind of light is assumed
     second_look: "ProxySteps | None" = None  # at the same picture at another scale, where it is the only view
 
     def __post_init__(self) -> None:

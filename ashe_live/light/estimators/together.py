@@ -33,10 +33,10 @@ from ashe_live.light.views.seen import SceneView, costs_around
 
 REFITTED = 1  # number of explanations, the likeliest, whose body's family is chosen anew by all views
 FIRST_VIEWS = 3  # number of views in which candidates are aligned before the likeliest are in all
-# Log odds by which an explanation may be less likely than the likeliest one, each in its own view, to be aligned at
-# all: other views would have to make up for one part in three thousand.
+# Explanations that are less likely than the likeliest one, each in its own view, by more log odds than this are not
+# aligned: other views would have to make up for odds of one in three thousand.
 MOST_BEHIND = 8.0
-MORE = 2  # number of candidates that are aligned in those beside the ones that are aligned in all
+MORE = 2  # number of candidates that are aligned in those views only, beside those that are aligned in all
 
 
 def explained_together(
@@ -87,7 +87,7 @@ def explained_together(
     fit = partial(explained_near, preset=steps.fine_fit)
     moved = [sharpened_in_views(refined_by_all_tangents(each), sharpener) for each in likely[:REFITTED]]
     sharp = [_decided(each, lamps.decided(each.joint, fit, sharpener)) for each in moved]
-    # A known caster is no body of any shape.
+    # The shape of a known caster needs no hull.
     likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
     overdispersion = judge.calibration.overdispersion
     averaged = [with_average_light(each, families.get(id(each.origin), ()), overdispersion) for each in likely]
@@ -98,7 +98,7 @@ def explained_together(
 def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
     """Explanations with their log odds, the likeliest first, without those that are like a likelier one.
 
-    Nor are those left that a hull replaces.
+    Those that a hull replaces are left out as well.
     """
     ranked = sorted(without_replaced(several), key=itemgetter(1), reverse=True)
     kept = distinct_explanations([each for each, _ in ranked])

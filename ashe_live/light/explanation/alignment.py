@@ -38,6 +38,7 @@ COST_PER_PARAMETER = 250.0
 # Number of bodies, each of another family, that are moved. The second costs 6 % of an estimate's time; of 250 training
 # pictures 13 answers are sure and wrong with it, and 18 without.
 TRIED_BODIES = 2
+LEAST_OBJECT_PX = 30  # area that the size of smaller silhouettes is counted by
 WIDEST_NEARNESS = 10.0  # one over the body's size: sigma of the prior on nearness, for lights that no border constrains
 
 
@@ -55,7 +56,7 @@ class PlacedBody:
     @property
     def object_px(self) -> float:
         """The object's size in pixels: the square root of its silhouette's area."""
-        return math.sqrt(max(int(np.count_nonzero(self.predicted.body)), 30))
+        return math.sqrt(max(int(np.count_nonzero(self.predicted.body)), LEAST_OBJECT_PX))
 
     @property
     def outlier_px(self) -> float:

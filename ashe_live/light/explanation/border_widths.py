@@ -7,10 +7,11 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 
 REACH_PX, STEP_PX = 9.0, 0.1  # of a profile across a border, to both sides
-END_PX = 2.0  # at each end, whose median is the level there
-TOGETHER = 8  # neighbouring profiles that are averaged, after they were brought to one middle
+END_PX = 2.0  # at each end of a profile, whose median is the level there
+TOGETHER = 8  # neighbouring profiles that are averaged once their middles are aligned
 LEAST_STEP = 0.15  # of the brightness on the lit side, in a border worth measuring
-MOST_SLOPE = 0.15  # of that step: more brightness than this changes at an end, and something else lies there
+LEAST_STEP_LINEAR = 0.02  # the same in linear light: smaller ones drown in noise
+MOST_SLOPE = 0.15  # of that step: a larger change within an end means that something else lies there
 
 
 def border_widths(image_bgr: Image, places_px: Float, outward_px: Float, scale: float = 1.0) -> Float:
@@ -20,7 +21,7 @@ def border_widths(image_bgr: Image, places_px: Float, outward_px: Float, scale: 
     in the list stand for one another: each width is that of the mean of up to TOGETHER profiles around it.
     """
     offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
-    # By tables of each channel's part: a product with all of the picture's linear light takes far longer.
+    # By tables of each channel's contribution: a matrix product over the linear picture takes far longer.
     red, green, blue = (LINEAR_FROM_SRGB_8BIT * REC709_LUMINANCE[:, None]).astype(np.float32)
     linear = blue[image_bgr[..., 0]] + green[image_bgr[..., 1]] + red[image_bgr[..., 2]]
     at = (places_px[:, None] + scale * offsets[:, None] * outward_px[:, None]).astype(np.float32)
@@ -29,7 +30,7 @@ def border_widths(image_bgr: Image, places_px: Float, outward_px: Float, scale: 
     ends = round(END_PX / STEP_PX)
     dark, lit = np.median(profiles[:, :ends], axis=1), np.median(profiles[:, -ends:], axis=1)
     step = lit - dark
-    good = inside & (step > LEAST_STEP * lit) & (step > 0.02)
+    good = inside & (step > LEAST_STEP * lit) & (step > LEAST_STEP_LINEAR)
     steps = (profiles - dark[:, None]) / np.where(good, step, 1.0)[:, None]
     good &= np.abs(steps[:, :ends]).max(axis=1) < MOST_SLOPE
     good &= np.abs(steps[:, -ends:] - 1).max(axis=1) < MOST_SLOPE

@@ -11,6 +11,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.light_covariance import lights_of, relative_misfit
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split, distinct
 from ashe_live.light.labels.costs import Costs
@@ -19,16 +20,9 @@ from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.labels.two_lights import are_two_shadows
 from ashe_live.light.outline_fit.fit import FitFailure, Masks, fit_bodies
 from ashe_live.light.outline_fit.preset import FitPreset
-from ashe_live.light.outline_fit.search import information_on_lights
 from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.directions import (
-    FittedLight,
-    corrected_for_cut_shadow,
-    fitted_lights,
-    information_on_displacement,
-    with_hemisphere_prior,
-)
+from ashe_live.light.shape.directions import fitted_lights, information_on_displacement
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.outlines.silhouettes import observe_outlines
 from ashe_live.light.shape.predicted import predicted
@@ -38,10 +32,6 @@ EDGE_SIGMA_PX = 0.7  # standard deviation of the masks' edges from the truth
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
 LOWEST_Z = 0.03  # of a light's direction: lower ones do not serve as a start of a fit, as their shadows are too long
 FEW_PX = 20  # of a silhouette: too few to learn an object's colours from
-# The number of borders over their effective sample size, as errors of neighbouring borders are correlated; and the
-# misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. What
-# both leave over is fitted as the overdispersion of `uncertainty.Calibration`.
-BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE = 2.3, 0.007
 END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
@@ -140,7 +130,7 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     if isinstance(outlines, str):
         return explanation
     body = alignment.placed.lit.body
-    spheroids = body.spheroids if _relative_misfit(alignment) < 1 else None
+    spheroids = body.spheroids if relative_misfit(alignment) < 1 else None
     # The labels may be newer than those that the body was fitted to, with another centre.
     P = Sight(view.camera, view.T_cam_marker, outlines.centre_px).P(body.frame)
     (light,) = explanation.lights
@@ -151,11 +141,6 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     lights, covariance = sharp
     (refined_light,) = fitted_lights(body.frame.lights_marker(lights), covariance)
     return replace(explanation, lights=(replace(refined_light, unseen_end=light.unseen_end),))
-
-
-def tempered(information: Float, alignment: Alignment) -> Float:
-    """The borders' information, over what their correlation and the body's model error leave of it."""
-    return information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2))
 
 
 def explanation_criterion(explanation: Explanation) -> float:
@@ -229,24 +214,3 @@ def _cost_of_object(proposal: Proposal, seen: Mask) -> Float32:
     """(h, w) the object's unary cost by the colours in `seen`, or in the split's object where `seen` is too small."""
     mask = seen if np.count_nonzero(seen) > FEW_PX else proposal.split.object_mask
     return object_cost(proposal.region, mask, proposal.materials)
-
-
-def lights_of(alignment: Alignment) -> tuple[FittedLight, ...]:
-    """The lights of an aligned body, with the covariance that its normal equations imply."""
-    covariance = np.asarray(np.linalg.inv(_information(alignment)))
-    lights = fitted_lights(alignment.placed.lit.lights, covariance)
-    return tuple(
-        corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, alignment.ends_in_view, strict=True)
-    )
-
-
-def _information(alignment: Alignment) -> Float:
-    """(split, split) information on the lights, lowered where the misfit shows that the body is a poor model."""
-    lit = alignment.placed.lit
-    information = information_on_lights(alignment.normal, lit.layout)
-    return with_hemisphere_prior(tempered(information, alignment), lit.lights_in_body_frame)
-
-
-def _relative_misfit(alignment: Alignment) -> float:
-    """The alignment's misfit in units of MODEL_ERROR_SHARE."""
-    return alignment.misfit_px / (MODEL_ERROR_SHARE * alignment.placed.object_px)

@@ -18,7 +18,7 @@ from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.light_points import towards
 from ashe_live.light.shape.predicted import Predicted
 
-LIKELY_FAMILIES = 4  # by the labels' outlines, which finer evidence decides between
+LIKELY_FAMILIES = 4  # number of families, the likeliest by the labels' outlines, that finer evidence decides between
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +52,7 @@ class Explanation:
     def to_light_from_body(self) -> Float:
         """(3,) the unit vector from the middle of the body towards the first light.
 
-        This is what a shadow tells: a sun's and a lamp's fit to the same labels agree there, if nowhere else.
+        This is what a shadow tells: for the same labels, the fits of a sun and of a lamp agree there, if nowhere else.
         """
         body = self.alignment.placed.lit.body
         return towards(self.lights[0].light, np.array([*body.frame.origin_marker, body.middle_m]))

@@ -11,8 +11,8 @@ from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.known import resized_family_of, size_ratios
 
-# What a size that fits the picture may differ by, as a factor, from the given one: labels err by a tenth at times, and
-# by more where shadow is taken for object. A height that is wrong by so much puts a light up to eight degrees wrong.
+# The factor by which a size that fits the picture may differ from the given one: labels err by a tenth at times, and by
+# more where shadow is taken for object. A height that is wrong by this factor puts a light up to eight degrees wrong.
 MOST_OFF = 1.3
 
 

@@ -25,7 +25,7 @@ DARK, CLIPPED = 28, 250
 MOST_CLIPPED = 0.5  # fraction of the ground
 # Paper as light as this shows that the exposure is right; the marker's margin is the lightest twentieth of its sheet.
 PAPER, PAPER_PERCENTILE = 4 * DARK, 95
-# What is less likely than this says nothing of what is in the picture.
+# Least confidence of an explanation for it to say why there is no answer.
 LEAST_CUT_OFF = 0.1
 
 
@@ -57,7 +57,7 @@ def fault_of_scene(explanation: Explanation, confidence: float) -> str:
 
 
 def fault_of_distance(explanation: Explanation) -> str:
-    """Why it stays open from where an explanation's light reaches the marker, for the user."""
+    """Why the direction from the marker to an explanation's light stays open, for the user."""
     return CUT_OFF if _is_cut_off(explanation) else NEAR_OR_FAR
 
 

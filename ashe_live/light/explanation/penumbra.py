@@ -5,7 +5,7 @@ import math
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Float32, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import along_sides
@@ -34,10 +34,10 @@ LEAST_SIGMAS = 3.0  # standard errors by which the squared diameter must differ 
 EDGES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their number over the effective sample size
 LARGEST_RAD = math.radians(20)
 ROBUST_ROUNDS = 6
-# Of the widths of borders in the whole picture.
-DISC_SIGMAS = 2.75  # from 10 to 90 % of a disc's edge
-FINE_WIDTH_PX = 480.0  # of a picture, for which the reaches of border_widths.py are
-LEAST_SPREAD_PX = 4.0  # that a light of 1 rad adds: at the foot, 5 degrees add a third of a pixel
+# For widths of borders in the whole picture, as `soft_size` measures them.
+DISC_SIGMAS = 2.75  # width from 10 to 90 % of a disc's edge, in its standard deviations
+FINE_WIDTH_PX = 480.0  # the picture's width for which the reaches in border_widths.py are stated
+LEAST_SPREAD_PX = 4.0  # least width that a light of 1 rad adds: near the foot, 5 degrees add a third of a pixel
 FEWEST_PLACES = 24
 MARKER_PLACES = np.linspace(0.15, 0.85, 16)  # of profiles across the marker's sides, which end at its corners
 MARKER_REACH = 0.5  # of the profiles at the marker, which end on its margin and in its black frame
@@ -96,7 +96,7 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     for _ in range(ROBUST_ROUNDS):
         (blur, squared), *_ = np.linalg.lstsq(design * weights[:, None], variances * weights, rcond=None)
         rest = variances - design @ np.array([blur, squared])
-        scale = 1.48 * float(np.median(np.abs(rest))) + 1e-3
+        scale = SIGMA_OVER_MEDIAN * float(np.median(np.abs(rest))) + 1e-3
         weights = 1 / np.sqrt(1 + (rest / (2 * scale)) ** 2)
     information = (design * weights[:, None]).T @ (design * weights[:, None])
     error = scale * math.sqrt(EDGES_PER_SAMPLE * float(np.linalg.inv(information)[1, 1]))

@@ -25,7 +25,7 @@ from ashe_live.light.shape.sight import Sight
 
 @dataclass(frozen=True, slots=True)
 class Sharpener:
-    """The steps of light in pictures of one scene, that which is explained first."""
+    """The steps of light in pictures of one scene, beginning with the picture that is explained."""
 
     pictures: Sequence[LightPicture]
 
@@ -37,9 +37,9 @@ class Sharpener:
     def sharpened(self, several: Sequence[Explanation], near: NearnessPrior | None = None) -> list[Explanation]:
         """Each explanation by the body and the lights that agree best with the steps of light.
 
-        Of the families that its labels allow, each is aligned, and the likeliest is kept, by the steps and by the
-        pixels' unary costs, both in units of what one more parameter costs. The explanation as it is where no body
-        stays in view, or too little of a shadow. near: of their only lights' nearness, where that is not held.
+        All families that its labels allow are aligned, and the likeliest is kept, by the steps and by the pixels' unary
+        costs, both in units of what one more parameter costs. An explanation is returned as it is if no body stays in
+        view, or too little of a shadow. near: the prior on the nearness of their only lights, where that is not held.
         """
         found = list(several)
         for members in _by_lights(several):
@@ -102,7 +102,8 @@ class Sharpener:
 def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_as_one: float = 1.0) -> tuple[FittedLight, ...]:
     """The lights of an aligned body, with the covariance that the steps of light imply.
 
-    alignment: of the same body, by which shadows' ends are in view. views_as_one: how many views tell as much as one.
+    alignment: of the same body; it says which shadows' ends are in view. views_as_one: how many views tell as much as
+    one.
     """
     information = with_hemisphere_prior(fit.information / views_as_one, fit.lit.lights_in_body_frame)
     lights = fitted_lights(fit.lit.lights, np.asarray(np.linalg.inv(information)))
@@ -130,7 +131,7 @@ def _placing(explanation: Explanation) -> tuple[Sight, Costs]:
 
 
 def _likeliest(several: Sequence[tuple[EdgeFit, PlacedBody]]) -> tuple[EdgeFit, PlacedBody, float] | None:
-    """Of moved bodies the one with the lowest criterion, with that; None where none is in view."""
+    """The moved body with the lowest criterion, and that criterion; None where none is in view."""
     seen = [(fit, body) for fit, body in several if body.is_in_view]
     if not seen:
         return None

@@ -21,9 +21,14 @@ LOWEST = np.array([-4.5, -1.6, -0.3])
 BINS = np.array([72, 34, 18])
 # Standard deviations of a shadow pixel's colour from its ground's shifted colour, in log-opponent units.
 SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
+# The prior (10): the log brightness at which half of the shifts are dark enough for a shadow, and over how much that
+# changes; the standard deviation by which a shadow may be redder than its ground; and of green per red over blue, as
+# daylight changes.
+DARK, DARK_OVER, REDDER, GREEN_BY_RED = -0.25, 0.06, 0.2, -0.25
+LEAST_PEAK = 0.04  # of the votes at the highest peak
 FINE = 0.6  # width of a mode, in units of that noise, narrow enough to separate two lights' shifts
 HUE_DEVIATION = 0.18  # standard deviation of `hue_of` of true shifts
-# Farther from daylight's no shadow is: a part of an object of another colour would be taken for one.
+# No shadow is farther from daylight's hues: what is would be a part of an object of another colour.
 LARGEST_HUE = 0.4
 MOST_VOTERS = 1500
 LEAST_VOTERS = 25
@@ -32,7 +37,7 @@ LEAST_VOTERS = 25
 def hue_of(shift: Float) -> float:
     """How far a shift (3,) is from those under daylight, of which green changes in proportion to blue."""
     _, red_blue, green = shift
-    return float(abs(green + 0.25 * red_blue))
+    return float(abs(green - GREEN_BY_RED * red_blue))
 
 
 def voted_for(colours: Float32, ground: LitGround, count: int, widths: Sequence[float] = (1.0,)) -> list[list[Float]]:
@@ -124,9 +129,9 @@ def _plausibility() -> Float:
     brightness, red_blue, green = (
         low + (np.arange(n) + 0.5) * size for low, n, size in zip(LOWEST, BINS, BIN, strict=True)
     )
-    darker = 1 / (1 + np.exp((brightness + 0.25) / 0.06))
-    bluer = np.exp(-0.5 * (np.maximum(red_blue, 0) / 0.2) ** 2)
-    daylight = np.exp(-0.5 * ((green[None] + 0.25 * red_blue[:, None]) / HUE_DEVIATION) ** 2)
+    darker = 1 / (1 + np.exp((brightness - DARK) / DARK_OVER))
+    bluer = np.exp(-0.5 * (np.maximum(red_blue, 0) / REDDER) ** 2)
+    daylight = np.exp(-0.5 * ((green[None] - GREEN_BY_RED * red_blue[:, None]) / HUE_DEVIATION) ** 2)
     return np.asarray(darker[:, None, None] * (bluer[:, None] * daylight)[None])
 
 
@@ -141,12 +146,12 @@ def _blurred(votes: Float) -> Float:
 
 
 def _peaks(votes: Float, count: int) -> Float:
-    """(p, 3) bins of up to `count` local maxima, highest first; those of less than 4 % of the highest are left out."""
+    """(p, 3) bins of up to `count` local maxima, highest first; those of less than LEAST_PEAK are left out."""
     rest = votes.copy()
     peaks: list[tuple[np.intp, ...]] = []
     while len(peaks) < count:
         peak = i, j, k = np.unravel_index(rest.argmax(), rest.shape)
-        if rest[peak] <= 0.04 * votes.max():
+        if rest[peak] <= LEAST_PEAK * votes.max():
             break
         peaks.append(peak)
         rest[max(0, i - 2) : i + 3, max(0, j - 2) : j + 3, max(0, k - 2) : k + 3] = 0

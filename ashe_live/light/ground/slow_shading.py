@@ -10,12 +10,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Float32
 from ashe_live.core.transforms import camera_centre, image_from_plane
 from ashe_live.light.ground.gloss import Gloss, mirrored
 from ashe_live.light.pixels.view import View, Window
 
 LEAST_LIGHT = 1e-3  # of that at the reference, so that the log is finite
+# Ridges on the coefficients, for each pixel: on the linear, the quadratic and the fall's, as the trend must not follow
+# clusters of colours; and on all alike, once these are known.
+TREND_RIDGE, FIELD_RIDGE = 2e-5 * np.array([0.0, 1, 1, 3, 3, 3, 1]), 5e-4
+OUTLIER = 0.15  # difference of log colour from its cluster's centre at which a pixel's weight is halved
+LEAST_SCALE = 0.01  # added to the scale of the residuals, log colour
+TREND_ROUNDS = 6  # of reweighting
 HORIZON = 1e-9  # of a homogeneous coordinate: a pixel that is nearer to the horizon sees no ground
 
 
@@ -114,13 +120,13 @@ def robust_trend(values: Float32, slow: Float32) -> Float32:
     """
     design = np.column_stack([np.ones(len(slow), np.float32), slow]).astype(np.float64)
     columns = values.T.astype(np.float64)
-    ridge = 2e-5 * len(slow) * np.diag([0.0, 1, 1, 3, 3, 3, 1][: design.shape[1]])
+    ridge = len(slow) * np.diag(TREND_RIDGE[: design.shape[1]])
     weights = np.ones(len(slow))
-    for _ in range(6):
+    for _ in range(TREND_ROUNDS):
         weighted = design * weights[:, None]
         coefficients = np.linalg.solve(weighted.T @ design + ridge, (columns @ weighted).T)
         residuals = columns - coefficients.T @ design.T
-        scale = 1.48 * np.median(np.abs(residuals), axis=1, keepdims=True) + 0.01
+        scale = SIGMA_OVER_MEDIAN * np.median(np.abs(residuals), axis=1, keepdims=True) + LEAST_SCALE
         weights = 1 / (1 + ((residuals / (2 * scale)) ** 2).sum(axis=0))
     return np.asarray(coefficients[1:], dtype=np.float32)
 
@@ -130,7 +136,7 @@ def field_beside(rest: Float32, slow: Float32, before: Float32) -> Float32:
 
     before: (b, 3) the last field, whose residuals give the weights against outliers.
     """
-    weights = 1 / (1 + (((rest - slow @ before) / 0.15) ** 2).sum(axis=1))
+    weights = 1 / (1 + (((rest - slow @ before) / OUTLIER) ** 2).sum(axis=1))
     weighted = slow * weights[:, None]
-    ridge = 5e-4 * len(slow) * np.eye(slow.shape[1], dtype=np.float32)
+    ridge = FIELD_RIDGE * len(slow) * np.eye(slow.shape[1], dtype=np.float32)
     return np.asarray(np.linalg.solve(weighted.T @ slow + ridge, weighted.T @ rest), dtype=np.float32)

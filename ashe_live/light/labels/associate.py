@@ -221,9 +221,9 @@ def _reassigned(region: Region, materials: Materials, rough: Split) -> Split:
         as_object = as_object + 2 * region.on_plane
     nearby = grown(rough.object_mask | rough.shadow_mask, REACH_PX) & region.is_ground
     object_like = majority((as_object < np.minimum(materials.lit, materials.shaded)) & nearby, 5)
-    body = filled(overlapping(object_like, core, 0.3) if (object_like & core).any() else core)
+    body = filled(overlapping(object_like, core) if (object_like & core).any() else core)
     shadow_like = majority((materials.shaded < materials.lit) & (materials.shaded <= as_object) & nearby) & ~body
-    shadow = overlapping(shadow_like, rough.shadow_mask, 0.3)
+    shadow = overlapping(shadow_like, rough.shadow_mask)
     return Split(body, shadow)
 
 

@@ -31,13 +31,13 @@ def relabelled(region: Region, materials: Materials, object_cost: Float32, fitte
     as_object = object_cost + _penalty(fitted.body, free_px)
     as_shadow = materials.contact + _penalty(fitted.shadow, free_px)
     unlit = (np.minimum(as_object, as_shadow) < materials.lit) & region.is_ground
-    whole = overlapping(cleaned(unlit), fitted.whole, 0.3)
-    body = overlapping(majority(unlit & (as_object < as_shadow - UNDECIDED) & whole), fitted.body, 0.3)
-    shadow = overlapping(majority(unlit & (as_shadow < as_object - UNDECIDED) & whole), fitted.shadow, 0.3)
+    whole = overlapping(cleaned(unlit), fitted.whole)
+    body = overlapping(majority(unlit & (as_object < as_shadow - UNDECIDED) & whole), fitted.body)
+    shadow = overlapping(majority(unlit & (as_shadow < as_object - UNDECIDED) & whole), fitted.shadow)
     doubtful = whole & ~body & ~shadow
     broad = thick(doubtful, SEAM_PX)
     narrow = doubtful & ~broad
-    body = filled(overlapping(cleaned(body | (narrow & (as_object < as_shadow))), fitted.body, 0.3))
+    body = filled(overlapping(cleaned(body | (narrow & (as_object < as_shadow))), fitted.body))
     shadow = large_areas(cleaned((shadow | (narrow & (as_shadow <= as_object))) & ~body), LEAST_SHADOW_PX)
     undecided = broad & ~body & ~shadow
     doubt = undecided if np.count_nonzero(undecided) > LEAST_DOUBT * np.count_nonzero(whole) else None

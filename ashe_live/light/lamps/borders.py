@@ -6,8 +6,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.alignment import lights_as_lamps
-from ashe_live.light.explanation.explain import END_IN_VIEW, tempered
+from ashe_live.light.explanation.explain import END_IN_VIEW
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.light_covariance import tempered
 from ashe_live.light.shape.directions import information_on_displacement
 from ashe_live.light.shape.layout import Layout, nearness_of
 

@@ -23,7 +23,7 @@ from ashe_live.light.views.which import span_rad
 MOST_VIEWS = int(VIEWS.high)
 # The widest picture that a preset of the estimator works on; halving keeps at least that.
 WORKING_WIDTH_PX = 640
-MOST_BYTES = 40e6  # of all views together
+MOST_BYTES = 40e6  # of all pictures together
 MOST_PIXELS = MOST_BYTES / MOST_VIEWS / 3
 # Between directions nearer than this, a thing 5 cm high and half a metre away shifts by less than two pixels.
 LEAST_COSINE = math.cos(math.radians(1.0))
@@ -61,7 +61,7 @@ class KeyViews:
         self._most = most
         self._set = _ViewSet(())
         self._camera: Camera | None = None  # of the frames as they came
-        self._changing = threading.Lock()  # held for some comparisons, never while a picture is looked at
+        self._changing = threading.Lock()  # held for a few comparisons, never while a picture is processed
 
     @property
     def views(self) -> tuple[TrackedFrame, ...]:

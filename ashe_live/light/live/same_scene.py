@@ -21,11 +21,12 @@ from ashe_live.light.pixels.view import View
 CELLS_A_SIDE = 10  # on the plane, of the marker's side
 HALF_SIDES = 5  # from the marker's centre to the border of what is compared, in the marker's sides
 VIEW_WIDTH_PX = 160  # of the pictures that are compared: a cell is then about one or two pixels wide
-# Difference of log brightness, brought to one exposure: between lit ground and a shadow that leaves three quarters.
+# Least difference of log brightness at one exposure: that of lit ground to a shadow which leaves three quarters.
 LEAST_DIFFERENCE = 0.3
 # Brighter pixels may be saturated, and are not compared.
 SATURATED = 250
-# Things up to so high, in the marker's sides, may stand there; what they shear by is no change. Larger shears hide all.
+# Things up to this height, in the marker's sides, may stand there: what they shear by is not a change. Views between
+# which they shear by more than the second number cannot be compared.
 HIGHEST_SIDES = 3.0
 MOST_SHEAR_SIDES = 0.8
 REGISTRATION_CELLS = 4  # misregistration by poses, the picture's scale and its blur
@@ -43,7 +44,7 @@ class PlanePicture:
 
     @staticmethod
     def of(tracked: TrackedFrame) -> "PlanePicture":
-        """Of a frame that must have a marker."""
+        """The picture of a frame that must have a marker."""
         view = View.of(tracked, VIEW_WIDTH_PX)
         cells = 2 * HALF_SIDES * CELLS_A_SIDE
         image_from_cells = image_from_plane(view.camera, view.T_cam_marker) @ _plane_from_cells(view.side_m)
@@ -77,7 +78,7 @@ def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
 def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
     """Indices of the views `before` that show another scene than `now`: all, if more than half of the results say so.
 
-    A hand that passes through a single view so makes only that view outdated.
+    So a hand that passes through a single view makes only that view outdated.
     """
     told = [differs(now, each) for each in before]
     gone = [at for at, is_other in enumerate(told) if is_other]

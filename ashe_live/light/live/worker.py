@@ -1,4 +1,4 @@
-"""The light worker: estimates away from the viewer's loop, in a process of its own, that gives way while nobody waits.
+"""The light worker: makes estimates in a process of its own, which gives way to the viewer while nobody waits.
 
 A thread would share the interpreter's lock and its full priority with the loop; docs/reliability.md has the figures.
 """
@@ -23,7 +23,7 @@ from ashe_live.process import children
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.process.pipes import receive_value, send_value
 
-LIMITS = children.Limits(niceness=0)  # worker_process.py gives way where it should
+LIMITS = children.Limits(niceness=0)  # worker_process.py lowers its priority itself
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
 THREAD_TIMEOUT_S = 0.05
 # The paper's estimator takes ten seconds, and several times that on a busy machine.
@@ -64,12 +64,12 @@ class LightWorker:
     ) -> bool:
         """Requests an estimate of `tracked` with a preset; returns False, and does nothing, while busy.
 
-        `draw`, a function of a module, draws what led to the estimate in the process, where the estimator keeps a
-        trace of it; the picture comes with the answer. What `is_awaited` by a person is made at normal priority, else
-        at the lowest. `others` are views, with markers, that may be of the same scene; those that are not are left out
-        and named in the answer. With `known` an estimate is made only if the frame shows another scene than the others,
-        or not the light of that estimate; else the answer is that light as the frame shows it. A frame that was in the
-        request before is not sent again. Raises ValueError when closed.
+        `draw`, a function of a module, draws what led to the estimate in the process, where the estimator keeps a trace
+        of it; the picture comes with the answer. An estimate that `is_awaited` by a person is made at normal priority,
+        any other at the lowest. `others` are views, with markers, that may be of the same scene; those that are not are
+        left out and named in the answer. With `known` an estimate is made only if the frame shows another scene than
+        the others, or not the light of that estimate; else the answer is that light as the frame shows it. A frame that
+        was in the request before is not sent again. Raises ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -145,7 +145,7 @@ class _Process:
         return self.outcomes.is_closed or not self._process.is_alive()
 
     def send(self, views: Sequence[TrackedFrame], *how: Any) -> None:
-        """`how` as the fields of Request. Sent from a thread, as writing to the pipe blocks until the process reads."""
+        """Sends a Request with the fields `how`, in a thread, as writing to the pipe blocks until the process reads."""
         numbers = {id(view): number for number, view in self._held.items()}
         before, self._held = self._held, {}
         for view in views:

@@ -32,23 +32,23 @@ LOWEST_PRIORITY = 19
 class Request:
     """What the process is asked, with the frames that it has not been sent before."""
 
-    numbers: tuple[int, ...]  # of the frozen frame, then of the other views; it keeps these until the next request
+    numbers: tuple[int, ...]  # of the frozen frame, then of the other views, which are kept for the next request
     new: "Mapping[int, TrackedFrame]"
     preset: "ProxySteps"
     draw: Draw | None = None  # what draws the trace
     is_awaited: bool = False  # by a person
-    # Of a scene that is watched: nothing is estimated where the frame shows what the other views show, and this light.
+    # In a scene that is watched, nothing is estimated if the frame shows the other views' scene in this light.
     known: "LightEstimate | None" = None
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What came of a request."""
+    """The answer to a request."""
 
     estimate: "LightEstimate | None"  # None: what was known still holds
     picture_bgr: "Image | None" = None  # of the trace; None where none was asked for, or the estimator keeps no trace
-    outdated: tuple[int, ...] = ()  # places among the other views of those of another scene, which were left out
-    is_followed: bool = False  # the estimate is what was known, its lights as the frame shows them
+    outdated: tuple[int, ...] = ()  # indices of the other views that show another scene, and were left out
+    is_followed: bool = False  # whether the estimate is the known one with its lights moved to what the frame shows
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,7 @@ def run(connection: Connection, make: "Callable[[ProxySteps], Estimator]") -> No
 
 
 class HeldViews:
-    """The frames of the last request, so that no view is sent twice, and what was made of them."""
+    """The frames of the last request, kept so that none is sent twice, and their pictures of the plane."""
 
     def __init__(self) -> None:
         self._views: dict[int, TrackedFrame] = {}
@@ -88,7 +88,7 @@ class HeldViews:
         self._numbers: tuple[int, ...] = ()
 
     def take(self, request: Request) -> None:
-        """Forgets what is not in the request."""
+        """Takes the new frames of a request and forgets those that it does not name."""
         self._numbers = request.numbers
         known = {**self._views, **request.new}
         self._views = {number: known[number] for number in request.numbers}
@@ -103,7 +103,7 @@ class HeldViews:
         return [self._views[number] for number in self._numbers[1:]]
 
     def outdated(self) -> list[int]:
-        """Places among the others of those that show another scene than the frozen frame."""
+        """Indices of the others that show another scene than the frozen frame."""
         from ashe_live.light.live.same_scene import PlanePicture, outdated
 
         if len(self._numbers) < 2:
@@ -131,7 +131,7 @@ def _answer(estimator: "Estimator", held: HeldViews, request: Request) -> Answer
     try:
         gone = tuple(held.outdated())
         if request.known is not None and len(gone) < len(others):
-            if request.known.illumination.real_object is None:  # no body whose shadow could be looked for
+            if request.known.illumination.real_object is None:  # without a body there is no shadow to look for
                 return Answer(None, None, gone)
             if (followed := follow(request.known, frozen)) is not None:
                 return Answer(followed, None, gone, is_followed=True)

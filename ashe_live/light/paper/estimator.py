@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.square import square_corners
 from ashe_live.core.stages import StageClock
@@ -58,8 +58,7 @@ class PaperEstimator:
         """
         if tracked.marker is None:
             raise ValueError("an estimate needs a frame with a marker")
-        clock = StageClock()
-        steps, marker = self.steps, tracked.marker
+        clock, steps, marker = StageClock(), self.steps, tracked.marker
         object_mask: Mask | None = None
         shadow_mask: Mask | None = None
 
@@ -82,8 +81,7 @@ class PaperEstimator:
         cube, sheet = masks.filled(cube_hull, size), masks.filled(sheet_hull, size)
 
         image = masks.resized(tracked.frame.image_bgr, size)
-        labels = masks.lab_clusters(image, steps.clusters, steps.kmeans_attempts, steps.kmeans_iterations)
-        dark = masks.darkest_clusters(image, labels, ~sheet, steps.dark_share)
+        dark = self._dark(image, ~sheet)
         if not dark.any():
             clock.end("segment")
             return answer(None, "nothing in the picture is dark enough for a shadow")
@@ -94,8 +92,8 @@ class PaperEstimator:
         if object_mask is None:
             clock.end("associate")
             return answer(None, "no object found beside the marker")
-        c_px = steps.score_c_share * size[0]
-        shadow_mask = masks.shadow_of(object_mask, dark & ~cube, c_px, steps.score_k, smallest_px)
+        c_px, k = steps.score_c_share * size[0], steps.score_k
+        shadow_mask = masks.shadow_of(object_mask, dark & ~cube, c_px, k, smallest_px)
         clock.end("associate")
         if shadow_mask is None:
             return answer(None, "no shadow found beside the object")
@@ -109,6 +107,12 @@ class PaperEstimator:
         ratio = shadow_rgb_ratio(image, shadow_mask, object_mask | sheet)
         clock.end("judge")
         return answer(Light(to_light, shadow_rgb_ratio=ratio), None)
+
+    def _dark(self, image: Image, ground: Mask) -> Mask:
+        """(h, w) the pixels of the darkest clusters of colour, by what is dark beside `ground`."""
+        steps = self.steps
+        labels = masks.lab_clusters(image, steps.clusters, steps.kmeans_attempts, steps.kmeans_iterations)
+        return masks.darkest_clusters(image, labels, ground, steps.dark_share)
 
     def _hulls(self, camera: Camera, marker: MarkerPose) -> tuple[Float | None, Float | None]:
         """(n, 2) pixels, of the virtual cube and of the printed sheet; None for one that reaches behind the camera."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float32, Mask
 
 SMOOTHING_PX = 0.8  # standard deviation
+LEAST_OVERLAP = 0.3  # share of an area that must lie in what is predicted there for it to count as part of that
 
 
 def smoothed(values: Float32) -> Float32:
@@ -48,7 +49,7 @@ def areas_by_size(mask: Mask, least_px: int) -> list[Mask]:
     return [labels == index for index in order if sizes[index] >= least_px]
 
 
-def overlapping(mask: Mask, other: Mask, least_share: float) -> Mask:
+def overlapping(mask: Mask, other: Mask, least_share: float = LEAST_OVERLAP) -> Mask:
     """The connected areas of `mask` with more than `least_share` of their pixels in `other`; all of `mask` if none."""
     labels, sizes = _labelled(mask, connectivity=4)
     shared = np.bincount(labels[other & mask], minlength=len(sizes))

@@ -32,9 +32,10 @@ def with_average_light(
 ) -> JointExplanation:
     """The explanation with its light moved by as much as the mean of the families' lights is from its own family's.
 
-    families: the likeliest first, which is its own, before it was moved onto steps of light. overdispersion: by which
-    covariances are multiplied later; what families differ by is not to be. Two lights, a lamp and a hull's light stay
-    as they are. Families whose lights are farther than GOOD_RAD are other answers, and do not count.
+    families: the likeliest first, which is its own, before it was moved onto steps of light. overdispersion: the factor
+    that covariances are multiplied by later, which must not multiply what families differ by. Two lights, a lamp and a
+    hull's light stay as they are. Families whose lights are farther apart than GOOD_RAD are other answers, and are left
+    out.
     """
     joint, light = explanation.joint, explanation.joint.lights[0]
     if not families or len(joint.lights) > 1 or nearness_of(light.light) or joint.hull is not None:
@@ -43,7 +44,7 @@ def with_average_light(
     directions = np.array([towards_light(each) for each in families])
     near = directions @ directions[0] > math.cos(GOOD_RAD)
     if light.to_light_marker @ directions[0] < math.cos(GOOD_RAD):
-        return explanation  # where alignment has turned a start, that is judged beside it, and has no families
+        return explanation  # a start that alignment has turned into another answer; it has no families
     weights = probabilities[near] / probabilities[near].sum()
     offsets = (directions[near] - directions[0]) @ tangent_basis(directions[0]).T  # (n, 2), rad
     mean = weights @ offsets

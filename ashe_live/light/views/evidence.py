@@ -24,30 +24,31 @@ from ashe_live.light.pixels.areas import areas_by_size, grown
 from ashe_live.light.views.joint import JointExplanation
 from ashe_live.light.views.plane import plane_homography
 
-JUDGED = 4  # number of views whose appearance is judged: more repeat what these show
-PIXELS_PER_SAMPLE = 40.0  # of the region: colours, their edges and the errors of poses are alike over patches
-# Right labels are no right body, and under a sky without a sun they are found as well; but wrong ones are surely wrong.
+JUDGED = 4  # number of views whose appearance is judged: further ones only repeat what these show
+PIXELS_PER_SAMPLE = 40.0  # pixels over their effective sample size: colours and errors of poses are alike over patches
+# The most log odds for and against an explanation. Right labels do not prove the body right, and are found under a sky
+# without a sun as well; but where labels are wrong, the explanation surely is.
 MOST_FOR, MOST_AGAINST = 0.5, 3.0
-# So much against labels of one view: what of their shadow the body hides in the others is not known.
+# The same against labels of one view, of whose shadow it is not known how much the body hides in the other views.
 MOST_AGAINST_ONE_VIEW = 1.0
-LEAST_SEEN = 0.05  # of body and shadow in a view, that it counts by where it shows none of them
-# So much, beside its sum, against a shadow that pixels in it shear: parts of the object that its fitted body leaves out
-# do, too.
+LEAST_SEEN = 0.05  # weight of a view that shows nothing of body or shadow
+# The most that pixels which shear count against a shadow, beside the sum over it: parts of the object that its fitted
+# body lacks shear there, too.
 MOST_AGAINST_SHEARING = 1.0
-# Angle between two views below which what stands hides in one of them only a strip more of the plane than in the other,
-# a quarter as wide as it is high.
+# Views nearer to each other than this hide much the same of the plane: what an object hides in one of them alone is a
+# strip a quarter as wide as the object is high.
 ASIDE_RAD = math.radians(15.0)
 LEAST_OTHER_PX = 20  # of another object in a region: smaller ones are specks
-BESIDE_PX = 1  # next to what a body hides, colours are mixed
-ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
-ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
+BESIDE_PX = 1  # width of the rim of what a body hides, in which colours are mixed
+ALIKE_SHARE = 0.3  # of a body's size: the most distance between the feet of two bodies that count as alike
+ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the largest angle between their lights
 
 
 def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
     """The features of an explanation of several views: the mean over the first JUDGED views of what each shows.
 
-    A view counts by how much of body and shadow it has in its picture. Steps of light are those of all views together,
-    and so is the covariance that tells how well the light is determined.
+    Each view is weighted by how much of body and shadow its picture shows. Steps of light are those of all views
+    together, and so is the covariance that tells how well the light is determined.
     """
     judged = explanation.each[:JUDGED]
     of_views = [explanation_features(each) for each in judged]
@@ -61,7 +62,7 @@ def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
     joint = explanation.joint
     shadow = joint.predicted.shadow & ~_hidden_elsewhere(explanation)
     support = joint_support(joint.region, joint.predicted.body, shadow)
-    # Labels tell of a body only as far as it is seen.
+    # Labels tell about a body only as far as its picture shows it.
     seen = float(np.mean([share_seen(each) for each in explanation.each]))
     return judge.log_odds_of(joint_features(explanation)) + seen * support
 
@@ -74,7 +75,7 @@ def no_less_sure(
     directions: (3,) each, unit vectors, towards the lights by which all views were explained, with their log odds.
     alone: the same of the first view. Views that confirm a direction make it no less likely. As the first view is one
     of all, the larger probability counts, and not the product of their odds (the cautious rule for evidence that is not
-    distinct: Denoeux, 2008). Where the likeliest directions differ, all views are right.
+    distinct: Denoeux, 2008). Where the likeliest directions differ, that of all views stands.
     """
     if not log_odds or not alone_log_odds:
         return list(log_odds)
@@ -108,7 +109,7 @@ def _share_on(ground: Mask, hull_px: Float | None) -> float:
 def _hidden_elsewhere(explanation: JointExplanation) -> Mask:
     """(h, w) of the first view's region: what is hidden in the others, where these show nothing of the plane.
 
-    By the body and, in views from far enough aside, by whatever else stands there.
+    It is hidden by the body and, in views from far enough aside, by whatever else stands there.
     """
     first, *others = explanation.each
     hidden = np.zeros(first.predicted.body.shape, np.bool_)
@@ -124,9 +125,9 @@ def _hidden_elsewhere(explanation: JointExplanation) -> Mask:
 
 
 def _other_objects(explanation: Explanation) -> Mask:
-    """(h, w) of the region: what surely stands there, and is neither the body nor mostly in the place of its shadow.
+    """(h, w) of the region: areas that surely stand there, and are neither the body nor mostly in its shadow's place.
 
-    What mostly is may be the object itself, its dark side taken for a shadow.
+    An area that mostly is in the shadow's place may be the object itself, whose dark side was taken for a shadow.
     """
     seen, on_plane = explanation.predicted, explanation.region.on_plane
     found = np.zeros(seen.body.shape, np.bool_)
@@ -148,8 +149,8 @@ def plane_support(region: Region, body: Mask, shadow: Mask) -> float:
 def joint_support(region: Region, body: Mask, shadow: Mask) -> float:
     """As `plane_support`, of an explanation by all views; shadow: without what the body hides in others.
 
-    What stands in the shadow's place, pixels that nearly all views show to shear, is not made up for by the ground
-    around it.
+    Pixels in the shadow's place that shear in nearly all views count by themselves: the ground around them must not
+    make up for them.
     """
     shearing = max(_on_plane(region, shadow, OFF_PLANE), -MOST_AGAINST_SHEARING)
     of_shadow = min(_on_plane(region, shadow), MOST_FOR) + shearing
@@ -159,7 +160,7 @@ def joint_support(region: Region, body: Mask, shadow: Mask) -> float:
 def _support(of_shadow: float, of_body: float, most_against: float) -> float:
     """The log odds that a shadow is on the plane, and that a body is, each within bounds, for and against.
 
-    Each for itself: an object that surely stands there makes no shadow of another object that does.
+    They are bounded separately: that the object surely stands there must not make a shadow of another standing object.
     """
     return float(np.clip(of_shadow, -most_against, MOST_FOR) + np.clip(-of_body, -most_against, MOST_FOR))
 
@@ -173,7 +174,7 @@ def _on_plane(region: Region, mask: Mask, below: float = math.inf) -> float:
 
 
 def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:
-    """The explanations in order, without those that place a like body and like lights where an earlier one does."""
+    """The explanations in order, without those whose body and lights are like an earlier one's."""
     kept: list[JointExplanation] = []
     for one in several:
         if not any(_are_alike(one, other) for other in kept):

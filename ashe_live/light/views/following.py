@@ -17,18 +17,19 @@ from ashe_live.light.shape.family import Family, Parts
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.views.seen import SceneView, costs_around
 
-WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 240, 480, 90  # sizes of the frame for its ground and at its finest, of the region
+WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 240, 480, 90  # widths of the frame for its ground and for the region; its size
 STEPS = GroundSteps(12, 8, 1)  # coarser than any preset's: a known body needs little of the ground
-# Mean clarity of the borders of body and shadow, and misfit over the object's size, that a light is followed with.
+# A light is followed down to this mean clarity of the borders of body and shadow, and up to this misfit over the
+# object's size.
 LEAST_CLARITY, MOST_MISFIT = 0.3, 0.06
 
 
 def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | None:
     """The light of `estimate` as the frame `tracked` shows it; None where that does not show the body and its shadows.
 
-    The body stays as it is, the lights' directions move until the shadows lie on their borders in the picture. What is
-    uncertain of them is mostly the body's, and stays too. An estimate without a light or a body, or a frame without a
-    marker, gives None. The masks are left out.
+    The body stays as it is; the lights' directions move until the shadows lie on their borders in the picture. Their
+    uncertainty comes mostly from the body, and stays as well. An estimate without a light or a body, or a frame without
+    a marker, gives None. The masks are left out.
     """
     body, lights = estimate.illumination.real_object, estimate.lights
     if tracked.marker is None or body is None or not lights:

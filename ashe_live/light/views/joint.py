@@ -20,16 +20,16 @@ from ashe_live.light.explanation.alignment import (
     normal_equations,
     placed_in,
 )
-from ashe_live.light.explanation.explain import lights_of
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.explanation.light_covariance import lights_of
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit.search import damped_steps, prior_information
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.sight import Sight
 
-EARLY_LOSS_FACTOR = 3.0  # times the scale of Cauchy's loss, in all rounds but the last
+EARLY_LOSS_FACTOR = 3.0  # factor on the scale of Cauchy's loss in all rounds but the last
 # Correlation between views of a border's errors: the ground's texture along it, the body's model and the systematic
 # errors of poses are the same in all of them.
 SHARED = 0.3
@@ -106,7 +106,7 @@ def turned_from(several: Sequence[JointStart], found: Sequence[JointExplanation 
 
 
 def explained_where_it_stands(start: JointStart) -> JointExplanation | None:
-    """What a start explains without being moved; None where it is not in the first view."""
+    """The explanation of a start that is not moved; None where it is not in the first view."""
     placed = placed_in([(start.lit, _sight(start.lit, costs), costs) for costs in start.costs])
     if not placed[0].is_in_view:
         return None
@@ -119,7 +119,7 @@ def explained_where_it_stands(start: JointStart) -> JointExplanation | None:
         ground = costs.region.is_ground
         split = Split(seen.body & ground, seen.shadow & ground, None, seen.parts)
         each.append(Explanation(costs.region, costs.materials, split, alignment, lights, costs.as_object))
-    # How much the light depends on the family is what one view tells, until all views choose it.
+    # One view tells how much the light depends on the family, until all views have chosen it.
     together = replace(each[0], bodies=start.origin.bodies)
     return JointExplanation(together, tuple(each[1:]), start.origin)
 

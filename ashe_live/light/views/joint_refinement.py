@@ -24,7 +24,7 @@ from ashe_live.light.views.joint import (
 def by_families(explanation: JointExplanation, preset: FitPreset) -> list[JointExplanation]:
     """The explanation with the body of each family that may explain all views, the likeliest first.
 
-    One view's labels are fitted alike by several families.
+    Several families may fit one view's labels equally well.
     """
     costs = [own_costs(each) for each in explanation.each]
     own = explanation.joint.alignment.placed.lit.body.family.name

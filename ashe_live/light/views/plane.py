@@ -23,14 +23,15 @@ MISPLACED_PX = 0.5  # standard deviation of a pixel's place in another view: pos
 LEAST_NOISE = 0.02  # of log-opponent colours: differences in sharpness and tone between two pictures
 # Prior probabilities that another view shows something else at a point of the plane: an object before it, or a glint.
 HIDDEN, GLINT = 0.1, 0.01
-MOST_SHEARED = 0.9  # of what stands on the plane: its foot does not shear
-SPREAD_OF_ANYTHING = np.array([0.6, 0.3, 0.3], np.float32)  # standard deviations of what is there instead
-# Of the shear of a point TALL, where neighbours are compared, and in standard deviations the difference of like ones.
+MOST_SHEARED = 0.9  # share of an object that shears at most: its foot does not
+SPREAD_OF_ANYTHING = np.array([0.6, 0.3, 0.3], np.float32)  # standard deviations of the colours of anything else
+# Where neighbours are compared, as multiples of the shear of a point TALL; the difference, in standard deviations, up
+# to which they match; and the most that is put down to accident.
 SHEARS, MATCH, MOST_BY_ACCIDENT = (0.4, 1.0, -0.4, -1.0), 2.0, 0.98
 TALL = 0.5  # height, in sides of the marker, of the points whose shear counts as that of an object
-MOST_SHEAR_PX = 40.0  # beyond which neighbours are no neighbours any more
+MOST_SHEAR_PX = 40.0  # farther away, pixels do not count as neighbours
 SEEN_SHARE = 0.02  # least fraction of the frame that both views must see of the plane
-# Pixels of the reference view are common to all comparisons, so that these are correlated.
+# Correlation between comparisons, which have the pixels of the reference view in common.
 CORRELATION = 0.5
 # The smooth difference of two pictures is found at a fraction of their size. FLATNESS is the ridge on its slopes, a
 # share of the pixels. Gloss moves with the eye: what remains of it is taken out over a share of the frame's width.

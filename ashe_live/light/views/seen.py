@@ -18,9 +18,9 @@ from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 
-# Number of others that the plane in the first view is compared with, and in another: more repeat what these tell.
+# Number of views that the plane is compared with, for the first view and for another: more repeat what these tell.
 COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
-LEAST_PX = 60  # of a body with its shadow, in the coarse picture: what shows less tells nothing
+LEAST_PX = 60  # of a body with its shadow, in the coarse picture: a view that shows less tells nothing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +46,7 @@ def with_plane(views: Sequence[SceneView]) -> list[SceneView]:
 
 
 def without_plane(view: SceneView) -> SceneView:
-    """The view as it is alone, without what others tell about which of its pixels lie on the plane."""
+    """The view by itself, without what others tell about which of its pixels lie on the plane."""
     return replace(view, ground=replace(view.ground, on_plane=None))
 
 
@@ -59,7 +59,7 @@ def costs_around(lit: LitBody, shifts: Sequence[Float], view: SceneView, region_
     if np.count_nonzero(whole) < LEAST_PX:
         return None
     unlit = unlit_mask(view.ground, view.coarse.is_ground, LEAST_PX)
-    around = overlapping(unlit, whole, 0.3) if (unlit & whole).any() else whole
+    around = overlapping(unlit, whole) if (unlit & whole).any() else whole
     region = region_of(view.fine, whole | around, view.ground, region_px)
     materials = _materials(region, view.ground, shifts)
     if materials is None:

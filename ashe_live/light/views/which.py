@@ -9,18 +9,18 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import TrackedFrame
 
-# Of the largest angle from the views chosen before, at which a frame given earlier is as good.
+# A frame that is given earlier is preferred if its angle to the views chosen before is this share of the largest.
 AS_FAR = 0.7
-LEAST_ANGLE_RAD = 1e-6  # between two places: rounding makes as much of one
+LEAST_ANGLE_RAD = 1e-6  # between two places: less may be rounding
 LEAST_HEIGHT = 0.02  # of a camera above the plane, over its distance from the marker
 
 
 def usable(tracked: TrackedFrame, others: Sequence[TrackedFrame], most: int) -> list[TrackedFrame]:
-    """The `most` others of the greatest use beside `tracked`: those with a marker, by how much their directions differ.
+    """The `most` most useful others beside `tracked`: frames with a marker whose directions of view differ the most.
 
-    Each is one whose direction of view is farthest, or nearly so, from the nearest of those chosen before, so that
-    fewer are a subset of more. Of several the one given first is taken: frames that are added to those given do not
-    displace the views that answers began with, and more views find the same explanations. Frames from the same place as
+    They are chosen one after the other, so that fewer are a subset of more: each time a frame that is farthest, or
+    nearly so, from the nearest view chosen before. Among these the one given first is taken, so that frames which are
+    added later do not displace the views that earlier answers rest on. Frames from the same place as
     one chosen before are left out. `tracked` must have a marker.
     """
     assert tracked.marker is not None

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.models.gltf.arrays import Arrays
-from ashe_live.models.gltf.pose import Shape
+from ashe_live.models.gltf.motion.pose import Shape
 from ashe_live.models.parsing.malformed import MalformedError
 
 

@@ -16,13 +16,13 @@ from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
 from ashe_live.models.assembly.geometry import RawMesh, RawMotion
 from ashe_live.models.gltf.amounts import FAN, STRIP, TRIANGLES, amounts_of, check_layout
-from ashe_live.models.gltf.animation import Animation
 from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.attributes import Attributes, DracoPrimitive
 from ashe_live.models.gltf.container import Buffers, split
 from ashe_live.models.gltf.materials import Materials
 from ashe_live.models.gltf.missing import note_what_is_missing
-from ashe_live.models.gltf.pose import Pose, Shape, of_normals
+from ashe_live.models.gltf.motion.animation import Animation
+from ashe_live.models.gltf.motion.pose import Pose, Shape, of_normals
 from ashe_live.models.gltf.schema import UV_SETS, checked
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.limits import check_gltf

@@ -13,15 +13,15 @@ from ashe_live.core.arrays import Float, Image
 TRIED_PX = np.array([0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
 WINDOW_PX = 17  # a side of the windows in which colours are to lie on a line
 LEAST_LUMA, LEAST_CHROMA = 10.0, 2.0  # standard deviations in a window, levels, of two surfaces that differ
-EXPLAINED = 0.8  # of chroma's variance in a window, by the best blur: there are two surfaces, and hardly more
-FEWEST_PX = 80  # middles of such windows, for an answer
-LEAST_UNEXPLAINED = 1e-3  # of the variance: what is rounded to whole levels
+EXPLAINED = 0.8  # least share of a window's chroma variance that the best blur explains, if there are two surfaces
+FEWEST_PX = 80  # number of such windows that are needed for an answer
+LEAST_UNEXPLAINED = 1e-3  # share of the variance that rounding to whole levels always leaves
 
 
 def chroma_blur_px(image_bgr: Image) -> float | None:
     """Sigma of the blur that colours have beyond brightness, in (h, w, 3) uint8; None where there is too little colour.
 
-    0 where every pixel has its own; at most the largest of TRIED_PX.
+    0 where every pixel has its own colour; at most the largest of TRIED_PX.
     """
     ycc = cv2.cvtColor(image_bgr, cv2.COLOR_BGR2YCrCb).astype(np.float32)
     luma, chroma = ycc[..., 0], ycc[..., 1:] - 128

@@ -1,4 +1,4 @@
-"""How sharp a picture is, at edges of which one knows where they are, as those of the marker's square."""
+"""How sharp a picture is, measured at edges whose places are known, as those of the marker's square."""
 
 import math
 from typing import NamedTuple
@@ -20,12 +20,12 @@ BLUR_RANGE_PX = (0.0, 3.0)
 BOX_VARIANCE_PX2 = 1 / 12  # of a pixel, which the model's own pixels have too
 INTERPOLATION_VARIANCE_PX2 = 1 / 6  # of bilinear sampling, on average
 LEAST_HEIGHT = 0.05  # of an edge, linear
-RATIO_ERROR = 0.35  # by which the logarithm of an edge's ratio may be off
-BLURS_PX = np.arange(0.0, 2.6, 0.1)  # that are tried on a sharpened edge
-SHARPENING_SIGMA_PX = 1.0  # of the blur that is taken away: cameras have about this one
+RATIO_ERROR = 0.35  # the most by which the logarithm of an edge's ratio may be off
+BLURS_PX = np.arange(0.0, 2.6, 0.1)  # sigmas that are tried on a sharpened edge
+SHARPENING_SIGMA_PX = 1.0  # of the blur by whose difference cameras sharpen: about this one is common
 MOST_SHARPENING = 2.0
-# Of an edge's height, how far it must over- and undershoot together: a soft edge that was sharpened a little looks like
-# a less soft one, but for that. Noise and uneven paper make up to half of it.
+# Share of an edge's height that over- and undershoot must reach together: nothing else tells a soft edge that was
+# sharpened a little from a less soft one. Noise and uneven paper make up to half of it.
 LEAST_OVERSHOOT = 0.05
 
 
@@ -59,13 +59,13 @@ def blur_and_sharpening(grey: Image, corners_px: Float) -> tuple[float, float]:
 
 
 class Profile(NamedTuple):
-    """Across an edge, which is in the middle, from dark to light."""
+    """A profile across an edge, which is in its middle, from dark to light."""
 
-    step: Float  # (k,) linear, dark 0 and light 1; mean of many
-    encoded: Float  # (k,) as in the picture, in [0, 1]; their median, as shadows may cross some
+    step: Float  # (k,) linear, from 0 in the dark to 1 in the light; the mean of many
+    encoded: Float  # (k,) as in the picture, in [0, 1]; the median of many, as shadows may cross some
     dark: float  # encoded, and so
     light: float
-    used: NDArray[np.intp]  # (m,) which places it is of
+    used: NDArray[np.intp]  # (m,) indices of the places that it was measured at
 
 
 def _profile(grey: Image, corners_px: Float, reach_px: float) -> Profile | None:
@@ -76,9 +76,9 @@ def _profile(grey: Image, corners_px: Float, reach_px: float) -> Profile | None:
 def profile_at(
     grey: Image, points: Float, outwards: Float, reach_px: float, ratio: float | None = None
 ) -> Profile | None:
-    """Of places (n, 2) with unit normals (n, 2), from dark to light; None where no edge can be told.
+    """The profile at places (n, 2) with unit normals (n, 2), from dark to light; None where no edge can be told.
 
-    `ratio`: only of those where dark over light is about that, linear; else of those as high as most.
+    `ratio`: of dark over light, linear; places with another one are left out. Without it, those as high as most count.
     """
     reach_px = round(reach_px / STEP_PX) * STEP_PX
     offsets = np.arange(-reach_px, reach_px + STEP_PX / 2, STEP_PX)
@@ -124,7 +124,7 @@ def blur_of_step_px(step: Float) -> float:
 
     Height over steepest slope is sqrt(2 pi) sigma; sharpening makes it less.
     """
-    # Over half a pixel to both sides, so that noise does not steepen the slope.
+    # Slopes are taken over half a pixel to both sides, so that noise does not steepen them.
     wide = int(0.5 / STEP_PX)
     slope = float((step[2 * wide :] - step[: -2 * wide]).max()) / (2 * wide * STEP_PX)
     variance = 1 / (2 * math.pi * max(slope, 1e-3) ** 2) - 4 * wide**2 * STEP_PX**2 / 12

@@ -24,19 +24,19 @@ HALF_RESOLUTION_PX = 1.0  # sigma of colours that are means of two pixels, inter
 # denoising and half resolution; median of 824 photos whose cameras are known (the quartiles are 1.7 and 4.7), which
 # assets/sources/scenes/weak_colours.py prints of the set `training --every 4`; of `development` it is 2.9.
 WEAK_COLOURS_PX2 = 3.1
-WINDOW_PX = 160  # a side of the part of the picture whose noise and colours stand for the whole
+WINDOW_PX = 160  # side of the part of the picture whose noise and colours stand for the whole
 
 
 @dataclass(frozen=True, slots=True)
 class VideoLook:
-    """Measured in one frame."""
+    """The look of one frame."""
 
     white_rgb: RGB  # linear RGB in the picture of a fully lit, level, perfectly white surface
     # Of the lens and the processing, beyond the pixel's own area; pixels of the video. None: not asked for.
     blur_sigma_px: float | None
     noise_sigmas: NoiseLevels  # standard deviations of the encoded values in [0, 1], as `noise_levels` has them
     sharpening: float = 0.0  # how much of what a blur of a pixel would take away the camera has added once more
-    chroma_blur_px: float = 0.0  # sigma of what colours are blurred beyond brightness, pixels of the video
+    chroma_blur_px: float = 0.0  # sigma of the blur that colours have beyond brightness, pixels of the video
 
     @property
     def paper_rgb(self) -> Float:

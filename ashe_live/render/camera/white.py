@@ -1,4 +1,4 @@
-"""Exposure and white balance: what perfectly white ground has in the picture, by the marker's paper and ink."""
+"""Exposure and white balance: how the picture shows perfectly white ground, by the marker's paper and ink."""
 
 import math
 from collections.abc import Callable
@@ -18,8 +18,8 @@ from ashe_live.render.lights.lighting import RGB, Lighting
 PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
 # Of printed black over paper: 0.045 of a laser printer's toner over 0.8, and what a lens scatters, 1 % of the paper.
 INK_RATIO = 0.07
-# By how far, in logarithms, black print and exposure are off what they are as a rule, and how often print is no black
-# but pale grey, over how often it is black, at the black's likeliest brightness.
+# Standard deviations, in logarithms, of black print and of exposure about their usual values; and how likely pale grey
+# print is, over black print, at the likeliest brightness of black.
 INK_SPREAD, EXPOSURE_SPREAD, PALE = 0.3, 0.3, 0.15
 # Standard deviations of logarithms of one channel over another: of paper, whose white a camera has balanced, and of
 # black print over that of paper. Black is warm: its red over green is 1.1 to 1.2 times paper's on six of six photos
@@ -28,15 +28,16 @@ WHITE_TINT, INK_TINT = 0.09, 0.15
 # Linear brightness of paper from which, and from which fully, it counts as overexposed: tone curves bend the last bit.
 OVEREXPOSED = (0.88, 0.94)
 MOST_OVER = 1.4  # paper is not overexposed by more: nobody would film on
-# Where nothing can be measured: paper comes out a little below the display's white, as in a well exposed photo.
+# Assumed where nothing can be measured: paper a little below the display's white, as in a well exposed photo.
 ASSUMED_WHITE = 0.8
 MIN_CONTRAST = 1.6  # of paper over black ink
 RING_SIDES = (0.57, 0.62)  # from the marker's centre, in sides: on the paper's margin
-OVERSHOOT_PX = 3.0  # beside the square: so far sharpening makes paper brighter than it is
-INK_SIDES = 0.45  # and in the middle of the square's black border
-LEAST_LEVEL = 0.05  # of the light in a shadow: black says nothing about white
-BLACKEST = 1e-3  # its ink, linear: a picture may show it as nothing at all
-MIN_PAPER = 0.02  # its linear brightness in the picture: darker is no white
+OVERSHOOT_PX = 3.0  # width of the rim beside the square in which sharpening makes paper brighter than it is
+INK_SIDES = 0.45  # likewise, in the middle of the square's black border
+LEAST_LEVEL = 0.05  # least light in a shadow, over full light, in which paper says something about white
+BLACKEST = 1e-3  # least linear brightness of ink, which a picture may show as 0
+MIN_PAPER = 0.02  # least linear brightness of paper in the picture
+LIT_SHARE, BLACK_SHARE = 0.4, 0.6  # brightest places of paper and of ink that count: a shadow may lie on the others
 AROUND = 12  # places along each of the square's edges
 BODY_PRINT_SHARE = 0.7  # of a body's edge: the black square on its faces, as `tracking.cube.faces` has it printed
 
@@ -61,10 +62,10 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
         return grey
     brightness, darkness = paper @ REC709_LUMINANCE, ink @ REC709_LUMINANCE
     # Some of the paper may lie in a shadow.
-    lit = paper[brightness >= np.quantile(brightness, 0.6)]
+    lit = paper[brightness >= np.quantile(brightness, 1 - LIT_SHARE)]
     if np.median(brightness) < max(MIN_CONTRAST * np.median(darkness), MIN_PAPER):
         return grey
-    black = ink[darkness >= np.quantile(darkness, 0.4)]
+    black = ink[darkness >= np.quantile(darkness, 1 - BLACK_SHARE)]
     red, green, blue = (float(value) / PAPER_ALBEDO for value in _as_exposed(lit.mean(axis=0), black.mean(axis=0)))
     return red, green, blue
 
@@ -72,7 +73,7 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
 def print_pixels(tracked: TrackedFrame, places: Float) -> Float:
     """(n, 2) pixels of places (n, 2) of the marker's upright print; NaN where any lies behind the camera.
 
-    A body's is the one on its top.
+    For a body, of the print on its top.
     """
     assert tracked.marker is not None
     camera, T, body = tracked.camera, tracked.marker.T_cam_marker, tracked.marker.body
@@ -93,7 +94,7 @@ def print_corners_px(tracked: TrackedFrame) -> Float:
 
 
 def print_side_m(tracked: TrackedFrame) -> float:
-    """Of the black square."""
+    """The side of the print's black square, metres."""
     assert tracked.marker is not None
     return tracked.marker.side_m * (1.0 if tracked.marker.body is None else BODY_PRINT_SHARE)
 
@@ -101,10 +102,10 @@ def print_side_m(tracked: TrackedFrame) -> float:
 def _as_exposed(paper: Float, ink: Float) -> Float:
     """(3,) paper as it would be if no channel were brighter than the picture can show, by ink beside it; linear RGB.
 
-    Ink tells the light's colours where paper has lost them, as far as it is colourless itself. How bright paper is, a
-    channel tells that is not overexposed, else ink's brightness: half of the logarithm by which ink is brighter than
-    as a rule, as exposure and ink vary alike, more near none, as paper is not less than fully exposed, and the less of
-    it, the likelier it is that the print is a pale one.
+    Where paper has lost the light's colours, ink tells them, as far as it is colourless itself. How bright the paper is
+    follows from a channel that is not overexposed, or else from the ink's brightness. Of the logarithm by which ink is
+    brighter than usual, half counts, as exposure and ink vary alike; more of a small one, as overexposed paper is at
+    least fully exposed; and less, the likelier it is that the print is a pale one.
     """
     low, high = OVEREXPOSED
     ink = np.maximum(ink, BLACKEST)
@@ -128,12 +129,12 @@ def _as_exposed(paper: Float, ink: Float) -> Float:
 def _mean_over(excess: float) -> float:
     """Mean logarithm of how much brighter paper is than it can be seen, by that of black ink's excess over the rule.
 
-    Of exposures and inks that are normally distributed, those exposures that are positive.
+    The mean is over the positive exposures, where exposures and inks are normally distributed.
     """
     variance = INK_SPREAD**2 + EXPOSURE_SPREAD**2
     middle = EXPOSURE_SPREAD**2 / variance * excess
     spread = INK_SPREAD * EXPOSURE_SPREAD / math.sqrt(variance)
-    # Far below none the tail's mean is near it.
+    # Far below 0 the mean of the tail is near 0 anyway.
     z = max(middle / spread, -5.0)
     above = 0.5 * math.erfc(-z / math.sqrt(2))
     return spread * (z + math.exp(-(z**2) / 2) / (math.sqrt(2 * math.pi) * above))

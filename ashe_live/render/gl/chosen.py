@@ -1,8 +1,8 @@
-"""Pixels that one pass chooses for others: a cheap shader tells which are worth a dear one.
+"""Pixels that one pass chooses for others: a cheap shader marks those that are worth an expensive one.
 
-Within a shader nothing is saved by deciding that a pixel needs no more work: a software rasteriser computes both sides
-of a branch, all that comes after a `discard`, and a loop at least once. What fails the test of depth is not shaded at
-all, four by two pixels together.
+A shader saves nothing by deciding itself that a pixel needs no more work: a software rasteriser computes both sides of
+a branch, all that comes after a `discard`, and a loop at least once. Fragments that fail the depth test are not shaded
+at all, in blocks of four by two pixels.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,23 +14,23 @@ from ashe_live.core.camera import Size
 from ashe_live.render.gl.clearing import clear_part
 from ashe_live.render.gl.framing import Rectangle
 
-NOT_CHOSEN = 0.0  # a depth in front of which nothing can be drawn; `whole.vert` is in the middle
+NOT_CHOSEN = 0.0  # a depth in front of which nothing can be drawn; `whole.vert` draws at the middle depth
 
 
 class ChosenPixels:
-    """Of framebuffers of `size` that are made by `framebuffer`."""
+    """The choice for framebuffers of `size`, which `framebuffer` makes."""
 
     def __init__(self, ctx: moderngl.Context, size: Size) -> None:
         self._ctx = ctx
         self._depth = ctx.depth_renderbuffer(size)
 
     def framebuffer(self, colours: Sequence[moderngl.Texture | moderngl.Renderbuffer]) -> moderngl.Framebuffer:
-        """Of these colours; with none, to choose pixels alone."""
+        """A framebuffer with these colours; without any, only for choosing pixels."""
         return self._ctx.framebuffer(list(colours), self._depth)
 
     @contextmanager
     def choosing(self, framebuffer: moderngl.Framebuffer, region: Rectangle) -> Iterator[None]:
-        """Within, what `whole.vert` draws and keeps is chosen; else `region` is empty and nothing in it is."""
+        """While this is active, pixels that `whole.vert` draws and keeps are chosen; all others of `region` are not."""
         framebuffer.depth_mask = True
         clear_part(framebuffer, region, NOT_CHOSEN)
         with self._drawing(framebuffer, region, ">"):
@@ -38,7 +38,7 @@ class ChosenPixels:
 
     @contextmanager
     def restricted(self, framebuffer: moderngl.Framebuffer, region: Rectangle) -> Iterator[None]:
-        """Within, `whole.vert` draws into the pixels of `region` that were chosen."""
+        """While this is active, `whole.vert` draws only into the pixels of `region` that were chosen."""
         framebuffer.depth_mask = False
         with self._drawing(framebuffer, region, "<="):
             yield

@@ -1,16 +1,16 @@
-"""Clears a part of a framebuffer, or more of it where that is cheaper."""
+"""Clears a part of a framebuffer, or all of it where that is cheaper."""
 
 import moderngl
 
 from ashe_live.render.gl.framing import Rectangle
 
-# A software rasteriser draws a part's clear as a rectangle, and fills the whole by memory: 2.4 to 6.8 ns a pixel of the
-# part, 0.2 to 1.2 of the whole (Mesa 22.3).
-WHOLE_FROM = 0.2  # of the area
+# A software rasteriser clears a part by drawing a rectangle, at 2.4 to 6.8 ns a pixel, and all of it by filling memory,
+# at 0.2 to 1.2 ns (Mesa 22.3).
+WHOLE_FROM = 0.2  # share of the area from which on all of it is cleared
 
 
 def clear_part(framebuffer: moderngl.Framebuffer, region: Rectangle, depth: float = 1.0) -> None:
-    """Colours to 0 and depth to `depth` in `region`, and perhaps elsewhere."""
+    """Sets colours to 0 and depth to `depth` in `region`, and perhaps elsewhere."""
     is_large = region[2] * region[3] > WHOLE_FROM * framebuffer.width * framebuffer.height
     framebuffer.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
     framebuffer.clear(depth=depth, viewport=None if is_large else region)

@@ -45,7 +45,7 @@ def letterbox(video: Size, framebuffer: Size) -> Rectangle:
 
 
 def framing(camera: Camera, T_cam_marker: Float, points_marker: Float, viewport: Rectangle) -> Framing | None:
-    """With near and far planes that enclose `points_marker` (n, 3); None when the camera sees none of them."""
+    """The framing whose near and far planes enclose `points_marker` (n, 3); None when the camera sees none of them."""
     depths = transform_points(T_cam_marker, points_marker)[:, 2]
     far = 1.1 * float(depths.max())
     if far <= 0:
@@ -66,7 +66,7 @@ def box_corners(bounds: Float) -> Float:
 
 
 def grown(rectangle: Rectangle, margin: int, size: Size) -> Rectangle:
-    """By `margin` pixels on each side, as far as a framebuffer of `size` reaches; an empty one stays empty."""
+    """The rectangle grown by `margin` pixels on each side, within a framebuffer of `size`; an empty one stays empty."""
     left, bottom, width, height = rectangle
     if min(width, height) <= 0:
         return rectangle

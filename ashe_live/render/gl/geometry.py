@@ -18,13 +18,13 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 
 GL_RGBA8, GL_SRGB8_ALPHA8 = 0x8058, 0x8C43
 STEP_BYTES = 1 << 20  # about what a software rasteriser uploads in a millisecond
-OPENNESS = "in_openness"  # bytes that stand for 0 to 1, in a buffer of their own, as they are found out last
+OPENNESS = "in_openness"  # bytes that stand for 0 to 1, in a buffer of their own, as they are known last
 
 
 class GpuPart:
     """One mesh, in buffers of position 3f, normal 3f and, where it has them, one or two uv 2f and colour 4f.
 
-    Positions and normals of one that moves have a buffer of their own, and so has every mesh's openness.
+    The positions and normals of a mesh that moves have a buffer of their own, and so has the openness of every mesh.
     """
 
     def __init__(self, ctx: moderngl.Context, mesh: Mesh) -> None:
@@ -45,7 +45,7 @@ class GpuPart:
         self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}
 
     def upload(self) -> Iterator[None]:
-        """In steps of about STEP_BYTES at most: a driver may clear memory before it hands it out."""
+        """Uploads in steps of at most about STEP_BYTES, as a driver may clear memory before it hands it out."""
         row_bytes = 4 * sum(values.shape[1] for values in self._columns.values())
         triangles_at_once = max(1, STEP_BYTES // (3 * row_bytes))
         triangles = self.mesh.triangles
@@ -65,19 +65,19 @@ class GpuPart:
 
     @property
     def _together(self) -> list[tuple[str, ...]]:
-        """Names of attributes, those of one buffer together; the first are what a motion changes."""
+        """Names of attributes, grouped by buffer; the first group is what a motion changes."""
         names = tuple(self._columns)
         return [names] if self.mesh.motion is None else [each for each in (names[:2], names[2:]) if each]
 
     def pose(self, time_s: float) -> None:
-        """Brings a mesh that moves to where it is then; it must be uploaded."""
+        """Moves the mesh, which must be uploaded, to where it is at `time_s`, if it moves at all."""
         if self.mesh.motion is not None:
             both = np.hstack(self.mesh.motion.at(time_s))
             for piece in self._pieces:
                 piece.attributes[0][1].write(np.ascontiguousarray(both[piece.used]))
 
     def set_openness(self, openness: NDArray[np.uint8]) -> None:
-        """(n, 4) of the vertices, 255 for open, as SelfOcclusion finds it; all open until then. It must be uploaded."""
+        """Sets the vertices' openness (n, 4), 255 for open, as SelfOcclusion finds it. The mesh must be uploaded."""
         for piece in self._pieces:
             piece.attributes[-1][1].write(np.ascontiguousarray(openness[piece.used]))
 
@@ -107,7 +107,7 @@ class GpuPart:
         return self._ctx.vertex_array(program, content, piece.indices)
 
     def _format(self, name: str, is_read: bool) -> str:
-        """Of an attribute in a row of its buffer, in moderngl's words."""
+        """The format of an attribute in a row of its buffer, as moderngl writes it."""
         if name == OPENNESS:
             return "4f1"
         width = self._columns[name].shape[1]
@@ -123,9 +123,9 @@ class _Piece(NamedTuple):
 
 
 class TextureKey(NamedTuple):
-    """Maps that are alike in this are one texture."""
+    """What maps must have in common to share one texture."""
 
-    texels: int  # a picture that several parts use is one array: its id
+    texels: int  # id of the array: a picture that several parts use is one array
     is_srgb: bool
     repeats: tuple[bool, bool]
     is_sharp: bool
@@ -145,14 +145,14 @@ class GpuModel:
         self._posed_s: float | None = None
 
     def pose(self, time_s: float) -> None:
-        """Brings all that moves to where it is then."""
+        """Moves all parts that move to where they are at `time_s`."""
         if self._posed_s != time_s:
             self._posed_s = time_s
             for part in self.parts:
                 part.pose(time_s)
 
     def upload(self) -> Iterator[None]:
-        """One step of at most STEP_BYTES or one texture's mipmaps at a time."""
+        """Uploads in steps of at most STEP_BYTES, or of one texture's mipmaps."""
         for mesh in self.placed.model.parts:
             part = GpuPart(self._ctx, mesh)
             self.parts.append(part)
@@ -165,7 +165,7 @@ class GpuModel:
                 part.maps[name] = self._textures[key]
 
     def render_depth(self, clip_from_marker: Float) -> None:
-        """Draws into the depth buffer that is bound; surfaces with holes or partial transparency only in part."""
+        """Draws into the bound depth buffer; of surfaces with holes or partial transparency only a part."""
         for part in self.parts:
             material = part.material
             constants = {}
@@ -212,14 +212,14 @@ class GpuModel:
 
 
 def layout_constants(part: GpuPart) -> dict[str, int]:
-    """The macros of a shader that looks maps up otherwise than by the first texture coordinates as they are."""
+    """Macros for a shader whose maps are not all looked up by the first texture coordinates as they are."""
     if all(part.material.layout(name).is_plain for name in part.maps):
         return {}
     return {"laid_out": 1, **({"more_uvs": 1} if part.mesh.more_uvs is not None else {})}
 
 
 def layout_uniforms(part: GpuPart, constants: dict[str, int]) -> dict[str, Any]:
-    """What such a shader needs to know: rows (10, 4) and offsets (5, 2), in the order of MAPS; nothing for others."""
+    """The uniforms of such a shader: rows (10, 4) and offsets (5, 2), in the order of MAPS; none for other shaders."""
     if "laid_out" not in constants:
         return {}
     rows, offsets = np.zeros((len(MAPS), 2, 4)), np.zeros((len(MAPS), 2))

@@ -1,4 +1,4 @@
-"""Turns the picture left to right, as whoever looks into a camera expects of a mirror."""
+"""Mirrors the picture left to right, as people who look into a camera expect."""
 
 import moderngl
 
@@ -10,7 +10,7 @@ FROM_RIGHT_TO_LEFT = (1.0, -1.0, -1.0, 1.0)
 
 
 class Mirror:
-    """Has a copy of the picture while it is in use."""
+    """Holds a copy of the picture's size while it is in use."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
@@ -19,7 +19,7 @@ class Mirror:
         self._copy = Canvas(ctx)
 
     def turn(self, picture: moderngl.Framebuffer) -> None:
-        """All of a framebuffer that has colours alone, of a single sample."""
+        """Mirrors a framebuffer that has colours only, with one sample a pixel."""
         texture, copy = self._copy.of_size(picture.size)
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self._ctx.copy_framebuffer(copy, picture)

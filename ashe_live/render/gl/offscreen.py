@@ -21,10 +21,10 @@ GL_TYPES = (
     moderngl.VertexArray,
     moderngl.Program,
 )
-# Only Linux has EGL; elsewhere the system's own way is moderngl's default.
+# Only Linux has EGL; elsewhere moderngl's default is right.
 STANDALONE: dict[str, Any] = {"standalone": True} | ({"backend": "egl"} if sys.platform.startswith("linux") else {})
 
-# The latter is moderngl's name for all that is newer than OpenGL 3, GL_CONTEXT_LOST among it.
+# The latter is moderngl's name for all errors newer than OpenGL 3, GL_CONTEXT_LOST among them.
 FATAL_ERRORS = ("GL_OUT_OF_MEMORY", "GL_UNKNOWN_ERROR")
 
 
@@ -50,7 +50,7 @@ def window_context() -> moderngl.Context:
 
 @contextlib.contextmanager
 def graphics_failures_told() -> Iterator[None]:
-    """Within, what OpenGL refuses in mid-run (a lost context, no memory left) is a UserError."""
+    """Within this, what OpenGL fails at in mid-run (a lost context, no memory left) raises UserError."""
     try:
         yield
     except moderngl.Error as error:
@@ -61,7 +61,7 @@ def graphics_failures_told() -> Iterator[None]:
 
 
 def check_graphics(ctx: Context) -> None:
-    """Raises moderngl.Error when OpenGL has failed for good since it was last asked; it tells nobody unasked."""
+    """Raises moderngl.Error if OpenGL has failed for good since the last check; it does not report that by itself."""
     error = ctx.error
     if error in FATAL_ERRORS:
         raise moderngl.Error(error)
@@ -70,7 +70,7 @@ def check_graphics(ctx: Context) -> None:
 def live_gl_objects() -> int:
     """Buffers, textures, framebuffers, programs and the like that this process holds.
 
-    No other thread may be inside OpenCV meanwhile: it fails when anybody looks at the tuples that it is making.
+    No other thread may be inside OpenCV meanwhile, which fails if the garbage collector's list of its tuples is read.
     """
     gc.collect()
     return sum(isinstance(thing, GL_TYPES) for thing in gc.get_objects())

@@ -9,15 +9,15 @@ class RenderPreset:
 
     shadow_map_size: int  # texels a side of a depth map, for each caster and light
     ground_shadow_size: int  # texels a side of its shadow on the ground
-    blocker_taps: int  # to find how wide a penumbra is
-    soft_taps: int  # over the penumbra
-    soft_on_model: bool  # False: shadows on model and real object have one softness, of (2 r + 1)^2 taps
-    pcf_radius: int  # that r
+    blocker_taps: int  # samples that find how wide a penumbra is
+    soft_taps: int  # samples over the penumbra
+    soft_on_model: bool  # False: shadows on model and real object have one softness, of (2 r + 1)^2 samples
+    pcf_radius: int  # the r of these
     msaa_samples: int  # a pixel, on a GPU; 0: one, and outlines are smoothed afterwards
     software_msaa_samples: int  # the same where the processor draws, which they cost up to twice a picture's time
-    matches_blur: bool  # model and shadow are blurred as the video is
-    matches_noise: bool  # and get its noise
-    matches_lens: bool  # and bends as its lens does; False: the lens is taken off the video
+    matches_blur: bool  # whether model and shadow are blurred as the video is
+    matches_noise: bool  # whether they get its noise
+    matches_lens: bool  # whether they are bent as its lens bends; False: the lens is taken off the video
     environment_size: int  # texels a side of what polished surfaces mirror, a power of two
 
     def with_samples(self, count: int) -> "RenderPreset":

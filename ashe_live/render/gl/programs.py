@@ -35,7 +35,7 @@ def build_program(ctx: moderngl.Context, name: str, **constants: float) -> moder
     """The program of the pass `name`, its samplers on their units; `constants` become macros."""
     defines = "".join(f"#define {key.upper()} {value}\n" for key, value in constants.items())
     vertex, fragment = (shader_source(file_name, defines) for file_name in shaders_of(name))
-    # moderngl 5.13 crashes when a signal's handler raises in the Python that it calls for each uniform.
+    # moderngl 5.13 calls Python for each uniform, and crashes when a signal's handler raises there.
     with signals_held():
         program = ctx.program(vertex_shader=vertex, fragment_shader=fragment)
     set_uniforms(program, **UNIT_OF)
@@ -62,7 +62,7 @@ def shader_source(file_name: str, defines: str = "") -> str:
     return "\n".join(lines) + "\n"
 
 
-MATRICES = 9, 16  # numbers of one, by three or four rows and columns
+MATRICES = 9, 16  # how many numbers a matrix of three or four rows has
 
 
 def set_uniforms(program: moderngl.Program, **values: Any) -> None:
@@ -75,7 +75,7 @@ def set_uniforms(program: moderngl.Program, **values: Any) -> None:
         uniform = program.get(name, None)
         if isinstance(uniform, moderngl.Uniform):
             if isinstance(value, np.ndarray):
-                # Four vectors of four numbers have a matrix's shape, and are none.
+                # An array of four vectors has the shape of a matrix without being one.
                 by_columns = value.swapaxes(-1, -2) if uniform.dimension in MATRICES else value
                 used = 4 * uniform.dimension * uniform.array_length
                 uniform.write(np.ascontiguousarray(by_columns, dtype=np.float32).tobytes()[:used])

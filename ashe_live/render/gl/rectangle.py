@@ -4,14 +4,14 @@ import moderngl
 
 
 class WholeRectangle:
-    """Drawn by the last program only: a vertex array belongs to one."""
+    """A vertex array without data, kept for the last program, as it belongs to one program."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
         self._of: tuple[moderngl.Program, moderngl.VertexArray] | None = None
 
     def draw(self, program: moderngl.Program) -> None:
-        """With the program's vertex shader, which places four vertices by their number."""
+        """Draws with the program's vertex shader, which places four vertices by their number."""
         if self._of is None or self._of[0] is not program:
             self.release()
             self._of = program, self._ctx.vertex_array(program, [])

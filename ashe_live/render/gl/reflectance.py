@@ -1,8 +1,8 @@
-"""How much of even light from all around a rough surface mirrors, as a table: no fit of it is as good as its integral.
+"""A table of how much even light from all around a rough surface mirrors, integrated, as no fit is as exact.
 
-Of Schlick's Fresnel term f0 (1 - c) + c with c = (1 - cos)^5 the two sums are kept apart (the split sum of Karis,
-"Real shading in Unreal Engine 4", 2013), for GGX with Smith's height-correlated shadowing. Beside them stands their
-sum's mean over all directions, which says what light does that is thrown from facet to facet (`brdf.glsl`).
+The two terms of Schlick's Fresnel factor f0 (1 - c) + c, with c = (1 - cos)^5, are kept apart (the split sum of Karis,
+"Real shading in Unreal Engine 4", 2013), for GGX with Smith's height-correlated shadowing. Beside them
+stands the mean of their sum over all directions, for the light that goes from facet to facet (`brdf.glsl`).
 """
 
 import functools
@@ -12,8 +12,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, frozen_view
 
-COSINES, ROUGHNESSES = 32, 16  # knots, from 0 to 1 each
-SAMPLES = 64, 8  # of the facets that are seen, by radius and angle: 8 ms for all of the table
+COSINES, ROUGHNESSES = 32, 16  # knots between 0 and 1
+SAMPLES = 64, 8  # samples of the visible facets, by radius and angle: the whole table takes 8 ms
 LEAST = 2e-3  # of cosines and of GGX's alpha, below which the integral is 0 / 0
 
 
@@ -31,7 +31,7 @@ def mirrored_shares() -> Float:
     table = np.empty((ROUGHNESSES, COSINES, 3))
     for row, roughness in zip(table, np.linspace(0, 1, ROUGHNESSES), strict=True):
         alpha = max(roughness**2, LEAST)
-        # On the hemisphere that GGX stretches: a point of the disc across the view, and the normal above it.
+        # On the hemisphere that GGX stretches: a point of the disc perpendicular to the view, and the normal above it.
         length = np.hypot(alpha * view_x, view_z)
         along_x, along_z = alpha * view_x / length, view_z / length
         across, down = radius * np.cos(angle), radius * np.sin(angle)

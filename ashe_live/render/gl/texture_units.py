@@ -1,8 +1,8 @@
-"""Which texture unit each sampler of the shaders reads: given out here and nowhere else.
+"""The texture unit of each sampler in the shaders, assigned here and nowhere else.
 
-A program's samplers are told when it is built, so that a pass only binds its textures. OpenGL 3.3 has at least 16
-units. What one program samples has units of its own, and so has what stays bound from pass to pass; only full-screen
-passes share some, as each of them binds all that it samples.
+Samplers get their units when a program is built, so that a pass only binds its textures. OpenGL 3.3 has at least 16
+units. Textures that one program samples have different units, and so have those that stay bound from pass to pass;
+only full-screen passes share some, as each of them binds all that it samples.
 """
 
 UNIT_OF = {

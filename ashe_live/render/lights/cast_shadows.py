@@ -1,4 +1,4 @@
-"""Where shadows lie on the ground, as polygons: for what needs to know before, or without, drawing them."""
+"""Where shadows lie on the ground, as polygons, for callers that need this before or without drawing them."""
 
 import math
 
@@ -12,7 +12,7 @@ from ashe_live.core.transforms import light_view
 from ashe_live.render.lights.lighting import Sun
 
 MAX_SHADOW_HEIGHTS = 30.0  # a shadow is drawn this many heights of the model long at most
-RIM_POINTS = 8  # that stand for a light's disc
+RIM_POINTS = 8  # number of points that stand for a light's disc
 LEAST_DISTANCE = 1e-9  # of a lamp from what it shines on, over that from the marker's centre
 
 
@@ -24,7 +24,7 @@ def shadow_hull(points: Float, sun: Sun) -> Float:
 def shadow_hull_of_point(points: Float, light: Float) -> Float:
     """(n, 2) convex: the shadow on the ground, of a body whose hull is that of points (m, 3), in a light without size.
 
-    light: (4,) homogeneous, above the horizon. Of a light with a size it is what ends in the middle of the penumbra.
+    light: (4,) homogeneous, above the horizon. For a light with a size, the outline lies in the middle of the penumbra.
     """
     return _hull(_cast(points, light[None]))
 
@@ -68,7 +68,7 @@ def _cast(points: Float, lights: Float) -> Float:
     """(k, n, 2) where lights (k, 4) cast the shadows of points (n, 3), or that way as far as they are drawn."""
     height = points[:, 2]
     towards, inverse = lights[:, None, :3], lights[:, None, 3:]
-    away = inverse * points[:, :2] - towards[..., :2]  # from the light, over its distance
+    away = inverse * points[:, :2] - towards[..., :2]  # from the light, divided by its distance
     length = np.sqrt(away[..., 0] ** 2 + away[..., 1] ** 2)
     above = towards[..., 2] - inverse[..., 0] * height
     cast = np.divide(height * length, above, out=np.full_like(above, np.inf), where=above > 0)

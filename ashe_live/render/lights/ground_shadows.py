@@ -1,7 +1,7 @@
 """The shadows on the ground, filtered once: they depend on casters and suns only, so that a frame just looks them up.
 
-Each caster and light has a tile that shows the ground as that light sees it: as fine as its depth map where the ground
-is seen at a grazing angle, too.
+Each caster and light has a tile that shows the ground as that light sees it, so that it is as fine as the depth map
+even where the ground is lit at a grazing angle.
 """
 
 import math
@@ -33,14 +33,14 @@ class GroundShadows:
         self._preset = preset
         self._size = preset.ground_shadow_size
         self._levels = round(math.log2(self._size / COARSEST))
-        self._canvas = Canvas(ctx, 1, "f4")  # which a software rasteriser interpolates twice as fast as half precision
+        self._canvas = Canvas(ctx, 1, "f4")  # a software rasteriser interpolates this twice as fast as half precision
         self._texture: moderngl.Texture | None = None
         self._rectangle = WholeRectangle(ctx)
         self._drawn = 0
         self._uniforms: dict[str, Float] = {}
 
     def render(self, shadows: ShadowMaps, lighting: Lighting) -> None:
-        """Filters the depth maps, unless these have not changed."""
+        """Filters the depth maps if these have changed."""
         if self._drawn == shadows.renders or not lighting.suns:
             return
         self._drawn = shadows.renders
@@ -60,7 +60,7 @@ class GroundShadows:
         texture_from_marker = []
         for number, (box, corner) in enumerate(zip(boxes, corners, strict=True)):
             caster, light = divmod(number, len(lighting.suns))
-            # Wider by the penumbra of what is a tenth higher, and by two texels that are lit.
+            # Wider by the penumbra of a caster that is a tenth higher, and by a rim of two lit texels.
             beyond = np.minimum(1.1 * box.penumbra_m / box.extent[:2], WIDEST_PENUMBRA)
             beyond = (beyond + 2 / self._size) / (1 - 4 / self._size)
             tile_from_unit = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1))
@@ -85,7 +85,7 @@ class GroundShadows:
 
     @property
     def content(self) -> object:
-        """Another object whenever they were drawn again."""
+        """A token that is another object whenever the shadows were drawn again."""
         return self._uniforms
 
     def bind(self, program: moderngl.Program) -> None:

@@ -15,7 +15,8 @@ from ashe_live.core.transforms import light_view, normalised
 from ashe_live.core.types import Light
 from ashe_live.render.lights.lighting import Sun, lighting_of
 
-# Of a lamp's view: beyond that an even projection has no room, and the lamp is within the casters or touches them.
+# Limit of a lamp's view: a wider cone does not fit into one projection, and the lamp is inside the casters or near
+# them.
 WIDEST_HALF_ANGLE_COSINE = 0.17
 NEAREST_RATIO = 1e-3  # of the nearest of the casters over the farthest: a depth map has 24 bits
 CONE_STEPS = 24
@@ -31,7 +32,7 @@ class LightView:
     tan_half_size: float  # the light's radius over its distance from the casters
 
     def seen(self, points: Float) -> Float:
-        """(n, 3) points (n, 3) of the marker frame that are before the light."""
+        """(n, 3) points (n, 3) of the marker frame, in front of the light, in these coordinates."""
         homogeneous = points @ self.from_marker[:, :3].T + self.from_marker[:, 3]
         return np.asarray(homogeneous[:, :3] / homogeneous[:, 3:])
 
@@ -42,7 +43,7 @@ class LightView:
         seen = self.seen(points)
         ground = -(seen[:, :2] @ (along_x, along_y) + offset) / along_z
         below = seen[:, 2] - np.maximum(ground, self._farthest)
-        # Outwards it falls on ground that is farther away; under a light that reaches down to the horizon, for ever.
+        # Outwards it falls on ground that is farther away; without end if the light's disc reaches down to the horizon.
         nearer = 1 - self.tan_half_size * np.hypot(along_x, along_y) / along_z
         return float(self.tan_half_size * max(below.max(), 0.0) / max(nearer, LEAST_NEARER))
 
@@ -54,7 +55,7 @@ class LightView:
 
 
 def view_of(light: Sun, points: Float) -> LightView | None:
-    """How `light` sees a body whose hull is that of points (n, 3), marker frame; None from within or too near it."""
+    """How `light` sees a body whose hull is that of points (n, 3), marker frame; None from inside or too near it."""
     axis = light.to_light
     if light.inverse_distance > 0:
         rays = -light.towards(points)
@@ -69,7 +70,8 @@ def view_of(light: Sun, points: Float) -> LightView | None:
     x, y, z = view[:3, :3] @ light.to_light
     depths = points @ view[2, :3]
     middle = float(depths.min() + depths.max()) / 2
-    distance = z - light.inverse_distance * middle  # of the lamp from there along z, over that from the marker's centre
+    # Of the lamp from there along z, over its distance from the marker's centre.
+    distance = z - light.inverse_distance * middle
     shear_x, shear_y, k = np.array((x, y, light.inverse_distance)) / distance
     if light.inverse_distance == 0:
         shear_x = shear_y = 0.0

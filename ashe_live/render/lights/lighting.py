@@ -11,15 +11,15 @@ from ashe_live.core.types import Light
 RGB = tuple[float, float, float]
 
 MAX_LIGHTS = 4
-# Of shadowed over lit ground where it was not measured: about the share of a clear sky at noon.
+# Assumed ratio of shadowed over lit ground if none was measured: about the share of a clear sky at noon.
 ASSUMED_SHADOW_RATIO = 0.4
 SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
-# Nothing is lit more than from this share of the lamp's distance from the marker's centre (as in lights.glsl).
+# Nearer to a lamp than this share of its distance from the marker's centre, light grows no further (as in lights.glsl).
 LEAST_LAMP_DISTANCE = 0.01
 LAMP_RADIUS_M = 0.03  # of a household bulb (A60), for a lamp whose size was not measured
 # Below this sine of the elevation a sun's irradiance is no longer raised to match its share on level ground.
 MIN_BALANCED_SINE = 0.2
-LEAST_REST = 0.5  # of the product of the shadows' ratios
+LEAST_REST = 0.5  # least ambient light, as a share of the product of the shadows' ratios
 # The albedo of ground whose colour is not known, and the largest that is accepted.
 GROUND_ALBEDO = 0.35
 MAX_ALBEDO = 0.9
@@ -85,7 +85,7 @@ class Lighting:
 
     @property
     def constants(self) -> dict[str, int]:
-        """What a shader that includes lights.glsl is built with."""
+        """The macros of a shader that includes lights.glsl."""
         return {"lights": len(self.suns), "lamps": int(self.has_lamps)}
 
     @property
@@ -100,7 +100,7 @@ class Lighting:
 
     @property
     def irradiances(self) -> Float:
-        """(n, 3) of the suns, on surfaces that face them."""
+        """(n, 3) irradiances of the suns, on surfaces that face them."""
         return np.array([sun.irradiance for sun in self.suns])
 
     @property
@@ -117,11 +117,11 @@ def lighting_of(
 ) -> Lighting:
     """Sky and suns from the shadows' ratios: a light whose shadow has the ratio r gives 1 - r of level ground's light.
 
-    Where ratios and ambient (3,) contradict each other, the ambient holds and the suns share the rest. The ambient is
-    that where the shadow lies, so that where a lamp's share was measured at the marker's centre that holds. Lights
-    below the horizon give nothing; without any the sky gives all: no sun is invented. What a surface gets from below
-    is the ground's own light, of its own colour (3,). The sky may lean by a slope (2, 3), by
-    which no surface gets less than nothing.
+    Where ratios and ambient (3,) contradict each other, the ambient is kept and the suns share the rest. The ambient
+    was measured where the shadow lies; a lamp's share that was measured at the marker's centre takes precedence over
+    it. Lights below the horizon give nothing; without any light the sky gives all: no sun is invented. From below,
+    surfaces get the light of the ground in its own colour (3,). The sky's slope (2, 3) is limited such that no surface
+    gets negative light.
     """
     albedo = np.full(3, GROUND_ALBEDO) if ground_albedo is None else np.clip(ground_albedo, 0.0, MAX_ALBEDO)
     lights = tuple(light for light in lights if light.to_light_marker[2] > 0)[:MAX_LIGHTS]
@@ -146,7 +146,7 @@ def lighting_of(
 
 
 def _slope_within(slope: Float | None, sky: Float) -> Float:
-    """(2, 3) by which no wall gets less than nothing of the sky (3,)."""
+    """(2, 3) the slope, limited such that no wall gets negative light from the sky (3,)."""
     if slope is None:
         return np.zeros((2, 3))
     steepest = np.maximum(np.linalg.norm(slope, axis=0), 1e-9)

@@ -1,7 +1,7 @@
 """The sky's share of the light on open ground, from that in the real object's shadow.
 
-A shadow is looked at beside what casts it. There a part of the sky is the object, whose sides give back some of what
-they get: its albedo is what the picture shows of it over the light there.
+The shadow's ratio is measured beside the object, which hides a part of the sky there and reflects light into the
+shadow. The object's albedo is its brightness in the picture over the light on it.
 """
 
 from dataclasses import dataclass
@@ -21,10 +21,10 @@ SKY = directions_on_spiral(48, 1.0, 0.0)  # (48, 3) evenly over the sky
 SKY_WEIGHTS = SKY[:, 2] / SKY[:, 2].sum()  # of their light on level ground
 SLANTS = directions_on_spiral(60)  # (60, 3) normals of planes around a body, besides those of its upright walls
 PLACES = 6  # columns and rows of places around the shadow, and of pixels around the object
-FEWEST = 3  # of either, of which there is a median
-LEAST_FACING = 0.25  # cosine to the line of sight from which a surface's colour is read: rims mix with what is behind
-# Of the ground's light on a wall a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
-# the middles of the thirds (as in model.frag).
+FEWEST = 3  # least number of either for a median
+LEAST_FACING = 0.25  # least cosine to the line of sight of surfaces whose colour is read: rims mix with what is behind
+# A third of the ground's light on a wall comes from nearer than 1.1 times the height, another from farther than 2.8
+# times. These are the middles of the three thirds (as in model.frag).
 THIRDS = (0.66, 1.73, 5.92)
 
 

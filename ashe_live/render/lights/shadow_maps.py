@@ -20,9 +20,9 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.light_view import LightView, view_of
 from ashe_live.render.lights.lighting import Lighting, Sun
 
-# No side is shorter than this share of the longest: a flat model seen edge on still has a map.
+# No side of a map is shorter than this share of the longest, so that a flat model seen edge on still has one.
 MIN_EXTENT_RATIO = 1e-3
-# Of a model's width: a wider penumbra on it is seen as one (5 pixels of 150; the fixed filter's is 2 to 3 wide).
+# Share of a model's width from which on a penumbra on it is noticed (5 pixels of 150; the fixed filter makes 2 to 3).
 SEEN_PENUMBRA = 0.03
 CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
 UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))
@@ -47,7 +47,7 @@ class LightBox:
     penumbra_m: float  # the widest on the ground, in the light's view
 
 
-# Of a lamp within its caster: every point counts as nearer to the light than anything else.
+# For a lamp inside its caster: every point counts as nearer to the light than anything else.
 NOTHING_SEEN = np.zeros((4, 4))
 NOTHING_SEEN[:, 3] = 0.5, 0.5, -1.0, 1.0
 

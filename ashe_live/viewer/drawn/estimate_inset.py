@@ -12,9 +12,9 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.drawing.answer import answer_picture, rose_picture
 from ashe_live.render.scene import Overlay
 
-WIDTH = 0.32  # of the window's
-STEPS_WIDTH = 0.45  # of the window's, at most
-SCALES = (1.0, 0.8, 0.6)  # of these, the largest at which no model is covered
+WIDTH = 0.32  # of the inset, as a fraction of the window's
+STEPS_WIDTH = 0.45  # the most for the sheet of steps, likewise
+SCALES = (1.0, 0.8, 0.6)  # the inset takes the largest of these at which it covers no model
 MARGIN_PX = 8
 # Sets the inset apart from the video around it.
 BORDER_PX = 2
@@ -55,7 +55,7 @@ class EstimateInset:
         steps_bgr: Image | None,
         models: Span | None,
     ) -> tuple[Overlay, ...]:
-        """As `inset_overlays`, in the first of CORNERS where no model is covered; if in none, as small as any."""
+        """As `inset_overlays`, in the first of CORNERS where it covers no model; if in none, at the smallest size."""
         if self._drawn is None or self._drawn[0] is not estimate or self._drawn[1] != size:
             self._draw(estimate, frozen, size, steps_bgr, Corner())
             self._full_sizes = [overlay.shown_size for overlay in self.shown]
@@ -103,7 +103,7 @@ def inset_overlays(
         return _in_corner([picture], size, corner)
     both = _in_corner([picture, rose_picture(estimate, frozen, picture.shape[0])], size, corner)
     is_whole = all(0 <= part.top_px - MARGIN_PX <= size[1] - part.shown_size[1] - 2 * MARGIN_PX for part in both)
-    return both if is_whole else _in_corner([picture], size, corner)  # a flat window has no room for the rose
+    return both if is_whole else _in_corner([picture], size, corner)  # a low window has no room for the rose
 
 
 def _fitted(sheet_bgr: Image, size: Size, most: float) -> Image:
@@ -116,7 +116,7 @@ def _fitted(sheet_bgr: Image, size: Size, most: float) -> Image:
 
 
 def _in_corner(pictures_bgr: Sequence[Image], size: Size, corner: Corner) -> tuple[Overlay, ...]:
-    """Framed, the first in the corner and the others in a column with it."""
+    """The pictures with frames around them: the first in the corner, the others in a column with it."""
     edge = BORDER_PX
     framed = []
     for picture in pictures_bgr:
@@ -127,7 +127,7 @@ def _in_corner(pictures_bgr: Sequence[Image], size: Size, corner: Corner) -> tup
 
 
 def _stacked(sizes: Sequence[Size], size: Size, is_at_top: bool) -> list[tuple[int, int]]:
-    """Left and top of parts of such sizes at the right edge, from the corner on."""
+    """The left and top of parts of these sizes, stacked along the right edge from the corner on."""
     places, used = [], MARGIN_PX
     for width, height in sizes:
         places.append((size[0] - width - MARGIN_PX, used if is_at_top else size[1] - height - used))

@@ -14,9 +14,9 @@ from ashe_live.render.scene import Overlay
 
 # In points: a display's pixels are `content_scale` times as many.
 HEIGHT_PT, LINE_PT, KNOB_PT, FONT_PT, GAP_PT = 26, 4, 12, 13, 10
-# Above the bar: within this the pointer makes it appear, and a press counts as one on the bar.
+# Within this distance above the bar the pointer makes it appear, and a press counts as one on the bar.
 NEAR_PT = 14
-# A narrower window has room for the line and the time alone.
+# A narrower window only has room for the line and the time.
 WIDE_PT = 460
 REST_SRGBA = (150, 150, 146, 200)
 SUPERSAMPLING = 4
@@ -28,7 +28,7 @@ class Moment:
 
     time_s: float
     duration_s: float
-    frame: int | None = None  # while it stands still
+    frame: int | None = None  # its number, while the clip stands still
     speed: float = 1.0
     loops: bool = False
 
@@ -61,7 +61,7 @@ def bar_at(size: Size, content_scale: float) -> Bar:
 
 
 class TimeBar:
-    """Draws the bar; parts that have not changed are not uploaded again."""
+    """Draws the bar. Parts that have not changed stay the same objects, so that they are not uploaded again."""
 
     def __init__(self) -> None:
         self._plate, self._rest, self._played = (
@@ -71,7 +71,7 @@ class TimeBar:
         self._last: tuple[tuple[Moment, Size, float], tuple[Overlay, ...]] | None = None
 
     def overlays(self, moment: Moment, size: Size, content_scale: float) -> tuple[Overlay, ...]:
-        """The same objects while the bar stays as it is."""
+        """The bar's parts: the same objects as before where nothing has changed."""
         asked = moment, size, content_scale
         if self._last is None or self._last[0] != asked:
             self._last = asked, self._drawn(*asked)
@@ -139,7 +139,7 @@ def _knob(diameter: int) -> Image:
 
 
 def _writing(text: str, content_scale: float) -> Image:
-    """(h, w, 4) uint8: the text alone."""
+    """(h, w, 4) uint8: the text without a background."""
     font = _font(content_scale)
     size = max(1, round(font.getlength(text)) + 2), round(1.4 * FONT_PT * content_scale)
     ink = PillowImage.new("L", size)

@@ -1,4 +1,4 @@
-"""Where a model stands first if the marker is a body: beside it, clear of its shadow."""
+"""Where a model first stands if the marker is printed on a body: beside the body, clear of its shadow."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.viewer.hands.pointing import picture_axes
 
-# From the body's middle to the model's: half of each, and as much room between them as lets light through.
+# Distance from the body's middle to the model's: half of each, and a gap between them that lets light through.
 AWAY_SIDES = 1.7
 # Directions about the body, and how much nearer to the camera counts beside a place to its side and one in its shadow.
 DIRECTIONS = 16
@@ -15,9 +15,9 @@ NEARER, ASIDE, OUT_OF_SHADOW = 0.25, 0.5, 1.0
 
 
 def first_placement(tracked: TrackedFrame, light: Light | None, in_its_place: bool = False) -> Placement:
-    """Over the marker, or, where that is a body, to its side in the picture and away from its shadow in `light`.
+    """Over the marker; if that is on a body, beside the body as the picture shows it, and out of its shadow in `light`.
 
-    in_its_place: the body is covered, and the model stands where it does.
+    in_its_place: the body is covered, and the model takes its place.
     """
     if in_its_place or tracked.marker is None or tracked.marker.body is None:
         return UNMOVED

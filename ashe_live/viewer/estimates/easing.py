@@ -12,7 +12,7 @@ from ashe_live.core.types import Illumination, Light
 from ashe_live.render.lights.lighting import angular_size, ground_ratio
 
 EASED_OVER_S = 0.3
-# A light farther than this from every former one does not move there: the old one fades out and the new one in.
+# A light farther than this from every former one is not reached by moving one: the old one fades out, the new one in.
 SAME_LIGHT_COSINE = math.cos(math.radians(60))
 
 
@@ -24,7 +24,7 @@ class LightEasing:
         self._begun_s = -math.inf
 
     def at(self, target: Illumination, now_s: float) -> Illumination:
-        """What to show at `now_s`; once it is reached `target` itself, so that the renderer sees no more changes."""
+        """What to show at `now_s`; from the end on `target` itself, so that the renderer sees no more changes."""
         if target is not self._target:
             self._target, self._from, self._begun_s = target, self._shown, now_s
         share = (now_s - self._begun_s) / EASED_OVER_S
@@ -56,7 +56,7 @@ def _ambient(illumination: Illumination) -> Float | None:
 
 
 def _slope(illumination: Illumination) -> Float:
-    """(2, 3) of the sky; 0 without lights, as of it alone none is known."""
+    """(2, 3) the sky's lean; 0 without lights, as the lean of a sky alone is not known."""
     slope = illumination.sky_slope_rgb
     return np.zeros((2, 3)) if slope is None or not illumination.lights else slope
 
@@ -73,7 +73,7 @@ def _lights_between(start: tuple[Light, ...], end: tuple[Light, ...], share: flo
         yield replace(
             light,
             to_light_marker=direction,
-            # Of a sun it is 0, so that a sun comes nearer until it is a lamp.
+            # A sun's is 0: on its way to a lamp it comes nearer.
             inverse_distance=_mix(near.inverse_distance, light.inverse_distance, share),
             angular_size_rad=_mix(angular_size(near), angular_size(light), share),
             radius_m=None,

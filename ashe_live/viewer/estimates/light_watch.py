@@ -104,7 +104,7 @@ class LightWatch:
         return outcome
 
     def wait(self, timeout_s: float) -> Outcome | None:
-        """As `poll`, but waits for it."""
+        """As `poll`, but waits for the outcome."""
         return self._taken(self._worker.wait(timeout_s)) if self._worker.busy else None
 
     def stands(self, estimate: LightEstimate | None) -> bool:

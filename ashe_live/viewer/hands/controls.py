@@ -9,17 +9,17 @@ from ashe_live.viewer.hands.requests import Argument, Command, Gesture, Request
 class Binding:
     """Keys that ask for one command.
 
-    A key is what stands on it ("A", "+") or GLFW's name without KEY_ ("LEFT"); before it what is held: CTRL+, ALT+,
-    SHIFT+, in this order.
+    A key is named by its label ("A", "+"), or as GLFW does, without KEY_ ("LEFT"). In front of it stand the modifiers
+    that are held with it: CTRL+, ALT+, SHIFT+, in this order.
     """
 
     keys: tuple[str, ...]
     command: Command
     shown: str  # how the help writes the keys
     help: str
-    arguments: tuple[Argument, ...] = ()  # of the keys, one each; else 0
-    repeats: bool = False  # again and again while the key is held
-    gesture: Gesture | None = None  # that asks for it as well
+    arguments: tuple[Argument, ...] = ()  # of the command, one for each key; without any it is 0
+    repeats: bool = False  # whether the command is repeated while the key is held
+    gesture: Gesture | None = None  # a gesture of the mouse that asks for the same
 
 
 HELD = CTRL, ALT, SHIFT = "CTRL+", "ALT+", "SHIFT+"
@@ -151,10 +151,11 @@ REPEATED = frozenset(binding.command for binding in BINDINGS if binding.repeats)
 
 
 def request_for(label: str, place: str | None, held: str = "") -> Request | None:
-    """What a key asks for: `label` stands on it ("" for none), `place` is what GLFW calls it, as on a US keyboard.
+    """What a key asks for. `label`: what is printed on it, or "". `place`: GLFW's name, which is that of a US keyboard.
 
-    `held`: what of HELD is, joined. Letters count by their label, where that is Latin; number keys by their place, as
-    some layouts have the digits on their upper half. With Shift the same as without, unless the table says otherwise.
+    `held`: the modifiers of HELD that are down, joined. Letters are known by their label where that is Latin; number
+    keys by their place, as some layouts print the digits on their upper half. Shift changes nothing unless the table
+    has a binding with it.
     """
     names = [label, place or ""]
     if label.isascii() and label.isalpha():

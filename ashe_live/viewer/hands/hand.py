@@ -13,27 +13,27 @@ from ashe_live.render.lights.lighting import angular_size, ground_ratio
 from ashe_live.viewer.hands.pointing import Pixel, ground_at, picture_axes, pixel_of
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 
-# Of one key press, or one notch of the wheel.
+# What one key press, or one notch of the wheel, changes.
 LIGHT_STEP_RAD = math.radians(2)
 TURN_STEP_RAD = math.radians(5)
 SCALE_STEP = 1.1
 MOVE_STEP_SIDES = 0.05
 # Limits of the elevation: keys stop before the zenith, where the azimuth would be undefined.
 LOWEST_RAD, HIGHEST_RAD = math.radians(5), math.radians(89)
-SMALLEST, LARGEST = 0.1, 5.0  # if it were larger, a camera at arm's length would be inside the model
+SMALLEST, LARGEST = 0.1, 5.0  # the model's scale: a camera at arm's length would be inside a larger one
 MOST_NOTCHES = 20.0
 FARTHEST_SIDES = 50.0
-# Where nothing was estimated, the light comes from the left in the picture.
+# A light that nobody has estimated comes from the left of the picture, at this height.
 FIRST_ELEVATION_RAD = math.radians(45)
-# Of one key press on the light's angular size, on its shadow's depth, and on that of red over blue; and their limits.
+# Factors of one key press on the light's angular size, its shadow's depth, and that of red over blue; their limits.
 SOFTER_STEP, STRONGER_STEP, WARMER_STEP = 1.25, 1.15, 1.08
 SHARPEST_RAD, SOFTEST_RAD = math.radians(0.1), math.radians(40)
 FAINTEST = 0.03
-# Of one notch on a lamp's distance, and its limits in sides of the marker; beyond the farthest it is a sun.
+# Factor of one notch on a lamp's distance; its limits, in sides of the marker: beyond the farthest it is a sun.
 FARTHER_STEP = 1.1
 NEAREST_LAMP_SIDES, FARTHEST_LAMP_SIDES = 1.0, 40.0
 LEAST_ABOVE_MODEL = 1.05  # of the model's height: where a lamp is lower, the end of its shadow cannot be dragged
-LEAST_HEIGHT_SIDES = 0.25  # a flat model's shadow is dragged as if it were so high
+LEAST_HEIGHT_SIDES = 0.25  # a lower model's shadow is dragged as if the model had this height
 NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 
 
@@ -44,10 +44,10 @@ class HandContext:
     tracked: TrackedFrame | None
     illumination: Illumination  # as estimated
     model: PlacedModel | None
-    anchor: Placement = UNMOVED  # from where the model's placement counts: its own place on the table
+    anchor: Placement = UNMOVED  # the model's own place on the table, which its placement is relative to
 
     def at_anchor(self, vector: Float) -> Float:
-        """(2,) of the marker frame, in the anchor's."""
+        """(2,) a vector of the marker frame in the anchor's frame."""
         x, y = self.anchor.turned((float(vector[0]), float(vector[1])), back=True)
         return np.asarray(np.array((x, y)) / self.anchor.scale)
 
@@ -57,7 +57,7 @@ class Hand:
 
     def __init__(self) -> None:
         self.light: Illumination | None = None
-        self.frame_index = 0  # of the frame in which `light` was set last
+        self.frame_index = 0  # the frame in which `light` was last set
         self.placement = UNMOVED
         self._shadow_end_px: Pixel = (0.0, 0.0)  # in the video, when the drag of the light began
         self._held: tuple[Float, Float] | None = None  # the plane's point that a drag grabbed, and the shift then
@@ -157,14 +157,14 @@ class Hand:
         ratio = np.clip(np.exp(-depth), FAINTEST, 1 - FAINTEST)
         sized = _with_size(light, size)
         changed = replace(sized, shadow_rgb_ratio=ratio, intensity_rgb_ratio=None)
-        # What was measured of the ambient light says the same as the shadow's ratio, and would hold against it.
+        # The measured ambient light is the shadow's ratio seen otherwise: kept, it would undo the change.
         self.light = replace(base, lights=(changed, *others), ambient_rgb_ratio=None)
         self.frame_index = tracked.frame.index
         red, green, blue = (f"{100 * value:.0f}" for value in 1 - ratio)
         return f"light: {math.degrees(size):.1f}° wide; its shadow takes {red}, {green}, {blue} % of red, green, blue"
 
     def _change_distance(self, tracked: TrackedFrame, context: HandContext, notches: float) -> str:
-        """Of the strongest light, as large as it is and as strong at the marker; returns what it is now."""
+        """Moves the strongest light nearer or farther; at the marker it stays as large and strong. Says where it is."""
         assert tracked.marker is not None
         base = self._light_to_move(tracked, context)
         light, *others = base.lights
@@ -190,7 +190,7 @@ class Hand:
         return f"light: {said}"
 
     def _light_to_move(self, tracked: TrackedFrame, context: HandContext) -> Illumination:
-        """The illumination as it was set last, else as estimated, else a default."""
+        """The illumination that was set last, or else the estimated one, or else a default."""
         if self.light is not None:
             return self.light
         if context.illumination.lights:
@@ -211,21 +211,21 @@ def _of_unknown_error(light: Light) -> Light:
 
 
 def _with_size(light: Light, size_rad: float) -> Light:
-    """The light as large as that, seen from the marker's centre."""
+    """The light with this angular diameter, as seen from the marker's centre."""
     if light.inverse_distance == 0:
         return replace(light, angular_size_rad=size_rad)
     return replace(light, radius_m=math.tan(size_rad / 2) / light.inverse_distance)
 
 
 def _shadow_of(light: Light, foot: Float, height: float) -> Float | None:
-    """(2,) on the plane, of a point `height` above `foot` (2,); None where the light is not above it."""
+    """(2,) on the plane: the shadow of a point `height` above `foot` (2,); None if the light is not above it."""
     x, y, z = light.to_light_marker
     above = z - light.inverse_distance * height
     return np.asarray((z * foot - height * np.array((x, y))) / above) if above > 0 else None
 
 
 def _light_through(end: Float, foot: Float, height: float, inverse_distance: float) -> Float | None:
-    """(3,) unit vector to the light, as far away as that, for which `_shadow_of` is `end` (2,); None if there is none.
+    """(3,) the unit vector to a light at this distance for which `_shadow_of` is `end` (2,); None if there is none.
 
     No lower than LOWEST_RAD: a sun then stops there.
     """
@@ -243,6 +243,6 @@ def _light_through(end: Float, foot: Float, height: float, inverse_distance: flo
 
 
 def _brought(drag: Drag, pixel: Pixel) -> Pixel:
-    """`pixel`, moved by as much as the mouse since the drag began."""
+    """`pixel`, moved as far as the mouse has moved since the drag began."""
     (x0, y0), (x, y) = drag.begin_px, drag.now_px
     return pixel[0] + x - x0, pixel[1] + y - y0

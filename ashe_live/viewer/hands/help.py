@@ -6,8 +6,8 @@ from ashe_live.core.camera import Size
 from ashe_live.render.hud import GAP_PT, MIN_FONT_PX, Rows, fits, in_two
 from ashe_live.viewer.hands.controls import help_rows
 
-LEGIBLE_PT = 9.0  # letters on a page of several are at least so large, where the window has room for it
-FEWEST_ROWS = 3  # of a page
+LEGIBLE_PT = 9.0  # least size of letters, for which the rows are spread over several pages
+FEWEST_ROWS = 3  # on a page, even if its letters are smaller than that
 
 
 class Help:
@@ -16,7 +16,7 @@ class Help:
     def __init__(self) -> None:
         self.is_shown = False
         self._page = 0
-        self._pages = 1  # as drawn last
+        self._pages = 1  # how many there were when it was last drawn
 
     def turn(self) -> None:
         """Shows the first page, then the next; hides the last one."""
@@ -29,7 +29,7 @@ class Help:
         self.is_shown, self._page = False, 0
 
     def rows(self, size: Size, content_scale: float) -> Rows:
-        """Of the page that is shown, for a framebuffer of `size` pixels."""
+        """The rows of the page that is shown, for a framebuffer of `size` pixels."""
         pages = pages_of(help_rows(), size, content_scale)
         self._pages = len(pages)
         self._page = min(self._page, len(pages) - 1)  # the window may have grown
@@ -37,7 +37,7 @@ class Help:
 
 
 def pages_of(rows: Rows, size: Size, content_scale: float) -> tuple[Rows, ...]:
-    """As few as hold all rows in letters that can be read; where there are several, each says what comes next."""
+    """As few pages as hold all rows in legible letters; where there are several, each says how to get to the next."""
     gap = round(GAP_PT * content_scale)
     pages: tuple[Rows, ...] = (rows,)
     for font_px in (LEGIBLE_PT * content_scale, MIN_FONT_PX):

@@ -43,9 +43,9 @@ OFFERED = (
 )
 POINTED_AT_SRGBA = (246, 246, 242, 56)
 CHOSEN, OTHER = ">", " "
-CELLS = 3  # of an entry
+CELLS = 3  # columns of text that an entry has: the mark, what it does, its keys
 HIGHEST = 0.6  # of the window: a higher menu stands in two columns, if these fit beside each other
-MOST_MODELS = 9  # as many as there are keys for
+MOST_MODELS = 9  # models that have a number key
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class Entry:
     """One row."""
 
     text: str
-    keys: str  # that do the same
+    keys: str  # the keys that do the same
     request: Request
     is_chosen: bool = False
 
@@ -65,7 +65,7 @@ def entries_for(models: Sequence[str], chosen: int) -> tuple[Entry, ...]:
         Entry(name, str(at + 1), Request(Command.CHOOSE_MODEL, at), is_chosen=at == chosen) for at, name in numbered
     ]
     bindings = {binding.command: binding for binding in BINDINGS}
-    # Of several ways to ask for it the last is a key.
+    # Where a command can be asked for in several ways, the last one listed is a key.
     rest = [Entry(bindings[each].help, bindings[each].shown.split(", ")[-1], Request(each)) for each in OFFERED]
     return tuple(first + rest)
 
@@ -98,7 +98,7 @@ class _Opened:
 
     @property
     def _begins(self) -> list[int]:
-        """Of each column of entries, from the plate's left edge; within the gap between two."""
+        """Where each column of entries begins, from the plate's left edge: in the middle of the gap before it."""
         widths, gap = self.layout.column_widths, self.layout.column_gap
         ends = [
             self.layout.padding + sum(widths[:cell]) + cell * gap - gap // 2
@@ -129,7 +129,7 @@ class Menu:
         self._opened = None
 
     def take_request(self) -> Request | None:
-        """What was chosen, once."""
+        """The request that was chosen, returned once."""
         request, self._request = self._request, None
         return request
 
@@ -163,7 +163,7 @@ class Menu:
         return True
 
     def overlays(self, size: Size) -> tuple[Overlay, ...]:
-        """The same objects while nothing changes; none while it is closed."""
+        """The menu's parts, the same objects while nothing changes; none while it is closed."""
         opened = self._opened
         if opened is None or opened.size != size:
             return ()
@@ -177,7 +177,7 @@ class Menu:
 
 
 def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], size: Size, content_scale: float) -> _Opened:
-    """Its corner at the pointer, or as near as it fits; with smaller letters where it is too large."""
+    """The menu with a corner at the pointer, or as near as it fits; in smaller letters where it would be too large."""
     one, font_px = _rows(entries), FONT_PT * content_scale
     rows = one if row_layout(one, font_px).size[1] <= HIGHEST * size[1] else in_two(one)
     while font_px > MIN_FONT_PX:

@@ -57,7 +57,7 @@ class Command(Enum):
 class Drag:
     """The mouse, moved while its button is down."""
 
-    # From the left and top edges of the framebuffer; for what a drag moves, those of the video.
+    # Pixels from the left and top edges: of the framebuffer as the window gives them, of the video once converted.
     begin_px: tuple[float, float]
     now_px: tuple[float, float]
     is_first: bool  # this is the first move since the button went down
@@ -65,12 +65,12 @@ class Drag:
 
 @dataclass(frozen=True, slots=True)
 class Files:
-    """What was dropped on the window together."""
+    """The files that were dropped on the window together."""
 
     paths: tuple[str, ...]
 
 
-Step = tuple[int, int]  # to the right, up
+Step = tuple[int, int]  # how many steps to the right, and how many up
 Argument = int | float | Step | Drag | Files
 
 
@@ -83,13 +83,13 @@ class Request:
 
     @property
     def number(self) -> int:
-        """The argument, of a command whose argument is a whole number."""
+        """The argument of a command that takes a whole number."""
         assert isinstance(self.argument, int)
         return self.argument
 
 
 class Gesture(Enum):
-    """What the mouse does, its left button where it is one of a button."""
+    """What the mouse does; a drag or click is one of its left button."""
 
     DRAG = auto()
     SHIFT_DRAG = auto()
@@ -112,7 +112,7 @@ class MouseAction(Enum):
 
 @dataclass(frozen=True, slots=True)
 class MouseEvent:
-    """One action of the mouse, of its left button where it is one of a button."""
+    """One action of the mouse; a press or release is one of its left button."""
 
     action: MouseAction
     x_px: float  # from the left edge, in pixels of the framebuffer

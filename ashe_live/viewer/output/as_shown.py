@@ -17,8 +17,8 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import Stand
 
-SEATS = range(100)  # of a marker: more models than anybody sees
-MOST_BYTES = 100_000_000  # an hour in which something is moved in every frame
+SEATS = range(100)  # places for models at one marker: more than anybody will see
+MOST_BYTES = 100_000_000  # of a file: an hour in which something is moved in every frame
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,10 +26,10 @@ class Shown:
     """All that keys and mouse had set when a frame was shown."""
 
     stands: tuple[Stand, ...]
-    by_hand: Illumination | None  # the light, where it is not the estimated one
-    by_hand_frame: int  # in which that was set
+    by_hand: Illumination | None  # the light set by hand; None: the estimated one is shown
+    by_hand_frame: int  # the frame in which it was set
     parts: str  # of PARTS
-    covers_marker: bool | None  # where somebody chose
+    covers_marker: bool | None  # None: nobody has chosen
 
     def is_as(self, other: "Shown") -> bool:
         """Whether nothing was done in between; every light by hand is an object of its own."""
@@ -55,18 +55,18 @@ def shown_now(session: Session) -> Shown:
 
 
 class AsShown:
-    """By the indices of the clip's frames; what was shown last of each counts."""
+    """What was shown in each frame of the clip, by its index; where a frame was shown twice, the last time."""
 
     def __init__(self, by_frame: dict[int, Shown] | None = None) -> None:
         self._by_frame = by_frame or {}
-        self._last = -1  # that was added
+        self._last = -1  # index of the frame that was added last
 
     def add(self, frame: int, shown: Shown) -> None:
-        # A clip that is played again: frames that are skipped now count as those before them.
+        # In a clip that is played again, frames that are skipped this time are taken to look as the one before them.
         for skipped in range(self._last + 1, frame):
             self._by_frame.pop(skipped, None)
         before = self._by_frame.get(self._last)
-        # As a rule nothing has changed: one value for all these frames.
+        # As a rule nothing has changed, and all these frames share one value.
         self._by_frame[frame] = before if before is not None and shown.is_as(before) else shown
         self._last = frame
 
@@ -86,7 +86,7 @@ class AsShown:
         shown = self._by_frame[frames[max(0, bisect_right(frames, session.tracked.frame.index) - 1)]]
         session.hand.light = None
         if shown.by_hand is not None:
-            # What the light falls on is what was estimated here.
+            # The ground and the real object are those that this run has estimated.
             lights, ambient = shown.by_hand.lights, shown.by_hand.ambient_rgb_ratio
             session.hand.light = replace(session.lit_by, lights=lights, ambient_rgb_ratio=ambient)
         session.arrangement.stand_as(shown.stands)
@@ -94,7 +94,7 @@ class AsShown:
         session.shown = session.lit_by
 
     def _changes(self) -> list[tuple[int, Shown]]:
-        """The frames that are shown otherwise than the one before."""
+        """The frames in which something differs from the frame before."""
         frames = sorted(self._by_frame.items())
         return [
             (at, shown)
@@ -104,7 +104,7 @@ class AsShown:
 
 
 def read_as_shown(path: Path, shelf: Shelf) -> AsShown:
-    """What `AsShown.to_json` wrote; its models are read. Raises UserError for what is none, or cannot be read."""
+    """Reads what `AsShown.to_json` wrote, and the models that it names. Raises UserError where that is not possible."""
     content = read_json(path, MOST_BYTES)
     try:
         if content["schema"] != SCHEMA or not content["shown"]:
@@ -159,7 +159,7 @@ def _stand(known: Json, shelf: Shelf) -> Stand:
     marker = known["marker"]
     if not (marker is None or isinstance(marker, str)):
         raise TypeError(f"no marker is called {marker!r:.40}")
-    up = known.get("up")  # not in files of older versions
+    up = known.get("up")  # files of older versions lack it
     if up not in (None, *UPS):
         raise ValueError(f"no axis is called {up!r:.40}")
     return Stand(known["model"], shelf.loaded(known["model"], up), placement, known["seat"], marker)

@@ -26,19 +26,19 @@ COVER_SAID = ", with the ground over the marker: C first leaves it out"
 
 
 class Keeper:
-    """Takes snapshots and recordings; it renders nothing while neither is asked for."""
+    """Takes snapshots and recordings; while neither is asked for, it renders nothing."""
 
     def __init__(
         self, shown: SceneRenderer, session: Session, tell: Callable[[str, float], None], recording: Recording | None
     ) -> None:
-        """`shown` is the window's renderer, `tell` shows a line at a time in seconds, `recording` has begun already."""
+        """`shown`: the window's renderer. `tell` shows a line at a time in seconds. `recording`: one that has begun."""
         self._shown = shown
         self._session = session
         self._tell = tell
         self._recording = recording
         self._renderer: SceneRenderer | None = None
-        self.clip_path: Path | None = None  # of what is played, where it can be played again without a window
-        self.flags: Callable[[], list[str]] = list  # with which
+        self.clip_path: Path | None = None  # of the clip that is played, if it is one that can be played again
+        self.flags: Callable[[], list[str]] = list  # of the command that would play it again
         self._as_shown = AsShown()
 
     @property
@@ -48,7 +48,7 @@ class Keeper:
     def snapshot(self, preset: RenderPreset, now_s: float, is_cut_out: bool = False) -> None:
         """Writes a PNG that carries the estimate into the current folder; does nothing before the first frame.
 
-        `is_cut_out`: what is drawn alone, with its transparency.
+        `is_cut_out`: without the video, and with transparency.
         """
         session = self._session
         if session.tracked is None:
@@ -65,7 +65,7 @@ class Keeper:
             self._tell(str(error), now_s)
 
     def light(self, now_s: float) -> None:
-        """Writes the light as a radiance map, and what is known beside it as JSON, into the current folder."""
+        """Writes the light as a radiance map, and what else is known of it as JSON, into the current folder."""
         session = self._session
         if session.tracked is None:
             return
@@ -129,14 +129,14 @@ class Keeper:
             self._tell(said, now_s)
 
     def _command(self, clip: Path, recorded: Path, as_shown: AsShown) -> str:
-        """That plays the clip with the same models, moved and lit as they were; what needs a file gets one."""
-        # Of a clip whose light is known, as the shipped one is, nobody has the file at hand.
+        """The command that plays the clip with models and light as they were; writes the file that it reads."""
+        # A clip with a known light is the shipped one: it is played by `demo`, as nobody has its file at hand.
         is_demo = self._session.true_to_light_marker is not None
         words = ["demo"] if is_demo else ["play", str(clip)]
         for chosen in self._session.arrangement.chosen:
             words += ["--model", chosen.name if chosen.marker is None else f"{chosen.marker}={chosen.name}"]
         words += self.flags()
-        if is_demo or not as_shown.is_plain:  # the demo without it has text in the picture
+        if is_demo or not as_shown.is_plain:  # without the file the demo would draw its text into the picture
             try:
                 path = write_json(recorded.with_suffix(".json"), as_shown.to_json(), beside=True)
                 words += ["--as-shown", str(path)]

@@ -20,10 +20,10 @@ class Slots:
         self._fps = fps
         self._start_s: float | None = None
         self._last = -1
-        self.missed = 0  # slots between the first picture and the last that none was taken for
+        self.missed = 0  # slots between the first picture and the last that stayed empty
 
     def time_s(self, now_s: float, is_new: bool) -> float | None:
-        """The frame time of a picture at `now_s`, since the first one; None for a picture that is not needed.
+        """The time of the slot that a picture at `now_s` takes, counted from the first one; None if it is not needed.
 
         Without a new picture from the source (paused, a photo) the last one is taken again when a slot is overdue.
         """
@@ -40,7 +40,7 @@ class Slots:
 
 
 class Recording:
-    """Into a new MP4 file. After the disk or the encoder has failed nothing more is taken, and `failure` says so."""
+    """A recording into a new MP4 file. Once the disk or the encoder fails it takes no more, and `failure` says so."""
 
     def __init__(self, path: Path, size: Size, fps: float, overwrite: bool = False) -> None:
         """Raises UserError as Recorder does."""

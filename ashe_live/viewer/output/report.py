@@ -21,7 +21,7 @@ def frame_time_percentiles(frame_ms: list[float]) -> Json | None:
 
 @dataclass(slots=True)
 class Report:
-    """Grows by one entry a frame."""
+    """The report, to which every frame adds an entry."""
 
     renderer: str
     gl_version: str
@@ -75,7 +75,7 @@ class Report:
         }
 
     def write(self, path: Path, overwrite: bool = False) -> Path:
-        """Whole or not at all; returns where it is, beside a file that has appeared at `path` meanwhile.
+        """Writes the whole report or nothing; returns its path, another one if a file has meanwhile appeared at `path`.
 
         Raises UserError when it cannot be written.
         """

@@ -7,35 +7,35 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.marker_hunt import MarkerHunt
 from ashe_live.viewer.sources.pipeline import Pipeline
 
-FIELDS_OF_VIEW_DEG = (50.0, 60.0, 70.0, 80.0)  # of webcams and phones, wide
+FIELDS_OF_VIEW_DEG = (50.0, 60.0, 70.0, 80.0)  # horizontal ones of webcams and phones
 
 
 class Followed:
-    """In the source that is played. Used by the main thread only."""
+    """The marker and the field of view for the source that is played. Used by the main thread only."""
 
     def __init__(self, pipeline: Pipeline, session: Session, tell: Callable[[str, float], None]) -> None:
-        """`tell` shows a line at a time in seconds, and prints it."""
-        self.takes_any_marker = False  # the one that is in view is followed, as nobody has named another
+        """`tell` shows a line, at a time in seconds, and prints it."""
+        self.takes_any_marker = False  # whether the one in view is followed, as nobody has named another
         self._session = session
         self._tell = tell
         self.begin_anew(pipeline)
 
     def begin_anew(self, pipeline: Pipeline) -> None:
-        """With another source."""
+        """Forgets what was chosen for the last source."""
         self._pipeline = pipeline
         self._hunt = MarkerHunt()
-        self._hfov_deg: float | None = None  # that a person chose
+        self._hfov_deg: float | None = None  # a person's choice
 
     @property
     def flags(self) -> list[str]:
-        """That choose the same from the start, of a clip or photo whose marker is not known anyhow."""
+        """The flags that make the same choices from the start, for a clip or photo whose marker is not known anyway."""
         if not self._pipeline.may_follow_others:
             return []
         seen_by = [] if self._hfov_deg is None else [f"--hfov={self._hfov_deg:g}"]
         return [f"--marker={self._pipeline.marker}", *seen_by]
 
     def look(self, now_s: float) -> None:
-        """Says which other markers are in view; follows the only one where nobody has named any."""
+        """Says which other markers are in view; follows the only one if nobody has named any."""
         session = self._session
         if not self._pipeline.may_follow_others:
             return
@@ -47,7 +47,7 @@ class Followed:
             self._follow(self._hunt.in_view[0], now_s)
 
     def follow_other(self, now_s: float) -> None:
-        """Another one that is in view; looks for it first while the one that is followed is there."""
+        """Follows another marker in view; while the one that is followed is there, others are looked for first."""
         if self._hunt.in_view:
             self._follow(self._hunt.in_view[0], now_s)
         elif not self._pipeline.may_follow_others:
@@ -57,7 +57,7 @@ class Followed:
             self._session.say("looking for other markers", now_s)
 
     def next_field_of_view(self, now_s: float) -> None:
-        """The next of FIELDS_OF_VIEW_DEG; after the last, what is known or estimated without a person's choice."""
+        """Assumes the next of FIELDS_OF_VIEW_DEG; after the last, what is known or estimated without a choice."""
         if not self._pipeline.may_follow_others:
             self._session.say("the demo's camera is known, and so its field of view", now_s)
             return
@@ -72,7 +72,7 @@ class Followed:
             self._tell(f"the camera's picture counts as {self._hfov_deg:g}° wide now: {said} says so", now_s)
 
     def _take_next(self, in_view: tuple[str, ...], now_s: float) -> None:
-        """In the order of their names, so that asking again and again goes round."""
+        """Follows the next marker in the order of their names, so that asking again and again goes round."""
         present = self._pipeline.marker
         others = sorted(spec for spec in in_view if spec != present)
         if not others:

@@ -1,4 +1,4 @@
-"""While the marker is not in view, or when a person asks: which others are, looked for off the main thread."""
+"""Finds which other markers are in view, off the main thread: while the followed one is not, or when asked."""
 
 import math
 from concurrent.futures import Future
@@ -15,24 +15,24 @@ class MarkerHunt:
     """Used by the main thread only."""
 
     def __init__(self) -> None:
-        self.in_view: tuple[str, ...] = ()  # specs, the largest first; none while the marker that is followed is there
+        self.in_view: tuple[str, ...] = ()  # specs, the largest first; none while the followed marker is in view
         self._looking: Future[tuple[str, ...]] | None = None
         self._began_s = -math.inf
         self._is_asked = False
         self._answer: tuple[str, ...] | None = None
 
     def ask(self) -> None:
-        """Has it look once, also while the marker that is followed is there: `take_answer` has what is found."""
+        """Looks once even if the followed marker is in view; `take_answer` returns what was found."""
         self._is_asked = True
         self._looking, self._began_s = None, -math.inf
 
     def take_answer(self) -> tuple[str, ...] | None:
-        """All specs in view, once, when `ask` has been answered; the largest first."""
+        """The specs in view, the largest first, returned once after an `ask`; None until then."""
         answer, self._answer = self._answer, None
         return answer
 
     def look(self, tracked: TrackedFrame | None, now_s: float) -> bool:
-        """Goes on looking; returns whether something new has been found."""
+        """Continues the search with the latest frame; returns whether something new has been found."""
         is_there = tracked is not None and tracked.marker is not None
         if is_there:
             self.in_view = ()

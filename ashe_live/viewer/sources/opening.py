@@ -13,7 +13,7 @@ from ashe_live.models.loading import SUFFIXES
 from ashe_live.viewer.sources.background import begun
 from ashe_live.viewer.sources.pipeline import Pipeline
 
-# Allows for a disk that must spin up, or a network.
+# Long enough for a disk that must spin up, or a network.
 LONGEST_S = 20.0
 
 
@@ -31,15 +31,15 @@ Opener = Callable[[Path | None], Pipeline]
 
 
 class Opening:
-    """Opens one file at a time: a later one replaces an earlier one. Used by the main thread only."""
+    """Opens one file at a time; a later one replaces one that is being opened. Used by the main thread only."""
 
     def __init__(self, opener: Opener | None) -> None:
-        """None: nothing can be opened."""
+        """Without an opener nothing can be opened."""
         self._opener = opener
         self._coming: Future[Opened] | None = None
 
     def begin(self, path: Path | None) -> bool:
-        """The file, or the next camera; False where nothing can be opened."""
+        """Begins to open the file, or without one the next camera; False where nothing can be opened."""
         if self._opener is None:
             return False
         opener = self._opener
@@ -55,7 +55,7 @@ class Opening:
         return True
 
     def take(self) -> Opened | None:
-        """The file that has been opened, once, else None. Raises UserError, once, when it cannot be opened."""
+        """What has been opened, returned once; None until then. Raises UserError, once, when it cannot be opened."""
         if self._coming is None or not self._coming.done():
             return None
         coming, self._coming = self._coming, None
@@ -93,14 +93,14 @@ def paths_in(text: str) -> tuple[str, ...]:
 
 def _path_of_uri(uri: str) -> str:
     path = unquote(urlsplit(uri).path)
-    # Windows: file:///C:/name
+    # On Windows a file's URL is file:///C:/name, with a slash too many.
     return path[1:] if path[2:3] == ":" else path
 
 
 def first_of_each_kind(paths: Sequence[str]) -> tuple[str | None, str | None]:
-    """The first model of files that were dropped together, and the first of what else there is.
+    """The first model among files that were dropped together, and the first source among the others.
 
-    Beside a model only a video is that: pictures and other files that lie beside it belong to it.
+    Beside a model only a video counts as a source: pictures and other files that lie beside a model belong to it.
     """
     models = [path for path in paths if Path(path).suffix.lower() in SUFFIXES]
     others = [path for path in paths if path not in models]

@@ -23,7 +23,7 @@ class Arrangement:
     """Which models there are, where each stands, and which of them is in the hand."""
 
     def __init__(self, shelf: Shelf, hand: Hand, others: Sequence[ChosenModel] = ()) -> None:
-        """The first is what `shelf` shows; `others` stand beside it, or on their markers."""
+        """The first model is the one that `shelf` shows; `others` stand beside it, or on markers of their own."""
         self.in_hand = 0
         self._shelf = shelf
         self._hand = hand
@@ -32,8 +32,8 @@ class Arrangement:
             seat = self._free_seat(other.marker)
             self._stands.append(Stand(other.name, shelf.loaded(other.name), UNMOVED, seat, other.marker))
         self._left = LeftPlaces(shelf)
-        self._first = UNMOVED  # of models that nobody has moved
-        self._first_is_due = True  # where they stand depends on the light, and on what the marker is
+        self._first = UNMOVED  # where models stand that nobody has moved
+        self._first_is_due = True  # whether it must still be found, by the light and the marker's body
         self._stand_as_left()
 
     def __len__(self) -> int:
@@ -41,12 +41,12 @@ class Arrangement:
 
     @property
     def stands(self) -> tuple[Stand, ...]:
-        """All of them in their order, the one in hand as it is."""
+        """All models in their order; the one in hand as it stands now."""
         in_hand = self._as_it_is()
         return tuple(in_hand if number == self.in_hand else stand for number, stand in enumerate(self._stands))
 
     def stand_as(self, stands: tuple[Stand, ...]) -> None:
-        """In the place of what there is; the first is in the hand."""
+        """Replaces all models by these; the first of them is in the hand."""
         self._stands = list(stands)
         self._take_up(0)
 
@@ -57,17 +57,17 @@ class Arrangement:
 
     @property
     def chosen(self) -> list[ChosenModel]:
-        """All of them in their order, as they could be named at the start."""
+        """All models in their order, as the command line would name them."""
         return [ChosenModel(stand.name, stand.marker) for stand in self.stands]
 
     @property
     def moves(self) -> bool:
-        """Whether any of the models does."""
+        """Whether any of the models moves."""
         others = (stand for number, stand in enumerate(self._stands) if number != self.in_hand)
         return self._shelf.moves or any(stand.model.model.duration_s > 0 for stand in others)
 
     def models(self, tracked: TrackedFrame | None) -> list[tuple[str, PlacedModel, Placement | None]]:
-        """All of them in their order, by name; no placement where its marker is not in the frame."""
+        """All models in their order, with names and placements; no placement if the marker is not in the frame."""
         found = []
         for stand in self.stands:
             anchor = self._anchor(stand, tracked)
@@ -80,7 +80,7 @@ class Arrangement:
         return tuple(spec for spec in specs if _place_of(spec, tracked) is None)
 
     def anchor(self, tracked: TrackedFrame | None) -> Placement | None:
-        """From where the placement in hand counts; None while that model's marker is not in view."""
+        """The place that the placement in hand is relative to; None while that model's marker is not in view."""
         return self._anchor(self._stands[self.in_hand], tracked)
 
     def add(self) -> bool:
@@ -103,11 +103,11 @@ class Arrangement:
         return True
 
     def step(self) -> bool:
-        """Takes up the next model; False where there is but one."""
+        """Takes up the next model; False if there is only one."""
         return self._change_to((self.in_hand + 1) % len(self))
 
     def take_up_at(self, at_px: Pixel, tracked: TrackedFrame) -> bool:
-        """Takes up the model at a pixel of the video, or the nearest one; returns whether that is another."""
+        """Takes up the model at a pixel of the video, or the nearest one; returns whether that is another one."""
         if tracked.marker is None or len(self) == 1:
             return False
         (at,) = ideal_from_source(tracked.camera, np.array([at_px]))
@@ -122,9 +122,9 @@ class Arrangement:
         return self._change_to(best)
 
     def stand_clear(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool = False) -> None:
-        """A model that nobody has moved stands over the marker; where that is a body, beside it and its shadow.
+        """Has a model that nobody has moved stand over the marker; if that is on a body, clear of body and shadow.
 
-        in_its_place: where such a body is, as that is covered.
+        in_its_place: the body is covered, and the model takes its place.
         """
         if not self._first_is_due or tracked is None or tracked.marker is None:
             return
@@ -137,33 +137,33 @@ class Arrangement:
         ]
 
     def stand_clear_again(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool) -> None:
-        """As `stand_clear`, at once: the light is another one, or whether the body is covered has changed."""
+        """As `stand_clear`, even if it was done before: the light has changed, or whether the body is covered."""
         self._first_is_due = True
         self.stand_clear(tracked, light, in_its_place)
 
     def begin_anew(self) -> None:
-        """Another clip or photo: every model stands as it would in another run."""
+        """Resets the places for another clip or photo: every model stands as it would in another run."""
         self._left.forget_this_run()
         self._first, self._first_is_due = UNMOVED, True
         self._stand_as_left()
 
     def give_back(self) -> None:
-        """The model in the hand stands as if nobody had ever moved it."""
+        """Has the model in the hand stand as if nobody had ever moved it."""
         self._hand.placement = self._first if self.marker_in_hand is None else UNMOVED
         self.keep_places()
 
     def keep_places(self) -> None:
-        """Has the model in the hand stand as it does when it comes there again, also in another run."""
+        """Remembers how the model in the hand stands, for when it stands there again, in this run or another."""
         self._left.keep(self._as_it_is(), self._first)
 
     @property
     def is_as_left(self) -> bool:
-        """Whether the model in the hand stands otherwise than at first, since a person left it so before."""
+        """Whether the model in the hand stands as a person left it before, and not as models stand at first."""
         stand = self._as_it_is()
         return stand.placement not in (UNMOVED, self._first) and stand.placement == self._left.of(stand, self._first)
 
     def follow_shelf(self) -> bool:
-        """Each model stays where it was put, and as large; returns whether another one has come into the hand."""
+        """Takes up the shelf's model where the former one stood and as large; returns whether it is another one."""
         stand, shown = self._stands[self.in_hand], self._as_it_is().name
         if shown == stand.name:
             return False
@@ -180,7 +180,7 @@ class Arrangement:
         return True
 
     def _as_it_is(self) -> Stand:
-        """The stand of the model in hand now."""
+        """How the model in hand stands now."""
         model = self._shelf.model()  # first, as it may be another one from here on
         name, placement = self._shelf.shown_name, self._hand.placement
         return replace(self._stands[self.in_hand], name=name, model=model, placement=placement)
@@ -208,7 +208,7 @@ class Arrangement:
 
 
 def _place_of(marker: str | None, tracked: TrackedFrame | None) -> Placement | None:
-    """Where a model stands that is as large as it is on the followed marker; None while its marker is not in view."""
+    """The place of a model on `marker`, at the size that it has on the followed one; None while that is not in view."""
     if marker is None:
         return UNMOVED
     if tracked is None or tracked.marker is None:
@@ -221,7 +221,7 @@ def _place_of(marker: str | None, tracked: TrackedFrame | None) -> Placement | N
 
 
 def _distances(at: Float, seen: Float) -> tuple[float, float]:
-    """From a pixel (2,) to the rectangle around pixels (n, 2), 0 within it, and to its middle."""
+    """Distances from a pixel (2,) to the rectangle around pixels (n, 2), 0 within it, and to its middle."""
     lower, upper = seen.min(axis=0), seen.max(axis=0)
     outside = np.maximum(np.maximum(lower - at, at - upper), 0)
     return float(np.linalg.norm(outside)), float(np.linalg.norm(at - (lower + upper) / 2))

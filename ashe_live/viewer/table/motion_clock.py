@@ -1,8 +1,8 @@
-"""The time that a moving model is shown at: it runs on until a person stops it."""
+"""The clock of moving models, which a person can stop."""
 
 
 class MotionClock:
-    """In seconds of the caller's clock, which may be a clip's."""
+    """Counts seconds of the caller's clock, which may be a clip's."""
 
     def __init__(self) -> None:
         self.is_stopped = False
@@ -10,7 +10,7 @@ class MotionClock:
         self._last_s: float | None = None
 
     def tick(self, now_s: float) -> None:
-        """Goes on to `now_s`; does nothing while it is stopped, or where the caller's clock went back."""
+        """Advances to `now_s`; does nothing while it is stopped, or if the caller's clock went back."""
         if self._last_s is not None and not self.is_stopped:
             self.time_s += max(0.0, now_s - self._last_s)
         self._last_s = now_s

@@ -13,7 +13,7 @@ from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.models.reading import read_model
 from ashe_live.viewer.sources.background import begun
 
-# A line that is gone before it can be read would only flicker.
+# How long a model may load before a message says so: a line that is gone before it can be read would only flicker.
 SILENT_S = 0.3
 
 
@@ -33,7 +33,7 @@ class Shelf:
     ) -> None:
         """Loads `first_choice` and `others`, shipped names or files, at once. Raises UserError when one is neither.
 
-        `up`: which axis of its file is up (models/up.py), for this time; `memory` has what was said of others by a key.
+        `up`: which axis of its file is up (models/up.py), in this run. `memory`: of the axes chosen by a key before.
         """
         self.marker_side_m = marker_side_m
         self._memory = memory
@@ -43,19 +43,19 @@ class Shelf:
         shipped = model_names()
         self.names = [name for name in dict.fromkeys((first_choice, *others)) if name not in shipped] + list(shipped)
         self._loading: dict[str, Future[PlacedModel]] = {}
-        self._waited_for: tuple[str, float] | None = None  # the chosen one that is not shown yet, and since when
+        self._waited_for: tuple[str, float] | None = None  # a chosen model that is not shown yet, and since when
         self._chosen = self.names.index(first_choice)
         self._shown_name = first_choice
-        self._untried: set[str] = set()  # dropped, and not read yet
+        self._untried: set[str] = set()  # files that were dropped and have not been read yet
         self._error: UserError | None = None
         self._shown = self.loaded(first_choice)
         for name in others:
             self.loaded(name)
 
     def loaded(self, name: str, up: str | None = None) -> PlacedModel:
-        """The model of that name, waited for, from now on one to choose. Raises UserError when it cannot be read.
+        """Waits for the model of that name, which can be chosen from now on. Raises UserError when it cannot be read.
 
-        `up`: which axis of its file is up from now on; None where that stays as it is.
+        `up`: which axis of its file is up from now on; None leaves that as it is.
         """
         if up is not None and (name not in self._loading or self._load(name).result().model.up != up):
             self._ups[name] = up
@@ -87,9 +87,9 @@ class Shelf:
         self._chosen = (self._chosen + by) % len(self.names)
 
     def add(self, path: str) -> None:
-        """Chooses a model file, after all others; one that is there already is read anew.
+        """Adds a model file at the end and chooses it; one that is there already is read anew.
 
-        When it cannot be read and never could, it goes again.
+        A file that turns out to be unreadable, and was never read, is taken off again.
         """
         if path not in self.names:
             self.names.append(path)
@@ -98,7 +98,7 @@ class Shelf:
         self._chosen = self.names.index(path)
 
     def turn_up(self) -> str:
-        """Has the chosen model stand on another of its sides, from now on; returns which axis is up then."""
+        """Turns the chosen model onto another of its sides; returns which axis is up then."""
         name = self.chosen_name
         before = self._up_of(name) or (self._shown.model.up if name == self._shown_name else UPS[0])
         self._ups[name] = up = UPS[(UPS.index(before) + 1) % len(UPS)]
@@ -113,12 +113,12 @@ class Shelf:
         return known or UNMOVED
 
     def keep_placement(self, name: str, where: str, placement: Placement) -> None:
-        """Has it stand so again; of an unmoved one nothing is kept."""
+        """Remembers how a model stands at that place; forgets it for a model that is not moved."""
         if self._memory is not None:
             self._memory.keep_placement(name, where, placement, self.marker_side_m)
 
     def take_words(self) -> list[str]:
-        """What a person should know of the models that have come to be shown, each once."""
+        """What the user should know about the models that were shown, each line once."""
         words, self._words = self._words, []
         return words
 
@@ -128,12 +128,12 @@ class Shelf:
 
     @property
     def shown_name(self) -> str:
-        """Of what `model` gave last."""
+        """The name of the model that `model` returned last."""
         return self._shown_name
 
     @property
     def moves(self) -> bool:
-        """Whether what `model` gave last does."""
+        """Whether the model that `model` returned last moves."""
         return self._shown.model.duration_s > 0
 
     def model(self) -> PlacedModel:
@@ -159,7 +159,7 @@ class Shelf:
     def progress(self, is_drawn: bool) -> str | None:
         """A message until the chosen model is loaded and in the picture, if that takes long.
 
-        `is_drawn`: what `model` gave last is in the picture.
+        `is_drawn`: whether the model that `model` returned last is in the picture.
         """
         loading = self._loading.get(self.chosen_name)
         if is_drawn and (loading is None or loading.done()):
@@ -173,7 +173,7 @@ class Shelf:
 
     def _tell_of(self, name: str, placed: PlacedModel) -> None:
         model, file = placed.model, Path(name).name
-        # Words are for what a person brings: what the shipped ones lack is known (docs/models.md).
+        # Only a person's own models need words: what the shipped ones lack is documented (docs/models.md).
         if model.notes and name not in self._told and name not in model_names():
             self._words.append(f"{file}: {'; '.join(model.notes)}")
         if model.is_up_guessed and name not in self._told:

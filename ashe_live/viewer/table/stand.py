@@ -1,26 +1,26 @@
-"""A model on its place, and how models were left on theirs, in this run and in others before."""
+"""Where a model stands, and how models were left at their places, in this run and in earlier ones."""
 
 from dataclasses import dataclass, replace
 
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.viewer.table.shelf import Shelf
 
-AT_FIRST = UNMOVED.shift_m  # of what is kept: where a model stands that nobody has moved, wherever that is
+AT_FIRST = UNMOVED.shift_m  # as it is kept, it means the place of a model that nobody has moved, wherever that is
 
 
 @dataclass(frozen=True, slots=True)
 class Stand:
-    """A model on its place. That of the model in hand is as it was when that was taken up."""
+    """A model at its place. For the model in hand, as it stood when it was taken up."""
 
     name: str
     model: PlacedModel
-    placement: Placement = UNMOVED  # by hand, counted from its place
-    seat: int = 0  # of those on its marker: 0 in the middle, 1 to the right, 2 to the left, ...
+    placement: Placement = UNMOVED  # as set by hand, relative to its place
+    seat: int = 0  # its place among the models on its marker: 0 in the middle, 1 to the right, 2 to the left, ...
     marker: str | None = None
 
     @property
     def where(self) -> str:
-        """Its place among those on all markers."""
+        """A key for its place among those on all markers."""
         return str(self.seat) if self.marker is None else f"{self.marker} {self.seat}"
 
     @property
@@ -31,7 +31,7 @@ class Stand:
 class LeftPlaces:
     """How models were left, by their names and places.
 
-    `first` is where models stand on the followed marker that nobody has moved: beside it where that is a body.
+    `first`: where models that nobody has moved stand on the followed marker; beside it if that is on a body.
     """
 
     def __init__(self, shelf: Shelf) -> None:
@@ -42,19 +42,19 @@ class LeftPlaces:
         """How the model stands when it comes there."""
         left = self._left.get(stand.key)
         known = self._shelf.placement(*stand.key) if left is None else left
-        # What was remembered of another marker counts for nothing beside a body, which may be there.
+        # What was remembered from another marker does not count beside a body, which may stand at that place.
         is_at_first = known.shift_m == AT_FIRST or (left is None and first != UNMOVED)
         return replace(known, shift_m=first.shift_m) if is_at_first and stand.marker is None else known
 
     def cleared(self, stand: Stand, before: Placement, first: Placement) -> Placement:
-        """How it stands from now on, where the first place is another one than `before`."""
+        """How it stands from now on, if the first place has changed from `before` to `first`."""
         if stand.key not in self._left and stand.placement == self.of(stand, before):
             return self.of(stand, first)
         is_at_first = stand.marker is None and stand.placement.shift_m == before.shift_m
         return replace(stand.placement, shift_m=first.shift_m) if is_at_first else stand.placement
 
     def keep(self, stand: Stand, first: Placement) -> None:
-        """For when it comes there again, in this run or another."""
+        """Remembers how the model stands, for when it stands there again, in this run or another."""
         if stand.key in self._left or stand.placement != self.of(stand, first):
             at_first = stand.marker is None and stand.placement.shift_m == first.shift_m
             kept = replace(stand.placement, shift_m=AT_FIRST) if at_first else stand.placement
@@ -63,5 +63,5 @@ class LeftPlaces:
                 self._shelf.keep_placement(*stand.key, kept)
 
     def forget_this_run(self) -> None:
-        """What other runs would not know."""
+        """Forgets what another run would not know."""
         self._left.clear()

@@ -34,11 +34,11 @@ class Table:
         self.hand = Hand()
         self.arrangement = Arrangement(shelf, self.hand, others)
         self.motion = MotionClock()
-        self.drawn: tuple[PlacedModel, ...] = ()  # what the picture before showed; none: nobody says
+        self.drawn: tuple[PlacedModel, ...] = ()  # the models in the last picture; empty if nobody reports them
         self.shelf = shelf
         self._say = say
         self._undo = Undo()
-        self._met_name: str | None = None  # of the model in the hand, once it is known whether it moves
+        self._met_name: str | None = None  # the model in the hand, once it is known whether it moves
 
     @property
     def model(self) -> PlacedModel:
@@ -47,24 +47,24 @@ class Table:
 
     @property
     def model_name(self) -> str:
-        """Of that, as it is shown: of a file its name without the folders."""
+        """The name of the model in the hand as it is shown: for a file without its folders."""
         return Path(self.shelf.shown_name).name
 
     @property
     def in_hand_said(self) -> str:
-        """Which of several models keys and mouse change."""
+        """The model that keys and mouse change, and which of several it is."""
         count = len(self.arrangement)
         return self.model_name if count == 1 else f"{self.model_name} ({self.arrangement.in_hand + 1} of {count})"
 
     @property
     def offered(self) -> tuple[tuple[str, ...], int]:
-        """The models to choose from, as they are shown, and the place of what was chosen."""
+        """The names of the models to choose from, and the index of the chosen one."""
         names = tuple(Path(name).name for name in self.shelf.names)
         return names, self.shelf.names.index(self.shelf.chosen_name)
 
     @property
     def is_drawn(self) -> bool:
-        """Whether the one in the hand has come into the picture, as far as is known."""
+        """Whether the model in the hand is in the picture by now, as far as is known."""
         return not self.drawn or any(each is self.model for each in self.drawn)
 
     @property
@@ -74,7 +74,7 @@ class Table:
 
     @property
     def motion_s(self) -> float:
-        """The moment of their motion that the models are shown at; 0 where none has one."""
+        """The time in their motion at which the models are shown; 0 if none moves."""
         return self.motion.time_s if self.arrangement.moves else 0.0
 
     def open(self, path: str) -> None:
@@ -89,7 +89,7 @@ class Table:
         self._undo.forget()
 
     def poll(self, now_s: float, is_quiet: bool) -> None:
-        """Takes what has been loaded, and says, also on the terminal, what is drawn otherwise than its file says.
+        """Takes what has been loaded, and says, also on the terminal, what is not drawn as its file says.
 
         `is_quiet`: no message is shown that a hint could hide.
         """
@@ -106,7 +106,7 @@ class Table:
     def handle(self, request: Request, tracked: TrackedFrame | None, estimated: Illumination, now_s: float) -> bool:
         """Handles a request that concerns models or the light by hand; returns False for any other.
 
-        `estimated`: the light that is in force without the hand's.
+        `estimated`: the light without what was set by hand.
         """
         match request.command:
             case Command.CHOOSE_MODEL:
@@ -148,7 +148,7 @@ class Table:
 
     def _rearrange(self, command: Command, now_s: float) -> None:
         models = self.arrangement
-        # What was chosen meanwhile belongs to the model that was in the hand until now.
+        # The request is for the model that was in the hand until now.
         self._follow_shelf(now_s)
         if command is Command.ADD_MODEL and not models.add():
             self._say(f"{MOST_MODELS} models are the most: Delete takes the one in hand away", now_s)

@@ -51,7 +51,7 @@ class GlfwWindow:
         glfw.set_key_callback(self._window, self._on_key)
         glfw.set_cursor_pos_callback(self._window, self._on_move)
         glfw.set_mouse_button_callback(self._window, self._on_button)
-        glfw.set_drop_callback(self._window, self._on_drop)  # type: ignore[arg-type]  # the stub has the C function's
+        glfw.set_drop_callback(self._window, self._on_drop)  # type: ignore[arg-type]  # the stub types the C function
         glfw.set_scroll_callback(self._window, self._on_scroll)
         glfw.make_context_current(self._window)
         glfw.swap_interval(1)
@@ -63,7 +63,7 @@ class GlfwWindow:
 
     @property
     def framebuffer_size(self) -> Size:
-        """In pixels, of which a high-density screen has several for each of the window's own units."""
+        """The size in pixels; a high-density screen has several for each of the window's own units."""
         width, height = glfw.get_framebuffer_size(self._window)
         return int(width), int(height)
 
@@ -173,7 +173,7 @@ class GlfwWindow:
         self._requests.append(Request(COMMAND_BY_GESTURE[Gesture.DROP], Files(tuple(paths))))
 
     def _mouse_event(self, action: MouseAction) -> MouseEvent:
-        """With the position of the last move event: GLFW, when asked, reports where the pointer is now."""
+        """An event at the position of the last move: asked for it, GLFW would report where the pointer is by now."""
         x, y = self._cursor
         (width, height), (width_px, height_px) = glfw.get_window_size(self._window), self.framebuffer_size
         return MouseEvent(action, x * width_px / max(1, width), y * height_px / max(1, height), self._shift)

@@ -10,7 +10,7 @@ from ashe_live.viewer.hands.requests import Command
 from ashe_live.viewer.windows.picture_window import PictureWindow
 
 SIDE_PX = 720
-# White around the square, over the window's side; the rest of the screen may be dark.
+# Width of the white around the square, as a fraction of the window's side; the rest of the screen may be dark.
 MARGIN = 0.12
 FRAME_S = 0.1
 EXPLAINED = (
@@ -20,7 +20,7 @@ EXPLAINED = (
 
 
 def show_marker(spec: str, square_grey: Image) -> None:
-    """Until Esc. `square_grey`: (n, n) uint8, the marker with its black border. Raises UserError without a display."""
+    """Shows the marker until Esc. `square_grey`: (n, n) uint8, with its border. Raises UserError without a display."""
     with PictureWindow(f"ashe-live: marker {spec}", (SIDE_PX, SIDE_PX)) as screen:
         window = screen.window
         explains = True

@@ -30,25 +30,25 @@ class Window(Protocol):
 
     @property
     def refresh_rate_hz(self) -> float:
-        """Of the display."""
+        """The display's refresh rate."""
         ...
 
     @property
     def clipboard(self) -> str:
-        """The text that was copied last, empty where there is none."""
+        """The text that was copied last; empty if there is none."""
         ...
 
     @property
     def is_closing(self) -> bool:
-        """Whether a person has closed it."""
+        """Whether the user has closed the window."""
         ...
 
     def take_requests(self, wait_s: float) -> list[Request]:
-        """What the keys asked for until `wait_s` from now or the first event."""
+        """What the keys have asked for; waits up to `wait_s` for a first event."""
         ...
 
     def take_mouse(self) -> list[MouseEvent]:
-        """What the mouse did since it was last asked, as of the last `take_requests`; of moves in a row the last."""
+        """What the mouse did between the last two `take_requests`; of several moves in a row only the last."""
         ...
 
     def set_title(self, title: str) -> None:
@@ -57,7 +57,7 @@ class Window(Protocol):
 
     @property
     def is_fullscreen(self) -> bool:
-        """Whether it fills the screen."""
+        """Whether the window fills the screen."""
         ...
 
     def toggle_fullscreen(self) -> None:
@@ -65,7 +65,7 @@ class Window(Protocol):
         ...
 
     def present(self, picture: Presentable) -> None:
-        """Makes it what the next `swap` shows."""
+        """Makes `picture` what the next `swap` shows."""
         ...
 
     def swap(self) -> None:

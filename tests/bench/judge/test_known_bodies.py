@@ -51,7 +51,7 @@ def test_both_numbers_are_kept_with_the_tables() -> None:
 def test_so_many_pictures_are_looked_at_whatever_the_number_of_processes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scenes, limit = resource("assets", "scenes"), 4
+    scenes, limit = resource("assets", "scenes"), 3
     known = {case.id: "cylinder:0.03x0.08" for case in read_cases(scenes)[1:]}  # the first one's is none
     monkeypatch.setattr("ashe_live.bench.judge.known_bodies.caster_specs", lambda _: known)
     records = []

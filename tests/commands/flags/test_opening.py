@@ -9,7 +9,7 @@ import PIL.Image
 import pytest
 
 from ashe_live.capture.cameras import Device
-from ashe_live.capture.sources import open_source
+from ashe_live.capture.opening import open_source
 from ashe_live.commands import demo
 from ashe_live.commands.flags import opening
 from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker, with_marker_in

@@ -40,33 +40,16 @@ from tests.shared_data import shared_folder
 
 CASTERS = {"box": BOX, "cylinder": CYLINDER}
 SMALL = (320, 240)
-# Degrees by which the answer misses the painted light, by caster, ground, azimuth and elevation in degrees.
-EXPECTED_DEG = {
-    ("box", "plain", 110, 35): 0.33,
-    ("box", "plain", 200, 40): 0.45,
-    ("box", "plain", 290, 25): 0.10,
-    ("box", "plain", 330, 65): 0.85,
-    ("box", "checkered", 80, 50): 0.50,
-    ("box", "checkered", 200, 40): 0.34,
-    ("box", "checkered", 290, 25): 0.12,
-    ("box", "checkered", 330, 65): 0.84,
-    ("box", "striped", 110, 35): 0.85,
-    ("box", "striped", 200, 40): 0.40,
-    ("box", "striped", 330, 65): 1.32,
-    ("box", "bricks", 200, 40): 0.54,
-    ("cylinder", "plain", 80, 50): 0.22,
-    ("cylinder", "plain", 200, 40): 0.08,
-    ("cylinder", "plain", 290, 25): 0.06,
-    ("cylinder", "plain", 330, 65): 0.23,
-    ("cylinder", "checkered", 110, 35): 0.22,
-    ("cylinder", "checkered", 200, 40): 0.08,
-    ("cylinder", "checkered", 290, 25): 0.10,
-    ("cylinder", "striped", 200, 40): 0.19,
-    ("cylinder", "striped", 290, 25): 0.14,
-    ("cylinder", "striped", 330, 65): 0.35,
-    ("cylinder", "bricks", 200, 40): 0.13,
-    ("cylinder", "bricks", 330, 65): 0.30,
-}
+# Ground, azimuth and elevation in degrees.
+SUNS = [
+    ("plain", 110, 35),
+    ("plain", 330, 65),
+    ("checkered", 80, 50),
+    ("checkered", 290, 25),
+    ("striped", 200, 40),
+    ("striped", 330, 65),
+    ("bricks", 200, 40),
+]
 
 
 def estimated(tracked: TrackedFrame) -> LightEstimate:
@@ -114,15 +97,19 @@ def test_what_glossy_ground_mirrors_is_no_part_of_the_object(rgb: tuple[float, f
     assert apart_deg(towards(scene.tracked), scene.to_light) < 2
 
 
-@pytest.mark.parametrize(("name", "ground", "azimuth_deg", "elevation_deg"), EXPECTED_DEG)
-def test_errors_stay_as_small_as_they_are(name: str, ground: str, azimuth_deg: float, elevation_deg: float) -> None:
-    scene = paint(CASTERS[name], ground=ground, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)
-    expected = EXPECTED_DEG[name, ground, azimuth_deg, elevation_deg]
-    estimate = estimated(scene.tracked)
-    check_answer_or_reason(estimate)
-    assert estimate.light is not None, estimate.reason
-    assert apart_deg(estimate.light.to_light_marker, scene.to_light) < max(1.1 * expected, expected + 0.2)
-    np.testing.assert_allclose(estimate.light.shadow_rgb_ratio, SHADOW_RATIO, rtol=0.2)
+@pytest.mark.parametrize(("name", "most_deg", "median_deg"), [("box", 1.5, 0.7), ("cylinder", 0.5, 0.35)])
+def test_the_light_is_found_on_any_ground(name: str, most_deg: float, median_deg: float) -> None:
+    """Boxes err by more, as a box's turn is one more unknown."""
+    errors_deg = []
+    for ground, azimuth_deg, elevation_deg in SUNS:
+        scene = paint(CASTERS[name], ground=ground, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)
+        estimate = estimated(scene.tracked)
+        check_answer_or_reason(estimate)
+        assert estimate.light is not None, estimate.reason
+        errors_deg.append(apart_deg(estimate.light.to_light_marker, scene.to_light))
+        np.testing.assert_allclose(estimate.light.shadow_rgb_ratio, SHADOW_RATIO, rtol=0.2)
+    assert max(errors_deg) < most_deg
+    assert np.median(errors_deg) < median_deg
 
 
 def test_what_it_shows_is_what_was_painted() -> None:
@@ -333,8 +320,10 @@ def test_shadows_may_be_nearly_black_or_pale(shadow_ratios: float, monkeypatch: 
     assert apart_deg(towards(scene.tracked), scene.to_light) < 1.0
 
 
-@pytest.mark.parametrize("elevation_deg", [4.0, 8.0, 12.0, 16.0])
-@pytest.mark.parametrize("azimuth_deg", [60, 120, 200, 290])
+@pytest.mark.parametrize(
+    ("azimuth_deg", "elevation_deg"),
+    [(60, 4.0), (60, 12.0), (120, 8.0), (120, 16.0), (200, 4.0), (200, 16.0), (290, 8.0), (290, 12.0)],
+)
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
 def test_a_shadow_that_leaves_the_picture_is_told_or_its_height_is_unsure(
     caster: Caster, azimuth_deg: float, elevation_deg: float

@@ -92,8 +92,8 @@ def test_a_plain_grey_box_under_a_high_sun_is_found_by_what_each_view_shows_alon
 def test_of_two_searches_each_explanation_counts_once() -> None:
     moved = dataclasses.replace(BOX, at=(0.15, 0.01))
     one, other = (
-        in_each_view(looked(views[0], views[1:], FAST, fitted_judge(), StageClock()).trace.judged[0])
-        for views in (views_of(BOX), views_of(moved))
+        in_each_view(looked(seen_from(90, caster), (), FAST, fitted_judge(), StageClock()).trace.judged[0])
+        for caster in (BOX, moved)
     )
     again = in_each_view(one.joint)
     assert without_alike([(one, 0.5), (other, 1.0), (again, 2.0)]) == [(again, 2.0), (other, 1.0)]

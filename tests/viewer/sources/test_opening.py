@@ -7,7 +7,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from ashe_live.capture.sources import open_source
+from ashe_live.capture.opening import open_source
 from ashe_live.errors import UserError
 from ashe_live.viewer.hands.requests import Command, Files, Request
 from ashe_live.viewer.sources.opening import Opening, first_of_each_kind, paths_in

@@ -98,7 +98,7 @@ def test_one_more_is_put_beside_and_taken_away_again(make, fakes):
     asked(session, Command.REMOVE_MODEL)
     assert names(session) == ["cube"]
     asked(session, Command.NEXT_IN_HAND)
-    assert "T" in session.last_notice
+    assert "T" in session.notice.text
     asked(session, Command.ADD_MODEL)
     assert names(session) == ["cube", "cube"]
     asked(session, Request(Command.CHOOSE_MODEL, 2))
@@ -139,7 +139,7 @@ def test_a_model_stands_on_its_own_marker_and_is_as_large_as_that(make, fakes):
     assert bare_scene(session).others[0][1] is None
     assert any(f"{OTHER}: not in view" in line for line in status_lines(session, None, "fast"))
     asked(session, Command.NEXT_IN_HAND, Request(Command.MOVE_MODEL, (1, 0)))
-    assert OTHER in session.last_notice  # is not in view
+    assert OTHER in session.notice.text  # is not in view
     session.take(with_other(fakes.tracked(1), (0.2, 0.1), 0.5, SIDE_M / 2), 0.1)
     assert not any("not in view" in line for line in status_lines(session, None, "fast"))
     place = places(session)[1]

@@ -51,10 +51,10 @@ def test_a_model_stands_in_the_next_run_as_it_was_left_and_says_so(run) -> None:
     left(run(), LEFT)
     session = run()
     assert same(session.hand.placement, LEFT)
-    assert "mug stands as it was left: Backspace" in str(session.notice(0.0))
+    assert "mug stands as it was left: Backspace" in str(session.notice.shown(0.0))
     for other in (run("tree"), run(has_places=False)):
         assert other.hand.placement == UNMOVED
-        assert "left" not in str(other.notice(0.0))
+        assert "left" not in str(other.notice.shown(0.0))
 
 
 def test_a_place_is_counted_in_sides_of_the_marker(run) -> None:
@@ -66,7 +66,7 @@ def test_what_is_given_back_is_forgotten_unless_that_is_undone(run) -> None:
     left(run(), LEFT)
     session = run()
     session.handle(Request(Command.RESET), 0.0)
-    assert "mug stands as at first: Ctrl+Z" in str(session.notice(0.0))
+    assert "mug stands as at first: Ctrl+Z" in str(session.notice.shown(0.0))
     assert session.hand.placement == run().hand.placement == UNMOVED
     session.handle(Request(Command.UNDO), 1.0)
     session.arrangement.keep_places()

@@ -172,9 +172,6 @@ def test_a_dropped_model_that_cannot_be_read_leaves_all_as_it_was(tmp_path, cont
     assert "broken.obj" in str(shelf.take_error())
 
 
-TOWER = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
-
-
 def height_over_width(shelf: Shelf) -> float:
     (x, y, z), upper = shelf.model().bounds
     return float((upper[2] - z) / max(upper[0] - x, upper[1] - y))

@@ -1,7 +1,7 @@
-"""An explanation in company: what else the picture shows that speaks for its light.
+"""What else a picture shows in favour of an explanation's light.
 
-All objects of a picture stand in one light. Two of them whose shadows were found each by itself agree by accident only
-where both are wrong in the same way; so does the mirror image of a light in glossy ground.
+All objects of a picture stand in one light. If two objects, or an object and the mirror image of a light in glossy
+ground, were explained independently and agree about the light, that is an accident only if both err in the same way.
 """
 
 import math

@@ -20,16 +20,16 @@ from ashe_live.light.shape.predicted import Predicted
 RING_PX = (1.0, 4.0)
 BESIDE_OBJECT_PX = 3.0  # pixels nearer to the object than this may belong to it
 WITHIN_PX = 1.5
-# Unary cost below which the ground in shadow explains a colour, and the least share of the shadow's light that it lacks
-# then: what lacks less may be the rim of a shadow.
+# The ground in shadow explains a colour whose unary cost is below the first and that lacks at least the second as a
+# share of the light that the shadow takes: what lacks less may be the rim of a shadow.
 EXPLAINED, DEEP = 0.0, 0.7
 FLAT = 0.7  # log of breadth over height above which a body counts as flat
 # A strongly lit object may show no shading in the picture: where it is overexposed, translucent or painted.
 LEAST_CONTRAST = -0.5
-LEAST_STEP_COST = 0.1  # of outlines better than which none are told apart
-# Sine of a light's height, below which level ground receives so little of it that a clear shadow is hardly its.
+LEAST_STEP_COST = 0.1  # outlines with lower costs than this are not told apart
+# Sine of a light's elevation below which level ground receives so little of it that a clear shadow is hardly its own.
 LOW_SINE = 0.3
-FEWEST_SHADED = 15  # pixels inside a shadow, of which evenness is told
+FEWEST_SHADED = 15  # pixels inside a shadow that are needed to measure its evenness
 
 # The features, and the sign with which physics lets each count for an explanation (docs/maths.md, "Evidence").
 SIGNS: Mapping[str, int] = {

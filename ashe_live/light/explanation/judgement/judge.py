@@ -2,8 +2,8 @@
 
 A conditional logit with an outside option (McFadden, "Conditional logit analysis of qualitative choice behavior",
 1974): one of the explanations tried, or "none of them", is right, with odds that are the product of one factor for
-each feature. Every further explanation takes a share of the total probability, so that a longer search is surer only if
-it finds a better one. docs/maths.md, "Confidence", has the equations.
+each feature. Every further explanation takes a share of the total probability, so that a longer search gives a surer
+answer only if it finds a better one. docs/maths.md, "Confidence", has the equations.
 """
 
 import math
@@ -34,7 +34,7 @@ RAYLEIGH_68 = math.log(1 - 0.68)
 LEAST_GOOD = 1e-6
 LEAST_PROBABILITY = 1e-9
 SETTLED = 0.7  # probability of a direction above which the search ends
-# Log odds beyond which nothing changes: products of odds must not overflow.
+# Log odds are clipped here, far beyond any effect, so that their exponentials do not overflow.
 MOST_LOG_ODDS = 50.0
 
 
@@ -46,7 +46,7 @@ class Judge:
 
     @property
     def least_confidence(self) -> float:
-        """Below it no answer is given: read from the risk-coverage curve (docs/accuracy.md)."""
+        """The confidence below which no answer is given, read from the risk-coverage curve (docs/accuracy.md)."""
         return self.tables.least_confidence
 
     @property
@@ -91,7 +91,8 @@ class Judge:
         return tuple(lights)
 
     def _calibration_of(self, explanation: Explanation) -> Calibration:
-        # The light by a hull is a posterior mean over all that pixels and tangents allow: its covariance is kept.
+        # A hull's light is a posterior mean over all that pixels and tangents allow, so that its covariance is kept as
+        # it is.
         return self.calibration if explanation.hull is None else replace(self.calibration, overdispersion=1.0)
 
 

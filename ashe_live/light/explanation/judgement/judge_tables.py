@@ -43,7 +43,7 @@ class Score:
     curves: Mapping[str, Curve]
 
     def log_odds(self, features: Mapping[str, float]) -> float:
-        """Raises KeyError where a feature is missing that a curve is of."""
+        """The log odds for these features. Raises KeyError if a feature that has a curve is missing."""
         return self.constant + sum(curve(features[name]) for name, curve in self.curves.items())
 
 
@@ -52,8 +52,8 @@ class Average:
     """How the probabilities of several looks at a picture become a confidence."""
 
     weights: tuple[float, ...]  # of each look's probabilities
-    offset: float = 0.0  # of the log odds of being right, with
-    slope: float = 1.0  # times those of the average
+    offset: float = 0.0  # log odds of being right are offset + slope times those of the average
+    slope: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ class OfKnownBody:
 
 
 UNCHANGED = OfKnownBody(0.0, 1.0)
-# Features that speak against a body where its shape is guessed, and say nothing where it was given.
+# Features that count against a body whose shape is guessed, and say nothing about one that is given.
 GIVEN = ("flat",)
 
 
@@ -93,7 +93,7 @@ class Tables:
 
     @property
     def known_body_score(self) -> Score:
-        """That of explanations by a body whose shape and size are given."""
+        """The score of explanations by a body whose shape and size are given."""
         curves = {name: curve for name, curve in self.explanation.curves.items() if name not in GIVEN}
         return self.of_known_body.applied(Score(self.explanation.constant, MappingProxyType(curves)))
 

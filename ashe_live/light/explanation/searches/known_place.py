@@ -1,8 +1,8 @@
 """Where a body of known shape and size stands: a search over places and turns in lights that the picture may show.
 
-A split of what stands out from the lit ground that is wrong fits no given size, and other objects may stand out more
-than the given one does. But with its size known, three unknowns say what every pixel is in a given light, so that
-places are tried one and all, without a split.
+A wrong split into object and shadow fits no given size, and other objects may stand out more than the given one. But
+with its size known, three unknowns (place and turn) say what every pixel shows in a given light: few enough to try all
+places without any split.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -37,7 +37,7 @@ INSIDE = (0.85, 0.5)
 # Cost of an object's pixel before its colours are known: midway between the likeliest ground and none at all.
 ANY_OBJECT = UNEXPLAINED / 2
 AROUND_PX = 3
-CELL = 0.5  # side of a square of ground of which one foot is painted, over the body's radius
+CELL = 0.5  # side of the squares of ground in each of which one place is painted, over the body's radius
 APART = 0.35  # of the body's radius: places nearer than this, in much the same light, end in the same alignment
 SAME_LIGHT = 0.97  # cosine
 
@@ -149,7 +149,7 @@ def _sampled(gain: Float32, P: Float, feet: Float, points: Float) -> Float:
 
 
 def _different(several: Sequence[tuple[Hint, PlacedBody]], caster: Caster) -> list[tuple[Hint, PlacedBody]]:
-    """The FOUND that agree with the picture best, none beside another one in the same light."""
+    """The FOUND places that agree with the picture best, none of them next to another one in the same light."""
     found: list[tuple[Hint, PlacedBody]] = []
     for hint, one in sorted(several, key=lambda each: _agreement(each[1]), reverse=True):
         foot = one.lit.body.frame.origin_marker
@@ -167,7 +167,7 @@ def _different(several: Sequence[tuple[Hint, PlacedBody]], caster: Caster) -> li
 def _agreement(one: PlacedBody) -> float:
     """How far the pixels of the body, of its shadow and of the ground just around them look like these: 3 if all do.
 
-    By shares of each, as larger and darker things than the body would hold most of what a sum may save.
+    They count as shares of each area: a sum would favour larger and darker things than the body.
     """
     costs, masks = one.costs, one.predicted
     region = costs.region

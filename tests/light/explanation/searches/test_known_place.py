@@ -10,7 +10,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.known_place import Hint, explanations_by_place, hints_of
+from ashe_live.light.explanation.searches.known_place import Hint, explanations_by_place, hints_of
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity

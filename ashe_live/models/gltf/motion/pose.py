@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.models.gltf.animation import PATHS, Changes
 from ashe_live.models.gltf.arrays import Arrays
+from ashe_live.models.gltf.motion.animation import PATHS, Changes
 from ashe_live.models.parsing.malformed import MalformedError
 
 VERTICES_AT_ONCE = 1 << 16

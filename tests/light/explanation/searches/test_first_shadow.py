@@ -10,7 +10,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.first_shadow import with_shadows_searched
+from ashe_live.light.explanation.searches.first_shadow import with_shadows_searched
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.pixels.areas import grown

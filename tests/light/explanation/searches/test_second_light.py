@@ -11,7 +11,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.explanation.shadow_search import DIRECTIONS, _MatchedFilter, shadow_candidates
+from ashe_live.light.explanation.searches.shadow_search import DIRECTIONS, _MatchedFilter, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
 from ashe_live.light.labels.materials import materials_of

@@ -1,8 +1,8 @@
 """An object's shadow, searched for by its shape where no explanation is likely.
 
-On ground of many colours a shadow's may be those of lit ground elsewhere, as a table's dark grain: its pixels do not
-stand out one by one, and no split of what does holds a shadow. The object alone stands out, and where it is clear its
-body predicts what shadows it can cast.
+On ground of many colours a shadow may have the colours of lit ground elsewhere, as of a table's dark grain. Then its
+pixels do not stand out one by one, and no split contains it. Only the object stands out; where it is clear, its body
+predicts which shadows it can cast.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,8 +11,8 @@ from dataclasses import replace
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.second_light import LEAST_CLARITY, NEAR_RAD
-from ashe_live.light.explanation.shadow_search import shadow_candidates
+from ashe_live.light.explanation.searches.second_light import LEAST_CLARITY, NEAR_RAD
+from ashe_live.light.explanation.searches.shadow_search import shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
@@ -23,7 +23,7 @@ from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
 
 BODIES, TRIED = 2, 2  # objects whose shadows are searched for, and candidates for each
-CLEAR_BODY = 0.5  # mean clarity of an outline from which on it is an object's
+CLEAR_BODY = 0.5  # least mean clarity of an outline that is taken for an object's
 
 
 def with_shadows_searched(

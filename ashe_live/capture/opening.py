@@ -1,0 +1,19 @@
+"""Opens a photo or a clip as a source of frames."""
+
+from pathlib import Path
+
+from ashe_live.capture.sources import Source
+from ashe_live.core import arguments
+
+
+def open_source(path: str | Path) -> Source:
+    """The photo or clip in the file `path`, told apart by content. Raises UserError when there is neither."""
+    # Each kind loads a library of its own, which the other does not need.
+    from ashe_live.capture.photo import PhotoSource, looks_like_photo
+
+    path = arguments.path(path, "path")
+    if looks_like_photo(path):
+        return PhotoSource(path)
+    from ashe_live.capture.clips.clip import ClipSource
+
+    return ClipSource(path)
