@@ -114,6 +114,8 @@ class FileEstimator:
             return dataclasses.replace(record, error=printable(error)), None
         tracked = seen.frozen
         record = dataclasses.replace(record, frame=tracked.frame.index, camera=tracked.camera, marker=tracked.marker)
+        if tracked.note is not None:
+            tell(f"{path}: {tracked.note}")
         if tracked.marker is not None:
             return _Looked(path, record, seen, tracker)
         in_view = markers_in_view(tracked.frame.image_bgr)
