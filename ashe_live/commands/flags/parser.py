@@ -10,7 +10,7 @@ from ashe_live.commands.flags.bench_parser import add_benches
 from ashe_live.commands.flags.option_groups import (
     DEFAULT_MARKER,
     ESTIMATE_AT_HELP,
-    MARKER_HELP,
+    MARKERS_HELP,
     add_quality_options,
     add_scene_options,
     add_view_options,
@@ -141,9 +141,11 @@ def _add_marker_options(marker: argparse.ArgumentParser) -> None:
     target = marker.add_mutually_exclusive_group(required=True)
     target.add_argument("--out", type=Path, metavar="FILE.pdf|png")
     target.add_argument("--show", action="store_true", help="show it in a window instead of printing it")
-    marker.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
     marker.add_argument(
-        "--size-mm", type=values.millimetres, default=80.0, metavar="MM", help="side of the black square (default 80)"
+        "--marker", default=DEFAULT_MARKER, metavar="SPEC", help=f"{MARKERS_HELP} or cube (default {DEFAULT_MARKER})"
+    )
+    marker.add_argument(
+        "--size-mm", type=values.millimetres, metavar="MM", help="side of the black square (default 80)"
     )
     cube = marker.add_argument_group("a cube to fold")
     cube.add_argument(
