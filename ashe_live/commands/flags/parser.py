@@ -1,6 +1,7 @@
 """What can be asked for on the command line. Nothing heavy is loaded, so that --help is instant."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -27,7 +28,7 @@ START = "start"
 
 def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
     """Of the command line with a command."""
-    parser = (parser_class or _Parser)(
+    parser = (parser_class or CommandParser)(
         prog="ashe-live", description="AR whose virtual objects are lit as the real ones are.", epilog=EPILOG
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
@@ -70,7 +71,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
 
 def build_start_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
     """Of the command line without a command, which nobody has to know the name of."""
-    start = (parser_class or _Parser)(prog="ashe-live")
+    start = (parser_class or CommandParser)(prog="ashe-live")
     start.set_defaults(command=START)
     start.add_argument("--camera", type=values.camera, metavar="N|PATH", help="(default: the first one)")
     add_scene_options(start)
@@ -170,8 +171,22 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-class _Parser(argparse.ArgumentParser):
+class CommandParser(argparse.ArgumentParser):
     """Says what is wrong in one line, without the usage that hides it."""
+
+    def parse_known_args(  # type: ignore[override]
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        options, left = super().parse_known_args(args, namespace)
+        if "files" in options and not any(word.startswith("-") for word in left):
+            # Argparse takes those that stand together, and leaves what comes after the next flag.
+            try:
+                options.files = [*options.files, *map(values.path, left)]
+            except argparse.ArgumentTypeError as error:
+                self.error(f"argument FILE: {error}")
+        elif left:  # here, where it is known of which command
+            self.error(f"unrecognized arguments: {' '.join(left)}")
+        return options, []
 
     def error(self, message: str) -> NoReturn:
         tell(f"{message} (see {self.prog} --help)")
