@@ -38,6 +38,7 @@ class _Filter:
     def __init__(self, first: VideoFrame) -> None:
         self._kind = _kind(first)
         self._graph = Graph()
+        self._graph.threads = 1  # more are taken from the renderer
         source = self._graph.add_buffer(
             width=first.width, height=first.height, format=first.format, time_base=first.time_base
         )
