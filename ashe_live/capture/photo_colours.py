@@ -1,4 +1,4 @@
-"""The colours of a photo as its ICC profile has them (Display P3 of phones, Adobe RGB, a press's CMYK), in sRGB."""
+"""The colours of a photo as its ICC profile has them (Display P3 of phones, Adobe RGB), in sRGB."""
 
 import io
 from functools import cache
