@@ -118,13 +118,20 @@ def _focal_px(picture: PIL.Image.Image) -> float | None:
 
 
 def _rgb_8bit(picture: PIL.Image.Image) -> Image:
-    """(h, w, 3) uint8: 16 bits reduced to 8, grey repeated, what is transparent laid on white."""
+    """(h, w, 3) uint8 sRGB: 16 bits reduced to 8, grey repeated, what is transparent laid on white."""
     if picture.mode.startswith("I"):
         grey = np.asarray(picture.convert("I")).clip(0, 65535) >> 8
         return np.repeat(grey.astype(np.uint8)[:, :, None], 3, axis=2)
     if picture.mode == "F":
         raise ValueError("its pixels are floating-point numbers")
+    profile = picture.info.get("icc_profile")
     if picture.has_transparency_data:
         layer = picture.convert("RGBA")
         picture = PIL.Image.alpha_composite(PIL.Image.new("RGBA", layer.size, "white"), layer)
+    if picture.mode not in ("RGB", "L", "CMYK"):
+        picture = picture.convert("RGB")
+    if profile:
+        from ashe_live.capture.photo_colours import in_srgb  # loads a library that most photos do not need
+
+        picture = in_srgb(picture, profile)
     return np.asarray(picture if picture.mode == "RGB" else picture.convert("RGB"))

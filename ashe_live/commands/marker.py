@@ -9,6 +9,7 @@ from ashe_live.tracking.cube.sheet import write_cube_sheet
 from ashe_live.tracking.families.layout import Layout, cube_layout, is_of_cube, parse_target
 from ashe_live.tracking.families.printing import write_marker_sheet
 
+USUAL_MM = 80.0
 SHOWN_PX = 960  # divisible by the usual numbers of cells, and larger than most windows show the marker
 
 
@@ -29,7 +30,8 @@ def run(options: argparse.Namespace) -> int:
             raise UserError("a grid of markers is for printing", "name one marker with --marker, or give --out")
         show_marker(marker.spec, marker.bitmap(SHOWN_PX))
         return ExitStatus.ANSWERED
-    write_marker_sheet(options.out, marker, options.size_mm / 1000, options.overwrite, options.paper)
+    size_mm = USUAL_MM if options.size_mm is None else options.size_mm
+    write_marker_sheet(options.out, marker, size_mm / 1000, options.overwrite, options.paper)
     say(f"{options.out}: print it at 100 %, then the ruler line on it is true")
     return ExitStatus.ANSWERED
 
@@ -39,6 +41,8 @@ def _cube(options: argparse.Namespace) -> int:
         raise UserError(
             "a screen cannot be folded: --show is of no use for a cube", "give --out cube.pdf, and print it"
         )
+    if options.size_mm is not None:
+        raise UserError("--size-mm is the side of a flat marker", "give a cube's edge in metres by --side")
     edge_m = USUAL_EDGE_M if options.side is None else options.side
     write_cube_sheet(options.out, cube_layout(), edge_m, options.paper, options.overwrite)
     say(f"{options.out}: print it at 100 % on stiff matt paper, fold it, stand it on its plain face: --marker {CUBE}")

@@ -89,6 +89,11 @@ class Session:
         """Whether an estimate will be made without a request once the marker is steady."""
         return self._policy.on_first_steady and self._policy.at_frame is None and not self._policy_is_done
 
+    @property
+    def how_it_gets_known(self) -> str:
+        """What to do about the light while none has been estimated."""
+        return "it is being estimated" if self.watch.is_estimating else "Space estimates it"
+
     def take(self, tracked: TrackedFrame, now_s: float) -> None:
         """Shows `tracked` from now on, and requests an estimate from it when the policy says so."""
         if tracked.note is not None and (self.tracked is None or self.tracked.note != tracked.note):
@@ -175,11 +180,11 @@ class Session:
             case Command.TOGGLE_LIGHT:
                 self.show_light = not self.show_light
                 if self.show_light and self.lit_by.light is None:
-                    self.say("the arrow appears when the light is known: Space estimates it", now_s)
+                    self.say(f"the arrow appears when the light is known: {self.how_it_gets_known}", now_s)
             case Command.TOGGLE_MASKS:
                 self.show_masks = not self.show_masks
                 if self.show_masks and self.estimate is None:
-                    self.say("nothing has been estimated yet: Space does it", now_s)
+                    self.say(f"nothing has been estimated yet: {self.how_it_gets_known}", now_s)
                 elif self.show_masks and self.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
             case Command.HIDE_MARKER:

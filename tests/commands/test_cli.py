@@ -4,6 +4,7 @@ import pytest
 
 from ashe_live import quality
 from ashe_live.commands.flags import option_groups
+from ashe_live.commands.flags.options import parsed
 
 COMMANDS = (
     "demo",
@@ -27,7 +28,10 @@ COMMANDS = (
         (["--quality", "best"], "best"),
         (["fly"], "fly"),
         (["play"], "FILE"),
-        (["play", "a.mp4", "--wings"], "--wings"),
+        (["play", "a.mp4", "--wings"], "--wings (see ashe-live play --help)"),
+        (["play", "a.mp4", "b.mp4"], "unrecognized arguments: b.mp4"),
+        (["estimate", "a.jpg", "--json", "b.jpg", "--wings"], "--wings"),
+        (["estimate", "a.jpg", "--json", ""], "argument FILE"),
         (["play", "a.mp4", "--frames", "0"], "--frames"),
         (["play", "a.mp4", "--frames", "many"], "'many' is not a whole number"),
         (["play", "a.mp4", "--estimate-at", "-1"], "--estimate-at"),
@@ -75,6 +79,12 @@ def test_help_and_version(run):
     assert outcome.status == 0
     assert all(any(command in line for line in outcome.out) for command in COMMANDS)
     assert run("--version").out[0].startswith("ashe-live ")
+
+
+def test_files_may_stand_before_and_after_flags() -> None:
+    options = parsed(["estimate", "a.jpg", "b.jpg", "--hfov", "60", "c.jpg", "--json"])
+    assert [str(file) for file in options.files] == ["a.jpg", "b.jpg", "c.jpg"]
+    assert (options.hfov, options.json) == (60.0, True)
 
 
 def test_the_qualities_that_are_offered_are_those_there_are() -> None:

@@ -42,6 +42,13 @@ def test_the_pose_is_the_true_one(run, files, film):
     assert record["camera"]["source"] == "file"
 
 
+def test_equal_markers_are_told(run, files, tmp_path):
+    twice = tmp_path / "twice.png"
+    cv2.imwrite(str(twice), np.tile(cv2.imread(str(files["photo"])), (1, 2, 1)))
+    (said,) = (line for line in run("estimate", *KNOWN, twice).err if "equal markers" in line)
+    assert "twice.png" in said
+
+
 def test_every_light_is_named(run, files, monkeypatch):
     lights = Light((0.0, 0.3, 1.0)), Light((1.0, 0.0, 1.0))
     made = estimator.ESTIMATORS[DEFAULT_ESTIMATOR]

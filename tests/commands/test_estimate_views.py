@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.recording.recorder import Recorder
+from ashe_live.commands.flags import option_groups
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
@@ -162,6 +163,15 @@ def test_photos_of_an_unknown_camera_tell_it_together(run, table):
     errors = [abs(each["camera"]["K"][0][0] / focal - 1) for each in (record, *alone)]
     assert errors[0] <= max(errors[1:]) + 0.01
     assert record["camera"]["focal_sigma_px"] <= 1.05 * max(each["camera"]["focal_sigma_px"] for each in alone)
+
+
+def test_photos_tell_their_camera_together_by_whichever_marker_is_in_them(run, table, monkeypatch):
+    monkeypatch.setattr(option_groups, "DEFAULT_MARKER", "aruco:4x4_50:17")
+    spec = "aruco:4x4_50:0"
+    named, unnamed = (run("estimate", "--json", "--together", *flags, *table) for flags in (("--marker", spec), ()))
+    assert spec in unnamed.err[0]
+    assert unnamed.records[0]["camera"] == named.records[0]["camera"]
+    assert named.records[0]["camera"]["source"] == "estimated"
 
 
 def test_a_sheet_and_the_steps_are_made_of_them_too(run, table, tmp_path):

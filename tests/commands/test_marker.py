@@ -51,6 +51,7 @@ def test_a_cube_is_printed_by_either_of_its_names(run, tmp_path):
         (("--cube", "--out", "cube.pdf", "--side", "0.07"), "--side from 0.03 to 0.064"),
         (("--cube", "--out", "cube.pdf", "--side", "-1"), "not a number"),
         (("--out", "flat.pdf", "--side", "0.05"), "--cube"),
+        (("--cube", "--out", "cube.pdf", "--size-mm", "50"), "--side"),
     ],
 )
 def test_a_cube_that_cannot_be_is_one_line(run, tmp_path, monkeypatch, arguments, words):

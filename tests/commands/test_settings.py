@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
 from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.settings_file import SETTINGS, settings_path
 from tests.checkout import CHECKOUT
@@ -80,7 +79,6 @@ def test_the_output_of_settings_is_a_settings_file_with_the_values_that_hold(run
     assert shown["quality"] == "fast"
     assert shown["marker-size"] == 0.1
     assert shown["model"] == 'a "mug".glb'
-    assert shown["marker"] == DEFAULT_MARKER
     assert set(shown) <= set(SETTINGS)
     assert all(any(key in line for line in outcome.out) for key in SETTINGS)
     settle("\n".join(outcome.out))
@@ -92,6 +90,21 @@ def test_without_a_file_the_defaults_hold(run, settle):  # noqa: ARG001 - an emp
     assert outcome.status == 0
     assert "not there" in outcome.out[0]
     assert tomllib.loads("\n".join(outcome.out))["quality"] == "balanced"
+
+
+def test_a_file_that_begins_as_the_defaults_changes_nothing(run, settle):
+    """Above all, it names no marker: the one in view would no longer be followed."""
+    before = vars(parsed(["play", "a.mp4"]))
+    settle("\n".join(run("settings").out))
+    assert vars(parsed(["play", "a.mp4"])) == before
+
+
+@pytest.mark.parametrize("key", SETTINGS)
+def test_a_value_of_another_kind_is_refused_with_one_that_will_do(run, settle, key):
+    settle(f"{key} = true")
+    (line,) = run("play", "a.mp4").err
+    settle(line.partition("write it like this: ")[2])
+    parsed(["webcam"])
 
 
 def test_the_page_names_every_key_and_its_example_holds(settle):

@@ -96,6 +96,18 @@ def test_the_estimate_holds_wherever_the_clip_goes(make, fakes):
         assert session.shown.seen_in is session.estimated_from
 
 
+@pytest.mark.parametrize("command", [Command.TOGGLE_LIGHT, Command.TOGGLE_MASKS])
+def test_nobody_who_waits_for_an_estimate_is_told_to_ask_for_one(make, fakes, command):
+    session = make()
+    session.take(fakes.tracked(0), 0.0)
+    session.handle(Request(command), 0.0)
+    assert "Space estimates it" in session.last_notice
+    session.handle(Request(command), 0.0)
+    session.handle(Request(Command.ESTIMATE), 0.0)
+    session.handle(Request(command), 0.0)
+    assert "it is being estimated" in session.last_notice
+
+
 def test_without_a_policy_nothing_is_estimated_unasked(make, fakes):
     session = make()
     for index in range(20):

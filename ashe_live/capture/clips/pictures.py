@@ -8,12 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from typing import BinaryIO
 
 import av
 from av.container import InputContainer
 from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
+from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.clips.wide_gamut import srgb_converter
 from ashe_live.capture.container import opened_container
@@ -50,8 +52,9 @@ class ClipPictures:
         try:
             self._container: InputContainer = opened_container(self._file)
         except (av.error.FFmpegError, OSError):
+            is_begun = _begins_as_mp4(self._file)
             self._file.close()
-            raise _no_clip(path) from None
+            raise (_cut_short(path) if is_begun else _no_clip(path)) from None
         try:
             self._stream: VideoStream = self._container.streams.video[0]
             codec = self._stream.codec_context
@@ -65,7 +68,7 @@ class ClipPictures:
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
         self.to_srgb = srgb_converter(codec.color_primaries, codec.color_trc)  # None: its colours are sRGB's
-        self._videos = self._decoded(self._container, self._stream)
+        self._videos = progressive(self._decoded(self._container, self._stream))
         first = next(self._videos, None)
         if first is None:
             self.close()
@@ -91,7 +94,7 @@ class ClipPictures:
             self._container.seek(wanted_pts, stream=self._stream)
         except (av.error.FFmpegError, OSError):
             return None
-        self._videos = self._decoded(self._container, self._stream)
+        self._videos = progressive(self._decoded(self._container, self._stream))
         for video in self._videos:
             # Those before a keyframe lean on what was not decoded: broken, or not there at all.
             if video.pts is not None and video.pts >= wanted_pts:
@@ -165,6 +168,19 @@ def _with_square_pixels(size: tuple[int, int], aspect: Fraction | None) -> tuple
 
 def _no_clip(path: Path) -> UserError:
     return UserError(f"{path} is not a clip or photo that can be read", "convert it to MP4 (H.264), JPEG or PNG")
+
+
+def _begins_as_mp4(file: BinaryIO) -> bool:
+    """Whether it is an MP4 or MOV by its first bytes: ISO/IEC 14496-12, 4.3."""
+    file.seek(0)
+    return file.read(8)[4:] in (b"ftyp", b"moov", b"mdat", b"wide")
+
+
+def _cut_short(path: Path) -> UserError:
+    return UserError(
+        f"{path} begins as a clip and has no list of its pictures: it is cut short, or still being recorded",
+        "copy it again, whole, or record it again",
+    )
 
 
 def _sound_alone(path: Path) -> UserError:

@@ -68,7 +68,8 @@ class FileEstimator:
         """
         if len(paths) < 2:
             raise UserError("--together needs two files or more", "name them, or leave it out")
-        options, cameras = self._marker_of_all(paths), self._cameras_of_all(paths)
+        options = self._marker_of_all(paths)
+        cameras = self._cameras_of_all(paths, options)
         used: list[_Looked] = []
         for path in paths:
             looked = self._guarded(path, partial(self._looked_at, path, options, cameras))
@@ -115,6 +116,8 @@ class FileEstimator:
             return dataclasses.replace(record, error=printable(error)), None
         tracked = seen.frozen
         record = dataclasses.replace(record, frame=tracked.frame.index, camera=tracked.camera, marker=tracked.marker)
+        if tracked.note is not None:
+            tell(f"{path}: {tracked.note}")
         if tracked.marker is not None:
             return _Looked(path, record, seen, tracker)
         in_view = markers_in_view(tracked.frame.image_bgr)
@@ -168,7 +171,7 @@ class FileEstimator:
                 return with_marker(options, options.marker)
         return self.options
 
-    def _cameras_of_all(self, paths: Sequence[Path]) -> dict[Size, Camera]:
+    def _cameras_of_all(self, paths: Sequence[Path], options: argparse.Namespace) -> dict[Size, Camera]:
         """The cameras that the photos of each size determine together, if nothing else is known of them."""
         cameras: dict[Size, Camera] = {}
         if not isinstance(self.camera_for, AssumedCamera):
@@ -177,7 +180,7 @@ class FileEstimator:
         for source in _sources(paths):
             if not _tells_no_camera(source):
                 continue
-            tracker = trackers.setdefault(source.size, make_tracker(self.options, self.camera_for))
+            tracker = trackers.setdefault(source.size, make_tracker(options, self.camera_for))
             with suppress(Exception):  # its own line says so
                 frame = source.read()
                 assert frame is not None

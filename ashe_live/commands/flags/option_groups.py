@@ -8,10 +8,8 @@ from ashe_live.commands.flags import values
 
 DEFAULT_MARKER = "aruco:4x4_50:0"
 DEFAULT_ESTIMATOR = "proxy"
-MARKER_HELP = (
-    f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png, "
-    f"grid:DICT:COLSxROWS, cube or cube+SPEC (default: the one in view, or {DEFAULT_MARKER})"
-)
+MARKERS_HELP = "aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png, grid:DICT:COLSxROWS"
+MARKER_HELP = f"{MARKERS_HELP}, cube or cube+SPEC (default: the one in view, or {DEFAULT_MARKER})"
 CASTER_HELP = (
     "the object that casts the shadow, where its shape and size are known: box:WxDxH, cylinder:RxH or sphere:R in "
     "metres, or the file of a model (default: any object)"

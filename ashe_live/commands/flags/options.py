@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from ashe_live.commands.flags.option_groups import DEFAULT_MODELS, UPS
-from ashe_live.commands.flags.parser import build_parser, build_start_parser
+from ashe_live.commands.flags.parser import CommandParser, build_parser, build_start_parser
 from ashe_live.errors import UserError
 
 
@@ -44,7 +44,7 @@ def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     return build(_SettingsParser).parse_args([*arguments[:named], *flags, *arguments[named:]])
 
 
-class _SettingsParser(argparse.ArgumentParser):
+class _SettingsParser(CommandParser):
     """A parser whose errors say that the fault is in the settings, not on the command line."""
 
     def error(self, message: str) -> NoReturn:

@@ -1,6 +1,7 @@
 """What can be asked for on the command line. Nothing heavy is loaded, so that --help is instant."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -10,7 +11,7 @@ from ashe_live.commands.flags.bench_parser import add_benches
 from ashe_live.commands.flags.option_groups import (
     DEFAULT_MARKER,
     ESTIMATE_AT_HELP,
-    MARKER_HELP,
+    MARKERS_HELP,
     add_quality_options,
     add_scene_options,
     add_view_options,
@@ -27,7 +28,7 @@ START = "start"
 
 def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
     """The parser of command lines that name a command."""
-    parser = (parser_class or _Parser)(
+    parser = (parser_class or CommandParser)(
         prog="ashe-live", description="AR whose virtual objects are lit as the real ones are.", epilog=EPILOG
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
@@ -70,7 +71,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
 
 def build_start_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
     """The parser of command lines without a command, which open a camera or the demo."""
-    start = (parser_class or _Parser)(prog="ashe-live")
+    start = (parser_class or CommandParser)(prog="ashe-live")
     start.set_defaults(command=START)
     start.add_argument("--camera", type=values.camera, metavar="N|PATH", help="(default: the first one)")
     add_scene_options(start)
@@ -141,9 +142,11 @@ def _add_marker_options(marker: argparse.ArgumentParser) -> None:
     target = marker.add_mutually_exclusive_group(required=True)
     target.add_argument("--out", type=Path, metavar="FILE.pdf|png")
     target.add_argument("--show", action="store_true", help="show it in a window instead of printing it")
-    marker.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
     marker.add_argument(
-        "--size-mm", type=values.millimetres, default=80.0, metavar="MM", help="side of the black square (default 80)"
+        "--marker", default=DEFAULT_MARKER, metavar="SPEC", help=f"{MARKERS_HELP} or cube (default {DEFAULT_MARKER})"
+    )
+    marker.add_argument(
+        "--size-mm", type=values.millimetres, metavar="MM", help="side of the black square (default 80)"
     )
     cube = marker.add_argument_group("a cube to fold")
     cube.add_argument(
@@ -168,8 +171,22 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-class _Parser(argparse.ArgumentParser):
+class CommandParser(argparse.ArgumentParser):
     """Says what is wrong in one line, without the usage that hides it."""
+
+    def parse_known_args(  # type: ignore[override]
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        options, left = super().parse_known_args(args, namespace)
+        if "files" in options and not any(word.startswith("-") for word in left):
+            # Argparse takes those that stand together, and leaves what comes after the next flag.
+            try:
+                options.files = [*options.files, *map(values.path, left)]
+            except argparse.ArgumentTypeError as error:
+                self.error(f"argument FILE: {error}")
+        elif left:  # here, where it is known of which command
+            self.error(f"unrecognized arguments: {' '.join(left)}")
+        return options, []
 
     def error(self, message: str) -> NoReturn:
         tell(f"{message} (see {self.prog} --help)")

@@ -29,20 +29,21 @@ class Setting:
 
     kind: str  # TEXT, NUMBER or EITHER; also the word for it in messages
     commands: tuple[str, ...]  # the commands that have this flag
+    example: str  # as it is written in the file
 
 
 SETTINGS: Mapping[str, Setting] = {
-    "camera": Setting(EITHER, ("start", "webcam")),
-    "marker": Setting(TEXT, SEEN),
-    "marker-size": Setting(NUMBER, SEEN),
-    "camera-file": Setting(TEXT, SEEN),
-    "focal-px": Setting(NUMBER, SEEN),
-    "hfov": Setting(NUMBER, SEEN),
-    "model": Setting(TEXT, SHOWN),
-    "size": Setting(TEXT, SHOWN),
-    "quality": Setting(TEXT, ("demo", *SEEN)),
-    "estimator": Setting(TEXT, ("demo", *SEEN)),
-    "light": Setting(TEXT, ("demo", *SEEN)),
+    "camera": Setting(EITHER, ("start", "webcam"), "2"),
+    "marker": Setting(TEXT, SEEN, '"aruco:4x4_50:7"'),
+    "marker-size": Setting(NUMBER, SEEN, "0.1"),
+    "camera-file": Setting(TEXT, SEEN, '"webcam.json"'),
+    "focal-px": Setting(NUMBER, SEEN, "615"),
+    "hfov": Setting(NUMBER, SEEN, "60"),
+    "model": Setting(TEXT, SHOWN, '"mug"'),
+    "size": Setting(TEXT, SHOWN, '"1280x720"'),
+    "quality": Setting(TEXT, ("demo", *SEEN), '"fast"'),
+    "estimator": Setting(TEXT, ("demo", *SEEN), '"proxy"'),
+    "light": Setting(TEXT, ("demo", *SEEN), '"sun"'),
 }
 # Alternatives of each other: a flag replaces whichever of them the file has.
 ONE_OF = ("camera-file", "focal-px", "hfov")
@@ -96,5 +97,4 @@ def _check(path: Path, key: str, value: Any) -> None:
         raise UserError(f"{path}: {key} has a NUL in it", "write it without")
     kind = SETTINGS[key].kind
     if isinstance(value, bool) or not isinstance(value, KINDS[kind]):
-        example = '"balanced"' if kind == TEXT else "60"
-        raise UserError(f"{path}: {key} is not {kind}", f"write it like this: {key} = {example}")
+        raise UserError(f"{path}: {key} is not {kind}", f"write it like this: {key} = {SETTINGS[key].example}")

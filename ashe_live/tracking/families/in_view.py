@@ -22,7 +22,8 @@ FACES_OF_CUBE = 2
 def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
     """Specs such as "aruco:4x4_50:7" of the markers in (h, w, 3) uint8 sRGB, the largest first; two faces are a cube.
 
-    For a person who does not know which one it is: no cell may be wrong, so what is small or blurred is passed over.
+    Equal ones are named once. For a person who does not know which one it is: no cell may be wrong, so what is small or
+    blurred is passed over.
     """
     grey: Image = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
     scale = min(1.0, max(MOST_PX / max(grey.shape), 1 / min(grey.shape)))  # a row of pixels is left of the narrowest
@@ -42,7 +43,7 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
             if on_lighter(grey, [corners]) and len(without_repeats([*others, corners])) > len(others):
                 found.append((corners, _spec(family, int(number))))
     found.sort(key=lambda one: -cv2.contourArea(one[0].astype("float32")))
-    specs = [spec for _, spec in found]
+    specs = list(dict.fromkeys(spec for _, spec in found))
     if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
         return tuple(specs)
     return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))

@@ -70,7 +70,7 @@ class Keeper:
         if session.tracked is None:
             return
         if session.lit_by.light is None:
-            self._tell("no light is known yet: Space estimates it, or drag in the picture", now_s)
+            self._tell(f"no light is known yet: {session.how_it_gets_known}, or drag in the picture", now_s)
             return
         path = unused_name(Path.cwd(), "ashe-live", ".hdr", datetime.now())
         try:

@@ -88,7 +88,7 @@ def test_damage_in_the_middle_does_not_end_the_clip(damaged_clip: Path) -> None:
     [
         (b"", "is empty"),
         (b"Not a clip at all.\n" * 99, "not a clip"),
-        (b"\x00\x00\x00\x18ftypmp42" + bytes(99), "clip"),
+        (b"\x00\x00\x00\x18ftypmp42" + bytes(99), "no list of its pictures: it is cut short"),
     ],
 )
 def test_what_is_no_clip_is_refused_in_one_line(

@@ -31,6 +31,11 @@ def test_several_are_named_the_largest_first() -> None:
     assert markers_in_view(table(*SPECS[:3])) == SPECS[:3]
 
 
+@pytest.mark.parametrize("spec", [SPECS[0], "aruco:4x4_50:21"])
+def test_equal_ones_are_one_name_and_no_cube(spec: str) -> None:
+    assert markers_in_view(table(spec, spec)) == (spec,)
+
+
 def test_a_large_picture_is_looked_at_too() -> None:
     large = cv2.resize(table(SPECS[0]), None, fx=4, fy=4, interpolation=cv2.INTER_CUBIC)
     assert markers_in_view(large) == SPECS[:1]

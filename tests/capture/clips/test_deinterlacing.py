@@ -1,0 +1,73 @@
+"""Clips of two fields a picture: no teeth along what moves, and the numbers and times of the pictures as they were."""
+
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from av.video.frame import VideoFrame
+
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.core.arrays import Image
+
+COUNT, STEP_PX = 12, 6
+
+
+def field(number: int) -> Image:
+    """A bar that moves by STEP_PX from field to field, above a pattern that stands still."""
+    image = np.full((96, 160, 3), 60, np.uint8)
+    left = 4 + STEP_PX * number
+    image[:48, left : left + 12] = 220
+    image[52::4] = 140
+    return image
+
+
+def woven(path: Path, quarter_turns: int = 0) -> Path:
+    """COUNT pictures."""
+    with av.open(str(path), "w") as container:
+        options = {"flags": "+ildct+ilme", "g": "4", "bf": "0", "qmin": "1", "qmax": "2", "b": "8M"}
+        stream = container.add_stream("mpeg2video", rate=25, options=options)
+        stream.width, stream.height, stream.pix_fmt = 160, 96, "yuv420p"
+        stream.set_display_rotation(90.0 * quarter_turns)
+        for number in range(COUNT):
+            image = field(2 * number)
+            image[1::2] = field(2 * number + 1)[1::2]
+            container.mux(stream.encode(VideoFrame.from_ndarray(image, "bgr24")))
+        container.mux(stream.encode(None))
+    return path
+
+
+def teeth(image: Image) -> float:
+    """How much neighbouring lines differ, where in each field all of them are equal."""
+    moving = image[4:44, :, 1].astype(float)
+    return float(np.abs(np.diff(moving, axis=0)).max())
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".mpg"])
+def test_what_moves_has_no_teeth_and_what_stands_is_kept(tmp_path: Path, suffix: str) -> None:
+    with ClipSource(woven(tmp_path / f"camcorder{suffix}")) as clip:
+        frames = list(clip)
+    assert [frame.index for frame in frames] == list(range(COUNT))
+    np.testing.assert_allclose([frame.time_s for frame in frames], np.arange(COUNT) / 25, atol=1e-6)
+    for frame in frames[1:-1]:
+        assert teeth(frame.image_bgr) < 40
+        np.testing.assert_allclose(frame.image_bgr[60:92].astype(int), field(0)[60:92].astype(int), atol=14)
+
+
+def test_to_and_fro_gives_the_same_frames(tmp_path: Path) -> None:
+    with ClipSource(woven(tmp_path / "camcorder.mp4")) as clip:
+        frames = list(clip)
+        for index in (9, 2, COUNT - 1, 5):
+            clip.seek_frame(index)
+            frame = clip.read()
+            assert frame is not None
+            assert (frame.index, frame.time_s) == (index, frames[index].time_s)
+            assert teeth(frame.image_bgr) < 40
+
+
+def test_a_picture_is_still_turned_upright(tmp_path: Path) -> None:
+    with ClipSource(woven(tmp_path / "phone.mp4", quarter_turns=1)) as clip:
+        turned = list(clip)
+    with ClipSource(woven(tmp_path / "camcorder.mp4")) as clip:
+        for frame, as_held in zip(turned, clip, strict=True):
+            np.testing.assert_array_equal(frame.image_bgr, np.rot90(as_held.image_bgr))
