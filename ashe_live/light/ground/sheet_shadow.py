@@ -35,6 +35,8 @@ EDGE_PX, NOISE = 0.3, 0.05  # standard deviations of the edge's place, and of a 
 # `away` of the sets `scenes` and `scenes_more`, docs/accuracy.md).
 OTHERWISE = 0.018
 INDEPENDENT = 1 / 3  # of neighbouring lines
+# Of azimuths about the direction from which a clear shadow comes (von Mises): `ashe-live bench fit-judge --sheets`.
+CONCENTRATION = 3.0
 LUMINANCE_BGR = np.array([0.0722, 0.7152, 0.2126])
 
 
@@ -45,10 +47,17 @@ class SheetShadow:
     away: Float  # (2,) sides, marker frame: width times share of light lost, which points away from the light
     clear: float  # 0 to 1, the share of its square that patterns and noise do not explain
 
-    def agreement(self, to_light_marker: Float) -> float:
-        """The cosine between the light's azimuth and that of the sheet's shadow, times how clear this is; -1 to 1."""
+    def log_odds(self, to_light_marker: Float, concentration: float = CONCENTRATION) -> float:
+        """How much likelier this shadow is in such a light than in lights from anywhere, in nats.
+
+        Azimuths are von Mises distributed about where the shadow comes from, the narrower the clearer it is. A light
+        straight overhead has no azimuth, and the shadow says nothing of it.
+        """
         across = float(np.hypot(*to_light_marker[:2]) * np.hypot(*self.away))
-        return -self.clear * float(to_light_marker[:2] @ self.away) / across if across > 1e-9 else 0.0
+        if across < 1e-9:
+            return 0.0
+        narrow = concentration * self.clear
+        return -narrow * float(to_light_marker[:2] @ self.away) / across - math.log(float(np.i0(narrow)))
 
 
 def sheet_shadow_in(view: View) -> SheetShadow | None:

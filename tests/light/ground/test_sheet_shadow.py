@@ -61,13 +61,22 @@ def found(view: View) -> SheetShadow:
     return shadow
 
 
+def cosine(shadow: SheetShadow, azimuth_deg: float) -> float:
+    """Between where the shadow points and away from the light."""
+    away = -direction(azimuth_deg, 0.0)[:2]
+    return float(away @ shadow.away / np.hypot(*shadow.away))
+
+
 @pytest.mark.parametrize("ground", [0.08, 0.3, 0.7])
 @pytest.mark.parametrize("azimuth_deg", [0.0, 37.0, 120.0, 205.0, 290.0])
 def test_the_shadow_points_away_from_the_light(azimuth_deg: float, ground: float) -> None:
     shadow = found(view(azimuth_deg, ground))
     assert shadow.clear > 0.5
-    assert shadow.agreement(direction(azimuth_deg, 45.0)) > 0.9 * shadow.clear
-    assert shadow.agreement(direction(azimuth_deg + 180.0, 20.0)) < -0.9 * shadow.clear
+    assert cosine(shadow, azimuth_deg) > 0.9
+    every = [shadow.log_odds(direction(azimuth_deg + turned, 45.0)) for turned in range(0, 360, 30)]
+    assert max(every[0], every[1], every[-1]) == max(every) > 0.5
+    assert min(every) < -1
+    assert np.mean(np.exp(every)) == pytest.approx(1.0, abs=0.01)  # as a likelihood over azimuths has it
 
 
 def test_it_is_as_wide_and_as_dark_as_it_is() -> None:
@@ -80,12 +89,14 @@ def test_what_lies_on_all_sides_tells_none(halo: float) -> None:
 
 
 def test_a_halo_does_not_hide_the_shadow() -> None:
-    assert found(view(120.0, halo=0.3)).agreement(direction(120.0, 45.0)) > 0.4
+    shadow = found(view(120.0, halo=0.3))
+    assert cosine(shadow, 120.0) > 0.9
+    assert shadow.clear > 0.4
 
 
 def test_a_light_overhead_has_no_azimuth() -> None:
-    assert SheetShadow(np.array([0.1, 0.0]), 1.0).agreement(np.array([0.0, 0.0, 1.0])) == 0.0
-    assert SheetShadow(np.zeros(2), 0.0).agreement(direction(10.0, 45.0)) == 0.0
+    assert SheetShadow(np.array([0.1, 0.0]), 1.0).log_odds(np.array([0.0, 0.0, 1.0])) == 0.0
+    assert SheetShadow(np.zeros(2), 0.0).log_odds(direction(10.0, 45.0)) == 0.0
 
 
 def test_other_edges_than_a_sheets_tell_nothing() -> None:

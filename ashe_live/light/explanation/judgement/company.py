@@ -47,7 +47,7 @@ def company_features(explanation: Explanation, company: Company) -> dict[str, fl
         there = towards(first.light, np.append(company.glint.place_marker, 0.0))
         if angle_between(there, company.glint.to_light_marker) < AGREEING_RAD:
             agreeing.append(1.0)
-    by_sheet = 0.0 if company.sheet is None else company.sheet.agreement(first.to_light_marker)
+    by_sheet = 0.0 if company.sheet is None else company.sheet.log_odds(first.to_light_marker)
     return {"agreeing": max(agreeing, default=0.0), "sheet": by_sheet}
 
 
