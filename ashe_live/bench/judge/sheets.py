@@ -5,6 +5,7 @@ comes from, makes those of known lights likeliest. It is independent of objects 
 it says of an explanation's azimuth is added to the log odds by all other features as it is.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,7 +45,7 @@ class SeenSheet:
         if self.shadow is None:
             return False
         away, across = -self.to_light_marker[:2], self.shadow.away
-        return float(away @ across) > float(np.hypot(*away) * np.hypot(*across)) / np.sqrt(2)
+        return float(away @ across) > float(np.hypot(*away) * np.hypot(*across)) * math.cos(math.radians(45))
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ EDGE_PX, NOISE = 0.3, 0.05  # standard deviations of the edge's place, and of a 
 OTHERWISE = 0.018
 INDEPENDENT = 1 / 3  # of neighbouring lines
 # Of azimuths about the direction from which a clear shadow comes (von Mises): `ashe-live bench fit-judge --sheets`.
-CONCENTRATION = 3.0
+CONCENTRATION = 3.5
 LUMINANCE_BGR = np.array([0.0722, 0.7152, 0.2126])
 
 
