@@ -67,7 +67,8 @@ ROOMS: dict[str, set[str]] = {
         "bench",
     },
     "bench.judge": {
-        "core", "files", "light.pixels", "light.ground", "light.estimators", "light.explanation", "bench", "bench.light",
+        "core", "files", "light.pixels", "light.ground", "light.estimators", "light.explanation", "bench",
+        "bench.light",
     },
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
     "bench.cube": {"quality", "core", "errors", "files", "tracking", "light.estimators", "bench.track", "bench"},

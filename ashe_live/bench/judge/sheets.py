@@ -57,7 +57,6 @@ class SheetsBench(Bench):
     scenes: Sequence[Path]
     limit: int | None = None  # number of pictures of each folder, the first ones; None: all
     every: int = 1  # of these, only every so many-th
-    jobs: int = 1  # unused: a picture takes a tenth of a second
 
     def parts(self) -> Iterator[Json]:
         cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit : self.every]]
