@@ -66,7 +66,10 @@ ROOMS: dict[str, set[str]] = {
         "quality", "core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit",
         "bench",
     },
-    "bench.judge": {"core", "files", "light.estimators", "light.explanation", "bench", "bench.light"},
+    "bench.judge": {
+        "core", "files", "light.pixels", "light.ground", "light.estimators", "light.explanation", "bench",
+        "bench.light",
+    },
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
     "bench.cube": {"quality", "core", "errors", "files", "tracking", "light.estimators", "bench.track", "bench"},
     "bench.render": {

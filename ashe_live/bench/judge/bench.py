@@ -59,6 +59,7 @@ FIRST_RANGES = {
     "grazing": (0.0, 0.2),
     "constrained": (-2.0, 0.0),
     "agreeing": (0.0, 1.0),
+    "sheet": (-2.0, 1.0),
 }
 OF_SPLITS = ("hue", "brightness", "short", "long", "missed", "shaded", "edge", "border", "second")
 LOOKS = tuple(dict.fromkeys(of_one_view(look) for steps in PRESETS.values() for look in steps.looks))

@@ -72,7 +72,7 @@ def sample_of(case: Case, estimator: ProxyEstimator) -> Sample:
     _, trace = estimator.traced(case.followed())
     truths = case.to_lights_marker
     assert truths is not None
-    company = Company(trace.judged, trace.glint)
+    company = Company(trace.judged, trace.glint, trace.sheet_shadow)
     judged = [_candidate(each, explanation_features(each, company), truths) for each in trace.judged]
     splits = [_candidate(each, split_features(each.region, each.materials, each.split), truths) for each in trace.rough]
     return Sample(f"{case.folder}/{case.id}", case.tags, len(truths), judged, splits)

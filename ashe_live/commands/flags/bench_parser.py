@@ -66,8 +66,12 @@ def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
     _add_results_folder(judge)
     judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
     judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
-    judge.add_argument(
+    only = judge.add_mutually_exclusive_group()
+    only.add_argument(
         "--casters", action="store_true", help="only how known casters are judged, from the tables as they are"
+    )
+    only.add_argument(
+        "--sheets", action="store_true", help="only how the shadow of the marker's sheet counts, beside the tables"
     )
     judge.add_argument(
         "--jobs", type=values.count, default=1, metavar="N", help="processes beside each other (default 1)"

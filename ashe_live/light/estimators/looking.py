@@ -27,6 +27,7 @@ from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import region_with_on_plane, unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts, voted_for
+from ashe_live.light.ground.sheet_shadow import sheet_shadow_in
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.evidence import no_less_sure
 from ashe_live.light.views.joint import JointExplanation
@@ -198,6 +199,7 @@ def _rough_explanations(
     fine, coarse, ground = view.fine, view.coarse, view.ground
     unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
     unlit = with_unlit_on_average(unlit, coarse)
+    trace.sheet_shadow = sheet_shadow = sheet_shadow_in(fine)
     trace.glint = glint = glint_in(coarse, ground)
     trace.unlit = unlit = unlit if glint is None else unlit & ~glint.halo
     trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
@@ -219,7 +221,7 @@ def _rough_explanations(
     alone = cache(explanation_features)
 
     def log_odds_among(several: Sequence[Explanation]) -> Callable[[Explanation], float]:
-        company = Company(several, glint)
+        company = Company(several, glint, sheet_shadow)
 
         def log_odds(each: Explanation) -> float:
             return judge.log_odds_of({**alone(each), **company_features(each, company)}) + lamps.agreement(each)

@@ -8,6 +8,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
+from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.seen import SceneView
 
@@ -18,6 +19,7 @@ class Trace:
 
     view: View  # at the size at which the ground is modelled
     ground: LitGround | None = None
+    sheet_shadow: SheetShadow | None = None
     glint: Glint | None = None
     unlit: Mask | None = None  # (h, w) of `view`: pixels that the lit ground does not explain
     regions: list[Region] = field(default_factory=list)

@@ -1,7 +1,8 @@
 """What else a picture shows in favour of an explanation's light.
 
-All objects of a picture stand in one light. If two objects, or an object and the mirror image of a light in glossy
-ground, were explained independently and agree about the light, that is an accident only if both err in the same way.
+All objects of a picture stand in one light. If two objects were explained independently and agree about the light, that
+is an accident only if both err in the same way. The mirror image of a light in glossy ground, and the shadow of the
+marker's own sheet, agree with it or not in the same way.
 """
 
 import math
@@ -14,6 +15,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.ground.glint import Glint
+from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.shape.light_points import towards
 
 AGREEING_RAD = math.radians(10)
@@ -25,6 +27,7 @@ class Company:
 
     others: Sequence[Explanation] = ()  # all that were tried on the picture, itself among them or not
     glint: Glint | None = None  # the mirror image of a light that the ground shows
+    sheet: SheetShadow | None = None  # of the marker's own sheet
 
 
 ALONE = Company()
@@ -44,7 +47,8 @@ def company_features(explanation: Explanation, company: Company) -> dict[str, fl
         there = towards(first.light, np.append(company.glint.place_marker, 0.0))
         if angle_between(there, company.glint.to_light_marker) < AGREEING_RAD:
             agreeing.append(1.0)
-    return {"agreeing": max(agreeing, default=0.0)}
+    by_sheet = 0.0 if company.sheet is None else company.sheet.log_odds(first.to_light_marker)
+    return {"agreeing": max(agreeing, default=0.0), "sheet": by_sheet}
 
 
 def _are_apart(one: Proxy, other: Proxy) -> bool:

@@ -55,6 +55,7 @@ SIGNS: Mapping[str, int] = {
     "grazing": -1,
     "constrained": 1,
     "agreeing": 1,
+    "sheet": 1,
 }
 
 

@@ -66,7 +66,7 @@ class OfKnownBody:
     def applied(self, score: Score) -> Score:
         """The score by which explanations of known bodies are judged, from one of any bodies."""
         curves = {
-            name: Curve(curve.at, tuple(self.slope * each for each in curve.log_odds))
+            name: curve if name in INDEPENDENT else Curve(curve.at, tuple(self.slope * each for each in curve.log_odds))
             for name, curve in score.curves.items()
         }
         return Score(self.offset + self.slope * score.constant, MappingProxyType(curves))
@@ -75,6 +75,8 @@ class OfKnownBody:
 UNCHANGED = OfKnownBody(0.0, 1.0)
 # Features that count against a body whose shape is guessed, and say nothing about one that is given.
 GIVEN = ("flat",)
+# Features that do not depend on the body, and count as they do for any.
+INDEPENDENT = ("sheet",)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import AGREEING_RAD, ALONE, Company, company_features
 from ashe_live.light.ground.glint import Glint
+from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.shape.body import LitBody
 from tests.light.explanation.judgement.test_judge import explanation
 from tests.light.synthetic_masks import direction
@@ -61,3 +62,15 @@ def test_a_glint_of_a_lamp_agrees_as_the_lamp_is_seen_from_there() -> None:
     there = normalised(lamp_m - (*place_m, 0.0))
     assert agreeing(lamp, Company([lamp], glint_towards(there, place_m))) == 1
     assert agreeing(one, Company([one], glint_towards(there, place_m))) == 0
+
+
+def test_the_sheets_shadow_agrees_where_it_points_away_from_the_light() -> None:
+    one = explanation(to_light=NEAR)
+    away = -0.05 * normalised(NEAR[:2])
+
+    def of_sheet(away: Float) -> float:
+        return company_features(one, Company([one], sheet=SheetShadow(away, 0.8)))["sheet"]
+
+    assert of_sheet(away) > 0.5
+    assert of_sheet(-away) < -2
+    assert company_features(one, ALONE)["sheet"] == 0

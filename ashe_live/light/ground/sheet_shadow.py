@@ -1,0 +1,187 @@
+"""The printed sheet's own shadow: a body that lies in every picture, whatever else stands or is painted there.
+
+Card is thick and paper curls, so that a sheet's edges stand a little above the ground. The sides that face away from
+the light throw a strip of shadow beyond the paper, those that face it none. How high an edge stands is not known: the
+strips tell the light's azimuth, and nothing of its elevation. What darkens the ground along all four sides alike, as
+sharpening does, cancels.
+"""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.transforms import image_from_plane
+from ashe_live.light.pixels.sheet import ADDED
+from ashe_live.light.pixels.view import View
+
+OUTWARDS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])  # right, above, left, below
+ALONG = np.linspace(-0.42, 0.42, 48)  # lines of samples across a side, in the marker's sides from its middle
+LEAST_SEEN = 0.5  # share of a side's lines that lie in the picture
+STEP_PX = 0.5  # between samples of a line
+BLUR_PX = 5.0  # from an edge, beyond which the camera's blur does not reach
+SEARCHED = 0.05  # sides, around the measured end of the paper, where its edge is looked for
+BESIDE = 0.13  # sides beyond the edge that are looked at; the last GROUND of them are the lit ground
+GROUND = 0.06
+WIDTHS_PX = (1.0, 1.5, 2.5, 4.0, 6.0, 9.0, 14.0, 20.0)  # of strips, up to WIDEST sides
+WIDEST = 0.1
+NARROW_PX = 2.0  # a strip that blur thins out may be as pale as it will; a wider one lacks LEAST_LOST of the light
+LEAST_LOST = 0.25
+EDGE_PX, NOISE = 0.3, 0.05  # standard deviations of the edge's place, and of a profile over its ground
+# Darkness beside a sheet that has no thickness, in sides: by patterns, objects and their shadows (root mean square of
+# `away` of the sets `scenes` and `scenes_more`, docs/accuracy.md).
+OTHERWISE = 0.018
+INDEPENDENT = 1 / 3  # of neighbouring lines
+# Of azimuths about the direction from which a clear shadow comes (von Mises): `ashe-live bench fit-judge --sheets`.
+CONCENTRATION = 3.5
+LUMINANCE_BGR = np.array([0.0722, 0.7152, 0.2126])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SheetShadow:
+    """What is darker beyond the sheet's edges on one side than on the other."""
+
+    away: Float  # (2,) sides, marker frame: width times share of light lost, which points away from the light
+    clear: float  # 0 to 1, the share of its square that patterns and noise do not explain
+
+    def log_odds(self, to_light_marker: Float, concentration: float = CONCENTRATION) -> float:
+        """How much likelier this shadow is in such a light than in lights from anywhere, in nats.
+
+        Azimuths are von Mises distributed about where the shadow comes from, the narrower the clearer it is. A light
+        straight overhead has no azimuth, and the shadow says nothing of it.
+        """
+        across = float(np.hypot(*to_light_marker[:2]) * np.hypot(*self.away))
+        if across < 1e-9:
+            return 0.0
+        narrow = concentration * self.clear
+        return -narrow * float(to_light_marker[:2] @ self.away) / across - math.log(float(np.i0(narrow)))
+
+
+def sheet_shadow_in(view: View) -> SheetShadow | None:
+    """The shadow beside the sheet of `view`; None where its edges are not seen, or the marker is on no sheet."""
+    if view.body is not None:
+        return None
+    luminance = (LINEAR_FROM_SRGB_8BIT[view.image_bgr] @ LUMINANCE_BGR).astype(np.float32)
+    lines = _Lines(luminance, image_from_plane(view.camera, view.T_cam_marker), view.side_m)
+    sheet = view.sheet
+    edge = _edge_response(lines)
+    if edge is None:
+        return None
+    ends = (sheet.right, sheet.above, sheet.left, sheet.below)
+    strips = np.array([_strip(lines, side, end - ADDED, edge) for side, end in enumerate(ends)])
+    seen = np.isfinite(strips[:, 0])
+    if not seen.any():
+        return None
+    strips[~seen] = 0.0
+    # Nothing is brighter beside a sheet; and what is dark on all sides tells none of them.
+    dark = np.maximum(strips[:, 0], 0.0)
+    dark = np.maximum(dark - (dark.min() if seen.all() else 0.0), 0.0)
+    away = dark @ OUTWARDS
+    squared = float(away @ away)
+    noise = 0.5 * float((strips[:, 1] ** 2).sum())
+    return SheetShadow(away, squared / (squared + OTHERWISE**2 + noise))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lines:
+    """Samples of the picture along lines that run outwards across the sheet's sides."""
+
+    luminance: np.ndarray[tuple[int, ...], np.dtype[np.float32]]  # (h, w) linear
+    image_from_marker: Float  # (3, 3) of (x, y, 1) in metres
+    side_m: float
+
+    def across(self, side: int, outwards: Float) -> Float:
+        """(n, lines) luminance so many sides (n,) from the marker's centre; without lines that leave the picture."""
+        outward = OUTWARDS[side]
+        aside = np.array([-outward[1], outward[0]])
+        places = self.side_m * (outwards[:, None, None] * outward + ALONG[:, None] * aside)
+        pixels = np.insert(places, 2, 1.0, axis=-1) @ self.image_from_marker.T
+        if pixels[..., 2].min() <= 0:
+            return np.empty((len(outwards), 0))
+        x, y = np.moveaxis(pixels[..., :2] / pixels[..., 2:], -1, 0).astype(np.float32)
+        height, width = self.luminance.shape
+        seen = ((x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)).all(axis=0)
+        if seen.mean() < LEAST_SEEN:
+            return np.empty((len(outwards), 0))
+        return cv2.remap(self.luminance, x[:, seen], y[:, seen], cv2.INTER_LINEAR).astype(np.float64)
+
+    def px_per_side(self, side: int, outwards: float) -> float:
+        """Pixels across a side so many sides from the centre, along its outward line; 0 behind the camera."""
+        ends = np.array([(*(OUTWARDS[side] * self.side_m * (outwards + d)), 1.0) for d in (-0.05, 0.05)])
+        first, last = ends @ self.image_from_marker.T
+        if min(first[2], last[2]) <= 0:
+            return 0.0
+        return float(np.hypot(*(last[:2] / last[2] - first[:2] / first[2]))) / 0.1
+
+
+def _edge_response(lines: _Lines) -> tuple[Float, Float] | None:
+    """How the camera shows an edge, by those of the black square: (n,) px from where it is half-way, (n,) 0 to 1."""
+    away = np.arange(-BLUR_PX, BLUR_PX + STEP_PX / 2, STEP_PX)
+    responses = []
+    for side in range(4):
+        scale = lines.px_per_side(side, 0.5)
+        across = lines.across(side, 0.5 + away / scale) if scale else np.empty((0, 0))
+        if not across.size:
+            continue
+        profile = np.median(across, axis=1)
+        ink, paper = profile[:3].mean(), profile[-3:].mean()
+        if paper > ink:
+            responses.append((profile - ink) / (paper - ink))
+    if not responses:
+        return None
+    response = np.median(responses, axis=0)
+    return away - float(np.interp(0.5, np.maximum.accumulate(response), away)), response
+
+
+def _strip(lines: _Lines, side: int, end: float, edge: tuple[Float, Float]) -> tuple[float, float]:
+    """Width times share of light lost of the strip beyond the paper's end, and its deviation, in sides; NaN: not seen.
+
+    Fitted to the median of the lines: the step from paper to ground as the camera shows edges, its place within
+    EDGE_PX, and a strip of the width that fits best.
+    """
+    scale = lines.px_per_side(side, end)
+    nearby = np.arange(-SEARCHED, SEARCHED, STEP_PX / 2 / scale) if scale else np.empty(0)
+    around = lines.across(side, end + nearby) if len(nearby) > 6 else np.empty((0, 0))
+    if not around.size:
+        return math.nan, 0.0
+    slope = np.abs(np.gradient(cv2.GaussianBlur(np.median(around, axis=1), (0, 0), 2.0).ravel()))
+    end += float(nearby[3 + int(slope[3:-3].argmax())])
+    away = np.arange(-BLUR_PX, max(9.0, BESIDE * scale) + STEP_PX / 2, STEP_PX)
+    across = lines.across(side, end + away / scale)
+    if not across.size:
+        return math.nan, 0.0
+    ground = float(np.median(across[-max(6, int(GROUND * scale / STEP_PX)) :]))
+    paper = float(np.median(across[:5]))
+    if ground <= 0:
+        return math.nan, 0.0
+    lost = 1 - across / ground
+    median = np.median(lost, axis=1)
+    best: tuple[float, float, float, Float] | None = None
+    for width in WIDTHS_PX:
+        if width > max(WIDEST * scale, NARROW_PX):
+            break
+        step = _response(edge, away)
+        moved = (_response(edge, away + STEP_PX) - _response(edge, away - STEP_PX)) / (2 * STEP_PX)
+        terms = np.stack([np.ones_like(away), step, moved, step - _response(edge, away - width)], axis=1)
+        held = np.zeros((4, 4))
+        held[2, 2] = (NOISE / (EDGE_PX * max(abs(paper / ground - 1), 0.02))) ** 2
+        solved = np.linalg.solve(terms.T @ terms + held, terms.T)
+        found = solved @ median
+        cost = float(((median - terms @ found) ** 2).sum() + held[2, 2] * found[2] ** 2)
+        if best is None or cost < best[0]:
+            best = cost, width, float(found[3]), solved[3]
+    assert best is not None
+    cost, width, amplitude, weights = best
+    by_line = weights @ lost
+    spread = 1.25 * 1.48 * float(np.median(np.abs(by_line - np.median(by_line))))
+    deviation = math.hypot(spread / math.sqrt(INDEPENDENT * len(by_line)), 0.5 * math.sqrt(cost / len(away)))
+    if width > NARROW_PX and amplitude < LEAST_LOST:
+        amplitude = 0.0
+    return amplitude * width / scale, deviation * width / scale
+
+
+def _response(edge: tuple[Float, Float], away: Float) -> Float:
+    return np.interp(away, *edge, left=0.0, right=1.0)
