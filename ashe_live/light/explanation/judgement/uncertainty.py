@@ -38,13 +38,15 @@ class Calibration:
     doubt_rad: float  # sigma along each axis added to an answer of confidence 0
     doubt_power: float  # of the doubt 1 - confidence, by which that sigma falls
 
-    def covariance(self, fitted: FittedLight, confidence: float, tracked: TrackedFrame) -> Float:
+    def covariance(self, fitted: FittedLight, confidence: float, tracked: TrackedFrame | None) -> Float:
         """(2, 2) rad^2 on the direction's tangent basis, of all causes: outlines, pose, focal length, and doubt.
 
-        confidence: the probability that the outlines are the object's and its shadow's.
+        confidence: the probability that the outlines are the object's and its shadow's. tracked: the frame; None where
+        the outlines' part has the pose in it.
         """
         doubt = (self.doubt_rad * (1 - confidence) ** self.doubt_power) ** 2 * np.eye(2)
-        return np.asarray(self.of_outlines(fitted) + _covariance_of_pose(fitted.to_light_marker, tracked) + doubt)
+        by_pose = 0.0 if tracked is None else _covariance_of_pose(fitted.to_light_marker, tracked)
+        return np.asarray(self.of_outlines(fitted) + by_pose + doubt)
 
     def of_outlines(self, fitted: FittedLight) -> Float:
         """(2, 2) rad^2 on the direction's tangent basis, where the outlines are the object's and its shadow's."""

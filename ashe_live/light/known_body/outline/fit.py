@@ -91,13 +91,20 @@ def fitted(
     return _edge_fit(here, profiles, weight, step, prior, size or None, darkening)
 
 
-def looked_at_again(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32, room: Room, view: View) -> EdgeFit:
-    """`fit` with what is seen of its edges in another `room`, as beside lights that were not known when it was made."""
+def profiles_of(fit: EdgeFit, body: Proxy, picture: Float32, room: Room, view: View) -> Profiles | None:
+    """The edges of a fit's shadow in the picture; None where it has none there."""
     edges = shadow_edges(body, fit.light, view)
     if edges is None:
-        return fit
+        return None
     wanted_px = _windows_px(edges, BLUR_PX**2, fit.size_rad or 0.0, height_px(body, view))
-    profiles = Profiles.of(edges, wanted_px, picture, room)
+    return Profiles.of(edges, wanted_px, picture, room)
+
+
+def looked_at_again(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32, room: Room, view: View) -> EdgeFit:
+    """`fit` with what is seen of its edges in another `room`, as beside lights that were not known when it was made."""
+    profiles = profiles_of(fit, body, picture, room, view)
+    if profiles is None:
+        return fit
     clear = profiles.clear(darkening) if profiles.visible.any() else 0.0
     return replace(fit, clear=clear, seen=float(profiles.visible.mean()))
 
