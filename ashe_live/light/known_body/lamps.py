@@ -8,7 +8,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.found_light import FoundLight, room_beside
-from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, nearness_sigma
+from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, moved, nearness_sigma, profiles_of
+from ashe_live.light.known_body.outline.folded import beside_folds
+from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 
@@ -45,30 +47,47 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told:
         return one
     room = room_beside(seen, others)
     near = one.size_rad if is_told else None
-    fit = fitted(seen.body, one.light, one.darkening, seen.light, room, seen.view, with_nearness=True, size_rad=near)
+    fit = fitted(seen.body, one.casting, one.darkening, seen.light, room, seen.view, with_nearness=True, size_rad=near)
     if fit is None or not _is_as_good(fit, one.fit):
         # What was fitted as a lamp from the beginning is no sun with the same displacement.
         if len(one.fit.covariance) < 3:
             return one
         fit = one.fit
-    # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z) is its end.
-    height = height_of(seen.body)
-    end = fit.light[:2] / (1 - height * fit.light[3])
-    by_width = FOLDED * np.append(-end, 1 / height)
-    covariance = fit.covariance + np.outer(by_width, by_width)
-    sun, nearness, variance = _nearness(seen, fit.light, covariance, others)
+    by_edges, covariance = _of_folded_body(seen, fit, one.darkening, room)
+    sun, nearness, variance = _nearness(seen, by_edges, covariance, others)
     # By the edges, the displacement follows the nearness.
     by_nearness = covariance[:, 2] / covariance[2, 2]
-    light = _along(fit.light, by_nearness, np.array([nearness]))[0]
+    light = _along(by_edges, by_nearness, np.array([nearness]))[0]
+    fit = replace(fit, light=fit.light + light - by_edges)
     covariance = covariance + (variance - covariance[2, 2]) * np.outer(by_nearness, by_nearness)
     inverse_distance = nearness / float(np.linalg.norm(light[:3]))
     if nearness > LEAST_SIGMAS * math.sqrt(variance) and inverse_distance > LEAST_INVERSE_DISTANCE:
-        return replace(one, light=light, covariance=covariance, fit=replace(fit, light=light))
+        return replace(one, light=light, covariance=covariance, fit=fit, has_folds=seen.wobble is not None)
     if sun > 0.5:
         # As uncertain as a sun is by its edges, and as the nearness leaves it.
-        own = one.covariance[:2, :2] + variance * np.outer(by_nearness[:2], by_nearness[:2])
+        own = one.fit.covariance[:2, :2] + variance * np.outer(by_nearness[:2], by_nearness[:2])
         return replace(one, light=one.light * (1, 1, 1, 0), covariance=own)
-    return replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2], may_be_lamp=True)
+    return replace(
+        one,
+        light=light * (1, 1, 1, 0),
+        covariance=covariance[:2, :2],
+        fit=fit,
+        may_be_lamp=True,
+        has_folds=seen.wobble is not None,
+    )
+
+
+def _of_folded_body(seen: Seen, fit: EdgeFit, darkening: float, room: Room) -> tuple[Float, Float]:
+    """The lamp (4,) that a fit with its nearness tells, and its (3, 3) covariance, as the body may be off."""
+    height = height_of(seen.body)
+    profiles = None if seen.wobble is None else profiles_of(fit, seen.body, seen.light, room, seen.view)
+    if seen.wobble is None or profiles is None:
+        # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
+        end = fit.light[:2] / (1 - height * fit.light[3])
+        by_width = FOLDED * np.append(-end, 1 / height)
+        return fit.light, fit.covariance + np.outer(by_width, by_width)
+    step, covariance = beside_folds(fit.light, profiles, darkening, seen.wobble, height, with_nearness=True)
+    return moved(fit.light, step, height), covariance
 
 
 def _is_as_good(fit: EdgeFit, other: EdgeFit) -> bool:

@@ -127,7 +127,7 @@ class Folding:
             self._shape()
         self._numbers = numbers
         self._pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
-        self._wobble = self._wobble_of(pose_by_folds)
+        self._wobble = self._wobble_of(np.asarray(pose_by_folds, dtype=np.float64))
         return is_learned
 
     def _wobble_of(self, pose_by_folds: Float) -> Wobble:

@@ -63,7 +63,7 @@ def fitted(
     here, size, blur = light / light[2], size_rad or 0.0, BLUR_PX**2
     reaches = REACHES if size_rad is None else ()
     parameters = [0, 1, 3] if with_nearness else [0, 1]
-    start, prior = _prior(here, height_of(body), with_nearness)
+    start, prior = prior_of(here, height_of(body), with_nearness)
     tall_px = height_px(body, view)
     for number in range(MOST_ROUNDS):
         edges = shadow_edges(body, here, view)
@@ -85,7 +85,7 @@ def fitted(
         normal = weighted @ J + prior
         pull = weighted @ profiles.offset_px - prior @ (here[parameters] - start)
         step = np.linalg.solve(normal, pull)
-        here = _moved(here, step, height_of(body))
+        here = moved(here, step, height_of(body))
         if not is_first and np.abs(J @ step).max() < DONE_PX:
             break
     return _edge_fit(here, profiles, weight, step, prior, size or None, darkening)
@@ -125,7 +125,7 @@ def height_px(body: Proxy, view: View) -> float:
     return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
 
 
-def _prior(light: Float, height: float, with_nearness: bool) -> tuple[Float, Float]:
+def prior_of(light: Float, height: float, with_nearness: bool) -> tuple[Float, Float]:
     """(p,) mean and (p, p) information of a light's parameters before its edges are seen, by the start `light` (4,).
 
     In units of the residuals' weights. Where an edge is hidden, what it would tell stays as it was found. A start tells
@@ -146,17 +146,17 @@ def nearness_sigma(light: Float) -> float:
     return NEARNESS_SIGMA * math.sqrt(1 + float(light[:2] @ light[:2]))
 
 
-def _moved(light: Float, step: Float, height: float) -> Float:
+def moved(light: Float, step: Float, height: float) -> Float:
     """A light (4,) with z = 1 after a step (p,) of its parameters, over a body of some height.
 
     Its displacement changes by no more than half of that and one, and no lamp comes near the body.
     """
     most = 0.5 * math.hypot(1.0, float(np.hypot(*light[:2])))
-    moved = light.copy()
-    moved[:2] += step[:2] * min(1.0, most / max(float(np.hypot(*step[:2])), 1e-12))
+    there = light.copy()
+    there[:2] += step[:2] * min(1.0, most / max(float(np.hypot(*step[:2])), 1e-12))
     if len(step) > 2:
-        moved[3] = np.clip(moved[3] + step[2], -NEAREST / height, NEAREST / height)
-    return moved
+        there[3] = np.clip(there[3] + step[2], -NEAREST / height, NEAREST / height)
+    return there
 
 
 def _edge_fit(

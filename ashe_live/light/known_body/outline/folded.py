@@ -9,27 +9,33 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Wobble
-from ashe_live.light.known_body.outline.fit import EDGE_SIGMA_PX, LEAST_SHOWN, LEAST_SIGMA_PX, START_SIGMA
+from ashe_live.light.known_body.outline.fit import EDGE_SIGMA_PX, LEAST_SHOWN, LEAST_SIGMA_PX, prior_of
 from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE, Profiles
 
 ROUNDS = 4  # of reweighted least squares
 
 
 def beside_folds(
-    light: Float, profiles: Profiles, darkening: float, wobble: Wobble
+    light: Float, profiles: Profiles, darkening: float, wobble: Wobble, height: float, with_nearness: bool
 ) -> tuple[Float, Float]:
-    """(2,) by how much the displacement s of a sun (4,), z = 1, which lies on its edges, is off, and (2, 2) covariance.
+    """(p,) by how much a light (4,), z = 1, which lies on its edges, is off because the body is, and (p, p) covariance.
 
-    profiles: its edges. darkening: the part of the table's light that it gives.
+    Of s = (x, y) / z and, `with_nearness`, of w / z. profiles: its edges. darkening: the part of the table's light that
+    it gives, roughly. height: of the body.
     """
+    parameters = [0, 1, 3] if with_nearness else [0, 1]
     edges = profiles.edges
     count = len(edges.corners_px)
     # A whole side is off where stains, the hidden sky's gradient, or what bulges, shift it.
     by_sides = EDGE_SIGMA_PX * (edges.side[:, None] == np.arange(count))
     causes = np.concatenate([edges.by_wobble(wobble, light), by_sides], axis=1)
-    J = np.concatenate([edges.by_light[:, :2], causes], axis=1)
-    sigma = START_SIGMA * (1 + float(np.hypot(*light[:2])))
-    prior = np.diag(np.concatenate([np.full(2, sigma**-2), np.ones(causes.shape[1])]))
+    J = np.concatenate([edges.by_light[:, : len(parameters)], causes], axis=1)
+    start, of_light = prior_of(light, height, with_nearness)
+    of_light = of_light / (EDGE_SIGMA_PX**2 * POINTS_A_SAMPLE)
+    prior = np.eye(J.shape[1])
+    prior[: len(parameters), : len(parameters)] = of_light
+    to_start = np.zeros(J.shape[1])
+    to_start[: len(parameters)] = of_light @ (start - light[parameters])
     left_px, variance = profiles.offset_px, EDGE_SIGMA_PX**2
     for number in range(ROUNDS):
         weight = profiles.weights(darkening, 2.0 if number == 0 else 1.0, left_px)
@@ -37,7 +43,7 @@ def beside_folds(
         weight = weight * shown[edges.side]
         weighted = J.T * (weight / (POINTS_A_SAMPLE * variance))
         covariance = np.linalg.inv(weighted @ J + prior)
-        step = covariance @ (weighted @ profiles.offset_px)
+        step = covariance @ (weighted @ profiles.offset_px + to_start)
         left_px = profiles.offset_px - J @ step
         variance = float((weight * left_px**2).sum() / max(float(weight.sum()), 1e-9)) + LEAST_SIGMA_PX**2
-    return step[:2], covariance[:2, :2]
+    return step[: len(parameters)], covariance[: len(parameters), : len(parameters)]
