@@ -53,41 +53,37 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told:
         if len(one.fit.covariance) < 3:
             return one
         fit = one.fit
-    by_edges, covariance = _of_folded_body(seen, fit, one.darkening, room)
+    by_edges, covariance, has_folds = _of_folded_body(seen, fit, one.darkening, room)
     sun, nearness, variance = _nearness(seen, by_edges, covariance, others)
     # By the edges, the displacement follows the nearness.
     by_nearness = covariance[:, 2] / covariance[2, 2]
     light = _along(by_edges, by_nearness, np.array([nearness]))[0]
-    fit = replace(fit, light=fit.light + light - by_edges)
     covariance = covariance + (variance - covariance[2, 2]) * np.outer(by_nearness, by_nearness)
     inverse_distance = nearness / float(np.linalg.norm(light[:3]))
     if nearness > LEAST_SIGMAS * math.sqrt(variance) and inverse_distance > LEAST_INVERSE_DISTANCE:
-        return replace(one, light=light, covariance=covariance, fit=fit, has_folds=seen.wobble is not None)
+        fit = replace(fit, light=fit.light + light - by_edges)
+        return replace(one, light=light, covariance=covariance, fit=fit, has_folds=has_folds)
     if sun > 0.5:
         # As uncertain as a sun is by its edges, and as the nearness leaves it.
         own = one.fit.covariance[:2, :2] + variance * np.outer(by_nearness[:2], by_nearness[:2])
-        return replace(one, light=one.light * (1, 1, 1, 0), covariance=own)
-    return replace(
-        one,
-        light=light * (1, 1, 1, 0),
-        covariance=covariance[:2, :2],
-        fit=fit,
-        may_be_lamp=True,
-        has_folds=seen.wobble is not None,
-    )
+        return replace(one, light=one.light * (1, 1, 1, 0), covariance=own, has_folds=False)
+    sun_or_lamp = replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2])
+    return replace(sun_or_lamp, may_be_lamp=True, has_folds=has_folds)
 
 
-def _of_folded_body(seen: Seen, fit: EdgeFit, darkening: float, room: Room) -> tuple[Float, Float]:
-    """The lamp (4,) that a fit with its nearness tells, and its (3, 3) covariance, as the body may be off."""
+def _of_folded_body(seen: Seen, fit: EdgeFit, darkening: float, room: Room) -> tuple[Float, Float, bool]:
+    """The lamp (4,) that a fit with its nearness tells, its (3, 3) covariance, as the body may be off, and whether that
+    has in it how the body's frame may be off.
+    """
     height = height_of(seen.body)
     profiles = None if seen.wobble is None else profiles_of(fit, seen.body, seen.light, room, seen.view)
     if seen.wobble is None or profiles is None:
         # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
         end = fit.light[:2] / (1 - height * fit.light[3])
         by_width = FOLDED * np.append(-end, 1 / height)
-        return fit.light, fit.covariance + np.outer(by_width, by_width)
+        return fit.light, fit.covariance + np.outer(by_width, by_width), False
     step, covariance = beside_folds(fit.light, profiles, darkening, seen.wobble, height, with_nearness=True)
-    return moved(fit.light, step, height), covariance
+    return moved(fit.light, step, height), covariance, True
 
 
 def _is_as_good(fit: EdgeFit, other: EdgeFit) -> bool:
