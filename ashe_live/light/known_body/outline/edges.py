@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy, Wobble
-from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
@@ -29,22 +28,23 @@ class ShadowEdges:
     to_corner_px: Float  # (n,) distance from the nearer end of that side
     by_light: Float  # (n, 3) pixels along the normal by s_x, s_y and by w / z, 1/m
     by_size: Float  # (n,) standard deviation, pixels, of the penumbra of a light of 1 rad
-    places: Float  # (n, 3) metres on the plane, marker frame
+    places: Float  # (n, 2) metres on the plane, marker frame
     by_place: Float  # (n, 3) pixels along the normal by metres of such a place
-    cast_by: NDArray[np.intp]  # (2, n) numbers of the body's points between which each is cast
-    way: Float  # (n,) how far from the first of them to the second
+    rim: NDArray[np.intp]  # (m,) numbers of the body's points that cast the corners
+    way: Float  # (n,) how far what casts each point is from that of its side's first corner to that of the next
     height_left: Float  # (n,) of the light's height, above what casts each: 1 of a sun
 
     def by_wobble(self, wobble: Wobble, light: Float) -> Float:
         """(n, r) pixels along the normal by each cause of a body's and its frame's errors, in the light (4,)."""
-        turned = np.cross(self.places, self.by_place)
+        turned = np.cross(np.column_stack([self.places, np.zeros(len(self.places))]), self.by_place)
         by_pose = np.concatenate([turned, self.by_place], axis=1) @ wobble.pose
-        first, second = wobble.points[self.cast_by]
+        at_corners = wobble.points[self.rim]
+        first, second = at_corners[self.side], at_corners[(self.side + 1) % len(self.rim)]
         moved = first + self.way[:, None, None] * (second - first)
         s, nearness = light[:2] / light[2], float(nearness_of(light))
         # A point at the height z casts its shadow at (x, y) - s z over 1 - z w.
         across = self.by_place[:, :2]
-        down = -(across * (s - nearness * self.places[:, :2])).sum(axis=1)
+        down = -(across * (s - nearness * self.places)).sum(axis=1)
         by_point = np.column_stack([across, down]) / self.height_left[:, None]
         return np.asarray(by_pose + (by_point[:, :, None] * moved).sum(axis=1))
 
@@ -55,11 +55,10 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     cast = cast_on_ground(points, light)
     if cast is None:
         return None
-    rim = cv2.convexHull(cast[:, :2].astype(np.float32), returnPoints=False)[:, 0]
+    rim = cv2.convexHull(cast[:, :2].astype(np.float32), returnPoints=False)[:, 0].astype(np.intp)
     corners, casting = cast[rim, :2], points[rim]
-    H = image_from_plane(view.camera, view.T_cam_marker)
-    upwards = view.camera.K @ view.T_cam_marker[:3, 2]
-    image = corners @ H[:, :2].T + H[:, 2]
+    in_image = view.camera.K @ view.T_cam_marker[:3]
+    image = corners @ in_image[:, :2].T + in_image[:, 3]
     depths = image[:, 2]
     if len(rim) < 3 or not depths.min() > 0:
         return None
@@ -74,8 +73,7 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     is_clockwise = (pixels[:, 0] * sides[:, 1] - pixels[:, 1] * sides[:, 0]).sum() > 0
     outwards = outwards if is_clockwise else -outwards
     # A place's pixel moves along the side's normal by this over its depth, as that line's homogeneous vector says.
-    by_metres = np.column_stack([H[:, :2], upwards])
-    across_depth = outwards @ by_metres[:2] - (outwards * pixels).sum(axis=1)[:, None] * by_metres[2]
+    across_depth = outwards @ in_image[:2, :3] - (outwards * pixels).sum(axis=1)[:, None] * in_image[2, :3]
 
     ends = lengths_px.cumsum()
     at = EVENLY * ends[-1]
@@ -96,7 +94,8 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
 
     by_place = across_depth[side] / depth[:, None]
     across = by_place[:, :2]
-    lower = origin[:, 2] / (1 - origin[:, 2] * nearness)
+    height_left = 1 - origin[:, 2] * nearness
+    lower = origin[:, 2] / height_left
     by_light = np.column_stack([-across * lower[:, None], (across * places).sum(axis=1) * lower])
     offsets = (light[:3] - light[3] * origin) / np.linalg.norm(light[:3])
     by_size = _penumbra(across, lower, offsets)
@@ -109,11 +108,11 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
         to_corner_px,
         by_light,
         by_size,
-        np.column_stack([places, np.zeros(len(places))]),
+        places,
         by_place,
-        np.stack([rim[side], rim[stop]]),
+        rim,
         way,
-        1 - origin[:, 2] * nearness,
+        height_left,
     )
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.profiles import LEAST_PX, POINTS_A_SAMPLE, Profiles
@@ -159,6 +159,19 @@ def moved(light: Float, step: Float, height: float) -> Float:
     return there
 
 
+def telling_sides(profiles: Profiles, weight: Float, darkening: float, with_nearness: bool) -> Mask:
+    """(m,) which sides of an outline tell where it lies, by the weights (n,) of its points.
+
+    One that shows an edge in few places, by chance or by its neighbours', may lead a fit but tells nothing.
+    """
+    side, count = profiles.edges.side, len(profiles.edges.corners_px)
+    shown = np.bincount(side, weight, count) >= LEAST_SHOWN * np.bincount(side, profiles.visible, count)
+    if with_nearness:
+        # A lamp's shadow that leaves the picture may end nearly anywhere, and comes to rest on any step by chance.
+        shown &= profiles.are_edges(darkening) | ~profiles.are_cut_off()
+    return np.asarray(shown)
+
+
 def _edge_fit(
     light: Float,
     profiles: Profiles,
@@ -174,18 +187,12 @@ def _edge_fit(
     left_px = profiles.offset_px - J @ step
     variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
     visible = profiles.visible
-    # A side that shows an edge in few places, by chance or by its neighbours', has led the fit but tells nothing.
-    count = len(edges.corners_px)
-    shown = np.bincount(edges.side, weight, count) >= LEAST_SHOWN * np.bincount(edges.side, visible, count)
-    if with_nearness:
-        # A lamp's shadow that leaves the picture may end nearly anywhere, and comes to rest on any step by chance.
-        shown &= profiles.are_edges(darkening) | ~profiles.are_cut_off()
-    told = weight * shown[edges.side]
+    told = weight * telling_sides(profiles, weight, darkening, with_nearness)[edges.side]
     inverse = np.linalg.inv((J.T * told) @ J + prior)
     # What the edges leave open is as open as before, however well they fit.
     by_prior = max(EDGE_SIGMA_PX**2 - variance, 0.0) * inverse @ prior @ inverse
     # Neighbouring points err alike, and a whole side does where stains, folds or the hidden sky's gradient shift it.
-    by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(count)[:, None]) * told) @ J @ inverse
+    by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(len(edges.corners_px))[:, None]) * told) @ J @ inverse
     return EdgeFit(
         light,
         np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),

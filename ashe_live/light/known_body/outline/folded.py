@@ -9,7 +9,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Wobble
-from ashe_live.light.known_body.outline.fit import EDGE_SIGMA_PX, LEAST_SHOWN, LEAST_SIGMA_PX, prior_of
+from ashe_live.light.known_body.outline.fit import EARLY_LOSS, EDGE_SIGMA_PX, LEAST_SIGMA_PX, prior_of, telling_sides
 from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE, Profiles
 
 ROUNDS = 4  # of reweighted least squares
@@ -25,9 +25,8 @@ def beside_folds(
     """
     parameters = [0, 1, 3] if with_nearness else [0, 1]
     edges = profiles.edges
-    count = len(edges.corners_px)
     # A whole side is off where stains, the hidden sky's gradient, or what bulges, shift it.
-    by_sides = EDGE_SIGMA_PX * (edges.side[:, None] == np.arange(count))
+    by_sides = EDGE_SIGMA_PX * (edges.side[:, None] == np.arange(len(edges.corners_px)))
     causes = np.concatenate([edges.by_wobble(wobble, light), by_sides], axis=1)
     J = np.concatenate([edges.by_light[:, : len(parameters)], causes], axis=1)
     start, of_light = prior_of(light, height, with_nearness)
@@ -38,9 +37,8 @@ def beside_folds(
     to_start[: len(parameters)] = of_light @ (start - light[parameters])
     left_px, variance = profiles.offset_px, EDGE_SIGMA_PX**2
     for number in range(ROUNDS):
-        weight = profiles.weights(darkening, 2.0 if number == 0 else 1.0, left_px)
-        shown = np.bincount(edges.side, weight, count) >= LEAST_SHOWN * np.bincount(edges.side, profiles.visible, count)
-        weight = weight * shown[edges.side]
+        weight = profiles.weights(darkening, EARLY_LOSS if number == 0 else 1.0, left_px)
+        weight = weight * telling_sides(profiles, weight, darkening, with_nearness)[edges.side]
         weighted = J.T * (weight / (POINTS_A_SAMPLE * variance))
         covariance = np.linalg.inv(weighted @ J + prior)
         step = covariance @ (weighted @ profiles.offset_px + to_start)
