@@ -14,8 +14,8 @@ from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 
-# Standard deviation of the body's width over its height, as paper is folded by hand: a body wider by a hundredth
-# throws the shadow of a lamp whose w / z is larger by a hundredth over that height.
+# Standard deviation of the body's width over its height, of bodies of which nothing tells how they may be off: one
+# wider by a hundredth throws the shadow of a lamp whose w / z is larger by a hundredth over that height.
 FOLDED = 0.017
 LAMP_ODDS = 0.5  # of a lamp near by over a sun, or what is as far as one, before the picture is seen
 LEAST_SIGMAS = 4.0  # standard errors by which the nearness of a lamp must differ from that of a sun, 0
