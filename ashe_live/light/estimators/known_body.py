@@ -111,7 +111,7 @@ def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight
 def _light(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
     """The light as stated; taken: (3,) part of the table's light that it gives, R, G, B."""
     by_edges = found.fitted
-    covariance = CALIBRATION.covariance(by_edges, found.confidence, None if found.has_folds else tracked)
+    covariance = CALIBRATION.covariance(by_edges, found.confidence, tracked, found.has_folds)
     left = np.clip(1 - taken, 1e-3, 1.0)
     light = Light(
         by_edges.to_light_marker, covariance, radius_of_68_percent(covariance), found.confidence, shadow_rgb_ratio=left

@@ -163,5 +163,5 @@ def test_frame_and_faces_wobble_as_the_picture_lets_them() -> None:
     # On the upper rim, as what stands on the table moves with the frame alone.
     above = points[:, 2] > EDGE_M / 2
     assert np.sqrt((together[above] ** 2).sum()) < 0.5 * np.sqrt((by_frame[above] ** 2).sum())
-    # And the frame's turn is as uncertain as the pose's.
+    # And the frame's turn is as uncertain as folds make the pose's.
     assert wobble.pose[:3] @ wobble.pose[:3].T == pytest.approx(folding.pose_covariance[:3, :3], rel=1e-6, abs=1e-12)
