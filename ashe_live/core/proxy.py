@@ -80,6 +80,25 @@ class Proxy:
         return points, triangles
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Wobble:
+    """How a body and the frame in which it stands on its plane may be off together: independent causes, r of them.
+
+    Each as far as it goes in one standard deviation.
+    """
+
+    pose: Float  # (6, r) of the frame, marker's axes: its turn about its origin, rad, and its shift, metres
+    points: Float  # (m, 3, r) of the body's points in it, metres
+
+    def __post_init__(self) -> None:
+        causes = np.shape(self.pose)[-1]
+        set_frozen(
+            self,
+            pose=frozen_floats(self.pose, (6, causes), "pose"),
+            points=frozen_floats(self.points, (-1, 3, causes), "points"),
+        )
+
+
 @cache
 def _circle(around: int) -> Float:
     """(around, 2) points of the unit circle."""

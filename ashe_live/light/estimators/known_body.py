@@ -12,10 +12,13 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
-from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, masks_of
+from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, masks_of, room_beside
 from ashe_live.light.known_body.lights import Found, lights_of
+from ashe_live.light.known_body.outline.fit import moved, profiles_of
+from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.ambient import open_sky_rgb, sky_slope_rgb
+from ashe_live.light.known_body.table import height_of
 from ashe_live.light.lamps.lamp import with_size
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.pixels.view import View
@@ -40,7 +43,8 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     """
     clock = StageClock()
     view = View.of(tracked, width_px)
-    seen = Seen.of(view, body)
+    assert tracked.marker is not None
+    seen = Seen.of(view, body, tracked.marker.wobble)
     clock.end("segment")
 
     def none(reason: str) -> tuple[LightEstimate, View]:
@@ -82,17 +86,32 @@ def _illumination(seen: Seen, found: Sequence[FoundLight], dark: Float, tracked:
 
     dark: (l, 3) part of the table's light that each light gives, R, G, B.
     """
-    lights = [_light(each, taken, tracked) for each, taken in zip(found, dark, strict=True)]
+    stated = [_sun_beside_folds(seen, each, [one for one in found if one is not each]) for each in found]
+    lights = [_light(each, taken, tracked) for each, taken in zip(stated, dark, strict=True)]
     sky = open_sky_rgb(seen, found, dark)
     slope = sky_slope_rgb(seen, found, dark, sky)
     leaning = slope if slope.any() else None
     return Illumination(tuple(lights), sky, seen.lit_rgb, seen.body, sky_slope_rgb=leaning)
 
 
+def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight]) -> FoundLight:
+    """The light by its shadow's edges as the body may be off; lamps, and what may be one, have been told so before."""
+    fit = found.fit
+    if fit is None or seen.wobble is None or found.is_lamp or found.may_be_lamp or fit.light[3] != 0:
+        return found
+    profiles = profiles_of(fit, seen.body, seen.light, room_beside(seen, others), seen.view)
+    if profiles is None:
+        return found
+    height = height_of(seen.body)
+    step, covariance = beside_folds(fit.light, profiles, found.darkening, seen.wobble, height, with_nearness=False)
+    covariance = covariance + found.covariance[:2, :2] - fit.covariance[:2, :2]
+    return replace(found, light=moved(fit.light, step, height), covariance=covariance, has_folds=True)
+
+
 def _light(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
     """The light as stated; taken: (3,) part of the table's light that it gives, R, G, B."""
     by_edges = found.fitted
-    covariance = CALIBRATION.covariance(by_edges, found.confidence, tracked)
+    covariance = CALIBRATION.covariance(by_edges, found.confidence, tracked, found.has_folds)
     left = np.clip(1 - taken, 1e-3, 1.0)
     light = Light(
         by_edges.to_light_marker, covariance, radius_of_68_percent(covariance), found.confidence, shadow_rgb_ratio=left

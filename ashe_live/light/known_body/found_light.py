@@ -39,6 +39,7 @@ class FoundLight:
     confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
     around: float = 0.0  # that it is within twice as much, where there surely is a light
     may_be_lamp: bool = False  # whether it likelier is a lamp than a sun, whose distance is not told well enough
+    has_folds: bool = False  # whether the covariance has in it how the body and its frame may be off
     exists: float | None = None  # probability that there is one, of a hidden light, and of others once that is asked
 
     @property
@@ -53,8 +54,10 @@ class FoundLight:
 
     @property
     def casting(self) -> Float:
-        """(4,) the light whose shadow lies on the edges: where it may be a lamp, not the sun that is stated."""
-        return self.fit.light if self.may_be_lamp and self.fit is not None else self.light
+        """(4,) the light whose shadow lies on the edges: not that which is stated, where a body is folded badly or the
+        light may be a lamp.
+        """
+        return self.light if self.fit is None else self.fit.light
 
     def sun_alike(self, height: float) -> Float:
         """(3,) the direction of the sun in which the shadow of a body of some height ends where it does in this light.

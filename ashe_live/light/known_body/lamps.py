@@ -8,12 +8,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.found_light import FoundLight, room_beside
-from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, nearness_sigma
+from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, moved, nearness_sigma, profiles_of
+from ashe_live.light.known_body.outline.folded import beside_folds
+from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 
-# Standard deviation of the body's width over its height, as paper is folded by hand: a body wider by a hundredth
-# throws the shadow of a lamp whose w / z is larger by a hundredth over that height.
+# Standard deviation of the body's width over its height, of bodies of which nothing tells how they may be off: one
+# wider by a hundredth throws the shadow of a lamp whose w / z is larger by a hundredth over that height.
 FOLDED = 0.017
 LAMP_ODDS = 0.5  # of a lamp near by over a sun, or what is as far as one, before the picture is seen
 LEAST_SIGMAS = 4.0  # standard errors by which the nearness of a lamp must differ from that of a sun, 0
@@ -45,30 +47,43 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told:
         return one
     room = room_beside(seen, others)
     near = one.size_rad if is_told else None
-    fit = fitted(seen.body, one.light, one.darkening, seen.light, room, seen.view, with_nearness=True, size_rad=near)
+    fit = fitted(seen.body, one.casting, one.darkening, seen.light, room, seen.view, with_nearness=True, size_rad=near)
     if fit is None or not _is_as_good(fit, one.fit):
         # What was fitted as a lamp from the beginning is no sun with the same displacement.
         if len(one.fit.covariance) < 3:
             return one
         fit = one.fit
-    # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z) is its end.
-    height = height_of(seen.body)
-    end = fit.light[:2] / (1 - height * fit.light[3])
-    by_width = FOLDED * np.append(-end, 1 / height)
-    covariance = fit.covariance + np.outer(by_width, by_width)
-    sun, nearness, variance = _nearness(seen, fit.light, covariance, others)
+    by_edges, covariance, has_folds = _of_folded_body(seen, fit, one.darkening, room)
+    sun, nearness, variance = _nearness(seen, by_edges, covariance, others)
     # By the edges, the displacement follows the nearness.
     by_nearness = covariance[:, 2] / covariance[2, 2]
-    light = _along(fit.light, by_nearness, np.array([nearness]))[0]
+    light = _along(by_edges, by_nearness, np.array([nearness]))[0]
     covariance = covariance + (variance - covariance[2, 2]) * np.outer(by_nearness, by_nearness)
     inverse_distance = nearness / float(np.linalg.norm(light[:3]))
     if nearness > LEAST_SIGMAS * math.sqrt(variance) and inverse_distance > LEAST_INVERSE_DISTANCE:
-        return replace(one, light=light, covariance=covariance, fit=replace(fit, light=light))
+        fit = replace(fit, light=fit.light + light - by_edges)
+        return replace(one, light=light, covariance=covariance, fit=fit, has_folds=has_folds)
     if sun > 0.5:
         # As uncertain as a sun is by its edges, and as the nearness leaves it.
-        own = one.covariance[:2, :2] + variance * np.outer(by_nearness[:2], by_nearness[:2])
-        return replace(one, light=one.light * (1, 1, 1, 0), covariance=own)
-    return replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2], may_be_lamp=True)
+        own = one.fit.covariance[:2, :2] + variance * np.outer(by_nearness[:2], by_nearness[:2])
+        return replace(one, light=one.light * (1, 1, 1, 0), covariance=own, has_folds=False)
+    sun_or_lamp = replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2])
+    return replace(sun_or_lamp, may_be_lamp=True, has_folds=has_folds)
+
+
+def _of_folded_body(seen: Seen, fit: EdgeFit, darkening: float, room: Room) -> tuple[Float, Float, bool]:
+    """The lamp (4,) that a fit with its nearness tells, its (3, 3) covariance, as the body may be off, and whether that
+    has in it how the body's frame may be off.
+    """
+    height = height_of(seen.body)
+    profiles = None if seen.wobble is None else profiles_of(fit, seen.body, seen.light, room, seen.view)
+    if seen.wobble is None or profiles is None:
+        # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
+        end = fit.light[:2] / (1 - height * fit.light[3])
+        by_width = FOLDED * np.append(-end, 1 / height)
+        return fit.light, fit.covariance + np.outer(by_width, by_width), False
+    step, covariance = beside_folds(fit.light, profiles, darkening, seen.wobble, height, with_nearness=True)
+    return moved(fit.light, step, height), covariance, True
 
 
 def _is_as_good(fit: EdgeFit, other: EdgeFit) -> bool:

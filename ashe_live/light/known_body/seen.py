@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask, upper_quantile
-from ashe_live.core.proxy import Proxy
+from ashe_live.core.proxy import Proxy, Wobble
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
@@ -73,13 +73,14 @@ class Seen:
     templates: Templates  # everywhere that a light is looked for
     measured: Measured
     observed: Observed  # by the mean of the channels
+    wobble: Wobble | None = None  # how the body and its frame may be off
     # What was asked for, by the known lights.
     _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
     _rims: dict[bytes, tuple[Float, Float]] = field(default_factory=dict, init=False)
     _edges: dict[bytes, ShadowEdges | None] = field(default_factory=dict, init=False)  # of lights
 
     @staticmethod
-    def of(view: View, body: Proxy) -> "Seen | None":
+    def of(view: View, body: Proxy, wobble: Wobble | None = None) -> "Seen | None":
         """None where next to nothing of the table is in view."""
         picture = linear_picture(view)
         table = table_around(view, body, picture)
@@ -94,7 +95,7 @@ class Seen:
         measured = Measured(table, relative, facets, PAPER * lit_rgb * sent)
         observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
         is_table, room = observed.weight.reshape(SIDE, SIDE) > 0, Room.of(view, body)
-        return Seen(view, body, picture, light, lit_rgb, is_table, room, templates, measured, observed)
+        return Seen(view, body, picture, light, lit_rgb, is_table, room, templates, measured, observed, wobble)
 
     def in_light_of(self, lights: Float, darkenings: Float) -> "Seen":
         """The same with the lit table at the body's foot as the measure, which in a lamp's light is as bright nowhere.

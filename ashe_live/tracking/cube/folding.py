@@ -15,7 +15,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.proxy import Proxy
+from ashe_live.core.proxy import Proxy, Wobble
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
 from ashe_live.tracking.poses.pose import Sighting, corners_information, corners_noise
@@ -51,6 +51,7 @@ class Folding:
         self._frames = self._seen_in = 0
         self._numbers: tuple[int, ...] = ()  # of the faces whose pose `pose_covariance` is of
         self._pose_covariance = np.diag(1 / prior[:EACH])
+        self._wobble: Wobble | None = None
         self._folds = np.zeros((len(FACES), EACH))
         self._shape()
 
@@ -81,10 +82,11 @@ class Folding:
     def stated(self, pose: MarkerPose) -> MarkerPose:
         """`pose` with the cube's body, and as uncertain as the folds make it."""
         if pose.covariance is None:
-            return replace(pose, body=self.body)
+            return replace(pose, body=self.body, wobble=self._wobble)
         by_middle = self._pose_by_middle(pose.T_cam_marker)
         by_folds = by_middle @ self.pose_covariance @ by_middle.T
-        return replace(pose, body=self.body, covariance=pose.covariance + 0.5 * (by_folds + by_folds.T))
+        covariance = pose.covariance + 0.5 * (by_folds + by_folds.T)
+        return replace(pose, body=self.body, wobble=self._wobble, covariance=covariance)
 
     def add(self, squares: Mapping[int, Sighting], T_cam_cube: Float, camera: Camera) -> bool:
         """Learns from a frame's faces by number, seen from `T_cam_cube`; returns whether the shape has changed."""
@@ -125,7 +127,26 @@ class Folding:
             self._shape()
         self._numbers = numbers
         self._pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
+        self._wobble = self._wobble_of(np.asarray(pose_by_folds, dtype=np.float64))
         return is_learned
+
+    def _wobble_of(self, pose_by_folds: Float) -> Wobble:
+        """How the body and its frame may be off together, where the pose gives way to folds by `pose_by_folds` (6, 30).
+
+        A face that is turned turns the frame the other way, as its picture is what it is.
+        """
+        causes = np.linalg.cholesky(self._covariance)
+        at_origin = np.eye(EACH)
+        at_origin[3:, :3] = _crosses(np.array([(0, 0, 0.5 * self._edge_m)]))[0]
+        points = self.body.spheroids_marker[:, :3]
+        moved = np.zeros((len(points), 3, self._folds.size))
+        for number, face in enumerate(FACES):
+            rows = slice(4 * number, 4 * number + 4)
+            arms = points[rows] - self._edge_m * face.centre - self._folds[number, 3:]
+            by_fold = np.concatenate([-_crosses(arms), np.tile(np.eye(3), (4, 1, 1))], axis=2)
+            by_fold[points[rows, 2] <= 0, 2] = 0.0  # it stands on the table, however deep its corner would be
+            moved[rows, :, EACH * number : EACH * number + EACH] = by_fold
+        return Wobble(-at_origin @ pose_by_folds @ causes, moved @ causes)
 
     def _pixels_by_folds(self, numbers: Sequence[int], points: Float, by_points: Float) -> Float:
         """(8 n, 30) derivatives of the pixels of n faces' corners (4 n, 3) by all folds; by_points: by the corners."""

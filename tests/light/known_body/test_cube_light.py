@@ -7,7 +7,9 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.cube.scenes import CubeSet
+from ashe_live.bench.cube.scenes import SETS, CubeSet
+from ashe_live.bench.cube.shadow_in_view import is_seen
+from ashe_live.bench.metrics import ELLIPSE_95, squared_sigmas
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
@@ -152,3 +154,26 @@ def test_lights_that_come_within_the_maps_resolution_are_one() -> None:
     apart = [FoundLight(sun(azimuth, 50).point, np.eye(2), None, 0.3) for azimuth in (0, 30, 200)]
     assert are_apart(apart, EDGE_M)
     assert not are_apart([*apart, FoundLight(sun(35, 50).point, np.eye(2), None, 0.3)], EDGE_M)
+
+
+def test_a_crooked_cubes_light_is_told_better_by_how_its_folds_move_the_shadow() -> None:
+    """Than by the shadow of the body as it was tracked, root mean square over suns; and its covariance holds."""
+    crooked = next(each for each in SETS if each.name == "sun, crooked")
+    squared, sigmas = [], []
+    for scene in crooked.scenes(12, 3):
+        true = scene.lights[0].point
+        tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+        assert tracked.marker is not None
+        perfect = dataclasses.replace(tracked, marker=dataclasses.replace(tracked.marker, wobble=None))
+        answers = [make_estimator("proxy").estimate(each).lights for each in (tracked, perfect)]
+        if not is_seen(scene, true) or not all(answers):
+            continue
+        squared.append([off_deg(lights[0].to_light_marker, true) ** 2 for lights in answers])
+        light = answers[0][0]
+        assert light.covariance_rad2 is not None
+        sigmas.append(squared_sigmas(light.to_light_marker, light.covariance_rad2, true[:3]))
+    assert len(squared) >= 8
+    beside_folds, as_tracked = np.sqrt(np.mean(squared, axis=0))
+    assert beside_folds < 0.9 * as_tracked
+    assert np.median(sigmas) < 2.5
+    assert max(sigmas) < 2 * ELLIPSE_95

@@ -1,10 +1,11 @@
 """How a shadow's edges move with the light, and how its penumbra widens: against finite differences."""
 
+import cv2
 import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import Proxy
+from ashe_live.core.proxy import Proxy, Wobble
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
@@ -15,14 +16,19 @@ from tests.painted_cubes import CAMERA, EDGE_M, looking
 BODY = Proxy("box", np.column_stack([EDGE_M * CORNERS, np.zeros((8, 2))]))
 
 
-def view() -> View:
+def view(moved: Float | None = None) -> View:
+    """moved: (6,) a turn and a shift of the marker in its own axes."""
     T = looking(0.5, 45, 30)
+    if moved is not None:
+        step = np.eye(4)
+        step[:3, :3], step[:3, 3] = cv2.Rodrigues(moved[:3])[0], moved[3:]
+        T = T @ step
     marker = MarkerPose(T, np.zeros((4, 2)), EDGE_M, 0.0, None, body=BODY)
     return View.of(TrackedFrame(Frame(np.full((480, 640, 3), 90, np.uint8), 0, 0.0), CAMERA, marker), 640)
 
 
-def edges_of(light: Float) -> ShadowEdges:
-    edges = shadow_edges(BODY, light, view())
+def edges_of(light: Float, body: Proxy = BODY, moved: Float | None = None) -> ShadowEdges:
+    edges = shadow_edges(body, light, view(moved))
     assert edges is not None
     return edges
 
@@ -40,17 +46,46 @@ def test_a_points_movement_is_its_edges_lines(light: tuple[float, ...], number: 
     small = 1e-5
     moved = here.copy()
     moved[(0, 1, 3)[number]] += small
-    after = edges_of(moved)
+    assert_moves(edges, edges_of(moved), edges.by_light[:, number], small)
+
+
+@pytest.mark.parametrize("light", [(0.9, -0.5, 1.0, 0.0), (-0.4, 0.7, 1.0, 2.5)])
+@pytest.mark.parametrize("number", range(6))
+def test_a_frame_that_is_off_moves_the_edges(light: tuple[float, ...], number: int) -> None:
+    small, here = 1e-6, np.array(light)
+    edges = edges_of(here)
+    moved = small * np.eye(6)[number]
+    by_frame = edges.by_wobble(Wobble(np.eye(6)[:, [number]], np.zeros((8, 3, 1))), here)[:, 0]
+    assert_moves(edges, edges_of(here, moved=moved), by_frame, small)
+
+
+@pytest.mark.parametrize("light", [(0.9, -0.5, 1.0, 0.0), (-0.4, 0.7, 1.0, 2.5)])
+@pytest.mark.parametrize("axis", range(3))
+def test_a_body_that_is_off_moves_the_edges(light: tuple[float, ...], axis: int) -> None:
+    """Each of its upper points by another way."""
+    small, here = 1e-6, np.array(light)
+    edges = edges_of(here)
+    points = np.zeros((8, 3, 1))
+    points[4:, axis, 0] = 1.0, -0.5, 0.7, 0.2
+    spheroids = BODY.spheroids_marker.copy()
+    spheroids[:, :3] += small * points[..., 0]
+    by_points = edges.by_wobble(Wobble(np.zeros((6, 1)), points), here)[:, 0]
+    assert np.abs(by_points).max() > 0
+    assert_moves(edges, edges_of(here, Proxy("box", spheroids)), by_points, small, turning=1e-4)
+
+
+def assert_moves(edges: ShadowEdges, after: ShadowEdges, rate: Float, small: float, turning: float = 1e-6) -> None:
+    """Whether outlines move by `rate` (n,) pixels over `small`; turning: of an edge that is the same, at most."""
     compared = 0
     for index in np.flatnonzero(edges.to_corner_px > 4)[::7]:
         # The moved outline's point nearest to this one, along the normal of its own edge.
         near = np.argmin(np.linalg.norm(after.points_px - edges.points_px[index], axis=1))
         along = (after.points_px[near] - edges.points_px[index]) @ after.normals_px[near]
         turned = float(after.normals_px[near] @ edges.normals_px[index])
-        if turned < 1 - 1e-6:
+        if turned < 1 - turning:
             continue
         compared += 1
-        assert along / small == pytest.approx(edges.by_light[index, number], abs=0.02 * abs(edges.by_light).max())
+        assert along / small == pytest.approx(rate[index], abs=0.02 * np.abs(rate).max())
     assert compared > 5
 
 

@@ -38,26 +38,35 @@ class Calibration:
     doubt_rad: float  # sigma along each axis added to an answer of confidence 0
     doubt_power: float  # of the doubt 1 - confidence, by which that sigma falls
 
-    def covariance(self, fitted: FittedLight, confidence: float, tracked: TrackedFrame) -> Float:
+    def covariance(
+        self, fitted: FittedLight, confidence: float, tracked: TrackedFrame, has_wobble: bool = False
+    ) -> Float:
         """(2, 2) rad^2 on the direction's tangent basis, of all causes: outlines, pose, focal length, and doubt.
 
-        confidence: the probability that the outlines are the object's and its shadow's.
+        confidence: the probability that the outlines are the object's and its shadow's. has_wobble: whether the
+        outlines' part has in it how the marker's body and with it its pose may be off.
         """
         doubt = (self.doubt_rad * (1 - confidence) ** self.doubt_power) ** 2 * np.eye(2)
-        return np.asarray(self.of_outlines(fitted) + _covariance_of_pose(fitted.to_light_marker, tracked) + doubt)
+        by_pose = _covariance_of_pose(fitted.to_light_marker, tracked, has_wobble)
+        return np.asarray(self.of_outlines(fitted) + by_pose + doubt)
 
     def of_outlines(self, fitted: FittedLight) -> Float:
         """(2, 2) rad^2 on the direction's tangent basis, where the outlines are the object's and its shadow's."""
         return covariance_of_outlines(overdispersed(fitted.covariance_rad2, fitted.unseen_end, self.overdispersion))
 
 
-def _covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame) -> Float:
+def _covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame, has_wobble: bool) -> Float:
     """(2, 2) rad^2 on the direction's tangent basis: the uncertainty of the marker's rotation and the focal length."""
-    assert tracked.marker is not None
+    marker = tracked.marker
+    assert marker is not None
     total = np.zeros((2, 2))
-    if tracked.marker.covariance is not None:
+    if marker.covariance is not None:
+        of_turn = marker.covariance[:3, :3]
+        if has_wobble and marker.wobble is not None:
+            by_wobble = marker.T_cam_marker[:3, :3] @ marker.wobble.pose[:3]
+            of_turn = of_turn - by_wobble @ by_wobble.T
         # A turn about the eastward axis moves a direction up, one about the upward axis moves it east.
-        east, up = tangent_basis(to_light_marker) @ tracked.marker.T_cam_marker[:3, :3].T
+        east, up = tangent_basis(to_light_marker) @ marker.T_cam_marker[:3, :3].T
         by_turn = np.array([up, -east])
-        total = total + by_turn @ tracked.marker.covariance[:3, :3] @ by_turn.T
+        total = total + by_turn @ of_turn @ by_turn.T
     return np.asarray(0.5 * (total + total.T))

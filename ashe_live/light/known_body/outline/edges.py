@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import image_from_plane
+from ashe_live.core.proxy import Proxy, Wobble
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
@@ -29,6 +28,25 @@ class ShadowEdges:
     to_corner_px: Float  # (n,) distance from the nearer end of that side
     by_light: Float  # (n, 3) pixels along the normal by s_x, s_y and by w / z, 1/m
     by_size: Float  # (n,) standard deviation, pixels, of the penumbra of a light of 1 rad
+    places: Float  # (n, 2) metres on the plane, marker frame
+    by_place: Float  # (n, 3) pixels along the normal by metres of such a place
+    rim: NDArray[np.intp]  # (m,) numbers of the body's points that cast the corners
+    way: Float  # (n,) how far what casts each point is from that of its side's first corner to that of the next
+    height_left: Float  # (n,) of the light's height, above what casts each: 1 of a sun
+
+    def by_wobble(self, wobble: Wobble, light: Float) -> Float:
+        """(n, r) pixels along the normal by each cause of a body's and its frame's errors, in the light (4,)."""
+        turned = np.cross(np.column_stack([self.places, np.zeros(len(self.places))]), self.by_place)
+        by_pose = np.concatenate([turned, self.by_place], axis=1) @ wobble.pose
+        at_corners = wobble.points[self.rim]
+        first, second = at_corners[self.side], at_corners[(self.side + 1) % len(self.rim)]
+        moved = first + self.way[:, None, None] * (second - first)
+        s, nearness = light[:2] / light[2], float(nearness_of(light))
+        # A point at the height z casts its shadow at (x, y) - s z over 1 - z w.
+        across = self.by_place[:, :2]
+        down = -(across * (s - nearness * self.places)).sum(axis=1)
+        by_point = np.column_stack([across, down]) / self.height_left[:, None]
+        return np.asarray(by_pose + (by_point[:, :, None] * moved).sum(axis=1))
 
 
 def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
@@ -37,10 +55,10 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     cast = cast_on_ground(points, light)
     if cast is None:
         return None
-    rim = cv2.convexHull(cast[:, :2].astype(np.float32), returnPoints=False)[:, 0]
+    rim = cv2.convexHull(cast[:, :2].astype(np.float32), returnPoints=False)[:, 0].astype(np.intp)
     corners, casting = cast[rim, :2], points[rim]
-    H = image_from_plane(view.camera, view.T_cam_marker)
-    image = corners @ H[:, :2].T + H[:, 2]
+    in_image = view.camera.K @ view.T_cam_marker[:3]
+    image = corners @ in_image[:, :2].T + in_image[:, 3]
     depths = image[:, 2]
     if len(rim) < 3 or not depths.min() > 0:
         return None
@@ -55,7 +73,7 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     is_clockwise = (pixels[:, 0] * sides[:, 1] - pixels[:, 1] * sides[:, 0]).sum() > 0
     outwards = outwards if is_clockwise else -outwards
     # A place's pixel moves along the side's normal by this over its depth, as that line's homogeneous vector says.
-    across_depth = outwards @ H[:2, :2] - (outwards * pixels).sum(axis=1)[:, None] * H[2, :2]
+    across_depth = outwards @ in_image[:2, :3] - (outwards * pixels).sum(axis=1)[:, None] * in_image[2, :3]
 
     ends = lengths_px.cumsum()
     at = EVENLY * ends[-1]
@@ -74,13 +92,28 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     way = _homogeneous(part, left[side], left[stop])
     origin = casting[side] + way[:, None] * (casting[stop] - casting[side])
 
-    across = across_depth[side] / depth[:, None]
-    lower = origin[:, 2] / (1 - origin[:, 2] * nearness)
+    by_place = across_depth[side] / depth[:, None]
+    across = by_place[:, :2]
+    height_left = 1 - origin[:, 2] * nearness
+    lower = origin[:, 2] / height_left
     by_light = np.column_stack([-across * lower[:, None], (across * places).sum(axis=1) * lower])
     offsets = (light[:3] - light[3] * origin) / np.linalg.norm(light[:3])
     by_size = _penumbra(across, lower, offsets)
     to_corner_px = np.minimum(along_px, length_px - along_px)
-    return ShadowEdges(points_px, pixels, outwards[side], side, to_corner_px, by_light, by_size)
+    return ShadowEdges(
+        points_px,
+        pixels,
+        outwards[side],
+        side,
+        to_corner_px,
+        by_light,
+        by_size,
+        places,
+        by_place,
+        rim,
+        way,
+        height_left,
+    )
 
 
 def _homogeneous(share: Float, first: Float, last: Float) -> Float:

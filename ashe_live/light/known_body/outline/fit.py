@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.profiles import LEAST_PX, POINTS_A_SAMPLE, Profiles
@@ -63,7 +63,7 @@ def fitted(
     here, size, blur = light / light[2], size_rad or 0.0, BLUR_PX**2
     reaches = REACHES if size_rad is None else ()
     parameters = [0, 1, 3] if with_nearness else [0, 1]
-    start, prior = _prior(here, height_of(body), with_nearness)
+    start, prior = prior_of(here, height_of(body), with_nearness)
     tall_px = height_px(body, view)
     for number in range(MOST_ROUNDS):
         edges = shadow_edges(body, here, view)
@@ -85,19 +85,26 @@ def fitted(
         normal = weighted @ J + prior
         pull = weighted @ profiles.offset_px - prior @ (here[parameters] - start)
         step = np.linalg.solve(normal, pull)
-        here = _moved(here, step, height_of(body))
+        here = moved(here, step, height_of(body))
         if not is_first and np.abs(J @ step).max() < DONE_PX:
             break
     return _edge_fit(here, profiles, weight, step, prior, size or None, darkening)
 
 
-def looked_at_again(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32, room: Room, view: View) -> EdgeFit:
-    """`fit` with what is seen of its edges in another `room`, as beside lights that were not known when it was made."""
+def profiles_of(fit: EdgeFit, body: Proxy, picture: Float32, room: Room, view: View) -> Profiles | None:
+    """The edges of a fit's shadow in the picture; None where it has none there."""
     edges = shadow_edges(body, fit.light, view)
     if edges is None:
-        return fit
+        return None
     wanted_px = _windows_px(edges, BLUR_PX**2, fit.size_rad or 0.0, height_px(body, view))
-    profiles = Profiles.of(edges, wanted_px, picture, room)
+    return Profiles.of(edges, wanted_px, picture, room)
+
+
+def looked_at_again(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32, room: Room, view: View) -> EdgeFit:
+    """`fit` with what is seen of its edges in another `room`, as beside lights that were not known when it was made."""
+    profiles = profiles_of(fit, body, picture, room, view)
+    if profiles is None:
+        return fit
     clear = profiles.clear(darkening) if profiles.visible.any() else 0.0
     return replace(fit, clear=clear, seen=float(profiles.visible.mean()))
 
@@ -118,7 +125,7 @@ def height_px(body: Proxy, view: View) -> float:
     return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
 
 
-def _prior(light: Float, height: float, with_nearness: bool) -> tuple[Float, Float]:
+def prior_of(light: Float, height: float, with_nearness: bool) -> tuple[Float, Float]:
     """(p,) mean and (p, p) information of a light's parameters before its edges are seen, by the start `light` (4,).
 
     In units of the residuals' weights. Where an edge is hidden, what it would tell stays as it was found. A start tells
@@ -139,17 +146,30 @@ def nearness_sigma(light: Float) -> float:
     return NEARNESS_SIGMA * math.sqrt(1 + float(light[:2] @ light[:2]))
 
 
-def _moved(light: Float, step: Float, height: float) -> Float:
+def moved(light: Float, step: Float, height: float) -> Float:
     """A light (4,) with z = 1 after a step (p,) of its parameters, over a body of some height.
 
     Its displacement changes by no more than half of that and one, and no lamp comes near the body.
     """
     most = 0.5 * math.hypot(1.0, float(np.hypot(*light[:2])))
-    moved = light.copy()
-    moved[:2] += step[:2] * min(1.0, most / max(float(np.hypot(*step[:2])), 1e-12))
+    there = light.copy()
+    there[:2] += step[:2] * min(1.0, most / max(float(np.hypot(*step[:2])), 1e-12))
     if len(step) > 2:
-        moved[3] = np.clip(moved[3] + step[2], -NEAREST / height, NEAREST / height)
-    return moved
+        there[3] = np.clip(there[3] + step[2], -NEAREST / height, NEAREST / height)
+    return there
+
+
+def telling_sides(profiles: Profiles, weight: Float, darkening: float, with_nearness: bool) -> Mask:
+    """(m,) which sides of an outline tell where it lies, by the weights (n,) of its points.
+
+    One that shows an edge in few places, by chance or by its neighbours', may lead a fit but tells nothing.
+    """
+    side, count = profiles.edges.side, len(profiles.edges.corners_px)
+    shown = np.bincount(side, weight, count) >= LEAST_SHOWN * np.bincount(side, profiles.visible, count)
+    if with_nearness:
+        # A lamp's shadow that leaves the picture may end nearly anywhere, and comes to rest on any step by chance.
+        shown &= profiles.are_edges(darkening) | ~profiles.are_cut_off()
+    return np.asarray(shown)
 
 
 def _edge_fit(
@@ -167,18 +187,12 @@ def _edge_fit(
     left_px = profiles.offset_px - J @ step
     variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
     visible = profiles.visible
-    # A side that shows an edge in few places, by chance or by its neighbours', has led the fit but tells nothing.
-    count = len(edges.corners_px)
-    shown = np.bincount(edges.side, weight, count) >= LEAST_SHOWN * np.bincount(edges.side, visible, count)
-    if with_nearness:
-        # A lamp's shadow that leaves the picture may end nearly anywhere, and comes to rest on any step by chance.
-        shown &= profiles.are_edges(darkening) | ~profiles.are_cut_off()
-    told = weight * shown[edges.side]
+    told = weight * telling_sides(profiles, weight, darkening, with_nearness)[edges.side]
     inverse = np.linalg.inv((J.T * told) @ J + prior)
     # What the edges leave open is as open as before, however well they fit.
     by_prior = max(EDGE_SIGMA_PX**2 - variance, 0.0) * inverse @ prior @ inverse
     # Neighbouring points err alike, and a whole side does where stains, folds or the hidden sky's gradient shift it.
-    by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(count)[:, None]) * told) @ J @ inverse
+    by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(len(edges.corners_px))[:, None]) * told) @ J @ inverse
     return EdgeFit(
         light,
         np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),

@@ -88,14 +88,18 @@ class Profiles:
         beyond = np.bincount(self.edges.side, ~self.in_picture, len(self.edges.corners_px))
         return np.asarray(beyond > 0)
 
-    def weights(self, darkening: float, loss: float) -> Float:
-        """(n,) weight of each edge, 0 for what is none; loss: factor on the scale of Cauchy's loss."""
+    def weights(self, darkening: float, loss: float, left_px: Float | None = None) -> Float:
+        """(n,) weight of each edge, 0 for what is none; loss: factor on the scale of Cauchy's loss.
+
+        left_px: (n,) what of the offsets is not explained; None: all.
+        """
+        left_px = self.offset_px if left_px is None else left_px
         scale = loss * np.maximum(OUTLIER_SHARE * self.reach_px, OUTLIER_PX)
         # Near a corner the neighbouring edge bends the half light.
         straight = np.clip(self.edges.to_corner_px / np.maximum(0.7 * self.reach_px, 1e-9), 0, 1) ** 2
         deep = np.clip(self.step / max(darkening, 1e-6), 0, 1) ** 2
         told = straight * deep * self.window**2
-        return np.asarray(self.are_steps(darkening) * told / (1 + (self.offset_px / scale) ** 2))
+        return np.asarray(self.are_steps(darkening) * told / (1 + (left_px / scale) ** 2))
 
     def widths(self, weight: Float) -> tuple[float, float]:
         """The variance of the picture's blur, px^2, and the light's angular diameter, 0 where it is not told.
