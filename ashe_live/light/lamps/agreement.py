@@ -85,7 +85,7 @@ class FallDirections:
     @cached_property
     def reference(self) -> Float:
         """(2,) the middle of the lit ground in view, on the plane."""
-        return np.asarray(self.fall_off.places.mean(axis=0))
+        return np.asarray(self.fall_off.samples.places.mean(axis=0))
 
     @cached_property
     def lamps(self) -> Float:
