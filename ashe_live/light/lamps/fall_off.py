@@ -93,17 +93,18 @@ class FallOff:
         cost = float(gram[told, told])
         return Pull(trusted @ gradient, np.asarray(0.5 * (told_of + told_of.T)), cost, cost - explained)
 
-    def worst_costs(self, parameters: Float, share: float, reference: Float) -> Float:
-        """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), all of one share, as in `pull`."""
+    def worst_costs(self, parameters: Float, share: float | Float, reference: Float) -> Float:
+        """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), each of a share (n,), or all of one."""
+        shares = np.broadcast_to(share, len(parameters))
         known = np.column_stack([self.samples.uneven, self.samples.brightness])
         of_known = known, self.samples.gram(known), self.samples.weighted(known)[1]
         blocks = range(0, len(parameters), BLOCK)
         return np.concatenate(
-            [self._worst_costs(parameters[i : i + BLOCK], share, reference, *of_known) for i in blocks]
+            [self._worst_costs(parameters[i : i + BLOCK], shares[i : i + BLOCK], reference, *of_known) for i in blocks]
         )
 
     def _worst_costs(
-        self, parameters: Float, share: float, reference: Float, known: Float, among: Float, known_explained: Float
+        self, parameters: Float, shares: Float, reference: Float, known: Float, among: Float, known_explained: Float
     ) -> Float:
         """As `worst_costs`. known: (n, 6) unevenness and brightness; (6, 6) their inner products; (c, 6) as what can be
         fitted along.
@@ -112,8 +113,8 @@ class FallOff:
         suns = np.flatnonzero(parameters[:, 2] <= FAR)
         if self.gloss is not None:
             glossy = 1 + mirrored(self.samples.places, self.eye, parameters[suns], self.gloss)  # 1 of lamps
-            relative = np.hstack([relative, relative[:, suns] * glossy])
-        lights = np.log(np.maximum(1 - share + share * relative, 1e-3))
+            relative, shares = np.hstack([relative, relative[:, suns] * glossy]), np.append(shares, shares[suns])
+        lights = np.log(np.maximum(1 - shares + shares * relative, 1e-3))
         weighted, explained = self.samples.weighted(lights)
         by_light = known.T @ weighted - known_explained.T @ explained
         square = (lights * weighted).sum(axis=0) - (explained**2).sum(axis=0)

@@ -69,7 +69,7 @@ def place_by_all(seen: Witnesses) -> Place:
     if seen.fall_off is None:
         return by_borders
     first = seen.objects[0].explanation
-    return _with_fall_off(by_borders, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
+    return with_fall_off(by_borders, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
 
 
 def place_seen_from_a_sun(seen: Witnesses) -> Place:
@@ -119,7 +119,7 @@ def shadow_middle(explanation: Explanation) -> Float:
     return np.asarray((middle if cast is None else cast)[0, :2])
 
 
-def _with_fall_off(
+def with_fall_off(
     by_borders: Place, fall_off: FallOff, others: Float, shares: Sequence[float], reference: Float
 ) -> Place:
     """The borders' place moved to where the fall of light pulls it, by Gauss-Newton steps of limited length."""
