@@ -101,8 +101,8 @@ class FallDirections:
 
     @cached_property
     def of_lamps(self) -> Float:
-        """(n,) costs of these."""
-        return self._costs(self.lamps)
+        """(n,) costs of these, without gloss: a lamp's spot and its mirror image together follow those of any sun."""
+        return replace(self.fall_off, gloss=None).worst_costs(self.lamps, SHARE, self.reference)
 
     @cached_property
     def _of_suns(self) -> Float:

@@ -26,7 +26,6 @@ from ashe_live.light.pixels.view import View
 WORST_GRADIENT, WORST_CURVATURE, WORST_CONTRAST = 0.25, 0.4, 0.3
 WORST = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
 LEAST_CONTRAST, MOST_CONTRAST = 0.3, 3.0
-FAR = 0.2  # 1/m, nearness up to which a light is a sun to the ground's gloss
 BLOCK = 40  # lights that are tried at once: what is computed of them then fits into the processor's cache
 
 
@@ -46,7 +45,7 @@ class FallOff:
 
     samples: LitSamples
     eye: Float  # (3,) the camera's centre, metres, marker frame
-    gloss: Gloss | None = None  # of the ground under a sun: what it mirrors of one may be part of its light, or not
+    gloss: Gloss | None = None  # of the ground: what it mirrors of a light may be part of that light, or not
 
     @staticmethod
     def of(view: View, ground: LitGround, free: Mask) -> "FallOff | None":
@@ -68,7 +67,8 @@ class FallOff:
         shares: each light's share of all light on the plane at `reference` (2,), as its shadow there tells.
         """
         lit = partial(log_irradiance, self.samples.places, parameters, shares, reference, number)
-        with_gloss = [] if self.gloss is None else [lit(self._mirrored(parameters, self.gloss))]
+        places, gloss = self.samples.places, self.gloss
+        with_gloss = [] if gloss is None else [lit(mirrored(places, self.eye, parameters, gloss))]
         return min((self._pull(*each) for each in (lit(), *with_gloss)), key=attrgetter("worst_cost"))
 
     def _pull(self, log_light: Float, slopes: Float) -> Pull:
@@ -110,10 +110,9 @@ class FallOff:
         fitted along.
         """
         relative = irradiances(self.samples.places, parameters) / irradiances(reference[None], parameters)
-        suns = np.flatnonzero(parameters[:, 2] <= FAR)
         if self.gloss is not None:
-            glossy = 1 + mirrored(self.samples.places, self.eye, parameters[suns], self.gloss)  # 1 of lamps
-            relative, shares = np.hstack([relative, relative[:, suns] * glossy]), np.append(shares, shares[suns])
+            glossy = 1 + mirrored(self.samples.places, self.eye, parameters, self.gloss)
+            relative, shares = np.hstack([relative, relative * glossy]), np.append(shares, shares)
         lights = np.log(np.maximum(1 - shares + shares * relative, 1e-3))
         weighted, explained = self.samples.weighted(lights)
         by_light = known.T @ weighted - known_explained.T @ explained
@@ -132,14 +131,4 @@ class FallOff:
         columns = columns - columns[:, :, 5:6] * columns[:, 5:6] / stiff[:, None, None]
         stiffness = columns[:, :, :6] + np.diag(1 / WORST**2)
         cost -= (columns[:, :, 6:] * np.linalg.solve(stiffness, columns[:, :, 6:])).sum(axis=(1, 2))
-        least = cost[: len(parameters)]
-        if self.gloss is not None:
-            least[suns] = np.minimum(least[suns], cost[len(parameters) :])
-        return np.asarray(least)
-
-    def _mirrored(self, parameters: Float, gloss: Gloss) -> Float:
-        """(n, l) what the ground mirrors of each light (l, 3), over what it scatters; 0 of lamps."""
-        found = np.zeros((len(self.samples.places), len(parameters)))
-        suns = parameters[:, 2] <= FAR
-        found[:, suns] = mirrored(self.samples.places, self.eye, parameters[suns], gloss)
-        return found
+        return np.asarray(cost.reshape(-1, len(parameters)).min(axis=0))

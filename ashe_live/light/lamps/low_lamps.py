@@ -21,19 +21,20 @@ from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.predicted import predicted
 
-HEIGHTS = (1.0, 0.7, 0.5)  # of the lamps that are tried, as fractions of the object's height
-LOWEST_M = 0.03  # of these lamps: no bulb fits below
+HEIGHTS = (1.0, 0.7, 0.5)  # of the lamps that are tried, over the object's height
+LOWEST_M = 0.04  # of these lamps: no bulb fits below
 SPACING = 0.7  # of these lamps, over their height: a spot is about as wide as its lamp is high
 MARGIN = 1.5  # over their height, by which they may stand beside the ground that is seen
 REACH_M = 0.6  # from the marker, along x and y, of that ground
 SHARES = (0.3, 0.6, 0.85, 0.95)  # of all light that are the lamp's, where it is brightest
 EVERY = 4  # samples of the ground
-# Deviance from the likeliest low lamp that chance exceeds once in twenty, with a lamp's three parameters.
+# Deviance of an explanation's lights from the likeliest low lamp, that chance exceeds once in twenty with the lamp's
+# three parameters.
 ELSEWHERE = 7.8
 
 
 def is_under_low_lamp(explanation: Explanation, view: View, ground: LitGround, unlit: Mask) -> bool:
-    """Whether the ground shows a lamp lower than the explained object, where no explanation by its shadow has one.
+    """Whether the ground shows a lamp lower than the explained object, where the explanation has none.
 
     view: the one that `ground` was fitted to. unlit: (h, w) what the lit ground does not explain. With two lights, the
     ground shows their sum, and nothing is said.
@@ -51,24 +52,26 @@ def is_under_low_lamp(explanation: Explanation, view: View, ground: LitGround, u
 
 
 def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float) -> bool:
-    """Whether the ground shows a lamp that is lower than `top_m`, and neither a higher one nor any of some lights.
+    """Whether the ground shows a lamp that is lower than `top_m`, and none of some lights.
 
-    lights: (n, 3) displacement and nearness each, as far as an explanation leaves them open.
+    lights: (n, 3) displacement and nearness each: an explanation's, as far as it leaves them open.
     """
     some = fall_off.every(EVERY)
-    likeliest, deviance = FallDirections(some).likeliest
-    low_lamps = _low_lamps(some, top_m) if deviance >= UNEVEN_DEVIANCE else []
+    _, deviance = FallDirections(some).likeliest
+    if deviance < UNEVEN_DEVIANCE:
+        return False
+    low_lamps = _lamps(some, top_m * np.array(HEIGHTS))
     if not len(low_lamps):
         return False
     low, even = _least_cost(some, low_lamps), _least_cost(some, np.zeros((1, 3)))
-    return even - low > LAMP_DEVIANCE and _least_cost(some, np.vstack([lights, likeliest])) - low > ELSEWHERE
+    return even - low > max(LAMP_DEVIANCE, deviance) and _least_cost(some, lights) - low > ELSEWHERE
 
 
-def _low_lamps(fall_off: FallOff, top_m: float) -> Float:
-    """(n, 3) lamps above and beside the ground that is seen, not far from the marker."""
+def _lamps(fall_off: FallOff, heights_m: Float) -> Float:
+    """(n, 3) lamps of some heights (h,) above and beside the ground that is seen, not far from the marker."""
     places = fall_off.samples.places[np.abs(fall_off.samples.places).max(axis=1) < REACH_M]
     found = [np.empty((0, 3))]
-    for height in top_m * np.array(HEIGHTS):
+    for height in heights_m:
         if height >= LOWEST_M and len(places):
             lowest, highest = places.min(axis=0) - MARGIN * height, places.max(axis=0) + MARGIN * height
             x, y = np.meshgrid(*(np.arange(a, b, SPACING * height) for a, b in zip(lowest, highest, strict=True)))
