@@ -51,7 +51,7 @@ def fall_error(case: Case, steps: ProxySteps) -> FallError | None:
     ground = lit_ground_of(view, steps.ground, AUTO)
     if ground is None:
         return None
-    taken = [body, shadow, *(mask for name in ("clutter",) if (mask := case.mask(name)) is not None)]
+    taken = [each for each in (body, shadow, case.mask("clutter")) if each is not None]
     unlit = np.logical_or.reduce([_scaled(mask, view) for mask in taken])
     fall_off = FallOff.of(view, ground, clear_of(unlit | unlit_mask(ground, view.is_ground, LEAST_PX)))
     dark = _scaled(shadow, view) & view.is_ground & ~_scaled(body, view)
@@ -74,6 +74,11 @@ def fall_error(case: Case, steps: ProxySteps) -> FallError | None:
 def fitted_share(errors: Sequence[FallError]) -> float:
     """The further error of the nearness, as a fraction of it, with which 68 % of the errors lie within their sigma."""
     return float(np.quantile([each.share for each in errors], WITHIN_SIGMA))
+
+
+def whole_share(errors: Sequence[FallError]) -> float:
+    """The error of the nearness, as a fraction of the true one, within which 68 % lie."""
+    return float(np.quantile([abs(each.told / each.true - 1) for each in errors], WITHIN_SIGMA))
 
 
 def _at_object(lamp_m: Float, foot_m: Float) -> Place:
