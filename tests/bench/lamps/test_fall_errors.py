@@ -70,7 +70,7 @@ def test_a_lamps_nearness_is_told_by_the_fall_of_light(lamp_case: Case) -> None:
 
 def test_suns_and_several_lights_tell_nothing(lamp_case: Case) -> None:
     assert fall_error(replace(lamp_case, lamp_m=None), BALANCED) is None
-    two = np.vstack([lamp_case.to_lights_marker, [0.0, 0.0, 1.0]])
+    two = np.vstack([LAMP_M / np.linalg.norm(LAMP_M), [0.0, 0.0, 1.0]])
     assert fall_error(replace(lamp_case, to_lights_marker=two), BALANCED) is None
 
 
