@@ -13,7 +13,7 @@ from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.light_covariance import BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE
-from ashe_live.light.lamps import fall_off
+from ashe_live.light.lamps import fall_off, lit_samples
 from ashe_live.light.lamps.companions import LEAST_PROBABILITY
 from ashe_live.light.lamps.doubt import CHANCE_DEVIANCE, EVEN_DEVIANCE, LAMPS_NEARNESS
 from ashe_live.light.lamps.lamp import UNTOLD_NEARNESS
@@ -62,9 +62,9 @@ STATED = {
     "what is fitted beside a lamp": (
         "docs/maths.md",
         "vignetting v ({:g}; rho = 1 in the corners), a gradient b ({:g} / m) and a curvature C ({:g} / m²)",
-        (fall_off.VIGNETTING, fall_off.GRADIENT, fall_off.CURVATURE),
+        (lit_samples.VIGNETTING, lit_samples.GRADIENT, lit_samples.CURVATURE),
     ),
-    "cells of texture": ("docs/maths.md", "the design effect of {} x {} cells", fall_off.CELLS),
+    "cells of texture": ("docs/maths.md", "the design effect of {} x {} cells", lit_samples.CELLS),
     "another object's odds": ("docs/maths.md", "From {:g} on it counts", (LEAST_PROBABILITY,)),
     "the nearness of lamps": ("docs/maths.md", "A lamp has k ~ N(0, {:g}²/m²), positive", (LAMPS_NEARNESS,)),
     "sun and lamp even": ("docs/maths.md", "uneven ground often has D = {:g}", (EVEN_DEVIANCE,)),

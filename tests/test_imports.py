@@ -70,6 +70,7 @@ ROOMS: dict[str, set[str]] = {
         "core", "files", "light.pixels", "light.ground", "light.estimators", "light.explanation", "bench",
         "bench.light",
     },
+    "bench.lamps": {"core", "errors", "light.estimators", "light.ground", "light.lamps", "light.pixels", "bench"},
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
     "bench.cube": {"quality", "core", "errors", "files", "tracking", "light.estimators", "bench.track", "bench"},
     "bench.render": {
@@ -86,7 +87,7 @@ ROOMS: dict[str, set[str]] = {
     "commands": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators",
         "light.live", "drawing", "render", "viewer", "bench.light", "bench.judge", "bench.track", "bench.render",
-        "bench.viewer", "bench.soak", "bench.cube", "process", "",
+        "bench.viewer", "bench.soak", "bench.cube", "bench.lamps", "process", "",
     },
     "cli": {"commands", "errors", "process"},
     "__main__": {"cli"},

@@ -9,7 +9,7 @@ from ashe_live.quality import QUALITIES, Quality
 
 def run(options: argparse.Namespace) -> int:
     benches = {"viewer": _viewer, "soak": _soak, "render": _render, "light": _light, "track": _track, "cube": _cube}
-    {**benches, "fit-judge": _fit_judge}[options.bench](options)
+    {**benches, "fit-judge": _fit_judge, "fit-lamps": _fit_lamps}[options.bench](options)
     return ExitStatus.ANSWERED
 
 
@@ -92,3 +92,9 @@ def _fit_judge(options: argparse.Namespace) -> None:
         return
     made = KnownBodiesBench if options.casters else JudgeBench
     made(options.scenes, options.limit, options.every, options.jobs).run(options.out, options.overwrite)
+
+
+def _fit_lamps(options: argparse.Namespace) -> None:
+    from ashe_live.bench.lamps.bench import LampBench
+
+    LampBench(options.scenes, options.limit).run(options.out, options.overwrite)

@@ -17,6 +17,7 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
         ("soak", _add_soak, "a long run: leaks, drift, and the latency from the camera to the screen"),
         ("light", _add_light, "the estimators' errors on scenes whose light is known"),
         ("fit-judge", _add_fit_judge, "fits confidence to scenes whose light is known"),
+        ("fit-lamps", _add_fit_lamps, "how far the fall of light is believed, by lamps whose places are known"),
         ("cube", _add_cube, "the paper cube's pose and light, on pictures with known truth"),
         ("track", _add_track, "the tracker beside OpenCV's detector, on frames with known poses"),
     ):
@@ -76,6 +77,12 @@ def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
     judge.add_argument(
         "--jobs", type=values.count, default=1, metavar="N", help="processes beside each other (default 1)"
     )
+
+
+def _add_fit_lamps(lamps: argparse.ArgumentParser) -> None:
+    lamps.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    _add_results_folder(lamps)
+    lamps.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
 
 
 def _add_cube(cube: argparse.ArgumentParser) -> None:

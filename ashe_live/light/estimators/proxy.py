@@ -24,6 +24,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
 from ashe_live.light.explanation.known_size import is_as_given
 from ashe_live.light.explanation.no_answer import (
+    LOW_LAMP,
     NO_SHADOW,
     NOTHING_THERE,
     OTHER_SIZE,
@@ -33,6 +34,8 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_scene,
 )
 from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.lamps.kinds import SUN
+from ashe_live.light.lamps.low_lamps import is_under_low_lamp
 
 
 class ProxyEstimator:
@@ -109,6 +112,10 @@ def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, steps: Pr
         return NO_SHADOW if first.trace.regions else NOTHING_THERE
     if choice.confidence < judge.least_confidence:
         return fault_of_scene(choice.explanation, choice.confidence)
+    trace, ground = choice.look.trace, choice.look.views[0].ground
+    assert trace.unlit is not None
+    if steps.light != SUN and is_under_low_lamp(choice.explanation, trace.view, ground, trace.unlit):
+        return LOW_LAMP
     sharpener = Sharpener.of([view.fine for view in choice.look.views])
     return None if is_as_given(choice.explanation, steps.first_fit, sharpener) else OTHER_SIZE
 

@@ -14,6 +14,7 @@ NO_SHADOW = "no shadow found: the light may be diffuse, or the shadow out of vie
 DOES_NOT_FIT = "what stands out from the ground does not fit an object and its shadow in one directional light"
 OTHER_SIZE = "the object does not look like the given caster: measure it again, stand it upright, or give none"
 NEAR_OR_FAR = "how far away the light is stays open, and so its direction at the marker: move the object to the marker"
+LOW_LAMP = "a lamp seems to stand lower than the object's top, whose shadow then has no end: raise the lamp"
 CUT_OFF = "the shadow seems to leave the picture: show its far end"
 TOO_DARK = "the picture is too dark to tell shadow from light: more light, or a longer exposure"
 BLACK_GROUND = "the ground is too dark to show a shadow: a lighter table, or less print around the marker"

@@ -85,7 +85,7 @@ class FallDirections:
     @cached_property
     def reference(self) -> Float:
         """(2,) the middle of the lit ground in view, on the plane."""
-        return np.asarray(self.fall_off.places.mean(axis=0))
+        return np.asarray(self.fall_off.samples.places.mean(axis=0))
 
     @cached_property
     def lamps(self) -> Float:
@@ -101,8 +101,8 @@ class FallDirections:
 
     @cached_property
     def of_lamps(self) -> Float:
-        """(n,) costs of these."""
-        return self._costs(self.lamps)
+        """(n,) costs of these, without gloss: a lamp's spot and its mirror image together follow those of any sun."""
+        return replace(self.fall_off, gloss=None).worst_costs(self.lamps, SHARE, self.reference)
 
     @cached_property
     def _of_suns(self) -> Float:

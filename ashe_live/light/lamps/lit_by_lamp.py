@@ -12,8 +12,9 @@ from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_m
 from ashe_live.light.ground.slow_shading import LightFall
 from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.lamps.agreement import SHARE, UNEVEN_DEVIANCE, FallDirections, with_gloss
-from ashe_live.light.lamps.fall_off import FallOff, clear_of
+from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.kinds import SUN
+from ashe_live.light.lamps.lit_samples import clear_of
 from ashe_live.light.pixels.view import View
 
 LEAST_PX = 40  # of what stands out from the ground: specks are texture

@@ -5,7 +5,7 @@ from dataclasses import replace
 from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
-from ashe_live.light.lamps.sources import FALL_ERROR_SHARE
+from ashe_live.light.lamps.sources import WHOLE_ERROR_SHARE
 from ashe_live.light.shape.body import NearnessPrior
 from ashe_live.light.views.joint import JointStart, costs_of_views, explained_in_views
 from ashe_live.light.views.joint_refinement import joint_criterion, sharpened_in_views
@@ -13,7 +13,7 @@ from ashe_live.light.views.joint_refinement import joint_criterion, sharpened_in
 
 def nearness_prior(by_fall: float) -> NearnessPrior:
     """What is known of a lamp's nearness, which is that by the fall of light (1/m), before outlines are seen."""
-    return NearnessPrior(by_fall, FALL_ERROR_SHARE * by_fall)
+    return NearnessPrior(by_fall, WHOLE_ERROR_SHARE * by_fall)
 
 
 def fitted_near(explanation: Explanation, nearness: float, fit: NearFit, sharpener: Sharpener) -> Explanation | None:

@@ -1,0 +1,1 @@
+"""What the constants of lamps rest on, measured on pictures of lamps whose places are known."""

@@ -1,0 +1,75 @@
+"""`ashe-live bench fit-lamps`: how far the fall of light is to be believed, by lamps whose places are known."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from rich.progress import track
+
+from ashe_live.bench.bench import Bench
+from ashe_live.bench.cases import read_cases
+from ashe_live.bench.lamps.fall_errors import FallError, fall_error, fitted_share, whole_share
+from ashe_live.bench.tables import figures_table
+from ashe_live.core.contract import Json
+from ashe_live.errors import UserError
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.lamps.agreement import LAMP_DEVIANCE
+from ashe_live.light.lamps.sources import FALL_ERROR_SHARE, WHOLE_ERROR_SHARE
+
+CLEAR_DEVIANCE = 80.0  # of even light, from which on the ground shows a lamp very clearly
+FEWEST = 3  # lamps by which a share is fitted
+
+
+@dataclass(frozen=True, slots=True)
+class LampBench(Bench):
+    """The error of the nearness by the fall of light alone, on the lamps in the folders `scenes`.
+
+    The labels, the shadow's depth, and the direction from the object are the true ones; the shares of the nearness by
+    which it errs beyond what the ground's noise and unevenness explain give FALL_ERROR_SHARE.
+    """
+
+    SCHEMA: ClassVar[int] = 1
+
+    scenes: Sequence[Path]
+    limit: int | None = None  # number of pictures of each folder, the first ones; None: all
+
+    def parts(self) -> Iterator[Json]:
+        cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit]]
+        looked_at = track(cases, "pictures", console=self.console, transient=True)
+        found = {case.id: error for case in looked_at if (error := fall_error(case, BALANCED)) is not None}
+        groups = _by_deviance(list(found.values()))
+        used = groups["all that tell"]
+        if len(used) < FEWEST:
+            raise UserError(
+                f"{len(used)} of {len(cases)} pictures show a single lamp by the fall of its light",
+                "give a set of lamps with masks and more pictures, such as near_training",
+            )
+        table = figures_table(
+            "nearness by the fall of light alone", "deviance of even light", "lamps", "68 % within", "further share"
+        )
+        for name, errors in groups.items():
+            if errors:
+                table.add_row(name, str(len(errors)), f"{whole_share(errors):.0%}", f"{fitted_share(errors):.0%}")
+        self.console.print(table)
+        further, whole = fitted_share(used), whole_share(used)
+        self.console.print(f"FALL_ERROR_SHARE {further:.2f}, in use {FALL_ERROR_SHARE:.2f}")
+        self.console.print(f"WHOLE_ERROR_SHARE {whole:.2f}, in use {WHOLE_ERROR_SHARE:.2f}")
+        yield {
+            "fall_error_share": further,
+            "whole_error_share": whole,
+            "lamps": {key: asdict(each) for key, each in found.items()},
+        }
+
+
+def _by_deviance(errors: Sequence[FallError]) -> dict[str, list[FallError]]:
+    """By how clearly the ground shows the lamp; all but those whose ground hardly does once more."""
+    weak = [each for each in errors if each.deviance < LAMP_DEVIANCE]
+    clear = [each for each in errors if each.deviance >= CLEAR_DEVIANCE]
+    told = [each for each in errors if each.deviance >= LAMP_DEVIANCE]
+    return {
+        f"below {LAMP_DEVIANCE:g}": weak,
+        f"to {CLEAR_DEVIANCE:g}": [each for each in told if each.deviance < CLEAR_DEVIANCE],
+        "above": clear,
+        "all that tell": told,
+    }

@@ -1,0 +1,103 @@
+"""By how much the fall of light over the ground alone errs in a lamp's nearness, where all else is given."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.bench.cases import Case
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.transforms import image_from_plane
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.ground.lit_ground import unlit_mask
+from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
+from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.kinds import AUTO
+from ashe_live.light.lamps.lit_by_lamp import LEAST_PX, lit_ground_of
+from ashe_live.light.lamps.lit_samples import clear_of
+from ashe_live.light.lamps.place import Place
+from ashe_live.light.lamps.sources import share_of, with_fall_off
+from ashe_live.light.pixels.view import View
+
+KNOWN_M, OPEN = 0.01, 30.0  # sigmas: of the displacement at the object, which is given, and of the nearness (1/m)
+WITHIN_SIGMA = 0.683  # of errors that are normal
+
+
+@dataclass(frozen=True, slots=True)
+class FallError:
+    """What the fall of light tells of one lamp's nearness, beside the truth."""
+
+    deviance: float  # of even light, if unevenness is at its worst: how clearly the ground shows a lamp
+    true: float  # nearness w / z (1/m)
+    told: float
+    sigma: float  # of `told`, by the ground's noise and unevenness
+
+    @property
+    def share(self) -> float:
+        """The further sigma, as a fraction of the nearness, with which this error would be one sigma."""
+        return math.sqrt(max((self.told - self.true) ** 2 - self.sigma**2, 0.0)) / abs(self.told)
+
+
+def fall_error(case: Case, steps: ProxySteps) -> FallError | None:
+    """None of what is no lamp, or shines beside another light; and where the true labels leave too little to see."""
+    shadow, body = case.mask("shadow"), case.mask("object")
+    if case.lamp_m is None or case.foot_m is None or shadow is None or body is None:
+        return None
+    if case.to_lights_marker is None or len(case.to_lights_marker) > 1:
+        return None
+    view = View.of(case.tracked(), steps.fine_width_px).scaled(steps.coarse_width_px)
+    ground = lit_ground_of(view, steps.ground, AUTO)
+    if ground is None:
+        return None
+    taken = [each for each in (body, shadow, case.mask("clutter")) if each is not None]
+    unlit = np.logical_or.reduce([_scaled(mask, view) for mask in taken])
+    fall_off = FallOff.of(view, ground, clear_of(unlit | unlit_mask(ground, view.is_ground, LEAST_PX)))
+    dark = _scaled(shadow, view) & view.is_ground & ~_scaled(body, view)
+    shift = shift_within(ground.colours[dark], ground) if dark.any() else None
+    if fall_off is None or shift is None:
+        return None
+    share, reference = share_of(shadow_ratio(ground, shift)), _middle(dark, view)
+    given = _at_object(case.lamp_m, case.foot_m)
+    place = with_fall_off(given, fall_off, np.empty((0, 3)), [share], reference)
+    pull = fall_off.pull(place.mean[None], [share], reference)
+    even = fall_off.pull(np.zeros((1, 3)), [share], reference)
+    line = np.append(case.foot_m, 1.0)
+    information = float(line @ pull.information @ line)
+    if information <= 0 or place.mean[2] <= 0:
+        return None
+    sigma = 1 / math.sqrt(information)
+    return FallError(even.worst_cost - pull.worst_cost, 1 / float(case.lamp_m[2]), float(place.mean[2]), sigma)
+
+
+def fitted_share(errors: Sequence[FallError]) -> float:
+    """The further error of the nearness, as a fraction of it, with which 68 % of the errors lie within their sigma."""
+    return float(np.quantile([each.share for each in errors], WITHIN_SIGMA))
+
+
+def whole_share(errors: Sequence[FallError]) -> float:
+    """The error of the nearness, as a fraction of the true one, within which 68 % lie."""
+    return float(np.quantile([abs(each.told / each.true - 1) for each in errors], WITHIN_SIGMA))
+
+
+def _at_object(lamp_m: Float, foot_m: Float) -> Place:
+    """What the true direction at the object tells of the lamp."""
+    line = np.column_stack([np.eye(2), -foot_m])
+    information = line.T @ line / KNOWN_M**2
+    information[2, 2] += 1 / OPEN**2
+    return Place(np.append((lamp_m[:2] - foot_m) / lamp_m[2], 0.0), np.asarray(information))
+
+
+def _middle(area: Mask, view: View) -> Float:
+    """(2,) the middle of an area (h, w) of the view on the plane."""
+    rows, columns = np.nonzero(area)
+    on_plane = np.linalg.solve(
+        image_from_plane(view.camera, view.T_cam_marker), np.stack([columns, rows, np.ones(len(rows))])
+    )
+    return np.asarray((on_plane[:2] / on_plane[2]).mean(axis=1))
+
+
+def _scaled(mask: Mask, view: View) -> Mask:
+    """A mask of the picture at the view's size."""
+    return cv2.resize(mask.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST).astype(np.bool_)

@@ -1,0 +1,79 @@
+"""`ashe-live bench fit-lamps`: errors by the fall of light alone, and the share of the nearness that they ask for."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.bench.cases import Case
+from ashe_live.bench.lamps.bench import LampBench
+from ashe_live.bench.lamps.fall_errors import FallError, fall_error, fitted_share, whole_share
+from ashe_live.errors import UserError
+from ashe_live.files.resources import resource
+from ashe_live.light.estimators.steps import BALANCED
+from tests.light.painted_scenes import BOX, paint
+
+
+def errors(share: float, sigma_share: float) -> list[FallError]:
+    """Of lamps whose nearness is told with a sigma of its own, and with a further error that it does not tell."""
+    rng = np.random.default_rng(7)
+    true = rng.uniform(0.5, 3.0, 4000)
+    told = true * (1 + np.hypot(share, sigma_share) * rng.normal(size=4000))
+    return [FallError(50.0, k, at, sigma_share * k) for k, at in zip(true.tolist(), told.tolist(), strict=True)]
+
+
+def test_the_further_share_is_what_the_sigmas_lack() -> None:
+    assert fitted_share(errors(0.1, 0.1)) == pytest.approx(0.1, rel=0.1)
+    assert whole_share(errors(0.1, 0.1)) == pytest.approx(0.1 * 2**0.5, rel=0.05)
+
+
+def test_honest_sigmas_lack_nothing() -> None:
+    assert fitted_share(errors(0.0, 0.1)) < 0.01
+
+
+LAMP_M = np.array([-0.3, -0.15, 0.4])
+
+
+@pytest.fixture(scope="module")
+def lamp_case(tmp_path_factory: pytest.TempPathFactory) -> Case:
+    """A box under a painted lamp, with its true masks."""
+    folder = tmp_path_factory.mktemp("lamp")
+    scene = paint(BOX, lamp_m=LAMP_M)
+    pictures = {"picture": scene.tracked.frame.image_bgr, "object": 255 * scene.body, "shadow": 255 * scene.shadow}
+    for name, picture in pictures.items():
+        cv2.imwrite(str(folder / f"{name}.png"), picture.astype(np.uint8))
+    assert scene.tracked.camera is not None
+    assert scene.tracked.marker is not None
+    return Case(
+        id="lamp",
+        folder="lamps",
+        category="scene",
+        caster="box",
+        image_path=folder / "picture.png",
+        camera=scene.tracked.camera,
+        marker=scene.tracked.marker,
+        to_lights_marker=(LAMP_M / np.linalg.norm(LAMP_M))[None],
+        mask_paths={name: folder / f"{name}.png" for name in ("object", "shadow")},
+        lamp_m=LAMP_M,
+        foot_m=np.array(BOX.at),
+    )
+
+
+def test_a_lamps_nearness_is_told_by_the_fall_of_light(lamp_case: Case) -> None:
+    found = fall_error(lamp_case, BALANCED)
+    assert found is not None
+    assert found.true == pytest.approx(1 / LAMP_M[2])
+    assert found.told == pytest.approx(found.true, rel=0.15)
+    assert found.deviance > 30
+
+
+def test_suns_and_several_lights_tell_nothing(lamp_case: Case) -> None:
+    assert fall_error(replace(lamp_case, lamp_m=None), BALANCED) is None
+    two = np.vstack([LAMP_M / np.linalg.norm(LAMP_M), [0.0, 0.0, 1.0]])
+    assert fall_error(replace(lamp_case, to_lights_marker=two), BALANCED) is None
+
+
+def test_a_set_without_lamps_gets_a_line() -> None:
+    with pytest.raises(UserError, match="0 of 2 pictures show a single lamp"):
+        LampBench([resource("assets", "scenes")], limit=2).run()

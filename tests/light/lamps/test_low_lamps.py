@@ -1,0 +1,40 @@
+"""Lamps lower than an object, told by the spot that they make on painted ground."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.lamps.low_lamps import low_lamp_elsewhere
+from tests.light.lamps.test_fall_off import fall_off, parameters
+
+TOP_M = 0.08
+ELSEWHERE = np.array([[0.0, 0.0, 0.0], [0.9, -0.4, 0.0], [-1.0, -0.5, 2.5], [0.8, 0.6, 5.5]])
+LOW = {"beside the marker": (-0.06, -0.03, 0.06), "at its border": (0.15, -0.1, 0.05)}
+
+
+def lights_of(*lamps_m: tuple[float, ...]) -> Float:
+    return np.vstack([ELSEWHERE, *(parameters(each) for each in lamps_m)])
+
+
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+@pytest.mark.parametrize("lamp_m", LOW.values(), ids=LOW)
+def test_a_low_lamp_is_seen_where_no_light_is_stated(ground: str, lamp_m: tuple[float, ...]) -> None:
+    of = fall_off(ground, lamp_m)
+    assert low_lamp_elsewhere(of, TOP_M, ELSEWHERE)
+    assert not low_lamp_elsewhere(of, TOP_M, lights_of(lamp_m))
+
+
+@pytest.mark.parametrize("ground", ["plain", "checkered", "bricks"])
+@pytest.mark.parametrize("lamp_m", [(0.3, -0.2, 0.4), (0.0, 0.0, 0.3), (-0.3, 0.2, 0.2)])
+def test_a_right_explanation_stays(ground: str, lamp_m: tuple[float, ...]) -> None:
+    assert not low_lamp_elsewhere(fall_off(ground, lamp_m), TOP_M, lights_of(lamp_m))
+
+
+@pytest.mark.parametrize("ground", ["plain", "checkered", "bricks"])
+def test_a_sun_makes_no_spot(ground: str) -> None:
+    """Whatever the explanation: it may be wrong, but not for this reason."""
+    assert not low_lamp_elsewhere(fall_off(ground), TOP_M, ELSEWHERE)
+
+
+def test_a_lamp_above_a_flat_object_is_none() -> None:
+    assert not low_lamp_elsewhere(fall_off("plain", LOW["beside the marker"]), 0.01, ELSEWHERE)
