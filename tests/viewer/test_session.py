@@ -101,11 +101,11 @@ def test_nobody_who_waits_for_an_estimate_is_told_to_ask_for_one(make, fakes, co
     session = make()
     session.take(fakes.tracked(0), 0.0)
     session.handle(Request(command), 0.0)
-    assert "Space estimates it" in session.last_notice
+    assert "Space estimates it" in session.notice.text
     session.handle(Request(command), 0.0)
     session.handle(Request(Command.ESTIMATE), 0.0)
     session.handle(Request(command), 0.0)
-    assert "it is being estimated" in session.last_notice
+    assert "it is being estimated" in session.notice.text
 
 
 def test_without_a_policy_nothing_is_estimated_unasked(make, fakes):

@@ -4,15 +4,16 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.judge.sheets import SeenSheet, fitted_to
-from ashe_live.light.ground.sheet_shadow import SheetShadow
+from ashe_live.light.ground.sheet_shadow import OTHERS, SheetShadow
 
 
 def seen(concentration: float, clear: float, count: int = 1500) -> list[SeenSheet]:
-    """Sheets with shadows of lights whose azimuths spread so much about where these come from."""
+    """Sheets with shadows of lights whose azimuths spread so much about where these come from, or of something else."""
     rng = np.random.default_rng(5)
     made = []
     for azimuth in rng.uniform(-np.pi, np.pi, count):
-        about = azimuth + rng.vonmises(0.0, concentration * clear)
+        is_own = rng.uniform() > OTHERS
+        about = azimuth + rng.vonmises(0.0, concentration * clear if is_own else 0.0)
         away = -0.03 * np.array([np.cos(about), np.sin(about)])
         to_light = np.array([np.cos(azimuth), np.sin(azimuth), 1.0]) / np.sqrt(2)
         made.append(SeenSheet("", SheetShadow(away, clear), to_light))
