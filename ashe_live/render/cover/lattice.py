@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 
 MOST_CONTRASTS = 3.0  # of the median's, that anything counts as: a glint or a thing would outweigh all ground
-REPEATS = 0.22  # correlation of ground and moved ground; grounds without a pattern have up to 0.2 by chance
+REPEATS = 0.22  # correlation of ground and moved ground, from which it may repeat: a table of white tiles has 0.4
 LEAST_OVERLAP = 0.15  # of the visible ground, by which a shift is judged
 APART_PX = 3  # between two shifts: the correlation about one is no other one
 NOT_ALONG = 0.35  # sine of the angle between two shifts of a lattice; grain and joints repeat along one line alone
