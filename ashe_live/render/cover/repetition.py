@@ -5,7 +5,6 @@ taken, as one place has a stain or a fold that others do not have, with the fine
 "Statistics of patch offsets for image completion", ECCV 2012, choose one shift for every pixel).
 """
 
-import math
 from typing import NamedTuple
 
 import cv2
@@ -16,7 +15,7 @@ from ashe_live.render.cover.lattice import LEAST_OVERLAP, REPEATS, repeated_shif
 
 SIDE_PX = 26.0  # of the marker where shifts are looked for
 LEVEL_SIDES = 0.2  # standard deviation, in the marker's sides, of a blur that leaves sheen and folds, and no pattern
-MOST_SHIFTS = 24
+MOST_SHIFTS = 24  # that are moved into the hole, those that continue best what lies beside it
 BESIDE_SIDES = 0.5  # of the marker: ground beside the hole that a shift must continue
 NEARLY_BEST = 0.15  # less correlated than the best shift that shows a place
 FEATHER_SIDES, LEAST_WEIGHT = 0.15, 0.1  # over which what is beside a thing begins to count, and from which it does
@@ -34,7 +33,8 @@ def pattern_of(contrast: Float32, trusted: Mask, hole: Mask, side_px: float) -> 
     """What repeats in the ground, or None where nothing does, or along one line alone.
 
     contrast: (n, n, 3) detail over the ground's level, so that a pattern in the shade is like that in the light.
-    trusted: (n, n) where it is that of the ground. side_px: the marker's side.
+    trusted: (n, n) where it is that of the ground. hole: (n, n) where the pattern is wanted. side_px: the marker's
+    side.
     """
     n = len(trusted)
     size = min(n, round(n * SIDE_PX / side_px))
@@ -49,13 +49,13 @@ def pattern_of(contrast: Float32, trusted: Mask, hole: Mask, side_px: float) -> 
     if not len(shifts):
         return None
     around = _box(np.asarray(gap > 0.02), round(BESIDE_SIDES * SIDE_PX))
-    misfits = np.array([_misfit(structure, seen, around, shift) for shift in shifts])
-    kept = np.argsort(misfits)[: min(MOST_SHIFTS, int((misfits < 1 - REPEATS).sum()))]
+    alike = np.array([_correlation(structure, seen, around, shift) for shift in shifts])
+    kept = np.argsort(-alike)[: min(MOST_SHIFTS, int((alike > REPEATS).sum()))]
     if not len(kept):
         return None
     box = _box(hole, round(FEATHER_SIDES * side_px))
     pattern, is_there = np.zeros_like(contrast), np.zeros_like(trusted)
-    pattern[box], is_there[box] = _moved_into(box, contrast, trusted, shifts[kept] * scale, misfits[kept], side_px)
+    pattern[box], is_there[box] = _moved_into(box, contrast, trusted, shifts[kept] * scale, alike[kept], side_px)
     return Pattern(pattern, is_there)
 
 
@@ -68,14 +68,14 @@ def _box(mask: Mask, beside: int) -> tuple[slice, slice]:
     )
 
 
-def _misfit(structure: Float32, seen: Mask, box: tuple[slice, slice], shift: Float) -> float:
-    """1 less the correlation of ground and moved ground in a box; infinite where too little of both is seen."""
+def _correlation(structure: Float32, seen: Mask, box: tuple[slice, slice], shift: Float) -> float:
+    """That of ground and moved ground in a box; 0 where too little of both is seen to tell."""
     moved, there = (_moved(each, shift, box) for each in (structure, seen.astype(np.float32)))
     both = seen[box] & (there > 0.99)
     if both.sum() < LEAST_OVERLAP * seen[box].sum():
-        return math.inf
+        return 0.0
     here, moved = structure[box][both], moved[both]
-    return 1 - 2 * float((here * moved).sum()) / max(float(np.square(here).sum() + np.square(moved).sum()), 1e-9)
+    return 2 * float((here * moved).sum()) / max(float(np.square(here).sum() + np.square(moved).sum()), 1e-9)
 
 
 def _moved(picture: Float32, shift: Float, box: tuple[slice, slice]) -> Float32:
@@ -88,18 +88,20 @@ def _moved(picture: Float32, shift: Float, box: tuple[slice, slice]) -> Float32:
 
 
 def _moved_into(
-    box: tuple[slice, slice], contrast: Float32, trusted: Mask, shifts: Float, misfits: Float, side_px: float
+    box: tuple[slice, slice], contrast: Float32, trusted: Mask, shifts: Float, alike: Float, side_px: float
 ) -> tuple[Float32, Mask]:
     """The ground moved into a box of the picture by shifts (k, 2): their median, and where there is one.
 
-    With the fine texture of that shift which is most like the median around a place, and farthest inside its ground.
+    alike: (k,) correlation of each with what lies beside the hole. At a place those count that are nearly the best of
+    all that show it. The median gets the fine texture of the shift that is most like it around there, and
+    farthest inside its ground.
     """
     inside = cv2.copyMakeBorder(trusted.astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     inside = cv2.distanceTransform(inside, cv2.DIST_L2, 5)[1:-1, 1:-1] / np.float32(FEATHER_SIDES * side_px)
     moved = np.array([_moved(contrast, shift, box) for shift in shifts])
     weights = np.array([_moved(np.minimum(inside, 1), shift, box) for shift in shifts])
-    by_misfit = np.where(weights > LEAST_WEIGHT, misfits[:, None, None], np.inf)
-    is_seen = (weights > LEAST_WEIGHT) & (by_misfit < by_misfit.min(axis=0) + NEARLY_BEST)
+    shown = np.where(weights > LEAST_WEIGHT, alike[:, None, None], -np.inf)
+    is_seen = shown > shown.max(axis=0) - NEARLY_BEST
     if not is_seen.any():
         return np.zeros_like(moved[0]), is_seen[0]
     median = _median(moved, is_seen)

@@ -7,7 +7,7 @@ of model and border of shadow are as soft as everything else in the picture.
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -88,11 +88,7 @@ class Composite:
         set_uniforms(
             program,
             **where,
-            weights=_weights(blurs.variance, blurs.reach),
-            wide_weights=_weights(blurs.widest, blurs.reach),
-            sharpening=look.sharpening,
-            paper=look.paper_rgb,
-            noise_sigmas=np.array(look.noise_sigmas),
+            **_uniforms_of(look, blurs),
             grain_px=(viewport[2] / frame.size[0], viewport[3] / frame.size[1]),
             seed=frame.index,
         )
@@ -110,6 +106,16 @@ class Composite:
         self._coarse.release()
         self._choosing.release()
         self._composing.release()
+
+
+def _uniforms_of(look: VideoLook, blurs: "_Blurs") -> dict[str, Any]:
+    return {
+        "weights": _weights(blurs.variance, blurs.reach),
+        "wide_weights": _weights(blurs.widest, blurs.reach),
+        "sharpening": look.sharpening,
+        "paper": look.paper_rgb,
+        "noise_sigmas": np.array(look.noise_sigmas),
+    }
 
 
 def _right_of(column: int, rectangle: Rectangle) -> Rectangle:

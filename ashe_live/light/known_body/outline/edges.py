@@ -65,13 +65,8 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     pixels = image[:, :2] / depths[:, None]
     if not np.isfinite(pixels).all():
         return None
-    # Of each straight side, which is a line in the picture as well.
     after = np.arange(1, len(rim) + 1) % len(rim)
-    sides = pixels[after] - pixels
-    lengths_px = np.hypot(sides[:, 0], sides[:, 1])
-    outwards = np.column_stack([sides[:, 1], -sides[:, 0]]) / np.maximum(lengths_px, 1e-12)[:, None]
-    is_clockwise = (pixels[:, 0] * sides[:, 1] - pixels[:, 1] * sides[:, 0]).sum() > 0
-    outwards = outwards if is_clockwise else -outwards
+    sides, lengths_px, outwards = _sides(pixels, after)
     # A place's pixel moves along the side's normal by this over its depth, as that line's homogeneous vector says.
     across_depth = outwards @ in_image[:2, :3] - (outwards * pixels).sum(axis=1)[:, None] * in_image[2, :3]
 
@@ -114,6 +109,18 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
         way,
         height_left,
     )
+
+
+def _sides(pixels: Float, after: NDArray[np.intp]) -> tuple[Float, Float, Float]:
+    """Of a polygon's straight sides, which are lines in the picture as well: (n, 2) ways, (n,) lengths, (n, 2) normals.
+
+    pixels: (n, 2) its corners. after: (n,) each one's next. Normals are unit and point outwards.
+    """
+    ways = pixels[after] - pixels
+    lengths = np.hypot(ways[:, 0], ways[:, 1])
+    normals = np.column_stack([ways[:, 1], -ways[:, 0]]) / np.maximum(lengths, 1e-12)[:, None]
+    is_clockwise = (pixels[:, 0] * ways[:, 1] - pixels[:, 1] * ways[:, 0]).sum() > 0
+    return ways, lengths, normals if is_clockwise else -normals
 
 
 def _homogeneous(share: Float, first: Float, last: Float) -> Float:
