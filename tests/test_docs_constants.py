@@ -13,9 +13,9 @@ from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.light_covariance import BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE
-from ashe_live.light.lamps import fall_off, lit_samples
 from ashe_live.light.lamps.companions import LEAST_PROBABILITY
 from ashe_live.light.lamps.doubt import CHANCE_DEVIANCE, EVEN_DEVIANCE, LAMPS_NEARNESS
+from ashe_live.light.lamps.fall import fall_off, lit_samples
 from ashe_live.light.lamps.lamp import UNTOLD_NEARNESS
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
 from ashe_live.quality import BALANCED, FAST

@@ -14,7 +14,7 @@ from ashe_live.bench.tables import figures_table
 from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.lamps.agreement import LAMP_DEVIANCE
+from ashe_live.light.lamps.fall.agreement import LAMP_DEVIANCE
 from ashe_live.light.lamps.sources import FALL_ERROR_SHARE, WHOLE_ERROR_SHARE
 
 CLEAR_DEVIANCE = 80.0  # of even light, from which on the ground shows a lamp very clearly

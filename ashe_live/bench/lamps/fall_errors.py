@@ -13,10 +13,10 @@ from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.ground.lit_ground import unlit_mask
 from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
-from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.fall.fall_off import FallOff
+from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.kinds import AUTO
 from ashe_live.light.lamps.lit_by_lamp import LEAST_PX, lit_ground_of
-from ashe_live.light.lamps.lit_samples import clear_of
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import share_of, with_fall_off
 from ashe_live.light.pixels.view import View

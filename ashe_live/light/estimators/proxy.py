@@ -34,8 +34,8 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_scene,
 )
 from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
 from ashe_live.light.lamps.kinds import SUN
-from ashe_live.light.lamps.low_lamps import is_under_low_lamp
 
 
 class ProxyEstimator:

@@ -20,11 +20,11 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.shadow_shift import shadow_ratio
-from ashe_live.light.lamps import agreement
-from ashe_live.light.lamps.agreement import FallDirections
-from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.fall import agreement
+from ashe_live.light.lamps.fall.agreement import FallDirections
+from ashe_live.light.lamps.fall.fall_off import FallOff
+from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.kinds import SUN
-from ashe_live.light.lamps.lit_samples import clear_of
 from ashe_live.light.lamps.near_fits import fitted_near, in_all_views, nearness_prior
 from ashe_live.light.lamps.sources import shadow_middle, share_of
 from ashe_live.light.pixels.view import View

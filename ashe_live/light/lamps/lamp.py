@@ -22,10 +22,10 @@ from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.doubt import confidence_within, with_doubt
-from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.fall.fall_off import FallOff
+from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
-from ashe_live.light.lamps.lit_samples import clear_of
 from ashe_live.light.lamps.near_fits import fitted_near
 from ashe_live.light.lamps.place import Place, places_by_glints
 from ashe_live.light.lamps.sources import (

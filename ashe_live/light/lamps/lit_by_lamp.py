@@ -11,10 +11,10 @@ from ashe_live.core.arrays import Mask
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.slow_shading import LightFall
 from ashe_live.light.ground.steps import GroundSteps
-from ashe_live.light.lamps.agreement import SHARE, UNEVEN_DEVIANCE, FallDirections, with_gloss
-from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.fall.agreement import SHARE, UNEVEN_DEVIANCE, FallDirections, with_gloss
+from ashe_live.light.lamps.fall.fall_off import FallOff
+from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.kinds import SUN
-from ashe_live.light.lamps.lit_samples import clear_of
 from ashe_live.light.pixels.view import View
 
 LEAST_PX = 40  # of what stands out from the ground: specks are texture

@@ -9,8 +9,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.ground.slow_shading import log_irradiance
-from ashe_live.light.lamps.agreement import NEARNESSES, FallDirections
-from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.fall.agreement import NEARNESSES, FallDirections
+from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.pixels.view import View
 from tests.light.painted_scenes import SHADOW_RATIO, paint
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.lamps.low_lamps import low_lamp_elsewhere
+from ashe_live.light.lamps.fall.low_lamps import low_lamp_elsewhere
 from tests.light.lamps.test_fall_off import fall_off, parameters
 
 TOP_M = 0.08

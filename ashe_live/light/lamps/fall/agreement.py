@@ -14,7 +14,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.light.ground.gloss import Gloss
-from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.fall.fall_off import FallOff
 
 NEARNESSES = (0.6, 1.3, 2.7, 5.5)  # 1/m, equally likely of a lamp
 DIRECTIONS, LOWEST_Z = 40, 0.25  # of lamps, spread evenly over the hemisphere, without the lowest

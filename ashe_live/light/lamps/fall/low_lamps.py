@@ -13,10 +13,10 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.slow_shading import irradiances
-from ashe_live.light.lamps.agreement import LAMP_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
-from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.fall.agreement import LAMP_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
+from ashe_live.light.lamps.fall.fall_off import FallOff
+from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.hypotheses import NEARNESSES
-from ashe_live.light.lamps.lit_samples import clear_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.predicted import predicted

@@ -18,7 +18,7 @@ from ashe_live.core.transforms import camera_centre
 from ashe_live.light.ground.gloss import Gloss, mirrored
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.slow_shading import irradiances, log_irradiance
-from ashe_live.light.lamps.lit_samples import CONTRAST, LitSamples
+from ashe_live.light.lamps.fall.lit_samples import CONTRAST, LitSamples
 from ashe_live.light.pixels.view import View
 
 # Sigmas of what a picture in a hundred shows and no lamp causes, beside what all show (`lit_samples`): sheen towards
