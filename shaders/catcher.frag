@@ -52,8 +52,6 @@ vec3 video_at(vec2 pixel) {
 }
 
 #if LIGHTS > 0 && CASTERS > 1
-const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
-
 // The fraction of a light that the real object lets through. Near the outline of its shadow it is measured in the video:
 // where the two shadows meet, an outline that is off by a pixel would leave a seam that is darkened twice or not at all.
 // Farther from the outline, only what is clearly in shadow in the video counts as shadow. Where the model takes hardly any

@@ -4,6 +4,7 @@
 #version 330 core
 #include "srgb.glsl"
 #include "middle.glsl"
+#include "relief.glsl"
 #ifdef COVERS
 #include "cover.glsl"
 uniform mat3 ground_from_pixel;  // of the pinhole camera's picture, to the marker's plane; homogeneous
@@ -25,13 +26,19 @@ uniform sampler2D coarse_gone;  // alpha: 1 plus the largest difference of the l
 uniform vec3 paper;  // linear RGB of what the picture shows as white, beyond 1 where the picture clips it
 const vec2 WHITE = vec2(0.88, 0.94);  // linear brightness at which clipping begins and is complete (as in camera/white.py)
 #endif
+#ifdef RELIEF
+uniform sampler2D ground_mean;  // as ground_mean.frag draws it
+uniform vec2 means;  // how many of its texels are across and up the viewport
+uniform float contrast_left;  // contrast of the ground's relief in the real shadow over that in the light
+uniform float most_relief;  // deviation of the logarithm beyond which it is paint, which shadows leave as it is
+uniform float sky_share;  // of the light on lit ground
+#endif
 uniform float noise_sigmas[4];  // standard deviations in encoded values, at the middles of four ranges of brightness
 uniform vec2 grain_px;  // size of a pixel of the video, in pixels of the viewport
 uniform int seed;
 
 out vec4 encoded;
 
-const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 const int ACROSS = max(REACH, 2);  // rows plus columns from the kernel's middle; the smallest kernel is a full square
 const float EVEN = 0.006;  // linear difference within a kernel's reach below which blurring changes nothing visible
 
@@ -73,6 +80,32 @@ vec3 left_of(vec3 seen, vec3 gone) {
     return seen * (1.0 - gone);
 #endif
 }
+
+#ifdef RELIEF
+// The local mean at `at` of the viewport: a cubic B-spline over its texels, by four bilinear looks (Sigg, Hadwiger, "Fast
+// third-order texture filtering", GPU Gems 2, 2005).
+float ground_mean_at(vec2 at) {
+    vec2 size = vec2(textureSize(ground_mean, 0)), place = at * means - 0.5, lower = floor(place), past = place - lower;
+    vec2 before = 1.0 - past;
+    vec2 first = before * before * before / 6.0, last = past * past * past / 6.0;
+    vec2 left = first + 2.0 / 3.0 - 0.5 * past * past * (2.0 - past), right = 1.0 - left;
+    vec2 low = (lower + 0.5 - first / left) / size, high = (lower + 1.5 + last / right) / size;
+    return left.y * (left.x * textureLod(ground_mean, low, 0.0).r + right.x * textureLod(ground_mean, vec2(high.x, low.y), 0.0).r)
+        + right.y * (left.x * textureLod(ground_mean, vec2(low.x, high.y), 0.0).r
+            + right.x * textureLod(ground_mean, high, 0.0).r);
+}
+
+// The lit ground `seen` with the relief that is left of it where the fraction `gone` of its light is. In full light its contrast
+// is 1 = A k + S c under the sky's share A and the lights' S; where V of the lights is left it is
+// (A k + V S c) / (A + V S).
+vec3 flattened(vec3 seen, vec3 gone, vec2 at) {
+    float lights = 1.0 - sky_share, of_sky = sky_share * contrast_left;
+    float left = clamp((lights - dot(gone, LUMINANCE)) / lights, 0.0, 1.0);
+    float contrast = (of_sky + left * (1.0 - of_sky)) / (sky_share + left * lights);
+    float beyond = log_brightness(seen) - ground_mean_at(at);
+    return seen * exp((contrast - 1.0) * clamp(beyond, -most_relief, most_relief));
+}
+#endif
 
 #ifdef COVERS
 // The cover in a pixel; its alpha is how much of it is visible. `alpha`: of the blurred added light.
@@ -137,6 +170,9 @@ void main() {
 #ifdef COVERS
     vec4 covering = cover_behind(middle, light.a);
     seen = mix(seen, covering.rgb, covering.a);
+#endif
+#ifdef RELIEF
+    seen = flattened(seen, gone, at);
 #endif
     vec3 composed = srgb_from_linear(left_of(seen, gone) + light.rgb);
     float luma = dot(composed, LUMINANCE);

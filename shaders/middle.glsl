@@ -6,12 +6,19 @@ uniform sampler2D straight_from_bent;  // a coarse grid: undistorted coordinates
 uniform vec4 region;  // of the pinhole picture, in which something was drawn
 #endif
 
+// The place in the layers, in pixels, of a place of the video, in shares of its width and height.
+vec2 layers_at(vec2 at) {
+#ifdef BENDS
+    vec2 nodes = vec2(textureSize(straight_from_bent, 0));
+    at = texture(straight_from_bent, (at * (nodes - 1.0) + 0.5) / nodes).xy;
+#endif
+    return viewport.xy + at * viewport.zw;
+}
+
 // The place in the layers, in pixels, about which the composite blurs them.
 vec2 middle_of_blurs() {
 #ifdef BENDS
-    vec2 nodes = vec2(textureSize(straight_from_bent, 0));
-    vec2 at = (gl_FragCoord.xy - viewport.xy) / viewport.zw;
-    return viewport.xy + texture(straight_from_bent, (at * (nodes - 1.0) + 0.5) / nodes).xy * viewport.zw;
+    return layers_at((gl_FragCoord.xy - viewport.xy) / viewport.zw);
 #else
     return gl_FragCoord.xy;
 #endif

@@ -6,6 +6,9 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.proxy import Proxy
+from ashe_live.render.compositing.composite import Composite
+from ashe_live.render.compositing.lens import Lens
+from ashe_live.render.compositing.outlines import Outlines
 from ashe_live.render.cover.hidden_marker import SeenCover
 from ashe_live.render.gl.framing import Rectangle, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
@@ -15,11 +18,8 @@ from ashe_live.render.lights.environment import Environment
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.photometry import Photometry
 from ashe_live.render.lights.shadow_maps import ShadowMaps
-from ashe_live.render.passes.composite import Composite
-from ashe_live.render.passes.lens import Lens
 from ashe_live.render.passes.light_sign import light_sign
 from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
-from ashe_live.render.passes.outlines import Outlines
 from ashe_live.render.passes.standing import StandingGroup
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
@@ -117,9 +117,9 @@ class ModelsOnVideo:
         cover = None
         if hidden is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
             cover = SeenCover(hidden, frame.ground_from_pixel)
-        region, video = frame.region, self._video
+        region, video, relief = frame.region, self._video, self.photometry.relief(scene.illumination)
         self._composite.draw(
-            surface, region, viewport, video, tracked, look, cover, lens, scene.is_split, scene.is_cut_out
+            surface, region, viewport, video, tracked, look, relief, cover, lens, scene.is_split, scene.is_cut_out
         )
 
     def release(self) -> None:

@@ -35,11 +35,11 @@ from ashe_live.core.types import Frame, Illumination, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.quality import FAST
 from ashe_live.render.camera.video_look import VideoLook
+from ashe_live.render.compositing.composite import Composite
 from ashe_live.render.gl.offscreen import Context, offscreen_context
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.lights.photometry import Photometry
-from ashe_live.render.passes.composite import Composite
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 from ashe_live.render.renderer import SceneRenderer

@@ -33,4 +33,5 @@ UNIT_OF = {
     "coarse_light": 12,
     "coarse_gone": 10,
     "outline_steps": 12,
+    "ground_mean": 0,
 }

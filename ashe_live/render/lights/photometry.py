@@ -7,6 +7,7 @@ import numpy as np
 
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2
+from ashe_live.render.camera.relief import Relief, relief_of
 from ashe_live.render.camera.shadow_border import unexplained_border_px
 from ashe_live.render.camera.video_look import VideoLook, look_of
 from ashe_live.render.camera.white import white_of
@@ -29,6 +30,7 @@ class Photometry:
         self._chroma: tuple[TrackedFrame, float] | None = None
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
         self._border: tuple[Lighting, float] | None = None
+        self._relief: tuple[Lighting, Relief | None] | None = None
 
     def lighting(self, of: Illumination) -> Lighting:
         """The irradiances; the same object for the same illumination."""
@@ -54,6 +56,16 @@ class Photometry:
                 share = unexplained_border_px(of.seen_in, of.real_object, lighting.suns[0]) / width_px
             self._border = lighting, share
         return self._border[1]
+
+    def relief(self, of: Illumination) -> Relief | None:
+        """How much flatter the ground is in the real object's shadow than in the light; None where it is not."""
+        lighting = self.lighting(of)
+        if self._relief is None or self._relief[0] is not lighting:
+            relief = None
+            if of.seen_in is not None and of.real_object is not None and lighting.suns:
+                relief = relief_of(of.seen_in, of.real_object, lighting)
+            self._relief = lighting, relief
+        return self._relief[1]
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
         """What the preset matches of the video. Exposure and white balance follow the camera's a few times a second."""

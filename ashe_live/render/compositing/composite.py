@@ -15,13 +15,15 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
+from ashe_live.render.camera.relief import Relief
 from ashe_live.render.camera.video_look import VideoLook
+from ashe_live.render.compositing.coarse import KERNEL_SIGMAS, CoarseBlur, CoarseLayers
+from ashe_live.render.compositing.ground_means import GroundMeans
+from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.cover.hidden_marker import SeenCover
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
-from ashe_live.render.passes.coarse import KERNEL_SIGMAS, CoarseBlur, CoarseLayers
-from ashe_live.render.passes.lens import Lens
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 
@@ -36,6 +38,7 @@ class Composite:
         self._ctx = ctx
         self._programs = programs
         self._coarse = CoarseLayers(ctx, programs)
+        self._means = GroundMeans(ctx, programs)
         self._choosing, self._composing = WholeRectangle(ctx), WholeRectangle(ctx)
 
     def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
@@ -50,6 +53,7 @@ class Composite:
         video: Video,
         tracked: TrackedFrame,
         look: VideoLook,
+        relief: Relief | None = None,
         cover: SeenCover | None = None,
         lens: Lens | None = None,
         is_split: bool = False,
@@ -57,7 +61,8 @@ class Composite:
     ) -> None:
         """Onto `surface.colour`, whose `viewport` shows the video's frame, within `region` and its blur's reach.
 
-        The layers beside `region` must be empty for twice that reach. `cover`: of the marker's sheet, behind the layers
+        The layers beside `region` must be empty for twice that reach. `relief`: of the ground in the real shadow, where
+        it is flatter than in the light. `cover`: of the marker's sheet, behind the layers
         where they say that it is seen. `lens`: what bends the pinhole camera's layers to the frame. `is_split`: the
         left half of `viewport` stays as it is. `is_cut_out`: onto nothing, in place of the video; straight alpha.
         """
@@ -69,6 +74,7 @@ class Composite:
             "coarse": look.chroma_blur_px > 0,
             "overexposed": look.is_overexposed,
             "covers": cover is not None,
+            "relief": relief is not None,
             "cut_out": is_cut_out,
         }
         constants = bends | {name: int(value) for name, value in switches.items() if value}
@@ -94,6 +100,11 @@ class Composite:
         )
         if cover is not None:
             cover.bind(program)
+        if relief is not None:
+            means = self._means.draw(within, viewport, cover, lens is not None)
+            set_uniforms(
+                program, means=means, contrast_left=relief.contrast, most_relief=relief.most, sky_share=relief.sky_share
+            )
         if is_split:
             within = _right_of(viewport[0] + viewport[2] // 2, within)
         with surface.chosen.choosing(surface.choice, within):
@@ -104,6 +115,7 @@ class Composite:
 
     def release(self) -> None:
         self._coarse.release()
+        self._means.release()
         self._choosing.release()
         self._composing.release()
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.render.compositing.outlines import Outlines
 from ashe_live.render.gl.programs import Programs
-from ashe_live.render.passes.outlines import Outlines
 from ashe_live.render.passes.surface import Surface
 
 SIDE = 64

@@ -8,8 +8,8 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED
+from ashe_live.render.compositing.lens import straight_from_bent, wide_pinhole
 from ashe_live.render.gl.framing import box_corners
-from ashe_live.render.passes.lens import straight_from_bent, wide_pinhole
 from ashe_live.render.scene import Scene
 
 LENSES = [(-0.3, 0.1, 0.002, -0.001, 0.0), (0.25, 0.0, 0.0, 0.0, 0.0)]

@@ -16,10 +16,10 @@ from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.camera.grain import SILENT
 from ashe_live.render.camera.video_look import VideoLook
+from ashe_live.render.compositing.coarse import CoarseBlur, line_weights
+from ashe_live.render.compositing.composite import SMALLEST, Composite, _weights
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.gl.programs import Programs
-from ashe_live.render.passes.coarse import CoarseBlur, line_weights
-from ashe_live.render.passes.composite import SMALLEST, Composite, _weights
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 from ashe_live.render.scene import Scene

@@ -1,0 +1,104 @@
+"""How much flatter the ground looks in the real object's shadow than in the light.
+
+Bumps and grain are bright and dark under a sun; under the sky alone they hardly are. Print and
+stains stay what they are.
+"""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import project
+from ashe_live.core.types import TrackedFrame
+from ashe_live.render.camera.shadow_border import OUTLINE_ERROR
+from ashe_live.render.lights.cast_shadows import cast_by_point
+from ashe_live.render.lights.lighting import Lighting
+
+MEANS_ACROSS = 80  # local means across a picture, as `render/compositing/ground_means.py` draws them
+FLOOR = 0.01  # added to brightness, over its mean, as logarithms of noise about 0 say nothing
+AROUND = 0.1  # how far from the shadow lit ground counts as its own, over the picture's width
+SHEET = 2.0  # side of what belongs to the marker's sheet, over that of its square
+LEAST_SHARE = 0.001  # of the picture, in which contrast is told from chance
+MAD_OF_SIGMA = 0.6745  # median of the absolute deviations of a normal distribution of standard deviation 1
+SPLINE = np.array([1.0, 4.0, 1.0]) / 6  # of a cubic B-spline, at the middles of the squares that it weights
+MOST_SIGMAS = 3.0  # contrast in the light beyond which a deviation is no relief
+
+
+class Relief(NamedTuple):
+    """Of the ground, in deviations of the logarithm of its brightness from the local mean."""
+
+    contrast: float  # in the real shadow over that in the light, at most 1
+    most: float  # largest deviation in the light that is relief
+    sky_share: float  # of the light on lit ground, by luminance, which is what the shadow has
+
+
+def relief_of(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> Relief | None:
+    """None where too little of the first light's shadow is seen, or where the ground in it is not flatter.
+
+    Contrasts are medians, as marks are few, and include the picture's noise, as what is drawn does.
+    """
+    assert tracked.marker is not None
+    size, T = tracked.frame.size, tracked.marker.T_cam_marker
+    body = proxy.points_marker()
+    cast = cast_by_point(body, lighting.suns[0].homogeneous)
+    ground = np.column_stack([cast, np.zeros(len(cast))])
+    if min((points @ T[2, :3] + T[2, 3]).min() for points in (ground, body)) <= 1e-3:
+        return None
+    outline, body_px = (project(tracked.camera, T, points) for points in (ground, body))
+    near, far = round(OUTLINE_ERROR * size[0]), round(AROUND * size[0])
+    (left, top), (right, bottom) = (outline.min(axis=0) - far).astype(int), (outline.max(axis=0) + far).astype(int) + 1
+    image = tracked.frame.image_bgr[max(0, top) : max(0, bottom), max(0, left) : max(0, right)]
+    if min(image.shape[:2]) <= 2 * near:
+        return None
+    corner = max(0, left), max(0, top)
+    shadow, other = (_hull(pixels - corner, image) for pixels in (outline, body_px))
+    other = _grown(other, near)
+    if tracked.marker.body is None:
+        middle = tracked.marker.corners_px.mean(axis=0)
+        other |= _hull(middle + SHEET * (tracked.marker.corners_px - middle) - corner, image)
+    in_shadow = ~_grown(~shadow, near) & ~other
+    in_light = _grown(shadow, far) & ~_grown(shadow, near) & ~other
+    if min(in_shadow.sum(), in_light.sum()) < LEAST_SHARE * size[0] * size[1]:
+        return None
+    brightness = LINEAR_FROM_SRGB_8BIT[image] @ REC709_LUMINANCE[::-1]
+    shaded, lit = (_contrast(brightness, where, size[0] / MEANS_ACROSS) for where in (in_shadow, in_light))
+    if shaded >= lit:
+        return None
+    return Relief(shaded / lit, MOST_SIGMAS * lit, float(np.array(lighting.sky) @ REC709_LUMINANCE))
+
+
+def _contrast(brightness: Float, where: Mask, square_px: float) -> float:
+    """Standard deviation of the logarithm about its local mean, a cubic B-spline of means over squares.
+
+    Told by the median, and by what is in the mask (h, w) alone.
+    """
+    logarithm = np.log(brightness + FLOOR * brightness[where].mean())
+    sums, counts = (
+        _smoothed(values, square_px) for values in (np.where(where, logarithm, 0.0), where.astype(np.float64))
+    )
+    return float(np.median(np.abs(logarithm[where] - sums[where] / counts[where]))) / MAD_OF_SIGMA
+
+
+def _smoothed(values: Float, square_px: float) -> Float:
+    """(h, w) the B-spline, but for what lies between the middles of its squares, where it is interpolated."""
+    height, width = values.shape
+    squares = max(1, round(width / square_px)), max(1, round(height / square_px))
+    means = cv2.resize(values, squares, interpolation=cv2.INTER_AREA)
+    at_middles = cv2.sepFilter2D(means, -1, SPLINE, SPLINE, borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(cv2.resize(at_middles, (width, height), interpolation=cv2.INTER_LINEAR))
+
+
+def _hull(pixels: Float, image: Image) -> Mask:
+    """(h, w) what the convex hull of pixels (n, 2) covers."""
+    mask = np.zeros(image.shape[:2], np.uint8)
+    cv2.fillConvexPoly(mask, cv2.convexHull(np.round(pixels).astype(np.int32)), 1)
+    return mask.astype(bool)
+
+
+def _grown(mask: Mask, by_px: int) -> Mask:
+    kernel = np.ones((2 * by_px + 1, 2 * by_px + 1), np.uint8)
+    return np.asarray(cv2.dilate(mask.astype(np.uint8), kernel, borderValue=0).astype(bool))

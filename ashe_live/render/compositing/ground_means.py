@@ -1,0 +1,66 @@
+"""The ground's local mean brightness, from which its relief deviates; the cover in place of the marker's sheet."""
+
+import math
+
+import moderngl
+
+from ashe_live.core.camera import Size
+from ashe_live.render.camera.relief import MEANS_ACROSS
+from ashe_live.render.cover.hidden_marker import SeenCover
+from ashe_live.render.gl.framing import Rectangle, grown
+from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
+from ashe_live.render.gl.texture_units import UNIT_OF
+
+SPLINE_REACH = 2  # texels to either side of a place that count there
+
+
+class GroundMeans:
+    """Of what the composite is about to darken; read by programs as `ground_mean`."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
+        self._ctx = ctx
+        self._programs = programs
+        self._rectangle = WholeRectangle(ctx)
+        self._target: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
+
+    def draw(self, within: Rectangle, viewport: Rectangle, cover: SeenCover | None, bends: bool) -> tuple[float, float]:
+        """Draws the means that count in `within`, pixels of the framebuffer; returns how many are across and up
+        `viewport`. Video and, if it `bends`, lens must be bound. Leaves another framebuffer bound.
+        """
+        left, bottom, width, height = viewport
+        means = float(MEANS_ACROSS), MEANS_ACROSS * height / width
+        texture, framebuffer = self._target_of((MEANS_ACROSS, math.ceil(means[1])))
+        constants = {name: 1 for name, is_so in (("covers", cover is not None), ("bends", bends)) if is_so}
+        program = self._programs.get("ground_mean", **constants)
+        set_uniforms(program, viewport=tuple(map(float, viewport)), means=means)
+        if cover is not None:
+            cover.bind(program)
+        per_px = means[0] / width
+        lower = math.floor((within[0] - left) * per_px), math.floor((within[1] - bottom) * per_px)
+        upper = math.ceil((within[0] + within[2] - left) * per_px), math.ceil((within[1] + within[3] - bottom) * per_px)
+        used = (*lower, upper[0] - lower[0], upper[1] - lower[1])
+        framebuffer.scissor = grown(used, SPLINE_REACH, texture.size)
+        framebuffer.use()
+        self._ctx.viewport = (0, 0, *texture.size)
+        self._ctx.enable_only(moderngl.NOTHING)
+        self._rectangle.draw(program)
+        texture.use(UNIT_OF["ground_mean"])
+        return means
+
+    def release(self) -> None:
+        self._rectangle.release()
+        self._release_target()
+
+    def _target_of(self, size: Size) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
+        if self._target is None or self._target[0].size != size:
+            self._release_target()
+            texture = self._ctx.texture(size, 1, dtype="f2")
+            texture.repeat_x = texture.repeat_y = False
+            self._target = texture, self._ctx.framebuffer([texture])
+        return self._target
+
+    def _release_target(self) -> None:
+        for held in reversed(self._target or ()):
+            held.release()
+        self._target = None

@@ -1,0 +1,33 @@
+// The local mean brightness of the ground as it is shown, the cover in place of the marker's sheet: a texel stands for
+// many pixels of the picture.
+#version 330 core
+#include "srgb.glsl"
+#include "middle.glsl"
+#include "relief.glsl"
+#ifdef COVERS
+#include "cover.glsl"
+uniform mat3 ground_from_pixel;  // of the pinhole camera's picture, to the marker's plane; homogeneous
+#endif
+
+uniform sampler2D video;
+uniform vec2 means;  // how many texels are across and up the viewport
+
+out float mean;
+
+const int TAPS = 8;  // along either side of a texel
+
+void main() {
+    float sum = 0.0;
+    for (int tap = 0; tap < TAPS * TAPS; ++tap) {
+        vec2 within = (vec2(tap % TAPS, tap / TAPS) + 0.5) / float(TAPS) - 0.5;
+        vec2 at = (gl_FragCoord.xy + within) / means;
+        vec3 seen = linear_from_srgb(textureLod(video, at, 0.0).rgb);
+#ifdef COVERS
+        vec3 ground = ground_from_pixel * vec3(layers_at(at), 1.0);
+        vec4 covering = ground.z > 0.0 ? cover_at(ground.xy / ground.z) : vec4(0.0);
+        seen = mix(seen, covering.rgb, covering.a);
+#endif
+        sum += log_brightness(seen);
+    }
+    mean = sum / float(TAPS * TAPS);
+}
