@@ -23,6 +23,7 @@ GUIDES = 0.75  # visibility from which patches continue a line: grain is everywh
 BLEED_SIDES, BESIDE_SIDES = 0.06, 0.16
 SHADING_SIDES = 0.5  # standard deviation of the blur whose result is the ground's shading, and not its texture
 BAND_SIDES = 0.02  # standard deviation of the blur that fine texture is finer than
+GRAIN_SIDES = 0.04  # the same of the grain along a line
 AROUND_SIDES = 0.5  # of the hole: ground that tells which colours ground has
 # Beyond the range of those: of the brightest, and of a channel's share in a colour, both of roots of linear RGB.
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
@@ -71,8 +72,10 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     brightness = _scaled(shading.mean(axis=2), size)
     for place, source in chosen_patches(_scaled(detail, size), brightness, unknown, ground | is_told, sources):
         copied.paste(place, source)
-    share = drawn[..., None]
-    texture = np.asarray(share * lines + (1 - share) * copied.blended(BAND_SIDES * side_px), np.float32)
+    patches = copied.blended(BAND_SIDES * side_px)
+    # A line is the same all along, but for the grain that patches of it have. A pattern has its own.
+    coarser = cv2.GaussianBlur(patches, (0, 0), GRAIN_SIDES * side_px) if pattern is None else patches
+    texture = np.asarray(patches + drawn[..., None] * (lines - coarser), np.float32)
     is_there = copied.is_there if pattern is None else copied.is_there | pattern.is_there
     level = _spread_difference(roots, texture, is_there & trusted, hole, side_px)
     return np.asarray(np.where(hole[..., None], np.square(np.maximum(texture + level, 0)), lit), np.float32)

@@ -55,6 +55,17 @@ def test_a_joint_is_not_interrupted() -> None:
     assert found[HOLE & (np.abs(across) > 8)].mean() == pytest.approx(0.4, rel=0.05)
 
 
+def test_a_joint_has_the_grain_that_it_has_beside_the_hole() -> None:
+    """It was a smooth stroke there: what both sides show along it is the same all along."""
+    on = np.abs(Y - 12) < 6
+    truth = _ground(0.02) * (1 - 0.4 * on[..., None]).astype(np.float32)
+    found = np.log(_filled(truth).mean(axis=2))
+    fine = found - cv2.GaussianBlur(found, (0, 0), 2.0)
+    middle = np.abs(Y - 12) < 3
+    beside = middle & (np.abs(X) > 0.8 * SIDE_PX) & (np.abs(X) < 1.8 * SIDE_PX)
+    assert fine[HOLE & middle].std() == pytest.approx(fine[beside].std(), rel=0.3)
+
+
 def test_no_piece_of_a_joint_that_passes_by_is_copied() -> None:
     """It would lie in the hole's texture, cut off at both ends."""
     across = Y + 0.2 * X + 0.95 * SIDE_PX
