@@ -14,12 +14,12 @@ uniform vec2 means;  // how many texels are across and up the viewport
 
 out float mean;
 
-const int TAPS = 8;  // along either side of a texel
+const int LOOKS = 8;  // along either side of a texel
 
 void main() {
     float sum = 0.0;
-    for (int tap = 0; tap < TAPS * TAPS; ++tap) {
-        vec2 within = (vec2(tap % TAPS, tap / TAPS) + 0.5) / float(TAPS) - 0.5;
+    for (int look = 0; look < LOOKS * LOOKS; ++look) {
+        vec2 within = (vec2(look % LOOKS, look / LOOKS) + 0.5) / float(LOOKS) - 0.5;
         vec2 at = (gl_FragCoord.xy + within) / means;
         vec3 seen = linear_from_srgb(textureLod(video, at, 0.0).rgb);
 #ifdef COVERS
@@ -29,5 +29,5 @@ void main() {
 #endif
         sum += log_brightness(seen);
     }
-    mean = sum / float(TAPS * TAPS);
+    mean = sum / float(LOOKS * LOOKS);
 }

@@ -32,7 +32,7 @@ def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> N
             "reach": casters,
             "taps": casters,
             "spread": casters - 1,
-            **({"bends": 1, "coarse": 1} if casters == 2 else {}),
+            **({"bends": 1, "coarse": 1, "relief": 1, "covers": 1} if casters == 2 else {}),
         }
         if name not in ("contact", "ground_shadow", "self_occlusion") or lights:
             programs.build_program(ctx, name, pcf_radius=1, **constants).release()
