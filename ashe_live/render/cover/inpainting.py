@@ -27,6 +27,7 @@ GRAIN_SIDES = 0.04  # the same of the grain along a line
 AROUND_SIDES = 0.5  # of the hole: ground that tells which colours ground has
 # Beyond the range of those: of the brightest, and of a channel's share in a colour, both of roots of linear RGB.
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
+MOST_GRAIN = 2.0  # contrast of the ground's grain over that of blended patches, up to which it is made up for
 THING, THING_OVER_TEXTURE = 0.08, 5.0  # in roots of linear RGB from the ground's level, or over their median
 THING_PX = 7  # coarse, that a thing is wider than
 MOST_THINGS = 0.25  # of the ground
@@ -76,6 +77,7 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     # A line is the same all along, but for the grain that patches of it have. A pattern has its own.
     coarser = cv2.GaussianBlur(patches, (0, 0), GRAIN_SIDES * side_px) if pattern is None else patches
     texture = np.asarray(patches + drawn[..., None] * (lines - coarser), np.float32)
+    texture = _with_grain_of(detail, plain, texture, hole, side_px)
     is_there = copied.is_there if pattern is None else copied.is_there | pattern.is_there
     level = _spread_difference(roots, texture, is_there & trusted, hole, side_px)
     return np.asarray(np.where(hole[..., None], np.square(np.maximum(texture + level, 0)), lit), np.float32)
@@ -138,6 +140,28 @@ def _things(coarse: Float32, ground: Mask) -> Mask:
     wide = cv2.morphologyEx((ground & ~plain).astype(np.uint8), cv2.MORPH_OPEN, disc)
     things = cv2.dilate(wide, disc) > 0
     return things if (things & ground).sum() < MOST_THINGS * ground.sum() else np.zeros_like(things)
+
+
+def _with_grain_of(detail: Float32, plain: Mask, texture: Float32, hole: Mask, side_px: float) -> Float32:
+    """`texture` (n, n, 3) with as much fine contrast in the hole as the ground beside it: blended patches have less.
+
+    detail: (n, n, 3) of the ground, where it is `plain` (n, n).
+    """
+    near = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < AROUND_SIDES * side_px
+    weight = plain.astype(np.float32)
+    around = detail - _blurred(detail, weight, BAND_SIDES * side_px)
+    fine = texture - _blurred(texture, np.ones_like(weight), BAND_SIDES * side_px)
+    wanted, found = (
+        np.median(np.abs(each.mean(axis=2))[where]) for each, where in ((around, plain & near), (fine, hole))
+    )
+    more = float(np.clip(wanted / max(float(found), 1e-6), 1.0, MOST_GRAIN)) - 1
+    return np.asarray(texture + more * np.where(hole[..., None], fine, 0), np.float32)
+
+
+def _blurred(picture: Float32, weight: Float32, sigma: float) -> Float32:
+    """(n, n, 3) means of what has weight (n, n), by a Gaussian."""
+    sums, share = (cv2.GaussianBlur(each, (0, 0), sigma) for each in (picture * weight[..., None], weight))
+    return np.asarray(sums / np.maximum(share, 1e-6)[..., None], np.float32)
 
 
 def _spread_difference(roots: Float32, texture: Float32, is_known: Mask, hole: Mask, side_px: float) -> Float32:

@@ -36,6 +36,18 @@ def test_texture_in_the_hole_is_neither_smoother_nor_rougher() -> None:
     assert found[HOLE].mean() == pytest.approx(found[BESIDE].mean(), rel=0.03)
 
 
+def test_ground_that_is_rougher_here_than_elsewhere_is_so_in_the_hole() -> None:
+    """Patches come from anywhere, and what is blended is smoother."""
+    square = np.maximum(np.abs(X), np.abs(Y))
+    grain = cv2.GaussianBlur(np.random.default_rng(5).normal(size=(SIZE, SIZE)), (0, 0), 1.0)
+    contrast = np.where(square < 1.3 * SIDE_PX, 0.06, 0.035)
+    ground = np.clip(0.4 + (contrast * grain / grain.std())[..., None], 0.05, 0.9)
+    found = np.sqrt(_filled(np.repeat(ground, 3, axis=2).astype(np.float32))).mean(axis=2)
+    fine = found - cv2.GaussianBlur(found, (0, 0), 2.0)
+    ring = (square > 0.8 * SIDE_PX) & (square < 1.15 * SIDE_PX)
+    assert 0.75 < fine[HOLE].std() / fine[ring].std() < 1.1
+
+
 def test_light_that_falls_off_goes_on_falling_off() -> None:
     slope = (1 + 0.3 * X / SIZE)[..., None].astype(np.float32)
     found = _filled(_ground(0.02) * slope)
