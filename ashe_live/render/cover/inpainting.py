@@ -28,6 +28,7 @@ AROUND_SIDES = 0.5  # of the hole: ground that tells which colours ground has
 # Beyond the range of those: of the brightest, and of a channel's share in a colour, both of roots of linear RGB.
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
 MOST_GRAIN = 2.0  # contrast of the ground's grain over that of blended patches, up to which it is made up for
+EDGE = 5.0  # contrast of an edge over the grain's median, from which it is no grain
 THING, THING_OVER_TEXTURE = 0.08, 5.0  # in roots of linear RGB from the ground's level, or over their median
 THING_PX = 7  # coarse, that a thing is wider than
 MOST_THINGS = 0.25  # of the ground
@@ -77,7 +78,8 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     # A line is the same all along, but for the grain that patches of it have. A pattern has its own.
     coarser = cv2.GaussianBlur(patches, (0, 0), GRAIN_SIDES * side_px) if pattern is None else patches
     texture = np.asarray(patches + drawn[..., None] * (lines - coarser), np.float32)
-    texture = _with_grain_of(detail, plain, texture, hole, side_px)
+    if pattern is None:
+        texture = _with_grain_of(detail, plain, texture, hole, side_px)
     is_there = copied.is_there if pattern is None else copied.is_there | pattern.is_there
     level = _spread_difference(roots, texture, is_there & trusted, hole, side_px)
     return np.asarray(np.where(hole[..., None], np.square(np.maximum(texture + level, 0)), lit), np.float32)
@@ -155,7 +157,8 @@ def _with_grain_of(detail: Float32, plain: Mask, texture: Float32, hole: Mask, s
         np.median(np.abs(each.mean(axis=2))[where]) for each, where in ((around, plain & near), (fine, hole))
     )
     more = float(np.clip(wanted / max(float(found), 1e-6), 1.0, MOST_GRAIN)) - 1
-    return np.asarray(texture + more * np.where(hole[..., None], fine, 0), np.float32)
+    grain = np.clip(fine, -EDGE * found, EDGE * found)
+    return np.asarray(texture + more * np.where(hole[..., None], grain, 0), np.float32)
 
 
 def _blurred(picture: Float32, weight: Float32, sigma: float) -> Float32:

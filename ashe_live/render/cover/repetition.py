@@ -17,7 +17,6 @@ SIDE_PX = 26.0  # of the marker where shifts are looked for
 LEVEL_SIDES = 0.2  # standard deviation, in the marker's sides, of a blur that leaves sheen and folds, and no pattern
 MOST_SHIFTS = 24  # that are moved into the hole, those that continue best what lies beside it
 BESIDE_SIDES = 0.5  # of the marker: ground beside the hole that a shift must continue
-NEARLY_BEST = 0.15  # less correlated than the best shift that shows a place
 FEATHER_SIDES, LEAST_WEIGHT = 0.15, 0.1  # over which what is beside a thing begins to count, and from which it does
 ALIKE_SIDES, FINE_SIDES = 0.1, 0.02  # blurs: of the misfit by which fine texture is chosen, and of what is finer
 
@@ -55,7 +54,7 @@ def pattern_of(contrast: Float32, trusted: Mask, hole: Mask, side_px: float) -> 
         return None
     box = _box(hole, round(FEATHER_SIDES * side_px))
     pattern, is_there = np.zeros_like(contrast), np.zeros_like(trusted)
-    pattern[box], is_there[box] = _moved_into(box, contrast, trusted, shifts[kept] * scale, alike[kept], side_px)
+    pattern[box], is_there[box] = _moved_into(box, contrast, trusted, shifts[kept] * scale, side_px)
     return Pattern(pattern, is_there)
 
 
@@ -88,20 +87,18 @@ def _moved(picture: Float32, shift: Float, box: tuple[slice, slice]) -> Float32:
 
 
 def _moved_into(
-    box: tuple[slice, slice], contrast: Float32, trusted: Mask, shifts: Float, alike: Float, side_px: float
+    box: tuple[slice, slice], contrast: Float32, trusted: Mask, shifts: Float, side_px: float
 ) -> tuple[Float32, Mask]:
     """The ground moved into a box of the picture by shifts (k, 2): their median, and where there is one.
 
-    alike: (k,) correlation of each with what lies beside the hole. At a place those count that are nearly the best of
-    all that show it. The median gets the fine texture of the shift that is most like it around there, and
-    farthest inside its ground.
+    The median of all that show a place, as shadows and things lie on some. It gets the fine texture of the shift
+    that is most like it around there, and farthest inside its ground.
     """
     inside = cv2.copyMakeBorder(trusted.astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     inside = cv2.distanceTransform(inside, cv2.DIST_L2, 5)[1:-1, 1:-1] / np.float32(FEATHER_SIDES * side_px)
     moved = np.array([_moved(contrast, shift, box) for shift in shifts])
     weights = np.array([_moved(np.minimum(inside, 1), shift, box) for shift in shifts])
-    shown = np.where(weights > LEAST_WEIGHT, alike[:, None, None], -np.inf)
-    is_seen = shown > shown.max(axis=0) - NEARLY_BEST
+    is_seen: Mask = weights > LEAST_WEIGHT
     if not is_seen.any():
         return np.zeros_like(moved[0]), is_seen[0]
     median = _median(moved, is_seen)
@@ -110,7 +107,7 @@ def _moved_into(
     fitness = np.where(is_seen, weights / (unlike + max(float(np.median(unlike[is_seen])), 1e-9)), 0)
     finer = np.take_along_axis(moved, fitness.argmax(axis=0)[None, ..., None], 0)[0] - median
     finer -= cv2.GaussianBlur(finer, (0, 0), FINE_SIDES * side_px)
-    return np.asarray(median + finer, np.float32), is_seen.any(axis=0)
+    return np.asarray(median + finer, np.float32), np.asarray(is_seen.any(axis=0))
 
 
 def _median(several: Float32, is_seen: Mask) -> Float32:
