@@ -1,0 +1,1 @@
+"""Pictures with a known light that NumPy paints ray by ray: bodies, scenes, light, ground, and the picture."""
