@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from itertools import chain
 
 import numpy as np
@@ -13,7 +14,7 @@ from ashe_live.bench.metrics import ELLIPSE_95, squared_sigmas
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
 from ashe_live.core.transforms import angle_between
-from ashe_live.core.types import Frame, Light, LightEstimate
+from ashe_live.core.types import Frame, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.quality import Quality
 from ashe_live.tracking.families.layout import cube_layout
@@ -28,58 +29,83 @@ def light_row(name: str, pictures: Iterable[CubePicture], quality: Quality) -> J
 
     Each picture is a cube's first, or the last of those in which it was followed, with the tracker's own pose.
     """
-    estimator = make_estimator("proxy", quality.light)
-    first, worse, ambient, counted, spent, answered, attempted = [], [], [], [], [], 0, 0
-    within, distances, in_view, seen, wrong, lamps = [], [], [], [], 0, 0
+    estimator, tally = make_estimator("proxy", quality.light), _Tally()
     for picture in pictures:
-        attempted += 1
-        seen.append(picture.shows_shadows)
-        tracker = MarkerTracker(cube_layout(), picture.camera, picture.edge_m, quality.tracking)
-        for index, image in enumerate(chain(picture.before, [picture.image])):
-            tracked = tracker.track(Frame(image, index, index / FPS))
+        tally.seen.append(picture.shows_shadows)
+        tracked = _followed(picture, quality)
         if tracked.marker is None:
             continue
         begin = time.thread_time()
         estimate = estimator.estimate(tracked)
-        spent.append(1e3 * (time.thread_time() - begin))
-        if not estimate.lights:
-            continue
-        answered += 1
-        wrong += _is_sure_and_wrong(estimate, picture.lights)
-        counted.append(len(estimate.lights) == len(picture.lights))
-        if len(picture.lights):
-            errors = _errors_deg(estimate, picture.lights)
-            first.append(errors[0].min())
-            in_view += [errors[0].min()] if seen[-1] else []
-            worse.append(errors.min(axis=0).max())
-            true = picture.lights[int(errors[0].argmin())]
-            light = estimate.lights[0]
-            assert light.covariance_rad2 is not None
-            squared = squared_sigmas(light.to_light_marker, light.covariance_rad2, true[:3])
-            within.append(squared <= ELLIPSE_95)
-            lamps += light.inverse_distance > 0
-            if light.inverse_distance > 0 and true[3] > 0:
-                distances.append(abs(_true_over_found_distance(light, true) - 1))
-            ambient.append(ambient_errors(picture.sky_on_ball, picture.table_rgb, estimate.illumination))
-    return {
-        "set": name,
-        "pictures": attempted,
-        "answered": answered / max(attempted, 1),
-        "median_deg": median(first),
-        "percentile_95_deg": float(np.percentile(first, 95)) if first else None,
-        "largest_deg": max(first, default=None),
-        "shadow_hidden": 1 - float(np.mean(seen)) if seen else None,
-        "percentile_95_of_others_deg": float(np.percentile(in_view, 95)) if in_view else None,
-        "sure_and_wrong": wrong,
-        "in_95_percent_ellipse": float(np.mean(within)) if within else None,
-        "count_right": float(np.mean(counted)) if counted else None,
-        "worse_median_deg": median(worse),
-        "ambient_even": median([even for even, _ in ambient]),
-        "ambient_leaning": median([leaning for _, leaning in ambient]),
-        "stated_as_lamps": lamps / len(first) if first else None,
-        "distance_relative_error": median(distances),
-        "ms": median(spent),
-    }
+        tally.spent_ms.append(1e3 * (time.thread_time() - begin))
+        if estimate.lights:
+            tally.add(estimate, picture)
+    return tally.row(name)
+
+
+def _followed(picture: CubePicture, quality: Quality) -> TrackedFrame:
+    """The picture as the tracker sees it after those before it."""
+    tracker = MarkerTracker(cube_layout(), picture.camera, picture.edge_m, quality.tracking)
+    for index, image in enumerate(chain(picture.before, [picture.image])):
+        tracked = tracker.track(Frame(image, index, index / FPS))
+    return tracked
+
+
+@dataclass
+class _Tally:
+    """What answers have come to, of a set of pictures."""
+
+    seen: list[bool] = field(default_factory=list)  # of each picture, whether it shows a shadow
+    spent_ms: list[float] = field(default_factory=list)
+    counted: list[bool] = field(default_factory=list)  # of each answer, whether it has as many lights as there are
+    wrong: int = 0  # answers that are sure, and wrong
+    # Of each answer where there is a light:
+    first_deg: list[float] = field(default_factory=list)  # error of the strongest light that is answered
+    in_view_deg: list[float] = field(default_factory=list)  # the same, where a shadow is seen
+    worst_deg: list[float] = field(default_factory=list)  # of the true light that is found worst
+    within: list[bool] = field(default_factory=list)  # whether the first is in its 95 % ellipse
+    lamps: int = 0  # answers whose first light is a lamp's
+    distances: list[float] = field(default_factory=list)  # relative errors of those that are lamps
+    ambient: list[tuple[float, float]] = field(default_factory=list)  # by an even sky, by a leaning one
+
+    def add(self, estimate: LightEstimate, picture: CubePicture) -> None:
+        self.wrong += _is_sure_and_wrong(estimate, picture.lights)
+        self.counted.append(len(estimate.lights) == len(picture.lights))
+        if not len(picture.lights):
+            return
+        errors = _errors_deg(estimate, picture.lights)
+        self.first_deg.append(errors[0].min())
+        self.in_view_deg += [errors[0].min()] if self.seen[-1] else []
+        self.worst_deg.append(errors.min(axis=0).max())
+        true, light = picture.lights[int(errors[0].argmin())], estimate.lights[0]
+        assert light.covariance_rad2 is not None
+        self.within.append(squared_sigmas(light.to_light_marker, light.covariance_rad2, true[:3]) <= ELLIPSE_95)
+        self.lamps += light.inverse_distance > 0
+        if light.inverse_distance > 0 and true[3] > 0:
+            self.distances.append(abs(_true_over_found_distance(light, true) - 1))
+        self.ambient.append(ambient_errors(picture.sky_on_ball, picture.table_rgb, estimate.illumination))
+
+    def row(self, name: str) -> Json:
+        first, in_view = self.first_deg, self.in_view_deg
+        return {
+            "set": name,
+            "pictures": len(self.seen),
+            "answered": len(self.counted) / max(len(self.seen), 1),
+            "median_deg": median(first),
+            "percentile_95_deg": float(np.percentile(first, 95)) if first else None,
+            "largest_deg": max(first, default=None),
+            "shadow_hidden": 1 - float(np.mean(self.seen)) if self.seen else None,
+            "percentile_95_of_others_deg": float(np.percentile(in_view, 95)) if in_view else None,
+            "sure_and_wrong": self.wrong,
+            "in_95_percent_ellipse": float(np.mean(self.within)) if self.within else None,
+            "count_right": float(np.mean(self.counted)) if self.counted else None,
+            "worse_median_deg": median(self.worst_deg),
+            "ambient_even": median([even for even, _ in self.ambient]),
+            "ambient_leaning": median([leaning for _, leaning in self.ambient]),
+            "stated_as_lamps": self.lamps / len(first) if first else None,
+            "distance_relative_error": median(self.distances),
+            "ms": median(self.spent_ms),
+        }
 
 
 def median(values: Sequence[float]) -> float | None:
