@@ -47,26 +47,11 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
 
     Raises MalformedError for indices out of range and for values that are not finite.
     """
-    if len(raw.triangles) == 0:
+    moved = _moved(raw, T)
+    if moved is None:
         return None
-    if raw.triangles.min() < 0 or len(raw.vertices) <= raw.triangles.max():
-        raise MalformedError(f"a triangle names vertex {raw.triangles.max()} of {len(raw.vertices)}")
-    vertices = raw.vertices if np.array_equal(T, np.eye(4)) else raw.vertices @ T[:3, :3].T + T[:3, 3]
-    vertices = vertices.astype(np.float32)
-    if not np.isfinite(vertices).all():
-        raise MalformedError("vertices hold a value that is not finite")
-    triangles = raw.triangles.astype(np.uint32)
-    has_area = np.any(face_normals(vertices, triangles) != 0, axis=1)
-    triangles = triangles if has_area.all() else triangles[has_area]
-    if len(triangles) == 0:
-        return None
-    if np.linalg.det(T[:3, :3]) < 0:
-        triangles = triangles[:, ::-1]
-    given = {"uvs": raw.uvs, "more_uvs": raw.more_uvs, "colours": raw.colours}
-    attributes = {name: values.astype(np.float32) for name, values in given.items() if values is not None}
-    for name, values in attributes.items():
-        if not np.isfinite(values).all():
-            raise MalformedError(f"{name} hold a value that is not finite")
+    vertices, triangles = moved
+    attributes = _attributes(raw)
     normals = _file_normals(raw, T)
     source: NDArray[np.integer] = np.arange(len(vertices))
     motion_normals = None if raw.motion is None else raw.motion.normals
@@ -98,6 +83,34 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         more_uvs=attributes.get("more_uvs"),
         motion=motion,
     )
+
+
+def _moved(raw: RawMesh, T: Float) -> tuple[Float32, Indices] | None:
+    """(n, 3) vertices moved by T, and those triangles that have an area, with their fronts outside if T mirrors."""
+    if len(raw.triangles) == 0:
+        return None
+    if raw.triangles.min() < 0 or len(raw.vertices) <= raw.triangles.max():
+        raise MalformedError(f"a triangle names vertex {raw.triangles.max()} of {len(raw.vertices)}")
+    vertices = raw.vertices if np.array_equal(T, np.eye(4)) else raw.vertices @ T[:3, :3].T + T[:3, 3]
+    vertices = vertices.astype(np.float32)
+    if not np.isfinite(vertices).all():
+        raise MalformedError("vertices hold a value that is not finite")
+    triangles = raw.triangles.astype(np.uint32)
+    has_area = np.any(face_normals(vertices, triangles) != 0, axis=1)
+    triangles = triangles if has_area.all() else triangles[has_area]
+    if len(triangles) == 0:
+        return None
+    return vertices, triangles[:, ::-1] if np.linalg.det(T[:3, :3]) < 0 else triangles
+
+
+def _attributes(raw: RawMesh) -> dict[str, Float32]:
+    """What the file gives of texture coordinates and colours, one a vertex, by their names in a Mesh."""
+    given = {"uvs": raw.uvs, "more_uvs": raw.more_uvs, "colours": raw.colours}
+    attributes = {name: values.astype(np.float32) for name, values in given.items() if values is not None}
+    for name, values in attributes.items():
+        if not np.isfinite(values).all():
+            raise MalformedError(f"{name} hold a value that is not finite")
+    return attributes
 
 
 def _placed_motion(
