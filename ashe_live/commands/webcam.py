@@ -1,4 +1,4 @@
-"""`ashe-live webcam`: a camera, a printed marker, a sunny table."""
+"""`ashe-live webcam`: a connected camera, in a window."""
 
 import argparse
 

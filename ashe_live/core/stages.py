@@ -1,4 +1,4 @@
-"""Where an estimate's time goes."""
+"""The stages of an estimate by name, and the time that each has taken."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""Whether a square's four sides are those of the print inside: what lies over an edge is taken for one by any line.
+"""Whether a square's four sides are the print's own: what lies over an edge, as a finger, has a straight side as well.
 
 A finger along a side moves that side alone. The three others and the print inside still agree, and give the pose.
 """

@@ -58,23 +58,16 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     rim = cv2.convexHull(cast[:, :2].astype(np.float32), returnPoints=False)[:, 0].astype(np.intp)
     corners, casting = cast[rim, :2], points[rim]
     in_image = view.camera.K @ view.T_cam_marker[:3]
-    image = corners @ in_image[:, :2].T + in_image[:, 3]
-    depths = image[:, 2]
-    if len(rim) < 3 or not depths.min() > 0:
-        return None
-    pixels = image[:, :2] / depths[:, None]
-    if not np.isfinite(pixels).all():
+    depths, pixels = _projected(in_image, corners)
+    if len(rim) < 3 or not (depths.min() > 0 and np.isfinite(pixels).all()):
         return None
     after = np.arange(1, len(rim) + 1) % len(rim)
     sides, lengths_px, outwards = _sides(pixels, after)
     # A place's pixel moves along the side's normal by this over its depth, as that line's homogeneous vector says.
     across_depth = outwards @ in_image[:2, :3] - (outwards * pixels).sum(axis=1)[:, None] * in_image[2, :3]
 
-    ends = lengths_px.cumsum()
-    at = EVENLY * ends[-1]
-    side = np.minimum(np.searchsorted(ends, at, side="right"), len(rim) - 1)
+    side, along_px = _evenly_along(lengths_px)
     stop, length_px = after[side], lengths_px[side]
-    along_px = at - ends[side] + length_px
     share = along_px / np.maximum(length_px, 1e-9)
     points_px = pixels[side] + share[:, None] * sides[side]
     # Evenly in the picture is not evenly on the table: a side's points are those of its line's homogeneous points.
@@ -109,6 +102,24 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
         way,
         height_left,
     )
+
+
+def _projected(in_image: Float, places: Float) -> tuple[Float, Float]:
+    """(n,) depths and (n, 2) pixels of places (n, 2) on the plane; pixels are not finite where the depth is 0.
+
+    in_image: (3, 4) homogeneous pixels from the marker frame.
+    """
+    image = places @ in_image[:, :2].T + in_image[:, 3]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return image[:, 2], image[:, :2] / image[:, 2:]
+
+
+def _evenly_along(lengths: Float) -> tuple[NDArray[np.intp], Float]:
+    """(p,) the sides, of these lengths (n,), on which the POINTS of an outline lie, and how far along each."""
+    ends = lengths.cumsum()
+    at = EVENLY * ends[-1]
+    side = np.minimum(np.searchsorted(ends, at, side="right"), len(lengths) - 1)
+    return side, at - ends[side] + lengths[side]
 
 
 def _sides(pixels: Float, after: NDArray[np.intp]) -> tuple[Float, Float, Float]:
