@@ -72,6 +72,11 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
     )
     view.add_argument("--mirror", action="store_true", help="show the window as a mirror would (key W)")
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
+    _add_output_options(parser)
+    add_quality_options(parser)
+
+
+def _add_output_options(parser: argparse.ArgumentParser) -> None:
     output = parser.add_argument_group("without a window")
     output.add_argument("--headless", action="store_true", help="render every frame offscreen")
     output.add_argument("--frames", type=values.count, metavar="N", help="stop after N frames")
@@ -96,7 +101,6 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
         "--report", type=Path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"
     )
     output.add_argument("--overwrite", action="store_true", help="replace existing files")
-    add_quality_options(parser)
 
 
 def add_quality_options(parser: argparse.ArgumentParser, default: str = "balanced") -> None:
