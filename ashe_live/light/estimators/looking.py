@@ -37,7 +37,6 @@ from ashe_live.light.views.seen import SceneView, without_plane
 LEAST_SHARE = 0.0005
 # The most that is tried in a view beside the first: as much as the preset `fast` tries in a single picture.
 MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
-FIRST_COMPANIONS = 1  # number of views beside the first that are searched in any case
 HINTS = 5  # number of lights in which a known object's place is searched
 SAME_RAD, SAME_M = math.radians(1), 0.003  # angle and distance within which two explanations count as one
 SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
@@ -77,11 +76,11 @@ def _explained_together(
     lamps: LampHypotheses,
     clock: StageClock,
 ) -> list[tuple[JointExplanation, float]]:
-    """As `explained_together`, of what is found in the first view and in as many others as it takes to be sure.
+    """As `explained_together`, of what is found in the first view; where all leave doubt about it, in others, too.
 
-    Where that leaves doubt, each view is also searched as if it were the only one: the inside of a plain object does
-    not visibly shear, so that labels which rest on other views take it for the shadow. first: the first view with its
-    explanations.
+    Where that leaves doubt as well, each view is also searched as if it were the only one: the inside of a plain object
+    does not visibly shear, so that labels which rest on other views take it for the shadow. first: the first view with
+    its explanations.
     """
 
     def searched(several: Sequence[SceneView]) -> Iterator[tuple[SceneView, Sequence[Explanation]]]:
@@ -91,14 +90,12 @@ def _explained_together(
             yield view, rough
 
     companions = views[1 : 1 + steps.companions]
-    found = [first, *searched(companions[:FIRST_COMPANIONS])]
-    together = explained_together(found, views, steps, judge, lamps)
+    together = explained_together([first], views, steps, judge, lamps)
     if _leaves_no_doubt(together) or not companions:
         return together
-    if more := companions[FIRST_COMPANIONS:]:
-        together = explained_together([*found, *searched(more)], views, steps, judge, lamps)
-        if _leaves_no_doubt(together):
-            return together
+    together = explained_together([first, *searched(companions)], views, steps, judge, lamps)
+    if _leaves_no_doubt(together):
+        return together
     alone = [(view, _found_alone(view, steps, judge, clock)) for view in views[:SEARCHED_ALONE]]
     return without_alike([*together, *explained_together(alone, views, steps, judge, lamps)])
 

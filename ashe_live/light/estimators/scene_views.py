@@ -1,7 +1,6 @@
 """The views of one scene that an answer rests on, and which of them show another."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import FAST, ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge
-from ashe_live.light.lamps.lit_by_lamp import lit_ground_of
+from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
 from ashe_live.light.views.joint import in_each_view
@@ -36,17 +35,17 @@ def scene_views(
     fine, coarse: views of `tracked`. Another view with too little lit ground is left out; if there is too little in
     `tracked`, there are no views.
     """
-    first = _scene_view(tracked.frame.index, fine, coarse, steps)
-    if first is None:
+    ground = lit_ground_of(coarse, steps.ground, steps.light)
+    if ground is None:
         return []
-    views = [first]
+    views = [SceneView(tracked.frame.index, fine, coarse, ground)]
     for number, other in enumerate(usable(tracked, others, steps.views - 1)):
-        fine = View.of(other, steps.fine_width_px)
+        fine, coarse = fine_and_coarse(other, steps)
         # A view in which nothing is searched for needs only a coarse model of the ground.
-        searched = steps if number < steps.companions else replace(steps, ground=FAST.ground)
-        view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), searched)
-        if view is not None:
-            views.append(view)
+        finely = steps.ground if number < steps.companions else FAST.ground
+        seen = lit_ground_beside(ground, coarse, finely, steps.light)
+        if seen is not None:
+            views.append(SceneView(other.frame.index, fine, coarse, seen))
     return views if len(views) == 1 else with_plane(views)
 
 
@@ -83,8 +82,3 @@ def without_confirming(several: Sequence[TrackedFrame], explanation: Explanation
     confirming = [each.region.view.T_cam_marker for each in others if judge.log_odds(each) > least]
     poses = [(each, each.marker.T_cam_marker) for each in several if each.marker is not None]
     return [each for each, pose in poses if not any(np.array_equal(pose, one) for one in confirming)]
-
-
-def _scene_view(index: int, fine: View, coarse: View, steps: ProxySteps) -> SceneView | None:
-    ground = lit_ground_of(coarse, steps.ground, steps.light)
-    return None if ground is None else SceneView(index, fine, coarse, ground)

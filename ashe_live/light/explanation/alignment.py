@@ -91,17 +91,18 @@ class Start:
     costs: Costs
 
 
-def aligned(several: Sequence[Start]) -> list[Alignment | None]:
+def aligned(several: Sequence[Start], ranges: Sequence[float] = SEARCH_RANGES) -> list[Alignment | None]:
     """For each start the cheapest of its bodies, moved onto the borders around it; None if that body is not in view.
 
-    The TRIED_BODIES that are cheapest before they move are tried, as the family that fits the masks best need not fit
-    the pixels best. Gauss-Newton steps with Cauchy's weights, after Harris and Stennett (docs/maths.md, "Alignment").
+    ranges: of each round's search for borders, as SEARCH_RANGES. The TRIED_BODIES that are cheapest before they move
+    are tried, as the family that fits the masks best need not fit the pixels best. Gauss-Newton steps with Cauchy's
+    weights, after Harris and Stennett (docs/maths.md, "Alignment").
     """
     found: list[Alignment | None] = [None] * len(several)
     lights = [len(start.bodies[0].lights) for start in several]
     for count in set(lights):
         members = [i for i, each in enumerate(lights) if each == count]
-        for i, alignment in zip(members, _aligned([several[i] for i in members]), strict=True):
+        for i, alignment in zip(members, _aligned([several[i] for i in members], ranges), strict=True):
             found[i] = alignment
     return found
 
@@ -128,18 +129,18 @@ def criterion(placed: PlacedBody) -> float:
     return placed.cost + COST_PER_PARAMETER * len(placed.lit.body.shape)
 
 
-def _aligned(several: Sequence[Start]) -> list[Alignment | None]:
+def _aligned(several: Sequence[Start], ranges: Sequence[float]) -> list[Alignment | None]:
     """As `aligned`, where all bodies have the same number of lights."""
     candidates = iter(placed_in([(lit, start.sight, start.costs) for start in several for lit in start.bodies]))
     tried = [sorted((next(candidates) for _ in start.bodies), key=criterion)[:TRIED_BODIES] for start in several]
     best = [one for bodies in tried for one in bodies]
     here = list(best)
-    for number, range_share in enumerate(SEARCH_RANGES):
+    for number, range_share in enumerate(ranges):
         in_view = [i for i, one in enumerate(here) if one.is_in_view]
         if not in_view:
             break
         steps = normal_equations(
-            [here[i] for i in in_view], range_share, 1.0 if number == len(SEARCH_RANGES) - 1 else EARLY_LOSS_FACTOR
+            [here[i] for i in in_view], range_share, 1.0 if number == len(ranges) - 1 else EARLY_LOSS_FACTOR
         ).steps()
         stepping = [(here[i], step) for i, step in zip(in_view, steps, strict=True)]
         moved = placed_in([(one.lit.moved(step), one.sight, one.costs) for one, step in stepping])

@@ -38,6 +38,17 @@ def lit_ground_of(view: View, steps: GroundSteps, kind: str) -> LitGround | None
     return fit_lit_ground(view.image_bgr, view.is_ground, steps, fall) or ground
 
 
+def lit_ground_beside(first: LitGround, view: View, steps: GroundSteps, kind: str) -> LitGround | None:
+    """The lit ground of another view of the scene that `first` is the ground of; as `lit_ground_of`, at less cost.
+
+    Whether light falls off over a table, or its gloss shows, depends on the scene more than on who looks: where the
+    first view does not ask for it, it is not looked for in others.
+    """
+    if first.fall is None and not first.divided:
+        return fit_lit_ground(view.image_bgr, view.is_ground, steps)
+    return lit_ground_of(view, steps, kind)
+
+
 def _fall_of_light(view: View, ground: LitGround, free: Mask) -> LightFall | None:
     """That of the light that explains the lit ground's brightness best; None where that may be lit alike all over."""
     fall_off = FallOff.of(view, ground, free)

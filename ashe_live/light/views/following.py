@@ -7,7 +7,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.light.explanation.alignment import Alignment, Start, aligned
+from ashe_live.light.explanation.alignment import SEARCH_RANGES, Alignment, Start, aligned
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
 from ashe_live.light.ground.steps import GroundSteps
@@ -17,8 +17,9 @@ from ashe_live.light.shape.family import Family, Parts
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.views.seen import SceneView, costs_around
 
-WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 240, 480, 90  # widths of the frame for its ground and for the region; its size
+WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 160, 480, 90  # widths of the frame for its ground and for the region; its size
 STEPS = GroundSteps(12, 8, 1)  # coarser than any preset's: a known body needs little of the ground
+RANGES = SEARCH_RANGES[0], SEARCH_RANGES[-1]  # two parameters a light need no more rounds than a far one and a near one
 # A light is followed down to this mean clarity of the borders of body and shadow, and up to this misfit over the
 # object's size.
 LEAST_CLARITY, MOST_MISFIT = 0.3, 0.06
@@ -45,7 +46,7 @@ def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | No
     costs = costs_around(lit, shifts, SceneView(tracked.frame.index, fine, coarse, ground), REGION_PX)
     if costs is None:
         return None
-    (found,) = aligned([Start([lit], Sight.of(costs.region.view), costs)])
+    (found,) = aligned([Start([lit], Sight.of(costs.region.view), costs)], RANGES)
     if found is None or not _is_clear(found):
         return None
     moved = [

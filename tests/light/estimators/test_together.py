@@ -10,13 +10,15 @@ from ashe_live.bench.light.takes import FALL
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.light.estimators import looking
 from ashe_live.light.estimators.looking import looked
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.scene_views import without_confirming
 from ashe_live.light.estimators.steps import BALANCED, FAST
 from ashe_live.light.estimators.together import without_alike
-from ashe_live.light.explanation.judgement.judge import fitted_judge
+from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge
 from ashe_live.light.views.joint import in_each_view
+from ashe_live.light.views.seen import SceneView
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
 
@@ -59,6 +61,22 @@ def test_more_views_never_lower_the_confidence_of_a_right_answer(casters: tuple[
         if light is not None and math.degrees(angle_between(light.to_light_marker, direction(200, 40))) < 10:
             sure = max(sure, confidence)
     assert sure > 0.5
+
+
+def test_where_the_first_view_leaves_no_doubt_no_other_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
+    searched, search = [], looking._rough_explanations
+
+    def counted(view: SceneView, *rest):
+        searched.append(view.index)
+        return search(view, *rest)
+
+    monkeypatch.setattr(looking, "_rough_explanations", counted)
+    first, *others = views_of(BOX)
+    estimate = ProxyEstimator(BALANCED).estimate(first, others)
+    assert estimate.light is not None
+    assert estimate.light.confidence > SETTLED
+    assert len(estimate.views) == 3
+    assert searched == [0]
 
 
 def test_a_dark_sticker_at_the_foot_is_neither_object_nor_shadow() -> None:

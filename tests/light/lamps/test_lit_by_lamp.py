@@ -12,9 +12,10 @@ from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.gloss import Gloss, mirrored
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.lamps.kinds import AUTO, SUN
-from ashe_live.light.lamps.lit_by_lamp import lit_ground_of
+from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
 from tests.light.painted_scenes import Caster, paint
+from tests.light.synthetic_masks import camera_towards
 
 OVERHEAD, BESIDE = np.array([0.0, 0.0, 0.2]), np.array([0.3, -0.2, 0.25])
 FAR_AWAY = Caster("box", (5.0, 5.0), height_m=0.01)  # out of the picture
@@ -49,6 +50,16 @@ def test_no_fall_is_taken_out_under_a_sun(lamp_m: Float | None, kind: str) -> No
     view, by_quadratic, found = grounds(lamp_m, kind)
     assert found.fall is None
     np.testing.assert_array_equal(found.colours[view.is_ground], by_quadratic.colours[view.is_ground])
+
+
+@pytest.mark.parametrize("first_lamp_m", [None, OVERHEAD], ids=["sun", "lamp"])
+def test_in_other_views_light_falls_off_if_it_does_in_the_first(first_lamp_m: Float | None) -> None:
+    _, _, first = grounds(first_lamp_m)
+    pose = camera_towards((0.02, 0.0), 0.5, 50.0, 120.0)
+    other = View.of(paint(FAR_AWAY, lamp_m=OVERHEAD, T_cam_marker=pose).tracked, BALANCED.coarse_width_px)
+    found = lit_ground_beside(first, other, BALANCED.ground, AUTO)
+    assert found is not None
+    assert (found.fall is None) == (first.fall is None) == (first_lamp_m is None)
 
 
 def as_seen(view: View, light: Float) -> View:
