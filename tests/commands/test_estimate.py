@@ -275,9 +275,12 @@ def test_a_folder_and_a_pattern_stand_for_the_pictures_in_them(run, files, film,
     def answered(*names):
         outcome = run("estimate", "--json", *KNOWN, *names)
         assert outcome.status == 0
+        said.extend(outcome.err)
         return [str(Path(record["file"]).relative_to(tmp_path)) for record in outcome.records]
 
+    said: list[str] = []
     assert answered(tmp_path) == ["a.PNG", "b.png", "c.mp4"]
+    assert [line for line in said if line.endswith("photos or clips: notes.txt")]
     assert answered(tmp_path / "?.png", files["photo"].parent / "../" / tmp_path / "c.mp4") == ["b.png", "c.mp4"]
     assert answered(tmp_path / "**" / "inner.*") == ["sub.png/inner.png"]
 

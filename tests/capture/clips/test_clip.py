@@ -151,9 +151,7 @@ def _write_clip(
 
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("quarter_turns", [0, 1, 2, 3])
-def test_rotation_and_mirroring_of_the_metadata_are_applied(
-    tmp_path: Path, quarter_turns: int, mirrored: bool
-) -> None:
+def test_rotation_and_mirroring_of_the_metadata_are_applied(tmp_path: Path, quarter_turns: int, mirrored: bool) -> None:
     path = tmp_path / "phone.mp4"
     image = np.full((64, 96, 3), 40, np.uint8)
     image[:20, :30] = (30, 60, 220)
