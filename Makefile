@@ -12,7 +12,7 @@ demo: $(VENV)/demo.stamp
 # tests/conftest.py parts the tests between two processes. As in the program itself, matrices are small: a second thread of
 # OpenBLAS doubles the processor time of the light's tests.
 test: $(VENV)/test.stamp check
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist loadgroup
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist loadgroup --no-loadscope-reorder
 
 check: $(VENV)/test.stamp
 	$(BIN)/ruff check .
