@@ -318,6 +318,15 @@ def test_a_batch_that_is_interrupted_leaves_a_sheet_of_what_was_answered(run, fo
     assert len(outcome.out) == len(BASE64.findall(sheet.read_text())) == 1
 
 
+@pytest.mark.parametrize("name", ["sheet.pdf", "sheet.png", "sheet"])
+def test_a_sheet_that_is_not_named_as_a_page_is_refused(run, files, tmp_path, name):
+    outcome = run("estimate", *KNOWN, "--sheet", tmp_path / name, files["photo"])
+    assert outcome.status == 2
+    assert outcome.out == []
+    assert "let its name end in .html" in outcome.err[-1]
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_sheet_is_not_overwritten_unasked(run, files, tmp_path):
     sheet = tmp_path / "sheet.html"
     sheet.write_text("mine")
