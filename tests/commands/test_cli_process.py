@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.e2e.signals import ignore_none
+
 ASHE_LIVE = Path(sys.executable).with_name("ashe-live")
 ANSWERS = [["--help"], ["--version"], ["settings"], ["estimate", "gone.jpg", "--json"]]
 
@@ -16,7 +18,13 @@ def run_in_shell(line: str, folder: Path, **environment: str) -> subprocess.Comp
     """`line` in bash, where $A is ashe-live."""
     variables = {**os.environ, "A": str(ASHE_LIVE), "HOME": str(folder), **environment}
     return subprocess.run(
-        ["bash", "-c", line], cwd=folder, env=variables, capture_output=True, text=True, errors="surrogateescape"
+        ["bash", "-c", line],
+        cwd=folder,
+        env=variables,
+        capture_output=True,
+        text=True,
+        errors="surrogateescape",
+        preexec_fn=ignore_none,
     )
 
 
