@@ -4,20 +4,25 @@ VENV := .venv
 BIN := $(VENV)/bin
 DIST ?= dist
 
-.PHONY: demo test check wheel clean
+.PHONY: demo test check style wheel clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/ashe-live demo
 
 # tests/conftest.py parts the tests between two processes. As in the program itself, matrices are small: a second thread of
-# OpenBLAS doubles the processor time of the light's tests.
-test: $(VENV)/test.stamp check
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist loadgroup
+# OpenBLAS doubles the processor time of the light's tests. The types, of which one process takes half a minute, are
+# checked meanwhile.
+test: $(VENV)/test.stamp style
+	$(BIN)/mypy & types=$$!; \
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist loadgroup --no-loadscope-reorder; tests=$$?; \
+	wait $$types && exit $$tests
 
-check: $(VENV)/test.stamp
+check: $(VENV)/test.stamp style
+	$(BIN)/mypy
+
+style: $(VENV)/test.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
 
 $(VENV)/demo.stamp: pyproject.toml .ci/system-packages
 	.ci/system-packages $(PYTHON) demo

@@ -25,8 +25,10 @@ BOX_TOP_BGR = (60, 150, 220)
 SKY, BOUNCED = 0.1, 0.3  # of the light on level ground, as in the shadow; and what the ground sends back of it
 SUPERSAMPLING = 2
 MARKER_PX = 400
-# Folders whose tests take as long together as all others.
-OF_ESTIMATES = ("bench", "core", "e2e", "files", "light", "packaging", "process", "sources")
+# Folders and files whose tests draw, and those whose tests start the program, open windows and wait for these.
+DRAW = ("render", "bench", "commands", "drawing", "viewer", "test_api.py", "test_docs.py")
+START = ("e2e", "fuzz", "packaging")
+LONG = ("light", "tracking")  # of the others: these first, so that at the end both processes have something left to do
 
 
 @dataclass(frozen=True)
@@ -143,13 +145,26 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Film]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """With pytest-xdist: two processes that take about as long, each in the order that a single one would have.
+    """With pytest-xdist: a process takes the next group when it has nothing left to do, the longest groups first.
 
-    Tests of a file share films and windows; those that draw share a graphics driver, and stay together.
+    What draws shares a graphics driver, and stays together; so do those that open windows. Of the others each file is a
+    group of its own, as its tests share films and pictures.
     """
-    for item in items:
-        folder = item.path.relative_to(CHECKOUT / "tests").parts[0]
-        item.add_marker(pytest.mark.xdist_group("estimates" if folder in OF_ESTIMATES else "pictures"))
+    groups = {item: _group(item) for item in items}
+    for item, (_, name) in groups.items():
+        item.add_marker(pytest.mark.xdist_group(name))
+    items.sort(key=lambda item: groups[item][0])
+
+
+def _group(item: pytest.Item) -> tuple[int, str]:
+    """When its turn is, and its name."""
+    place = item.path.relative_to(CHECKOUT / "tests")
+    first = place.parts[0]
+    if first in DRAW:
+        return 0, "pictures"
+    if first in START:
+        return 1, "windows"
+    return (2 if first in LONG else 3), place.as_posix()
 
 
 @pytest.fixture(scope="session", autouse=True)

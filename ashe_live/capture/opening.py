@@ -1,9 +1,11 @@
 """Opens a photo or a clip as a source of frames."""
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ashe_live.capture.sources import Source
 from ashe_live.core import arguments
+from ashe_live.errors import UserError
 
 
 def open_source(path: str | Path) -> Source:
@@ -17,3 +19,16 @@ def open_source(path: str | Path) -> Source:
     from ashe_live.capture.clips.clip import ClipSource
 
     return ClipSource(path)
+
+
+def openable(paths: Sequence[Path]) -> Iterator[Source]:
+    """Those of the photos and clips that can be opened, each open until the next one is asked for."""
+    for path in paths:
+        if path.is_dir():
+            continue
+        try:
+            source = open_source(path)
+        except UserError:
+            continue
+        with source:
+            yield source

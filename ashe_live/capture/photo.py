@@ -21,6 +21,8 @@ FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
 LEAST_FILM_MM, MOST_FILM_MM = 8.0, 600.0
 LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
+# Of ISO/IEC 23008-12. Pillow reads none; FFmpeg shows a corner, as iPhones store such photos in tiles.
+HEIF_BRANDS = {b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"}
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
 
@@ -62,7 +64,7 @@ def looks_like_photo(path: Path) -> bool:
     except UserError:
         raise
     except PIL.UnidentifiedImageError:
-        return path.suffix.lower() in SUFFIXES
+        return path.suffix.lower() in SUFFIXES or _is_heif(path)
     except Exception:
         return True  # A photo, but damaged or too large, as PhotoSource will say.
     return True
@@ -74,6 +76,12 @@ def _open(file: BinaryIO) -> PIL.Image.Image:
         # Pillow warns of large pictures at a limit of its own; ours is MAX_PIXELS.
         warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
         return PIL.Image.open(file, formats=FORMATS)
+
+
+def _is_heif(path: Path) -> bool:
+    with opened(path) as file:
+        begin = file.read(12)
+    return begin[4:8] == b"ftyp" and begin[8:] in HEIF_BRANDS
 
 
 def _read_bgr(path: Path) -> tuple[Image, float | None]:
@@ -92,6 +100,11 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
     except PIL.Image.DecompressionBombError:
         raise too_many_pixels(path) from None
     except PIL.UnidentifiedImageError:
+        if _is_heif(path):
+            raise UserError(
+                f"{path} is a HEIC photo, which is not read",
+                'save it as JPEG; an iPhone takes JPEG with Settings, Camera, Formats, "Most Compatible"',
+            ) from None
         raise UserError(f"{path} is not a photo of a known format", "convert it to JPEG or PNG") from None
     # A damaged file can fail anywhere in Pillow's decoders: SyntaxError, ValueError, struct.error, OSError...
     except Exception as error:

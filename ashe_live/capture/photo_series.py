@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from ashe_live.capture.photo import SUFFIXES, PhotoSource
+from ashe_live.capture.folder import pictures_in
+from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -14,16 +15,14 @@ class PhotoSeries(Source):
     fps = None
     is_live = False
     is_photo = False
-    note = None
 
     def __init__(self, folder: Path) -> None:
         """Raises UserError when there is no photo in it, or as PhotoSource for the first one."""
         self.name = folder.name
         try:
-            inside = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file())
+            self._paths, self.note = pictures_in(folder, with_clips=False)
         except OSError as error:
             raise UserError(f"cannot read the folder {folder} ({error.strerror})", "choose another one") from None
-        self._paths = [path for path in inside if not path.name.startswith(".")]
         if not self._paths:
             raise UserError(f"there is no photo in the folder {folder}", "take a dozen photos of the board")
         self._index = 0

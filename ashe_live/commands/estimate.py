@@ -21,6 +21,7 @@ from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
 
+PAGES = (".html", ".htm")
 WORST_FIRST = (
     ExitStatus.FAULT,
     ExitStatus.WRONG_USE,
@@ -35,6 +36,8 @@ def run(options: argparse.Namespace) -> int:
         make_folder(options.debug)
     _check_frames(options)
     named = named_files(options.files)
+    if options.sheet is not None and options.sheet.suffix.lower() not in PAGES:
+        raise UserError(f"the sheet is a page, and {options.sheet} is not named as one", "let its name end in .html")
     check_outputs([options.sheet], [*named, options.camera_file], options.overwrite)
     estimator = make_estimator(options.estimator, light_steps(options))
     camera_for = camera_chooser(options)

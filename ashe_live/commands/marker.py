@@ -2,6 +2,7 @@
 
 import argparse
 
+from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import say
 from ashe_live.tracking.cube.faces import CUBE, USUAL_EDGE_M
@@ -14,11 +15,19 @@ SHOWN_PX = 960  # divisible by the usual numbers of cells, and larger than most 
 
 
 def run(options: argparse.Namespace) -> int:
-    if options.cube or is_of_cube(options.marker):
+    usual = CUBE if options.cube else DEFAULT_MARKER
+    spec = usual if options.marker is None else options.marker
+    if spec != CUBE and (options.cube or is_of_cube(spec)):
+        flat = spec.removeprefix(f"{CUBE}+")
+        raise UserError(
+            f"the cube's sheet has markers of its own, and none for {flat}",
+            f"print the cube by --cube alone, and {flat} by another `marker --marker {flat}`",
+        )
+    if spec == CUBE:
         return _cube(options)
     if options.side is not None:
         raise UserError("--side is a cube's edge", "give --cube with it, or --size-mm for a flat marker")
-    marker = parse_target(options.marker)
+    marker = parse_target(spec)
     if options.show:
         # Imported here, as printing must need neither GLFW nor OpenGL.
         from ashe_live.commands.viewing.setup import has_display

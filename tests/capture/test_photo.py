@@ -14,6 +14,8 @@ from ashe_live.capture.photo import PhotoSource
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 
+HEIC = b"\x00\x00\x00\x18ftypheic" + bytes(99)
+
 
 def read(path: Path) -> Image:
     with PhotoSource(path) as source:
@@ -131,7 +133,10 @@ def test_kind_is_told_by_content_and_only_then_by_name(tmp_path: Path, rgb: Imag
         (".", None, "is a folder"),
         ("empty.jpg", b"", "is empty"),
         ("text.jpg", b"text" * 99, "not a photo of a known format"),
-        ("phone.heic", b"\x00\x00\x00\x18ftypheic" + bytes(99), "convert it to JPEG"),
+        ("phone.heic", HEIC, "is a HEIC photo, which is not read: save it as JPEG"),
+        ("phone.jpg", HEIC, "is a HEIC photo"),
+        ("phone.mov", HEIC, "is a HEIC photo"),
+        ("phone", HEIC, "is a HEIC photo"),
         ("text.txt", b"text" * 99, "not a clip or photo that can be read"),
     ],
 )

@@ -57,7 +57,9 @@ def test_a_folder_of_photos_gives_a_camera_file(run, pictures: list[Image], tmp_
     for number, picture in enumerate(pictures):
         cv2.imwrite(str(folder / f"{number:02}.png"), picture)
     (folder / "notes.txt").write_text("f/8")
-    assert run("calibrate", "--camera", folder, "--out", path).status == 0
+    outcome = run("calibrate", "--camera", folder, "--out", path)
+    assert outcome.status == 0
+    assert outcome.err[0].endswith("passed over, as not named as photos: notes.txt")
     assert read_camera_file(path).K[0, 0] == pytest.approx(430, rel=0.01)
 
 

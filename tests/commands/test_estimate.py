@@ -275,9 +275,12 @@ def test_a_folder_and_a_pattern_stand_for_the_pictures_in_them(run, files, film,
     def answered(*names):
         outcome = run("estimate", "--json", *KNOWN, *names)
         assert outcome.status == 0
+        said.extend(outcome.err)
         return [str(Path(record["file"]).relative_to(tmp_path)) for record in outcome.records]
 
+    said: list[str] = []
     assert answered(tmp_path) == ["a.PNG", "b.png", "c.mp4"]
+    assert [line for line in said if line.endswith("photos or clips: notes.txt")]
     assert answered(tmp_path / "?.png", files["photo"].parent / "../" / tmp_path / "c.mp4") == ["b.png", "c.mp4"]
     assert answered(tmp_path / "**" / "inner.*") == ["sub.png/inner.png"]
 
@@ -313,6 +316,15 @@ def test_a_batch_that_is_interrupted_leaves_a_sheet_of_what_was_answered(run, fo
     outcome = run("estimate", *KNOWN, folder, "--sheet", sheet)
     assert outcome.status == 130
     assert len(outcome.out) == len(BASE64.findall(sheet.read_text())) == 1
+
+
+@pytest.mark.parametrize("name", ["sheet.pdf", "sheet.png", "sheet"])
+def test_a_sheet_that_is_not_named_as_a_page_is_refused(run, files, tmp_path, name):
+    outcome = run("estimate", *KNOWN, "--sheet", tmp_path / name, files["photo"])
+    assert outcome.status == 2
+    assert outcome.out == []
+    assert "let its name end in .html" in outcome.err[-1]
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_sheet_is_not_overwritten_unasked(run, files, tmp_path):

@@ -51,6 +51,21 @@ def table(picture_of_box, tmp_path_factory: pytest.TempPathFactory) -> list[Path
     return [written(folder / f"{name}.png", picture_of_box(azimuth)) for name, azimuth in sides.items()]
 
 
+def test_a_photo_that_the_estimator_does_not_use_is_said(run, table, monkeypatch):
+    """As with a paper cube, whose light is told by one picture."""
+    asked = CountingEstimator.estimate
+    monkeypatch.setattr(
+        CountingEstimator, "estimate", lambda self, tracked, others=(): asked(self, tracked, others[1:])
+    )
+    outcome = run("estimate", *KNOWN, "--together", *table)
+    assert outcome.status == 0
+    (line,) = [line for line in outcome.err if "not used" in line]
+    assert str(table[1]) in line.split("not used")[0]
+    assert line.endswith(f"the answer rests on {table[0]} and {table[2]}")
+    monkeypatch.setattr(CountingEstimator, "estimate", asked)
+    assert not [line for line in run("estimate", *KNOWN, "--together", *table).err if "not used" in line]
+
+
 def test_a_clip_is_answered_from_several_of_its_frames(run, film, schema):
     outcome = run("estimate", "--json", "--camera-file", film.camera_file, film.path)
     (record,) = outcome.records

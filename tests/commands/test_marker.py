@@ -42,6 +42,7 @@ def test_a_cube_is_printed_by_either_of_its_names(run, tmp_path):
     assert "--marker cube" in outcome.out[0]
     assert (tmp_path / "cube.pdf").read_bytes().startswith(b"%PDF")
     assert run("marker", "--marker", "cube", "--out", tmp_path / "same.pdf").status == 0
+    assert run("marker", "--marker", "cube", "--cube", "--out", tmp_path / "both.pdf").status == 0
 
 
 @pytest.mark.parametrize(
@@ -52,6 +53,8 @@ def test_a_cube_is_printed_by_either_of_its_names(run, tmp_path):
         (("--cube", "--out", "cube.pdf", "--side", "-1"), "not a number"),
         (("--out", "flat.pdf", "--side", "0.05"), "--cube"),
         (("--cube", "--out", "cube.pdf", "--size-mm", "50"), "--side"),
+        (("--cube", "--out", "cube.pdf", "--marker", "aruco:4x4_50:3"), "by another `marker --marker aruco:4x4_50:3`"),
+        (("--out", "cube.pdf", "--marker", "cube+aruco:4x4_50:3"), "by another `marker --marker aruco:4x4_50:3`"),
     ],
 )
 def test_a_cube_that_cannot_be_is_one_line(run, tmp_path, monkeypatch, arguments, words):

@@ -119,15 +119,6 @@ def without_text(estimated):
     estimated.press("i")
 
 
-def test_it_plays_estimates_and_ends_with_status_0(estimated):
-    before = estimated.part(*BODY)
-    await_part(estimated, BODY, before)
-    begin = time.monotonic()
-    assert estimated.end() == 0
-    assert time.monotonic() - begin < 10  # one second on a machine that has nothing else to do
-    assert "Traceback" not in estimated.output
-
-
 def test_keys_switch_the_model_also_while_paused(without_text):
     without_text.press("1")
     pictures = [paused(without_text)]
@@ -340,6 +331,15 @@ def test_it_goes_on_when_the_light_worker_dies(estimated):
     estimated.press("space")
     await_that(lambda: estimated.output.count("light:") > lines, "an estimate by a new worker")
     assert estimated.light_workers() != [worker]
+
+
+def test_it_plays_estimates_and_ends_with_status_0(estimated):
+    before = estimated.part(*BODY)
+    await_part(estimated, BODY, before)
+    begin = time.monotonic()
+    assert estimated.end() == 0
+    assert time.monotonic() - begin < 10  # one second on a machine that has nothing else to do
+    assert "Traceback" not in estimated.output
 
 
 def test_frames_ends_it_and_out_records_it(play):

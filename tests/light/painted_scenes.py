@@ -6,6 +6,7 @@ Everything is painted in linear light at three times the size, averaged, and enc
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -119,29 +120,34 @@ def paint(
     fine = camera.resized((size[0] * SUPERSAMPLING, size[1] * SUPERSAMPLING))
     to_light = direction(azimuth_deg, elevation_deg) if lamp_m is None else lamp_m / np.linalg.norm(lamp_m)
     light = np.append(to_light, 0.0 if lamp_m is None else 1 / np.linalg.norm(lamp_m))
-    linear = _lit_ground(fine, T_cam_marker, GROUNDS[ground])
+    linear = _lit_ground(fine, T_cam_marker, ground)
     sheet, shadow, body = (np.zeros(linear.shape[:2], np.uint8) for _ in range(3))
     _fill(sheet, fine, T_cam_marker, _square(1.3 * SIDE_M), 1)
     for side, level in ((1.3, 0.8), (1.0, 0.03), (0.4, 0.8)):
         _fill(linear, fine, T_cam_marker, _square(side * SIDE_M), (level,) * 3)
     _cast(shadow, casters, light, fine, T_cam_marker)
-    shade = shadow.astype(np.float32)
-    if penumbra_px > 0:
-        shade = np.asarray(cv2.GaussianBlur(shade, (0, 0), penumbra_px * SUPERSAMPLING), np.float32)
-    falling = np.ones_like(shade) if lamp_m is None else _fall_of_light(fine, T_cam_marker, lamp_m)
-    left = SHADOW_RATIO.astype(np.float32) + (falling * (1 - shade))[..., None] * (1 - SHADOW_RATIO.astype(np.float32))
-    if other is not None:
-        second = np.zeros_like(shadow)
-        _cast(second, casters, np.append(other.to_light, 0.0), fine, T_cam_marker)
-        left -= second[..., None] * np.array(other.blocked_rgb, np.float32)
-    linear *= left
+    ratio = SHADOW_RATIO.astype(np.float32)
+    if penumbra_px == 0 and other is None and lamp_m is None:
+        linear[shadow > 0] *= ratio
+    else:
+        shade = shadow.astype(np.float32)
+        if penumbra_px > 0:
+            shade = np.asarray(cv2.GaussianBlur(shade, (0, 0), penumbra_px * SUPERSAMPLING), np.float32)
+        falling = np.ones_like(shade) if lamp_m is None else _fall_of_light(fine, T_cam_marker, lamp_m)
+        left = ratio + (falling * (1 - shade))[..., None] * (1 - ratio)
+        if other is not None:
+            second = np.zeros_like(shadow)
+            _cast(second, casters, np.append(other.to_light, 0.0), fine, T_cam_marker)
+            left -= second[..., None] * np.array(other.blocked_rgb, np.float32)
+        linear *= left
     eye = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
     farthest_first = sorted(casters, key=lambda caster: -float(np.linalg.norm(eye[:2] - caster.at)))
-    mirrored = np.zeros_like(linear)
-    for caster in farthest_first if gloss else ():
-        for corners, lit in _lit_faces(caster, light, eye * (1, 1, -1)):
-            _fill(mirrored, fine, T_cam_marker, corners * (1, 1, -1), tuple(value - SKY for value in lit))
-    linear += gloss * mirrored
+    if gloss:
+        mirrored = np.zeros_like(linear)
+        for caster in farthest_first:
+            for corners, lit in _lit_faces(caster, light, eye * (1, 1, -1)):
+                _fill(mirrored, fine, T_cam_marker, corners * (1, 1, -1), tuple(value - SKY for value in lit))
+        linear += gloss * mirrored
     for caster in farthest_first:
         for corners, lit in _lit_faces(caster, light, eye):
             _fill(linear, fine, T_cam_marker, corners, lit)
@@ -209,15 +215,21 @@ def _bricks(x: Float32, y: Float32) -> Float32:
 GROUNDS: Mapping[str, Albedo] = {"plain": _plain, "checkered": _checkered, "striped": _striped, "bricks": _bricks}
 
 
-def _lit_ground(camera: Camera, T_cam_marker: Float, albedo: Albedo) -> Float32:
+def _lit_ground(camera: Camera, T_cam_marker: Float, ground: str) -> Float32:
     """(h, w, 3) linear RGB: the ground, which slowly darkens towards one side, or the sky where there is none."""
-    width, height = camera.size
-    corner, right, below = _plane_by_pixel(camera, T_cam_marker)
+    return _lit_ground_of(camera.size, camera.K.tobytes(), T_cam_marker.tobytes(), ground).copy()
+
+
+@lru_cache(maxsize=4)  # most tests see the same ground many times; 33 MB each
+def _lit_ground_of(size: Size, K: bytes, T: bytes, ground: str) -> Float32:
+    """By the bytes of the camera's K (3, 3) and of T_cam_marker (4, 4)."""
+    width, height = size
+    corner, right, below = _plane_by_pixel(np.frombuffer(K).reshape(3, 3), np.frombuffer(T).reshape(4, 4))
     u, v = np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32)[:, None]
     x, y, nearness = (np.float32(corner[i]) + u * np.float32(right[i]) + v * np.float32(below[i]) for i in range(3))
     meets = nearness > 1e-4
     depth = np.where(meets, nearness, 1)
-    lit = albedo(np.asarray(x / depth, np.float32), np.asarray(y / depth, np.float32))
+    lit = GROUNDS[ground](np.asarray(x / depth, np.float32), np.asarray(y / depth, np.float32))
     slow = np.exp(0.25 * (u / width - 0.5) + 0.15 * (v / height - 0.5))
     return np.where(meets[..., None], lit * slow[..., None], np.float32(0.7)).astype(np.float32)
 
@@ -225,7 +237,7 @@ def _lit_ground(camera: Camera, T_cam_marker: Float, albedo: Albedo) -> Float32:
 def _fall_of_light(camera: Camera, T_cam_marker: Float, lamp_m: Float) -> Float32:
     """(h, w) a lamp's irradiance of the plane, over that at the marker's centre."""
     width, height = camera.size
-    corner, right, below = _plane_by_pixel(camera, T_cam_marker)
+    corner, right, below = _plane_by_pixel(camera.K, T_cam_marker)
     u, v = np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32)[:, None]
     x, y, nearness = (np.float32(corner[i]) + u * np.float32(right[i]) + v * np.float32(below[i]) for i in range(3))
     depth = np.where(nearness > 1e-4, nearness, 1)
@@ -233,9 +245,9 @@ def _fall_of_light(camera: Camera, T_cam_marker: Float, lamp_m: Float) -> Float3
     return np.asarray((squared / float(lamp_m @ lamp_m)) ** -1.5, np.float32)
 
 
-def _plane_by_pixel(camera: Camera, T_cam_marker: Float) -> Float:
+def _plane_by_pixel(K: Float, T_cam_marker: Float) -> Float:
     """(3, 3): homogeneous plane coordinates (x, y, w) of pixel (0, 0), and their change by a column and by a row."""
-    plane_to_pixel = camera.K @ T_cam_marker[:3, (0, 1, 3)]
+    plane_to_pixel = K @ T_cam_marker[:3, (0, 1, 3)]
     pixel_to_plane = np.linalg.inv(plane_to_pixel)
     # The eye is above the plane, so that w, one over the depth, is positive before the camera.
     return np.array([pixel_to_plane[:, 2], pixel_to_plane[:, 0], pixel_to_plane[:, 1]])

@@ -1,6 +1,7 @@
 """A stage for render tests: one context, cameras that look at the marker, grey ground."""
 
 import math
+import pickle
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -19,11 +20,17 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.quality import FAST
 from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.occlusion.occlusion import Known
 from ashe_live.render.renderer import SceneRenderer
 from tests.render.uniform_audit import UniformAudit, begin_audit
 
 SIZE = (480, 360)
 FOCAL_PX = 520.0
+# What models hide is looked at once for all tests that show a model of the same parts: half of the time of many. But
+# anew by each renderer where a test is about that, or about what renderers leave behind.
+PLACED: dict[bytes, PlacedModel] = {}
+HIDDEN = Known()
+LOOK_ANEW = ("test_self_occlusion.py", "test_renderer.py", "test_golden.py")
 
 
 @pytest.fixture(scope="session")
@@ -42,11 +49,11 @@ def audit() -> Iterator[UniformAudit]:
 
 
 @pytest.fixture
-def make_renderer(ctx: moderngl.Context) -> Iterator[Callable[..., SceneRenderer]]:
+def make_renderer(ctx: moderngl.Context, request: pytest.FixtureRequest) -> Iterator[Callable[..., SceneRenderer]]:
     made: list[SceneRenderer] = []
 
     def make(preset: RenderPreset = FAST.render, size: tuple[int, int] = SIZE) -> SceneRenderer:
-        made.append(SceneRenderer(ctx, preset, size))
+        made.append(SceneRenderer(ctx, preset, size, known=None if request.path.name in LOOK_ANEW else HIDDEN))
         return made[-1]
 
     yield make
@@ -87,7 +94,7 @@ class Stage:
     def placed(*parts: Mesh) -> PlacedModel:
         """Meshes that are in the marker frame already."""
         model = Model("test", parts)
-        return PlacedModel(model, model.bounds)
+        return PLACED.setdefault(pickle.dumps(parts), PlacedModel(model, model.bounds))
 
     @staticmethod
     def glowing_green(mesh: Mesh) -> Mesh:

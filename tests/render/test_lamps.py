@@ -4,7 +4,6 @@ import itertools
 import math
 from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
 
@@ -18,6 +17,7 @@ from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.lights.light_view import view_of
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.scene import Scene
+from tests.render.inside import inside_px
 
 GREEN = (0.0, 1.0, 0.0, 1.0)
 DARK_GREEN = (0.0, 0.3, 0.0, 1.0)  # which throws little of its colour onto its shadow
@@ -39,14 +39,6 @@ def lamp_at(place, ratio=RATIO, radius_m: float = 0.002) -> Light:
 def shadows(points: np.ndarray, light: np.ndarray) -> np.ndarray:
     """(n, 3) of points (n, 3) on the plane z = 0, from a lamp at (3,)."""
     return points + (points - light) * (points[:, 2:] / (light[2] - points[:, 2:]))
-
-
-def inside_px(polygon: np.ndarray) -> np.ndarray:
-    """(h, w) signed distance of every pixel to a convex polygon's border, positive inside."""
-    hull = cv2.convexHull(polygon.astype(np.float32))
-    rows, columns = np.mgrid[0:360, 0:480]
-    points = zip(columns.ravel().tolist(), rows.ravel().tolist(), strict=True)
-    return np.array([cv2.pointPolygonTest(hull, point, True) for point in points]).reshape(360, 480)
 
 
 def split(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

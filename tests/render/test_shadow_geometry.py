@@ -13,6 +13,7 @@ from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.scene import Scene
+from tests.render.inside import inside_px
 from tests.shared_data import SHARED
 
 SCENES = SHARED / "scenes"
@@ -23,14 +24,6 @@ RATIO = (0.2, 0.2, 0.2)
 SHADOW_BELOW = 150
 # Half of the light of a white ground is left: where a shadow's border lies, whatever its double throws into it.
 HALF_LIT = 188
-
-
-def _inside_px(polygon: np.ndarray) -> np.ndarray:
-    """(h, w) signed distance of every pixel to a convex polygon's border, positive inside."""
-    hull = cv2.convexHull(polygon.astype(np.float32))
-    rows, columns = np.mgrid[0:360, 0:480]
-    points = zip(columns.ravel().tolist(), rows.ravel().tolist(), strict=True)
-    return np.array([cv2.pointPolygonTest(hull, point, True) for point in points]).reshape(360, 480)
 
 
 def _split(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -66,8 +59,8 @@ def test_silhouette_and_shadow_fall_where_geometry_says(
 
     corners = box_corners(np.array([(-POLE[0] / 2, -POLE[1] / 2, 0), (POLE[0] / 2, POLE[1] / 2, POLE[2])]))
     T_cam_marker = tracked.marker.T_cam_marker
-    in_model = _inside_px(project(tracked.camera, T_cam_marker, corners))
-    in_shadow = _inside_px(project(tracked.camera, T_cam_marker, _shadows(corners, light.to_light_marker)))
+    in_model = inside_px(project(tracked.camera, T_cam_marker, corners))
+    in_shadow = inside_px(project(tracked.camera, T_cam_marker, _shadows(corners, light.to_light_marker)))
 
     assert is_model[in_model > 1].all()
     assert not is_model[in_model < -1].any()

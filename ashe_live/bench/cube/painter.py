@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ashe_live.bench.cube.bounce import light_from_table, part_from_facet
 from ashe_live.bench.cube.painted_scene import CubeScene, PaintedLight, hull_of, level_of, on_table
 from ashe_live.core.arrays import Float, Float32, Image
-from ashe_live.core.camera import Camera
+from ashe_live.core.camera import Camera, Size
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
@@ -28,6 +28,7 @@ DISC = 48  # points of a light's disc
 # The table near the cube's foot sees less of the sky: so much at its side, fading over this part of the edge.
 HIDDEN_SKY, FADING = 0.45, 0.55
 AROUND, MAPPED = 4.0, 129  # edges around the cube to which its sides send light, and places of a map along these
+Part = tuple[slice, slice]  # rows and columns of a picture
 BITS = 6  # of a finer pixel's fractions in OpenCV's polygons
 
 
@@ -53,12 +54,17 @@ def painted(scene: CubeScene) -> Image:
         pixels = projected(fine, scene.T_cam_cube, corners).astype(np.float32)
         size = len(reflectance)
         ends = np.array([(0, 0), (size, 0), (size, size), (0, size)], np.float32) - np.float32(0.5)
+        part = _around(pixels, fine.size)
+        pixels -= np.array((part[1].start, part[0].start), np.float32)
+        of_part = light[part]
         H = cv2.getPerspectiveTransform(ends, pixels)
-        seen = cv2.warpPerspective(reflectance, H, fine.size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        seen = cv2.warpPerspective(
+            reflectance, H, of_part.shape[1::-1], flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
         inside = np.zeros(seen.shape, np.uint8)
         cv2.fillConvexPoly(inside, _fixed(pixels), 1, shift=BITS)
         here = inside > 0
-        light[here] = seen[here, None] * _irradiance(scene, normal, corners.mean(axis=0)).astype(np.float32)
+        of_part[here] = seen[here, None] * _irradiance(scene, normal, corners.mean(axis=0)).astype(np.float32)
     averaged = cv2.resize(light, (width, height), interpolation=cv2.INTER_AREA)
     return _developed(scene, np.asarray(averaged, dtype=np.float32))
 
@@ -128,21 +134,36 @@ def _table(scene: CubeScene, fine: Camera) -> Float32:
 
     with np.errstate(divide="ignore", invalid="ignore"):
         from_sides = _from_sides(scene, x / w, y / w)
-    light = finer(reflectance * ((1 - hidden)[..., None] * scene.sky_rgb + from_sides))
-    for one in scene.lights:
-        light += finer(reflectance * on_table(one) * _falloff(one, x, y, w)) * _seen(scene, fine, body, one)[..., None]
+    sent = [reflectance * on_table(one) * _falloff(one, x, y, w) for one in scene.lights]
+    light = finer(sum(sent, reflectance * ((1 - hidden)[..., None] * scene.sky_rgb + from_sides)))
+    for one, of_light in zip(scene.lights, sent, strict=True):
+        part, shaded = _shaded(scene, fine, body, one)
+        light[part] -= finer(of_light)[part] * shaded[..., None]
     return light
 
 
-def _seen(scene: CubeScene, fine: Camera, body: Float, one: PaintedLight) -> Float32:
-    """(h, w) how much of a light's disc each place of the table sees, from 0 to 1."""
-    hidden = np.zeros(fine.size[::-1], np.uint8)
-    for point in _disc(one):
-        pixels = projected(fine, scene.T_cam_cube, cast_on_table(body, point))
+def _shaded(scene: CubeScene, fine: Camera, body: Float, one: PaintedLight) -> tuple[Part, Float32]:
+    """A part of the finer picture, and (h, w) of it how much of a light's disc each place lacks, from 0 to 1."""
+    shadows = [projected(fine, scene.T_cam_cube, cast_on_table(body, point)) for point in _disc(one)]
+    part = _around(np.concatenate(shadows), fine.size)
+    rows, columns = part
+    hidden = np.zeros((rows.stop - rows.start, columns.stop - columns.start), np.uint8)
+    for pixels in shadows:
         shadow = np.zeros_like(hidden)
-        cv2.fillConvexPoly(shadow, _fixed(cv2.convexHull(pixels.astype(np.float32))[:, 0]), 1, shift=BITS)
+        hull = cv2.convexHull((pixels - (columns.start, rows.start)).astype(np.float32))[:, 0]
+        cv2.fillConvexPoly(shadow, _fixed(hull), 1, shift=BITS)
         cv2.add(hidden, shadow, hidden)
-    return np.asarray(1 - hidden / np.float32(DISC), dtype=np.float32)
+    return part, np.asarray(hidden / np.float32(DISC), dtype=np.float32)
+
+
+def _around(pixels: NDArray[Any], size: Size) -> Part:
+    """Rows and columns of the part of a picture of `size` that has those of the pixels (n, 2) within it that it has.
+
+    Never empty, as OpenCV refuses to draw into nothing.
+    """
+    low = np.floor(pixels.min(axis=0)).astype(int).clip(0, np.array(size) - 1)
+    high = (np.ceil(pixels.max(axis=0)).astype(int) + 2).clip(low + 1, size)
+    return slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))
 
 
 def _falloff(one: PaintedLight, x: Float, y: Float, w: Float) -> Float:

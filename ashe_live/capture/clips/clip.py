@@ -2,6 +2,7 @@
 
 from collections import deque
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from av.video.frame import VideoFrame
@@ -49,7 +50,8 @@ class ClipSource(Source):
         first = self._pictures.first
         self._ahead.append(first)
         self._decoded_size = self._pictures.size
-        self.size = self._decoded_size[::-1] if _quarter_turns(first.video) % 2 else self._decoded_size
+        self._mirrored, self._quarter_turns = _as_shown(first.video)
+        self.size = self._decoded_size[::-1] if self._quarter_turns % 2 else self._decoded_size
         self.fps = self._pictures.fps
         self.duration_s = self._pictures.stated_duration_s() if self._index is None else self._index.duration_s
         self._kept = max(2, int(KEPT_BYTES / (BYTES_PER_PIXEL * first.video.width * first.video.height)))
@@ -169,7 +171,9 @@ class ClipSource(Source):
         image = picture.to_ndarray(format="bgr24", width=width, height=height, src_colorspace=matrix, threads=1)
         if self._to_srgb is not None:
             image = self._to_srgb(np.asarray(image, dtype=np.uint8))
-        return np.ascontiguousarray(np.rot90(image, _quarter_turns(picture)))
+        if self._mirrored:
+            image = image[:, ::-1]
+        return np.ascontiguousarray(np.rot90(image, self._quarter_turns))
 
     def _note_what_is_missing(self) -> None:
         pictures = self._pictures
@@ -177,6 +181,15 @@ class ClipSource(Source):
             self.note = f"{self.name} is truncated or damaged: only {pictures.decoded} frames could be read"
 
 
-def _quarter_turns(picture: VideoFrame) -> int:
-    """Anticlockwise, as rot90 counts them; a damaged file may ask for any angle."""
-    return round(picture.rotation / 90)
+def _as_shown(picture: VideoFrame) -> tuple[bool, int]:
+    """Whether it is to be mirrored left to right, and its quarter turns after that, anticlockwise as rot90 counts them.
+
+    By its display matrix (ISO/IEC 14496-12, 6.2.2); a damaged file may ask for any angle.
+    """
+    mirrored = False
+    matrix: Any = picture.side_data.get("DISPLAYMATRIX")  # whatever the stub says of its type
+    if matrix is not None:
+        a, b, _, c, d = np.frombuffer(matrix, np.int32)[:5].astype(float)
+        mirrored = bool(a * d < b * c)
+    # FFmpeg's angle is that of the first column, which mirroring turns round.
+    return mirrored, round((picture.rotation + 180 * mirrored) / 90)

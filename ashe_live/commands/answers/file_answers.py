@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from ashe_live.capture.opening import open_source
+from ashe_live.capture.opening import open_source, openable
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.snapshot import write_png
 from ashe_live.capture.sources import Source
@@ -142,6 +142,10 @@ class FileEstimator:
                 estimate, trace = self.estimator.traced(frozen, others)
             sheet = _write_steps(self.options.debug, first.path, debug_pictures(frozen, estimate, trace))
             tell(f"{first.path}: steps in {sheet}")
+        if more and estimate.lights:
+            _tell_of_unused(
+                [places[view.frame.index][0] for view in others], [places[view][0] for view in estimate.views]
+            )
         record = dataclasses.replace(
             first.record,
             estimate=estimate,
@@ -165,7 +169,7 @@ class FileEstimator:
 
     def _marker_of_all(self, paths: Sequence[Path]) -> argparse.Namespace:
         """The options with the marker of the first file that can be read."""
-        for source in _sources(paths):
+        for source in openable(paths):
             with suppress(Exception):  # its own line says so
                 options = with_marker_in(source, self.options, self.followed)
                 return with_marker(options, options.marker)
@@ -177,7 +181,7 @@ class FileEstimator:
         if not isinstance(self.camera_for, AssumedCamera):
             return cameras
         trackers: dict[Size, MarkerTracker] = {}
-        for source in _sources(paths):
+        for source in openable(paths):
             if not _tells_no_camera(source):
                 continue
             tracker = trackers.setdefault(source.size, make_tracker(options, self.camera_for))
@@ -224,17 +228,11 @@ def _renumbered(looked: Sequence[_Looked], places: dict[int, tuple[str, int]]) -
     return views
 
 
-def _sources(paths: Sequence[Path]) -> Iterator[Source]:
-    """The sources that can be opened, each open until the next one is asked for."""
-    for path in paths:
-        if path.is_dir():
-            continue
-        try:
-            source = open_source(path)
-        except UserError:
-            continue  # its own line says so
-        with source:
-            yield source
+def _tell_of_unused(given: Sequence[str], used: Sequence[str]) -> None:
+    """Says which files the estimator was given besides the first one, and has not used."""
+    unused = [file for file in dict.fromkeys(given) if file not in used]
+    if unused:
+        tell(f"{' and '.join(unused)}: not used; the answer rests on {' and '.join(dict.fromkeys(used))}")
 
 
 def _tells_no_camera(source: Source) -> bool:

@@ -1,18 +1,19 @@
 """The photos and clips that a person names: files, folders, and patterns that the shell has left as they are."""
 
 import glob
-import mimetypes
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from ashe_live.capture.photo import SUFFIXES
+from ashe_live.capture.folder import pictures_in
+from ashe_live.process.messages import tell
 
 
 def named_files(names: Iterable[Path]) -> list[Path]:
     """The files in the order of `names`; a folder stands for the photos and clips in it, a pattern for what it matches.
 
-    Both are sorted. A name without a file is kept, so that opening it says what is wrong.
+    Both are sorted, and one line says what is passed over in a folder. A name without a file is kept, so that opening
+    it says what is wrong.
     """
     return [path for name in names for path in (_of(name) or [name])]
 
@@ -23,7 +24,7 @@ def _of(name: Path) -> list[Path]:
     except OSError:  # a name that is too long, a folder that must not be entered
         return [name]
     if is_folder:
-        return sorted(path for path in _listed(name) if _is_named_as_picture(path))
+        return _in_folder(name)
     # A file may have a pattern's characters in its name.
     if is_there or not glob.has_magic(str(name)):
         return [name]
@@ -45,11 +46,14 @@ def _matching(pattern: Path) -> Iterator[Path]:
             yield path
 
 
-def _listed(folder: Path) -> Iterator[Path]:
+def _in_folder(folder: Path) -> list[Path]:
     try:
-        yield from folder.iterdir()
+        pictures, note = pictures_in(folder, with_clips=True)
     except OSError:
-        return  # it must not be read, as the folder's own line will say
+        return []  # it must not be read, as the folder's own line will say
+    if note is not None:
+        tell(note)
+    return pictures
 
 
 def _is_file(path: Path) -> bool:
@@ -57,9 +61,3 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except OSError:  # in a folder that must not be entered
         return False
-
-
-def _is_named_as_picture(path: Path) -> bool:
-    if path.name.startswith(".") or not _is_file(path):
-        return False
-    return path.suffix.lower() in SUFFIXES or (mimetypes.guess_type(path.name)[0] or "").startswith("video/")

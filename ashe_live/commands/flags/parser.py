@@ -142,9 +142,7 @@ def _add_marker_options(marker: argparse.ArgumentParser) -> None:
     target = marker.add_mutually_exclusive_group(required=True)
     target.add_argument("--out", type=Path, metavar="FILE.pdf|png")
     target.add_argument("--show", action="store_true", help="show it in a window instead of printing it")
-    marker.add_argument(
-        "--marker", default=DEFAULT_MARKER, metavar="SPEC", help=f"{MARKERS_HELP} or cube (default {DEFAULT_MARKER})"
-    )
+    marker.add_argument("--marker", metavar="SPEC", help=f"{MARKERS_HELP} or cube (default {DEFAULT_MARKER})")
     marker.add_argument(
         "--size-mm", type=values.millimetres, metavar="MM", help="side of the black square (default 80)"
     )

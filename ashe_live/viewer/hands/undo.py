@@ -1,7 +1,8 @@
-"""Takes back what was done by hand to light and model, gesture by gesture."""
+"""Takes back what was done by hand to light and models, gesture by gesture."""
 
 import math
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from ashe_live.core.types import Illumination
@@ -21,10 +22,10 @@ class _State:
 
 
 class Undo:
-    """The states before the last gestures; those of another model are forgotten when the model is switched."""
+    """What was done since another model was taken up; what was done to a model is forgotten when it is switched."""
 
     def __init__(self) -> None:
-        self._before: deque[_State] = deque(maxlen=MOST_STEPS)
+        self._before: deque[_State | Callable[[], str]] = deque(maxlen=MOST_STEPS)
         self._last: tuple[Command | None, float] = None, -math.inf
 
     def note(self, hand: Hand, request: Request, now_s: float) -> None:
@@ -38,20 +39,33 @@ class Undo:
         if not continues:
             self._before.append(state)
 
-    def undo(self, hand: Hand) -> str | None:
-        """Returns `hand` to the state before its last gesture that changed something.
+    def note_change(self, take_back: Callable[[], str]) -> None:
+        """Keeps that there is one model more, or one fewer; `take_back` ends that, and says so."""
+        self._last = None, -math.inf
+        self._before.append(take_back)
 
-        Says what of it is as before; None where there is no such gesture.
+    def undo(self, hand: Hand) -> str | None:
+        """Returns `hand` to the state before its last gesture that changed something, or takes the last change back.
+
+        Says what of it is as before; None where there is nothing to undo.
         """
         self._last = None, -math.inf
         while self._before:
-            state = self._before.pop()
-            changed = {"light": state.light is not hand.light, "model": state.placement != hand.placement}
+            last = self._before.pop()
+            if not isinstance(last, _State):
+                return last()
+            changed = {"light": last.light is not hand.light, "model": last.placement != hand.placement}
             if any(changed.values()):
-                hand.light, hand.placement = state.light, state.placement
+                hand.light, hand.placement = last.light, last.placement
                 return f"undone: {' and '.join(name for name, is_other in changed.items() if is_other)} as before"
         return None
 
     def forget(self) -> None:
         self._before.clear()
         self._last = None, -math.inf
+
+    def forget_model(self) -> None:
+        """Forgets what was done to the model in the hand since it was put there."""
+        self._last = None, -math.inf
+        while self._before and isinstance(self._before[-1], _State):
+            self._before.pop()

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ashe_live.core.contract import SCHEMA, Json, light_by_hand_json
+from ashe_live.core.ranges import SHARE, Range
 from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
@@ -18,6 +19,7 @@ from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import Stand
 
 SEATS = range(100)  # places for models at one marker: more than anybody will see
+INTENSITY = Range(0.0, 1e6)  # of a lamp over all other light: beyond that, its shadow is black in any picture
 MOST_BYTES = 100_000_000  # of a file: an hour in which something is moved in every frame
 
 
@@ -144,7 +146,7 @@ def _shown(known: Json, shelf: Shelf) -> Shown:
     by_hand = None
     if light is not None:
         lights = tuple(_light(each) for each in light["lights"])
-        by_hand = Illumination(lights, ambient_rgb_ratio=light["ambient_rgb_ratio"])
+        by_hand = Illumination(lights, ambient_rgb_ratio=_ratio(light, "ambient_rgb_ratio", SHARE))
     stands = tuple(_stand(each, shelf) for each in known["models"])
     frame = 0 if light is None else int(light["frame"])
     covers = known["hides_marker"]
@@ -171,8 +173,15 @@ def _light(known: Json) -> Light:
     return Light(
         known["to_light_marker"],
         angular_size_rad=None if size_deg is None else math.radians(size_deg),
-        shadow_rgb_ratio=known["shadow_rgb_ratio"],
+        shadow_rgb_ratio=_ratio(known, "shadow_rgb_ratio", SHARE),
         inverse_distance=0.0 if place is None else 1 / math.hypot(*place),
         radius_m=known["radius_m"],
-        intensity_rgb_ratio=known["intensity_rgb_ratio"],
+        intensity_rgb_ratio=_ratio(known, "intensity_rgb_ratio", INTENSITY),
     )
+
+
+def _ratio(known: Json, name: str, allowed: Range) -> Any:
+    """The field's values, one for each colour, or null."""
+    for value in known[name] or ():
+        allowed.checked(value, name)
+    return known[name]

@@ -1,7 +1,8 @@
 """The models on the table: one in hand, which keys and mouse change, and others that stand as they were left."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -83,24 +84,42 @@ class Arrangement:
         """The place that the placement in hand is relative to; None while that model's marker is not in view."""
         return self._anchor(self._stands[self.in_hand], tracked)
 
-    def add(self) -> bool:
-        """Puts one more like that in hand beside the others, and takes it up; False where there are too many."""
+    def add(self) -> Callable[[], str] | None:
+        """Puts one more like that in hand beside the others, and takes it up; None where there are too many.
+
+        What is returned takes it away again, and the former one up, and says so; so with `remove`.
+        """
         if len(self) >= MOST_MODELS:
-            return False
+            return None
         self._put_down()
-        like = self._stands[self.in_hand]
+        before, like = self.in_hand, self._stands[self.in_hand]
         placement = self._first if like.marker is None else UNMOVED
         self._stands.append(replace(like, placement=placement, seat=self._free_seat(like.marker)))
         self._take_up(len(self) - 1)
-        return True
 
-    def remove(self) -> bool:
-        """Takes the model in hand away; False for the only one."""
+        def take_back() -> str:
+            gone = self._as_it_is()
+            self._stands.pop()
+            self._take_up(before)
+            return f"undone: {Path(gone.name).name} is gone again"
+
+        return take_back
+
+    def remove(self) -> Callable[[], str] | None:
+        """Takes the model in hand away; None for the only one."""
         if len(self) == 1:
-            return False
-        del self._stands[self.in_hand]
-        self._take_up(min(self.in_hand, len(self) - 1))
-        return True
+            return None
+        number, gone = self.in_hand, self._as_it_is()
+        del self._stands[number]
+        self._take_up(min(number, len(self) - 1))
+
+        def take_back() -> str:
+            self._put_down()
+            self._stands.insert(number, gone)
+            self._take_up(number)
+            return f"undone: {Path(gone.name).name} is back"
+
+        return take_back
 
     def step(self) -> bool:
         """Takes up the next model; False if there is only one."""

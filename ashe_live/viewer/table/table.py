@@ -138,7 +138,7 @@ class Table:
 
     def _follow_shelf(self, now_s: float, is_quiet: bool = False) -> None:
         if self.arrangement.follow_shelf():
-            self._undo.forget()
+            self._undo.forget_model()
         if self.shelf.shown_name != self._met_name:
             self._met_name = self.shelf.shown_name
             if self.arrangement.is_as_left and is_quiet:
@@ -150,14 +150,20 @@ class Table:
         models = self.arrangement
         # The request is for the model that was in the hand until now.
         self._follow_shelf(now_s)
-        if command is Command.ADD_MODEL and not models.add():
+        if command is Command.NEXT_IN_HAND:
+            if models.step():
+                self._in_hand_is_another(now_s)
+            else:
+                self._say("there is one model: T puts another beside it", now_s)
+            return
+        take_back = models.add() if command is Command.ADD_MODEL else models.remove()
+        if take_back is not None:
+            self._undo.note_change(take_back)
+            self._say(self.in_hand_said, now_s)
+        elif command is Command.ADD_MODEL:
             self._say(f"{MOST_MODELS} models are the most: Delete takes the one in hand away", now_s)
-        elif command is Command.REMOVE_MODEL and not models.remove():
-            self._say("the last model stays: B hides it", now_s)
-        elif command is Command.NEXT_IN_HAND and not models.step():
-            self._say("there is one model: T puts another beside it", now_s)
         else:
-            self._in_hand_is_another(now_s)
+            self._say("the last model stays: B hides it", now_s)
 
     def _in_hand_is_another(self, now_s: float) -> None:
         self._undo.forget()

@@ -7,7 +7,7 @@ from ashe_live.bench.judge.sheets import SeenSheet, fitted_to
 from ashe_live.light.ground.sheet_shadow import OTHERS, SheetShadow
 
 
-def seen(concentration: float, clear: float, count: int = 1500) -> list[SeenSheet]:
+def seen(concentration: float, clear: float, count: int = 800) -> list[SeenSheet]:
     """Sheets with shadows of lights whose azimuths spread so much about where these come from, or of something else."""
     rng = np.random.default_rng(5)
     made = []
@@ -20,8 +20,7 @@ def seen(concentration: float, clear: float, count: int = 1500) -> list[SeenShee
     return made
 
 
-@pytest.mark.parametrize("clear", [0.4, 0.9])
-@pytest.mark.parametrize("truth", [2.0, 5.0])
+@pytest.mark.parametrize(("truth", "clear"), [(2.0, 0.9), (5.0, 0.4)])
 def test_the_concentration_is_that_of_the_azimuths(truth: float, clear: float) -> None:
     several = seen(truth, clear)
     found = fitted_to(several)

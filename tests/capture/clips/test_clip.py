@@ -131,31 +131,40 @@ def test_clip_of_pictures_that_are_too_long_is_refused(tmp_path: Path) -> None:
         ClipSource(path)
 
 
-def _write_clip(path: Path, image: np.ndarray, quarter_turns: int, pixel_aspect: Fraction = Fraction(1)) -> None:
-    """Three times the picture (h, w, 3) BGR, to be shown turned anticlockwise, its pixels so much wider than high."""
+def _write_clip(
+    path: Path, image: np.ndarray, quarter_turns: int, pixel_aspect: Fraction = Fraction(1), mirrored: bool = False
+) -> None:
+    """Three times the picture (h, w, 3) BGR, to be shown turned anticlockwise, its pixels so much wider than high.
+
+    mirrored: left to right, after it was turned.
+    """
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=30, options={"crf": "10"})
         stream.height, stream.width = image.shape[:2]
         stream.pix_fmt = "yuv420p"
         stream.codec_context.sample_aspect_ratio = pixel_aspect
-        stream.set_display_rotation(90.0 * quarter_turns)
+        stream.set_display_rotation(90.0 * quarter_turns, hflip=mirrored)
         for _ in range(3):
             container.mux(stream.encode(VideoFrame.from_ndarray(image, "bgr24")))
         container.mux(stream.encode(None))
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("quarter_turns", [0, 1, 2, 3])
-def test_rotation_metadata_of_phones_is_applied(tmp_path: Path, quarter_turns: int) -> None:
+def test_rotation_and_mirroring_of_the_metadata_are_applied(tmp_path: Path, quarter_turns: int, mirrored: bool) -> None:
     path = tmp_path / "phone.mp4"
     image = np.full((64, 96, 3), 40, np.uint8)
     image[:20, :30] = (30, 60, 220)
-    _write_clip(path, image, quarter_turns)
+    _write_clip(path, image, quarter_turns, mirrored=mirrored)
     with ClipSource(path) as source:
         frame = source.read()
         assert frame is not None
         upright = np.rot90(image, quarter_turns)
+        upright = upright[:, ::-1] if mirrored else upright
         assert source.size == frame.size == (upright.shape[1], upright.shape[0])
         assert np.abs(frame.image_bgr.astype(int) - upright).mean() < 6
+    if mirrored:  # which OpenCV does not know
+        return
     turned_by_opencv, opencvs_image = cv2.VideoCapture(str(path)).read()
     assert turned_by_opencv
     assert np.abs(frame.image_bgr.astype(int) - opencvs_image).mean() < 6

@@ -11,6 +11,7 @@ from ashe_live.quality import BALANCED
 from ashe_live.render.compositing.lens import straight_from_bent, wide_pinhole
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.scene import Scene
+from tests.render.inside import inside_px
 
 LENSES = [(-0.3, 0.1, 0.002, -0.001, 0.0), (0.25, 0.0, 0.0, 0.0, 0.0)]
 SIZE = (0.05, 0.05, 0.06)
@@ -56,12 +57,7 @@ def test_model_and_shadow_stand_where_the_lens_puts_them(
     is_shadow = ~is_model & (green < 150)
     corners = box_corners(np.array([(-SIZE[0] / 2, -SIZE[1] / 2, 0), (SIZE[0] / 2, SIZE[1] / 2, SIZE[2])]))
     fallen = corners - light.to_light_marker * (corners[:, 2:] / light.to_light_marker[2])
-    rows, columns = np.mgrid[0:360, 0:480]
-    places = list(zip(columns.ravel().tolist(), rows.ravel().tolist(), strict=True))
-    inside = []
-    for points in (corners, fallen):
-        hull = cv2.convexHull(_bent(camera, T_cam_marker, points).astype(np.float32))
-        inside.append(np.array([cv2.pointPolygonTest(hull, place, True) for place in places]).reshape(360, 480))
+    inside = [inside_px(_bent(camera, T_cam_marker, points)) for points in (corners, fallen)]
     assert is_model[inside[0] > 2].all()
     assert not is_model[inside[0] < -2].any()
     assert (is_shadow | is_model)[inside[1] > 2].all()

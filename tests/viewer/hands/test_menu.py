@@ -41,16 +41,14 @@ def test_the_chosen_model_is_marked():
 
 @pytest.mark.parametrize("corner", [(0, 0), (639, 0), (0, 479), (639, 479)])
 def test_every_row_can_be_chosen_wherever_it_was_opened(corner):
+    left, top, width, height = plate(opened(*corner))
+    assert min(left, top) >= 0
+    assert left + width <= SIZE[0]
+    assert top + height <= SIZE[1]
     found = set()
-    for share in (0.1, 0.4, 0.6, 0.9):  # of two columns, from left to right
-        for row in range(480):
-            menu = opened(*corner)
-            left, top, width, height = plate(menu)
-            assert min(left, top) >= 0
-            assert left + width <= SIZE[0]
-            assert top + height <= SIZE[1]
-            if top <= row < top + height:
-                found.add(chosen_at(left + share * width, row, menu))
+    for share in (0.2, 0.8):  # of two columns, from left to right
+        for row in range(top, top + height, 6):
+            found.add(chosen_at(left + share * width, row, opened(*corner)))
     assert found - {None} == {entry.request for entry in ENTRIES}
 
 
@@ -63,7 +61,7 @@ def test_the_picture_stays_in_view_beside_it(size: tuple[int, int]):
 
 @pytest.mark.parametrize("size", [SIZE, (1280, 720), (1000, 2000)])
 def test_what_is_pointed_at_is_what_is_brighter(size: tuple[int, int]):
-    for x in np.linspace(1, size[0] - 1, 12):
+    for x in np.linspace(1, size[0] - 1, 5):
         for y in np.linspace(1, size[1] - 1, 60):
             menu = opened(0, 0, size)
             menu.take_mouse(MouseEvent(MOVED, x, y), lambda: ENTRIES, size, 1.0)

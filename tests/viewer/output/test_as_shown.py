@@ -155,6 +155,9 @@ def test_a_damaged_light_or_place_is_refused(begun, tmp_path: Path) -> None:
         (("parts",), "none"),
         (("estimate", "lights", 0, "position_marker_m"), [0, 0, 0]),
         (("estimate", "lights", 0, "to_light_marker"), [0, 0, 0]),
+        (("estimate", "lights", 0, "shadow_rgb_ratio"), [0.5, 1.5, 0.5]),
+        (("estimate", "lights", 0, "intensity_rgb_ratio"), [1, -1, 1]),
+        (("estimate", "ambient_rgb_ratio"), [-0.5, 0.5, 0.5]),
         (("models", 0, "seat"), 10**400),
         (("models", 0, "marker"), [7]),
     ):

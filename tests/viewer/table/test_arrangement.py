@@ -116,6 +116,28 @@ def test_one_more_is_put_beside_and_taken_away_again(make, fakes):
     assert len({place.shift_m for place in places(session)}) == MOST_MODELS
 
 
+def test_a_model_that_was_added_or_taken_away_is_as_before_after_undo(make, fakes):
+    session = make(ChosenModel("mug"))
+    session.take(fakes.tracked(0), 0.0)
+    asked(session, Request(Command.SCALE_MODEL, 2))
+    before = names(session), places(session)
+    asked(session, Command.ADD_MODEL, Request(Command.TURN_MODEL, 3), Request(Command.CHOOSE_MODEL, 2))
+    session.table.shelf.loaded(session.table.shelf.chosen_name)
+    session.poll(0.0)
+    asked(session, Request(Command.SCALE_MODEL, -1), Command.UNDO, Command.UNDO)
+    assert (names(session), places(session)) == before
+    assert "gone again" in session.notice.text
+    assert session.table.in_hand_said == "cube (1 of 2)"
+    asked(session, Command.REMOVE_MODEL, Request(Command.SCALE_MODEL, 4), Command.UNDO, Command.UNDO)
+    assert (names(session), places(session)) == before
+    assert "cube is back" in session.notice.text
+    assert session.arrangement.in_hand == 0
+    asked(session, Command.UNDO)  # what was done to it before
+    assert places(session)[0] == UNMOVED
+    asked(session, Command.UNDO)
+    assert "nothing" in session.notice.text
+
+
 def test_a_drag_takes_up_the_model_that_it_begins_on(make, fakes):
     session = make(ChosenModel("mug"))
     tracked = fakes.tracked(0, tilt_deg=40.0)

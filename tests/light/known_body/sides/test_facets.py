@@ -24,8 +24,7 @@ def seen_facets(scene: CubeScene) -> Facets:
     return facets_of(view, tracked.marker.body, linear_picture(view))
 
 
-@pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("azimuth_deg", [25, 40])
+@pytest.mark.parametrize(("azimuth_deg", "seed"), [(25, 0), (40, 1), (25, 2), (40, 3), (25, 4), (40, 5)])
 def test_a_dark_side_is_not_taken_for_its_bright_neighbour(azimuth_deg: float, seed: int) -> None:
     """By hand no cube is folded so that no face reaches into another's outline."""
     folds = Folds.drawn(np.random.default_rng(seed), EDGE_M)

@@ -1,0 +1,52 @@
+"""The pictures that are directly in a folder, and a word on what else is."""
+
+import mimetypes
+from collections.abc import Iterator
+from pathlib import Path
+
+from ashe_live.capture.photo import SUFFIXES, looks_like_photo
+from ashe_live.errors import UserError
+
+NAMED = 3  # of the files that are passed over
+
+
+def pictures_in(folder: Path, with_clips: bool) -> tuple[list[Path], str | None]:
+    """The photos, and clips if they are wanted, by their names in order, and which other files are passed over.
+
+    A file without a suffix is a photo if it begins as one. What is hidden is neither. Raises OSError.
+    """
+    pictures: list[Path] = []
+    others: list[Path] = []
+    for path in sorted(_files_in(folder)):
+        (pictures if _is_photo(path) or (with_clips and _is_named_as_clip(path)) else others).append(path)
+    wanted = "photos or clips" if with_clips else "photos"
+    return pictures, f"{folder}: passed over, as not named as {wanted}: {_counted(others)}" if others else None
+
+
+def _files_in(folder: Path) -> Iterator[Path]:
+    for path in folder.iterdir():
+        try:
+            if path.is_file() and not path.name.startswith("."):
+                yield path
+        except OSError:  # a link into a folder that must not be entered
+            continue
+
+
+def _is_photo(path: Path) -> bool:
+    if path.suffix:
+        return path.suffix.lower() in SUFFIXES
+    try:
+        return looks_like_photo(path)
+    except UserError:
+        return False
+
+
+def _is_named_as_clip(path: Path) -> bool:
+    # A GIF is read as a clip, which it may be.
+    return path.suffix.lower() == ".gif" or (mimetypes.guess_type(path.name)[0] or "").startswith("video/")
+
+
+def _counted(paths: list[Path]) -> str:
+    names = [path.name for path in paths[:NAMED]]
+    more = len(paths) - len(names)
+    return ", ".join(names) + (f" and {more} more" if more else "")

@@ -1,0 +1,47 @@
+"""Which files of a folder are pictures, and what is said of the others."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.folder import pictures_in
+from ashe_live.capture.opening import open_source
+
+
+def picture(path: Path, kind: str = "JPEG") -> None:
+    PIL.Image.fromarray(np.full((40, 60, 3), 90, np.uint8)).save(path, kind)
+
+
+def test_photos_and_clips_are_taken_and_what_is_not_is_said(tmp_path: Path) -> None:
+    for name in ("b.JPG", "recovered", ".hidden.jpg"):
+        picture(tmp_path / name)
+    picture(tmp_path / "c.gif", "GIF")
+    for name in ("a.mp4", "raw.dng", "README", "notes.txt", "z.json", ".hidden"):
+        (tmp_path / name).write_bytes(b"content")
+    (tmp_path / "empty").touch()
+    (tmp_path / "folder.jpg").mkdir()
+    os.mkfifo(tmp_path / "pipe")
+    pictures, note = pictures_in(tmp_path, with_clips=True)
+    assert [path.name for path in pictures] == ["a.mp4", "b.JPG", "c.gif", "recovered"]
+    assert note is not None
+    assert note.endswith("passed over, as not named as photos or clips: README, empty, notes.txt and 2 more")
+    pictures, note = pictures_in(tmp_path, with_clips=False)
+    assert [path.name for path in pictures] == ["b.JPG", "recovered"]
+    assert note is not None
+    assert "a.mp4, c.gif" in note
+
+
+def test_nothing_is_said_of_a_folder_of_photos_alone(tmp_path: Path) -> None:
+    picture(tmp_path / "a.jpg")
+    (tmp_path / ".DS_Store").write_bytes(b"x")
+    assert pictures_in(tmp_path, with_clips=True) == ([tmp_path / "a.jpg"], None)
+
+
+def test_a_gif_can_be_opened_as_it_is_taken(tmp_path: Path) -> None:
+    picture(tmp_path / "a.gif", "GIF")
+    with open_source(tmp_path / "a.gif") as source:
+        assert isinstance(source, ClipSource)
+        assert source.size == (60, 40)
