@@ -69,7 +69,7 @@ STATED = {
     "another object's odds": ("docs/maths.md", "From {:g} on it counts", (LEAST_PROBABILITY,)),
     "the nearness of lamps": ("docs/maths.md", "A lamp has k ~ N(0, {:g}²/m²), positive", (LAMPS_NEARNESS,)),
     "a sun's direction stays": ("docs/maths.md", "Below D = {:g} (one in twenty by chance,", (CHANCE_DEVIANCE,)),
-    "a second light": ("docs/maths.md", "the region would cost {:.0f} more by (15)", (LEAST_GAIN,)),
+    "a second light": ("docs/maths.md", "the region would cost {:g} more by (15)", (LEAST_GAIN,)),
     "where it is looked for": ("docs/maths.md", "or known to less than {:g} / m", (UNTOLD_NEARNESS,)),
     "a picture's effective sample size": ("docs/maths.md", "the {:g} px (`PIXELS_PER_SAMPLE`)", (PIXELS_PER_SAMPLE,)),
     "borders' effective sample size": ("docs/maths.md", "{:g} of them (`BORDERS_PER_SAMPLE`)", (BORDERS_PER_SAMPLE,)),

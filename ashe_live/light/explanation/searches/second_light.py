@@ -14,12 +14,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.searches.shadow_search import (
-    AZIMUTHS,
-    LENGTHS,
-    ShadowCandidate,
-    shadow_candidates,
-)
+from ashe_live.light.explanation.searches.shadow_search import ShadowCandidate, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import materials_of, object_cost
@@ -30,11 +25,8 @@ from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
 TRIED = 2  # candidates for the second light
-# How much a second light must lower the unary costs: by what its two parameters cost, and by twice the log of the
-# number of places that are tried, in the same units, as the darkest of them is darker than one place by chance is.
-LOG_PIXELS = math.log(100**2)  # of a region: the ln n that is part of COST_PER_PARAMETER
-LEAST_GAIN = (2 + 2 * math.log(len(AZIMUTHS) * len(LENGTHS)) / LOG_PIXELS) * COST_PER_PARAMETER
-LEAST_CLARITY = 0.18  # least mean clarity of its shadow's borders
+# How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders.
+LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18
 NEAR_RAD = math.radians(10)
 
 
