@@ -53,7 +53,8 @@ def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float) -> 
     offsets = np.stack([as_sun - expected, as_lamp - expected]) @ slope.T
     spreads = np.stack([slope @ each @ slope.T for each in (of_sun, of_lamp)])
     covariance = np.einsum("i,ijk->jk", shares, spreads + offsets[:, :, None] * offsets[:, None, :])
-    errors, alone = _errors(offsets, spreads, shares), _errors(np.zeros((1, 2)), spreads[:1], np.ones(1))
+    errors = _errors(offsets, spreads, shares)
+    alone = _errors(np.zeros((1, 2)), light.covariance_rad2[None], np.ones(1))
     good = min(errors.within(GOOD_RAD) / max(alone.within(GOOD_RAD), 1e-9), 1.0)
     return replace(
         light,

@@ -67,6 +67,14 @@ def test_a_lamp_far_from_where_a_sun_would_be_takes_its_share_of_the_confidence(
     assert 0.8 * SUN.confidence < found.confidence < 0.95 * SUN.confidence
 
 
+def test_a_low_sun_is_as_sure_by_itself_as_it_was_measured() -> None:
+    low = Light(np.array([math.cos(0.35), 0.0, math.sin(0.35)]), np.diag([0.02, 0.1]) ** 2, 0.1, 0.9)
+    higher = Place(np.array([1.2, 0.0, 1.0]), np.diag([1e4, 1e4, 1e2]))
+    found = with_doubt(low, higher, place(1.0, 0.1), EVEN)
+    # Between 20 and 40 degrees of elevation the sun alone would be within 10 degrees in 92 percent, the two are in 76.
+    assert found.confidence == pytest.approx(0.9 * 0.76 / 0.92, abs=0.04)
+
+
 def test_sigma_is_the_radius_that_holds_the_truth_in_68_percent() -> None:
     rng = np.random.default_rng(1)
     lamp = place(1.0, 0.1)
