@@ -13,8 +13,9 @@ from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.light_covariance import BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE
+from ashe_live.light.explanation.searches.second_light import LEAST_GAIN
 from ashe_live.light.lamps.companions import LEAST_PROBABILITY
-from ashe_live.light.lamps.doubt import CHANCE_DEVIANCE, EVEN_DEVIANCE, LAMPS_NEARNESS
+from ashe_live.light.lamps.doubt import CHANCE_DEVIANCE, LAMPS_NEARNESS
 from ashe_live.light.lamps.fall import fall_off, lit_samples
 from ashe_live.light.lamps.lamp import UNTOLD_NEARNESS
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
@@ -67,8 +68,8 @@ STATED = {
     "cells of texture": ("docs/maths.md", "the design effect of {} x {} cells", lit_samples.CELLS),
     "another object's odds": ("docs/maths.md", "From {:g} on it counts", (LEAST_PROBABILITY,)),
     "the nearness of lamps": ("docs/maths.md", "A lamp has k ~ N(0, {:g}²/m²), positive", (LAMPS_NEARNESS,)),
-    "sun and lamp even": ("docs/maths.md", "uneven ground often has D = {:g}", (EVEN_DEVIANCE,)),
-    "a sun's direction stays": ("docs/maths.md", "Below D = {:g} (one in twenty by chance)", (CHANCE_DEVIANCE,)),
+    "a sun's direction stays": ("docs/maths.md", "Below D = {:g} (one in twenty by chance,", (CHANCE_DEVIANCE,)),
+    "a second light": ("docs/maths.md", "the region would cost {:g} more by (15)", (LEAST_GAIN,)),
     "where it is looked for": ("docs/maths.md", "or known to less than {:g} / m", (UNTOLD_NEARNESS,)),
     "a picture's effective sample size": ("docs/maths.md", "the {:g} px (`PIXELS_PER_SAMPLE`)", (PIXELS_PER_SAMPLE,)),
     "borders' effective sample size": ("docs/maths.md", "{:g} of them (`BORDERS_PER_SAMPLE`)", (BORDERS_PER_SAMPLE,)),

@@ -29,7 +29,8 @@ def refined_and_others(
     """The likeliest different explanations, refined, with their lights counted and near ones told; then the others.
 
     Those are judged as well, as they are what else the picture may show; so is what refinement has turned into another
-    answer, or could not fit. Where all of them leave doubt, shadows are searched for by the objects' shapes.
+    answer, or could not fit. Where all of them leave doubt, shadows are searched for by the objects' shapes; what that
+    finds may have a second light as well.
     """
     ranked = sorted(rough, key=log_odds, reverse=True)
     chosen = different(ranked, steps.refined)
@@ -41,11 +42,21 @@ def refined_and_others(
     others = different(each for each in ranked if not any(each is one for one in chosen))
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
-    judged = [*_sharp_and_decided(found, sharpener, steps, lamps), *others]
+    sharp = _sharp_and_decided(found, sharpener, steps, lamps)
+    judged = [*sharp, *others]
     if leaves_no_doubt(judged, log_odds):
         return judged
     alone = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
-    return with_shadows_searched(judged, fine, coarse, ground, steps.region_px, alone, log_odds)
+    by_two = [each for each in sharp if len(each.lights) > 1]
+    searched = with_shadows_searched(judged, fine, coarse, ground, steps.region_px, alone, log_odds)
+    new = [each for each in searched if not any(each is one for one in judged)]
+    likeliest = max(searched, key=log_odds, default=None)
+    # Also what takes the place of one of two lights, whose second may only have been told by a worse body.
+    tried = [each for each in new if each is likeliest or any(is_part_of(both, each) for both in by_two)]
+    counted = [with_lights_counted([one], [], fine, coarse, ground, steps.region_px, log_odds) for one in tried]
+    several = [each for found_of_one in counted for each in found_of_one if len(each.lights) > 1]
+    both = _sharp_and_decided(several, sharpener, steps, lamps)
+    return [*both, *(each for each in searched if not any(is_part_of(one, each) for one in both))]
 
 
 def leaves_no_doubt(judged: Sequence[Explanation], log_odds: Callable[[Explanation], float]) -> bool:
