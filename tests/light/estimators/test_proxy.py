@@ -100,8 +100,9 @@ def test_what_glossy_ground_mirrors_is_no_part_of_the_object(rgb: tuple[float, f
 
 @pytest.mark.parametrize(("name", "most_deg", "median_deg"), [("box", 1.5, 0.7), ("cylinder", 0.5, 0.35)])
 def test_the_light_is_found_on_any_ground(name: str, most_deg: float, median_deg: float) -> None:
-    """Boxes err by more, as a box's turn is one more unknown. That light is a sun's is told: one ground in twenty looks as
-    if a lamp lit it, by chance, and then the doubt has a say.
+    """Boxes err by more, as a box's turn is one more unknown.
+
+    That the light is a sun's is told: by chance one ground in twenty looks as if a lamp lit it, which then has a say.
     """
     errors_deg = []
     of_sun = ProxyEstimator(replace(BALANCED, light=SUN))
