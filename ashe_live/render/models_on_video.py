@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.proxy import Proxy
-from ashe_live.render.compositing.composite import Composite
+from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.compositing.outlines import Outlines
 from ashe_live.render.cover.hidden_marker import SeenCover
@@ -94,10 +94,14 @@ class ModelsOnVideo:
         if bends and self.shadows.shadows_meet:
             straight = self._straight_video
             straight.show(tracked, viewport, camera)
-        reach = self._composite.reach_px(viewport, tracked.frame, look)
+        cover = None
+        if hidden is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
+            cover = SeenCover(hidden, frame.ground_from_pixel)
+        relief, lens = self.photometry.relief(scene.illumination), self._lens if bends else None
+        onto = Footage(viewport, self._video, tracked, look, relief, cover, lens, scene.is_split)
         inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
         draw = partial(self.layers.draw, models, inputs, signs, scene, straight, hidden, self.photometry)
-        with surface.drawing(grown(frame.region, 2 * reach + 1, surface.size)):
+        with surface.drawing(grown(frame.region, 2 * onto.blurs.farthest + 1, surface.size)):
             draw(has_models=surface.samples == 0)
         real = [] if self.layers.real is None else [self.layers.real.points]
         if surface.samples and (scene.shows_model or signs or real):
@@ -113,14 +117,7 @@ class ModelsOnVideo:
             model = framing(camera, T_cam_marker, models.corners, viewport)
             if model is not None:
                 self._outlines.smooth(surface, grown(model.region, 1, surface.size))
-        lens = self._lens if bends else None
-        cover = None
-        if hidden is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
-            cover = SeenCover(hidden, frame.ground_from_pixel)
-        region, video, relief = frame.region, self._video, self.photometry.relief(scene.illumination)
-        self._composite.draw(
-            surface, region, viewport, video, tracked, look, relief, cover, lens, scene.is_split, scene.is_cut_out
-        )
+        self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
 
     def release(self) -> None:
         self.layers.follow_real_object(None)

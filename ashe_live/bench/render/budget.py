@@ -35,7 +35,7 @@ from ashe_live.core.types import Frame, Illumination, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.quality import FAST
 from ashe_live.render.camera.video_look import VideoLook
-from ashe_live.render.compositing.composite import Composite
+from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.gl.offscreen import Context, offscreen_context
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
@@ -212,7 +212,7 @@ def composed(ctx: Context, scene: Scene, preset: RenderPreset, truth: Truth, is_
     for layer, values in zip(surface.layers, (added, removed), strict=True):
         layer.write(np.ascontiguousarray(values[::-1], np.float16).tobytes())
     look = InTrueWhite(preset, truth.white_rgb).look(tracked, scene.illumination)
-    composite.draw(surface, whole, whole, video, tracked, look)
+    composite.draw(surface, whole, Footage(whole, video, tracked, look))
     picture = surface.read_bgr()
     # moderngl binds again what was bound before, which must not have been released by then.
     ctx.detect_framebuffer(0).use()

@@ -6,6 +6,7 @@ of model and border of shadow are as soft as everything else in the picture.
 """
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
 from ashe_live.render.camera.relief import Relief
 from ashe_live.render.camera.video_look import VideoLook
@@ -31,112 +32,7 @@ MAX_REACH = 4  # pixels; a wider blur is cut off there
 SMALLEST = 2  # rows and columns together from the middle of a kernel to its farthest pixels, at least
 
 
-class Composite:
-    """The last pass of a picture with a model."""
-
-    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
-        self._ctx = ctx
-        self._programs = programs
-        self._coarse = CoarseLayers(ctx, programs)
-        self._means = GroundMeans(ctx, programs)
-        self._choosing, self._composing = WholeRectangle(ctx), WholeRectangle(ctx)
-
-    def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
-        """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
-        return _blurs_of(viewport[2] / frame.size[0], look).farthest
-
-    def draw(
-        self,
-        surface: Surface,
-        region: Rectangle,
-        viewport: Rectangle,
-        video: Video,
-        tracked: TrackedFrame,
-        look: VideoLook,
-        relief: Relief | None = None,
-        cover: SeenCover | None = None,
-        lens: Lens | None = None,
-        is_split: bool = False,
-        is_cut_out: bool = False,
-    ) -> None:
-        """Onto `surface.colour`, whose `viewport` shows the video's frame, within `region` and its blur's reach.
-
-        The layers beside `region` must be empty for twice that reach. `relief`: of the ground in the real shadow, where
-        it is flatter than in the light. `cover`: of the marker's sheet, behind the layers
-        where they say that it is seen. `lens`: what bends the pinhole camera's layers to the frame. `is_split`: the
-        left half of `viewport` stays as it is. `is_cut_out`: onto nothing, in place of the video; straight alpha.
-        """
-        frame = tracked.frame
-        blurs = _blurs_of(viewport[2] / frame.size[0], look)
-        bends = {"bends": 1} if lens is not None else {}
-        switches = {
-            "wide": blurs.widest > blurs.variance,
-            "coarse": look.chroma_blur_px > 0,
-            "overexposed": look.is_overexposed,
-            "covers": cover is not None,
-            "relief": relief is not None,
-            "cut_out": is_cut_out,
-        }
-        constants = bends | {name: int(value) for name, value in switches.items() if value}
-        choosing = self._programs.get("touched", **bends)
-        program = self._programs.get("composite", reach=blurs.reach, **constants)
-        within = grown(region, blurs.farthest, surface.size)
-        self._coarse.draw(surface, within, blurs.coarse, blurs.reach // 2)
-        self._coarse.bind()
-        surface.bind_layers()
-        video.bind()
-        where = {"viewport": tuple(map(float, viewport))}
-        if lens is not None:
-            lens.bind(tracked.camera)
-            where["region"] = tuple(map(float, within))
-            within = viewport
-        set_uniforms(choosing, **where)
-        set_uniforms(
-            program,
-            **where,
-            **_uniforms_of(look, blurs),
-            grain_px=(viewport[2] / frame.size[0], viewport[3] / frame.size[1]),
-            seed=frame.index,
-        )
-        if cover is not None:
-            cover.bind(program)
-        if relief is not None:
-            means = self._means.draw(within, viewport, cover, lens is not None)
-            set_uniforms(
-                program, means=means, contrast_left=relief.contrast, most_relief=relief.most, sky_share=relief.sky_share
-            )
-        if is_split:
-            within = _right_of(viewport[0] + viewport[2] // 2, within)
-        with surface.chosen.choosing(surface.choice, within):
-            self._choosing.draw(choosing)
-        with surface.chosen.restricted(surface.chosen_colour, within):
-            self._composing.draw(program)
-        surface.colour.use()
-
-    def release(self) -> None:
-        self._coarse.release()
-        self._means.release()
-        self._choosing.release()
-        self._composing.release()
-
-
-def _uniforms_of(look: VideoLook, blurs: "_Blurs") -> dict[str, Any]:
-    return {
-        "weights": _weights(blurs.variance, blurs.reach),
-        "wide_weights": _weights(blurs.widest, blurs.reach),
-        "sharpening": look.sharpening,
-        "paper": look.paper_rgb,
-        "noise_sigmas": np.array(look.noise_sigmas),
-    }
-
-
-def _right_of(column: int, rectangle: Rectangle) -> Rectangle:
-    left, bottom, width, height = rectangle
-    first = max(left, column)
-    return first, bottom, max(0, left + width - first), height
-
-
-class _Blurs(NamedTuple):
+class Blurs(NamedTuple):
     """Variances (px²) and reaches (px) of the composite's blurs, in pixels of the framebuffer."""
 
     variance: float
@@ -149,7 +45,111 @@ class _Blurs(NamedTuple):
         return max(self.reach, self.coarse.reach_px)
 
 
-def _blurs_of(scale: float, look: VideoLook) -> _Blurs:
+@dataclass(frozen=True, slots=True, eq=False)
+class Footage:
+    """A frame of the video as it is shown, with what is known about it: what the layers are put onto."""
+
+    viewport: Rectangle  # of the framebuffer, where it is
+    video: Video
+    tracked: TrackedFrame
+    look: VideoLook
+    relief: Relief | None = None  # of the ground in the real shadow, where it is flatter than in the light
+    cover: SeenCover | None = None  # of the marker's sheet, behind the layers where they say that it is seen
+    lens: Lens | None = None  # what bends the pinhole camera's layers to the frame
+    is_split: bool = False  # the left half of the viewport stays as it is
+
+    @property
+    def blurs(self) -> Blurs:
+        return _blurs_of(self.viewport[2] / self.tracked.frame.size[0], self.look)
+
+    @property
+    def uniforms(self) -> dict[str, Any]:
+        size, blurs = self.tracked.frame.size, self.blurs
+        return {
+            "weights": _weights(blurs.variance, blurs.reach),
+            "wide_weights": _weights(blurs.widest, blurs.reach),
+            "sharpening": self.look.sharpening,
+            "paper": self.look.paper_rgb,
+            "noise_sigmas": np.array(self.look.noise_sigmas),
+            "grain_px": (self.viewport[2] / size[0], self.viewport[3] / size[1]),
+        }
+
+
+class Composite:
+    """The last pass of a picture with a model."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
+        self._ctx = ctx
+        self._programs = programs
+        self._coarse = CoarseLayers(ctx, programs)
+        self._means = GroundMeans(ctx, programs)
+        self._choosing, self._composing = WholeRectangle(ctx), WholeRectangle(ctx)
+
+    def draw(self, surface: Surface, region: Rectangle, onto: Footage, is_cut_out: bool = False) -> None:
+        """Onto `surface.colour`, within `region` and its blur's reach.
+
+        The layers beside `region` must be empty for twice that reach. `is_cut_out`: onto nothing, in place of the
+        video; straight alpha.
+        """
+        viewport, frame, bends = onto.viewport, onto.tracked.frame, onto.lens is not None
+        blurs = onto.blurs
+        choosing, program = self._programs_for(onto, is_cut_out)
+        within = grown(region, blurs.farthest, surface.size)
+        self._coarse.draw(surface, within, blurs.coarse, blurs.reach // 2)
+        self._coarse.bind()
+        surface.bind_layers()
+        onto.video.bind()
+        where = {"viewport": tuple(map(float, viewport))}
+        if onto.lens is not None:
+            onto.lens.bind(onto.tracked.camera)
+            where["region"] = tuple(map(float, within))
+            within = viewport
+        set_uniforms(choosing, **where)
+        set_uniforms(program, **where, **onto.uniforms, seed=frame.index)
+        if onto.cover is not None:
+            onto.cover.bind(program)
+        if onto.relief is not None:
+            means = self._means.draw(within, viewport, onto.cover, bends)
+            contrast, most, sky = onto.relief
+            set_uniforms(program, means=means, contrast_left=contrast, most_relief=most, sky_share=sky)
+        if onto.is_split:
+            within = _right_of(viewport[0] + viewport[2] // 2, within)
+        with surface.chosen.choosing(surface.choice, within):
+            self._choosing.draw(choosing)
+        with surface.chosen.restricted(surface.chosen_colour, within):
+            self._composing.draw(program)
+        surface.colour.use()
+
+    def _programs_for(self, onto: Footage, is_cut_out: bool) -> tuple[moderngl.Program, moderngl.Program]:
+        """That which chooses the pixels, and that which composes them."""
+        blurs = onto.blurs
+        bends = {"bends": 1} if onto.lens is not None else {}
+        switches = {
+            "wide": blurs.widest > blurs.variance,
+            "coarse": onto.look.chroma_blur_px > 0,
+            "overexposed": onto.look.is_overexposed,
+            "covers": onto.cover is not None,
+            "relief": onto.relief is not None,
+            "cut_out": is_cut_out,
+        }
+        constants = bends | {name: int(value) for name, value in switches.items() if value}
+        composing = self._programs.get("composite", reach=blurs.reach, **constants)
+        return self._programs.get("touched", **bends), composing
+
+    def release(self) -> None:
+        self._coarse.release()
+        self._means.release()
+        self._choosing.release()
+        self._composing.release()
+
+
+def _right_of(column: int, rectangle: Rectangle) -> Rectangle:
+    left, bottom, width, height = rectangle
+    first = max(left, column)
+    return first, bottom, max(0, left + width - first), height
+
+
+def _blurs_of(scale: float, look: VideoLook) -> Blurs:
     """`scale` pixels of the framebuffer are one of the video, which is a box of as many.
 
     Shadows are drawn with one sample a pixel, however many the model's edges have, so that all of that box is left to
@@ -158,7 +158,7 @@ def _blurs_of(scale: float, look: VideoLook) -> _Blurs:
     variance = 0.0 if look.blur_sigma_px is None else scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2)
     widest = variance + (scale**2 * SHARPENING_SIGMA_PX**2 if look.sharpening > 0 else 0.0)
     coarse = CoarseBlur.of(variance + scale**2 * look.chroma_blur_px**2)
-    return _Blurs(variance, widest, _reach(widest), coarse)
+    return Blurs(variance, widest, _reach(widest), coarse)
 
 
 def _reach(variance: float) -> int:

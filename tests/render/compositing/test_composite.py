@@ -17,7 +17,7 @@ from ashe_live.quality import QUALITIES
 from ashe_live.render.camera.grain import SILENT
 from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.compositing.coarse import CoarseBlur, line_weights
-from ashe_live.render.compositing.composite import SMALLEST, Composite, _weights
+from ashe_live.render.compositing.composite import SMALLEST, Composite, Footage, _weights
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.passes.surface import Surface
@@ -128,7 +128,7 @@ def test_lights_that_a_picture_shows_alike_have_the_same_borders(ctx, stage) -> 
         for layer, values in zip(surface.layers, (added, np.repeat(added[..., 3:], 4, axis=2)), strict=True):
             layer.write(np.ascontiguousarray(values).tobytes())
         video.copy_or_draw(surface.colour, whole)
-        composite.draw(surface, whole, whole, video, tracked, look)
+        composite.draw(surface, whole, Footage(whole, video, tracked, look))
         pictures.append(surface.read_bgr().astype(int))
     ctx.detect_framebuffer(0).use()  # what is bound must not be released
     for held in (composite, video, surface, programs):
