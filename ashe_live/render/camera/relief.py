@@ -23,6 +23,7 @@ FLOOR = 0.01  # added to brightness, over its mean, as logarithms of noise about
 AROUND = 0.1  # how far from the shadow lit ground counts as its own, over the picture's width
 SHEET = 2.0  # side of what belongs to the marker's sheet, over that of its square
 LEAST_SHARE = 0.001  # of the picture, in which contrast is told from chance
+DARKEST = 1e-5  # the same where all is black
 MAD_OF_SIGMA = 0.6745  # median of the absolute deviations of a normal distribution of standard deviation 1
 SPLINE = np.array([1.0, 4.0, 1.0]) / 6  # of a cubic B-spline, at the middles of the squares that it weights
 MOST_SIGMAS = 3.0  # contrast in the light beyond which a deviation is no relief
@@ -37,10 +38,34 @@ class Relief(NamedTuple):
 
 
 def relief_of(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> Relief | None:
-    """None where too little of the first light's shadow is seen, or where the ground in it is not flatter.
+    """None where too little of the first light's shadow is seen, or none is there, or the ground in it is not flatter.
 
     Contrasts are medians, as marks are few, and include the picture's noise, as what is drawn does.
     """
+    regions = _regions(tracked, proxy, lighting)
+    if regions is None:
+        return None
+    brightness = LINEAR_FROM_SRGB_8BIT[regions.image_bgr] @ REC709_LUMINANCE[::-1]
+    sky_share = float(np.array(lighting.sky) @ REC709_LUMINANCE)
+    if brightness[regions.in_shadow].mean() > 0.5 * (1 + sky_share) * brightness[regions.in_light].mean():
+        return None
+    square_px = tracked.frame.size[0] / MEANS_ACROSS
+    shaded, lit = (_contrast(brightness, where, square_px) for where in (regions.in_shadow, regions.in_light))
+    if shaded >= lit:
+        return None
+    return Relief(shaded / lit, MOST_SIGMAS * lit, sky_share)
+
+
+class _Regions(NamedTuple):
+    """Bare ground in a part of the picture."""
+
+    image_bgr: Image  # (h, w, 3)
+    in_shadow: Mask  # (h, w)
+    in_light: Mask  # (h, w) around the shadow
+
+
+def _regions(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> _Regions | None:
+    """None where too little of either is seen."""
     assert tracked.marker is not None
     size, T = tracked.frame.size, tracked.marker.T_cam_marker
     body = proxy.points_marker()
@@ -50,25 +75,20 @@ def relief_of(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> Relief
         return None
     outline, body_px = (project(tracked.camera, T, points) for points in (ground, body))
     near, far = round(OUTLINE_ERROR * size[0]), round(AROUND * size[0])
-    (left, top), (right, bottom) = (outline.min(axis=0) - far).astype(int), (outline.max(axis=0) + far).astype(int) + 1
-    image = tracked.frame.image_bgr[max(0, top) : max(0, bottom), max(0, left) : max(0, right)]
+    left, top = np.clip(outline.min(axis=0) - far, 0, size).astype(int)
+    right, bottom = np.clip(outline.max(axis=0) + far + 1, 0, size).astype(int)
+    image = tracked.frame.image_bgr[top:bottom, left:right]
     if min(image.shape[:2]) <= 2 * near:
         return None
-    corner = max(0, left), max(0, top)
-    shadow, other = (_hull(pixels - corner, image) for pixels in (outline, body_px))
+    shadow, other = (_hull(pixels - (left, top), image) for pixels in (outline, body_px))
     other = _grown(other, near)
     if tracked.marker.body is None:
         middle = tracked.marker.corners_px.mean(axis=0)
-        other |= _hull(middle + SHEET * (tracked.marker.corners_px - middle) - corner, image)
+        other |= _hull(middle + SHEET * (tracked.marker.corners_px - middle) - (left, top), image)
     in_shadow = ~_grown(~shadow, near) & ~other
     in_light = _grown(shadow, far) & ~_grown(shadow, near) & ~other
-    if min(in_shadow.sum(), in_light.sum()) < LEAST_SHARE * size[0] * size[1]:
-        return None
-    brightness = LINEAR_FROM_SRGB_8BIT[image] @ REC709_LUMINANCE[::-1]
-    shaded, lit = (_contrast(brightness, where, size[0] / MEANS_ACROSS) for where in (in_shadow, in_light))
-    if shaded >= lit:
-        return None
-    return Relief(shaded / lit, MOST_SIGMAS * lit, float(np.array(lighting.sky) @ REC709_LUMINANCE))
+    seen_px = min(in_shadow.sum(), in_light.sum())
+    return _Regions(image, in_shadow, in_light) if seen_px >= LEAST_SHARE * size[0] * size[1] else None
 
 
 def _contrast(brightness: Float, where: Mask, square_px: float) -> float:
@@ -76,7 +96,7 @@ def _contrast(brightness: Float, where: Mask, square_px: float) -> float:
 
     Told by the median, and by what is in the mask (h, w) alone.
     """
-    logarithm = np.log(brightness + FLOOR * brightness[where].mean())
+    logarithm = np.log(brightness + max(FLOOR * float(brightness[where].mean()), DARKEST))
     sums, counts = (
         _smoothed(values, square_px) for values in (np.where(where, logarithm, 0.0), where.astype(np.float64))
     )

@@ -30,7 +30,8 @@ class Photometry:
         self._chroma: tuple[TrackedFrame, float] | None = None
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
         self._border: tuple[Lighting, float] | None = None
-        self._relief: tuple[Lighting, Relief | None] | None = None
+        self._relief: tuple[tuple[object, ...], Lighting, Relief | None] | None = None
+        self._last_relieved: Lighting | None = None
 
     def lighting(self, of: Illumination) -> Lighting:
         """The irradiances; the same object for the same illumination."""
@@ -58,14 +59,20 @@ class Photometry:
         return self._border[1]
 
     def relief(self, of: Illumination) -> Relief | None:
-        """How much flatter the ground is in the real object's shadow than in the light; None where it is not."""
+        """How much flatter the ground is in the real object's shadow than in the light; None where it is not.
+
+        It belongs to the frame in which the light was estimated: it stays while the light is turned by hand to where no
+        real shadow is, and while one light eases to another it is not measured anew for each picture.
+        """
         lighting = self.lighting(of)
-        if self._relief is None or self._relief[0] is not lighting:
-            relief = None
-            if of.seen_in is not None and of.real_object is not None and lighting.suns:
-                relief = relief_of(of.seen_in, of.real_object, lighting)
-            self._relief = lighting, relief
-        return self._relief[1]
+        is_steady, self._last_relieved = lighting is self._last_relieved, lighting
+        if of.seen_in is None or of.real_object is None or not lighting.suns:
+            return None
+        known, held = (of.seen_in, of.real_object), self._relief
+        kept = held[2] if held is not None and same_objects(held[0], known) else None
+        if held is None or not same_objects(held[0], known) or (is_steady and held[1] is not lighting):
+            self._relief = known, lighting, relief_of(of.seen_in, of.real_object, lighting) or kept
+        return self._relief[2] if self._relief is not None else None
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
         """What the preset matches of the video. Exposure and white balance follow the camera's a few times a second."""

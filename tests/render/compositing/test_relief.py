@@ -16,6 +16,7 @@ from ashe_live.quality import QUALITIES
 from ashe_live.render.camera.relief import relief_of
 from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.lighting import lighting_of
+from ashe_live.render.lights.photometry import Photometry
 from ashe_live.render.scene import Scene
 
 POST = Proxy("post", np.array([(-0.14, 0.03, z, 0.025, 0.0) for z in (0.0, 0.08)]))
@@ -67,6 +68,44 @@ def test_a_shadow_that_is_not_seen_says_nothing(stage, light) -> None:
     tracked = _table(stage, light, 0.06)
     assert relief_of(tracked, far, lighting_of((light,))) is None
     assert relief_of(tracked, behind, lighting_of((light,))) is None
+
+
+def test_a_black_shadow_is_flat(stage, light) -> None:
+    """Nothing can be told of it, and no logarithm of 0 may get into the picture."""
+    tracked = _table(stage, light, LIT)
+    dark = _table(stage, light, 3.0 * LIT).frame.image_bgr != tracked.frame.image_bgr
+    image = np.where(
+        cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((9, 9))), 0, tracked.frame.image_bgr
+    )
+    relief = relief_of(replace(tracked, frame=replace(tracked.frame, image_bgr=image)), POST, lighting_of((light,)))
+    assert relief is not None
+    assert relief.contrast == pytest.approx(0, abs=1e-9)
+
+
+def test_it_stays_while_the_light_is_turned_by_hand(stage, light) -> None:
+    tracked = _table(stage, light, 0.06)
+    estimated = Illumination((light,), real_object=POST, seen_in=tracked)
+    photometry = Photometry(QUALITIES["fast"].render)
+    measured = photometry.relief(estimated)
+    assert measured is not None
+    turned = replace(estimated, lights=(stage.light(-20, 40, (RATIO, RATIO, RATIO)),))
+    assert [photometry.relief(turned) for _ in range(3)] == [measured] * 3
+    bare = _table(stage, light, LIT)  # another frame, where nothing is flatter
+    assert photometry.relief(replace(estimated, seen_in=bare)) != measured
+
+
+def test_a_light_on_its_way_is_not_measured_by(stage, light) -> None:
+    """The first picture of an eased light has the old direction, where the new frame has no shadow."""
+    tracked = _table(stage, light, 0.06)
+    photometry = Photometry(QUALITIES["fast"].render)
+    for azimuth in (-20, 20, 60):
+        on_its_way = stage.light(azimuth, 40, (RATIO, RATIO, RATIO))
+        assert photometry.relief(Illumination((on_its_way,), real_object=POST, seen_in=tracked)) is None
+    there = Illumination((light,), real_object=POST, seen_in=tracked)
+    assert photometry.relief(there) is None  # not before the light stands still
+    found = photometry.relief(there)
+    assert found is not None
+    assert found.contrast == pytest.approx(0.3, rel=0.15)
 
 
 def _drawn(make_renderer, stage, light, tracked: TrackedFrame, quality: str, ground: TrackedFrame) -> np.ndarray:
