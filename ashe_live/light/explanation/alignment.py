@@ -94,9 +94,8 @@ class Start:
 def aligned(several: Sequence[Start], ranges: Sequence[float] = SEARCH_RANGES) -> list[Alignment | None]:
     """For each start the cheapest of its bodies, moved onto the borders around it; None if that body is not in view.
 
-    ranges: of each round's search for borders, as SEARCH_RANGES. The TRIED_BODIES that are cheapest before they move
-    are tried, as the family that fits the masks best need not fit the pixels best. Gauss-Newton steps with Cauchy's
-    weights, after Harris and Stennett (docs/maths.md, "Alignment").
+    The TRIED_BODIES that are cheapest before they move are tried, as the family that fits the masks best need not fit
+    the pixels best. Steps of Harris and Stennett, with Cauchy's weights (docs/maths.md). ranges: as SEARCH_RANGES.
     """
     found: list[Alignment | None] = [None] * len(several)
     lights = [len(start.bodies[0].lights) for start in several]

@@ -31,7 +31,7 @@ class Photometry:
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
         self._border: tuple[Lighting, float] | None = None
         self._relief: tuple[tuple[object, ...], Lighting, Relief | None] | None = None
-        self._last_relieved: Lighting | None = None
+        self._relief_asked_by: Lighting | None = None
 
     def lighting(self, of: Illumination) -> Lighting:
         """The irradiances; the same object for the same illumination."""
@@ -65,14 +65,15 @@ class Photometry:
         real shadow is, and while one light eases to another it is not measured anew for each picture.
         """
         lighting = self.lighting(of)
-        is_steady, self._last_relieved = lighting is self._last_relieved, lighting
+        is_steady, self._relief_asked_by = lighting is self._relief_asked_by, lighting
         if of.seen_in is None or of.real_object is None or not lighting.suns:
             return None
-        known, held = (of.seen_in, of.real_object), self._relief
-        kept = held[2] if held is not None and same_objects(held[0], known) else None
-        if held is None or not same_objects(held[0], known) or (is_steady and held[1] is not lighting):
-            self._relief = known, lighting, relief_of(of.seen_in, of.real_object, lighting) or kept
-        return self._relief[2] if self._relief is not None else None
+        known = of.seen_in, of.real_object
+        if self._relief is None or not same_objects(self._relief[0], known):
+            self._relief = known, lighting, relief_of(*known, lighting)
+        elif is_steady and self._relief[1] is not lighting:
+            self._relief = known, lighting, relief_of(*known, lighting) or self._relief[2]
+        return self._relief[2]
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
         """What the preset matches of the video. Exposure and white balance follow the camera's a few times a second."""
