@@ -90,13 +90,14 @@ float ground_mean_at(vec2 at) {
     vec2 first = before * before * before / 6.0, last = past * past * past / 6.0;
     vec2 left = first + 2.0 / 3.0 - 0.5 * past * past * (2.0 - past), right = 1.0 - left;
     vec2 low = (lower + 0.5 - first / left) / size, high = (lower + 1.5 + last / right) / size;
-    return left.y * (left.x * textureLod(ground_mean, low, 0.0).r + right.x * textureLod(ground_mean, vec2(high.x, low.y), 0.0).r)
-        + right.y * (left.x * textureLod(ground_mean, vec2(low.x, high.y), 0.0).r
-            + right.x * textureLod(ground_mean, high, 0.0).r);
+    vec2 below = vec2(textureLod(ground_mean, low, 0.0).r, textureLod(ground_mean, vec2(high.x, low.y), 0.0).r);
+    vec2 above = vec2(textureLod(ground_mean, vec2(low.x, high.y), 0.0).r, textureLod(ground_mean, high, 0.0).r);
+    vec2 columns = vec2(left.x, right.x);
+    return left.y * dot(columns, below) + right.y * dot(columns, above);
 }
 
-// The lit ground `seen` with the relief that is left of it where the fraction `gone` of its light is. In full light its contrast
-// is 1 = A k + S c under the sky's share A and the lights' S; where V of the lights is left it is
+// The lit ground `seen` with the relief that is left of it where the fraction `gone` of its light is. In full light its
+// contrast is 1 = A k + S c under the sky's share A and the lights' S; where V of the lights is left it is
 // (A k + V S c) / (A + V S).
 vec3 flattened(vec3 seen, vec3 gone, vec2 at) {
     float lights = 1.0 - sky_share, of_sky = sky_share * contrast_left;

@@ -1,7 +1,7 @@
 """How much flatter the ground looks in the real object's shadow than in the light.
 
-Bumps and grain are bright and dark under a sun; under the sky alone they hardly are. Print and
-stains stay what they are.
+Bumps and grain are bright and dark under a sun; under the sky alone they hardly are. Print and stains stay
+what they are.
 """
 
 from typing import NamedTuple
@@ -20,12 +20,13 @@ from ashe_live.render.lights.lighting import Lighting
 
 MEANS_ACROSS = 80  # local means across a picture, as `render/compositing/ground_means.py` draws them
 FLOOR = 0.01  # added to brightness, over its mean, as logarithms of noise about 0 say nothing
+DARKEST = 1e-5  # the least that is added, where all is black
 AROUND = 0.1  # how far from the shadow lit ground counts as its own, over the picture's width
 SHEET = 2.0  # side of what belongs to the marker's sheet, over that of its square
 LEAST_SHARE = 0.001  # of the picture, in which contrast is told from chance
-DARKEST = 1e-5  # the same where all is black
 MAD_OF_SIGMA = 0.6745  # median of the absolute deviations of a normal distribution of standard deviation 1
 SPLINE = np.array([1.0, 4.0, 1.0]) / 6  # of a cubic B-spline, at the middles of the squares that it weights
+SKY_SHARES = 0.01, 0.99  # within which (2a) of docs/rendering.md has a value: black shadows and none are beside them
 MOST_SIGMAS = 3.0  # contrast in the light beyond which a deviation is no relief
 
 
@@ -47,13 +48,14 @@ def relief_of(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> Relief
         return None
     brightness = LINEAR_FROM_SRGB_8BIT[regions.image_bgr] @ REC709_LUMINANCE[::-1]
     sky_share = float(np.array(lighting.sky) @ REC709_LUMINANCE)
-    if brightness[regions.in_shadow].mean() > 0.5 * (1 + sky_share) * brightness[regions.in_light].mean():
+    least_dark = 0.5 * (1 + sky_share)  # half of what a shadow takes must be gone, or none is there
+    if brightness[regions.in_shadow].mean() > least_dark * brightness[regions.in_light].mean():
         return None
     square_px = tracked.frame.size[0] / MEANS_ACROSS
     shaded, lit = (_contrast(brightness, where, square_px) for where in (regions.in_shadow, regions.in_light))
     if shaded >= lit:
         return None
-    return Relief(shaded / lit, MOST_SIGMAS * lit, sky_share)
+    return Relief(shaded / lit, MOST_SIGMAS * lit, float(np.clip(sky_share, *SKY_SHARES)))
 
 
 class _Regions(NamedTuple):

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.render.cover.masked_blur import blurred_within
 from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches
 from ashe_live.render.cover.repetition import pattern_of
 from ashe_live.render.cover.straight_lines import straight_lines
@@ -28,7 +29,7 @@ AROUND_SIDES = 0.5  # of the hole: ground that tells which colours ground has
 # Beyond the range of those: of the brightest, and of a channel's share in a colour, both of roots of linear RGB.
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
 MOST_GRAIN = 2.0  # contrast of the ground's grain over that of blended patches, up to which it is made up for
-EDGE = 5.0  # contrast of an edge over the grain's median, from which it is no grain
+EDGE_OVER_GRAIN = 5.0  # contrast of an edge over the grain's median, beyond which it is not scaled with the grain
 THING, THING_OVER_TEXTURE = 0.08, 5.0  # in roots of linear RGB from the ground's level, or over their median
 THING_PX = 7  # coarse, that a thing is wider than
 MOST_THINGS = 0.25  # of the ground
@@ -149,22 +150,16 @@ def _with_grain_of(detail: Float32, plain: Mask, texture: Float32, hole: Mask, s
 
     detail: (n, n, 3) of the ground, where it is `plain` (n, n).
     """
-    near = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < AROUND_SIDES * side_px
+    near = plain & (cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < AROUND_SIDES * side_px)
+    if not near.any():
+        return texture
     weight = plain.astype(np.float32)
-    around = detail - _blurred(detail, weight, BAND_SIDES * side_px)
-    fine = texture - _blurred(texture, np.ones_like(weight), BAND_SIDES * side_px)
-    wanted, found = (
-        np.median(np.abs(each.mean(axis=2))[where]) for each, where in ((around, plain & near), (fine, hole))
-    )
+    around = detail - blurred_within(detail, weight, BAND_SIDES * side_px)
+    fine = texture - blurred_within(texture, np.ones_like(weight), BAND_SIDES * side_px)
+    wanted, found = (np.median(np.abs(each.mean(axis=2))[where]) for each, where in ((around, near), (fine, hole)))
     more = float(np.clip(wanted / max(float(found), 1e-6), 1.0, MOST_GRAIN)) - 1
-    grain = np.clip(fine, -EDGE * found, EDGE * found)
+    grain = np.clip(fine, -EDGE_OVER_GRAIN * found, EDGE_OVER_GRAIN * found)
     return np.asarray(texture + more * np.where(hole[..., None], grain, 0), np.float32)
-
-
-def _blurred(picture: Float32, weight: Float32, sigma: float) -> Float32:
-    """(n, n, 3) means of what has weight (n, n), by a Gaussian."""
-    sums, share = (cv2.GaussianBlur(each, (0, 0), sigma) for each in (picture * weight[..., None], weight))
-    return np.asarray(sums / np.maximum(share, 1e-6)[..., None], np.float32)
 
 
 def _spread_difference(roots: Float32, texture: Float32, is_known: Mask, hole: Mask, side_px: float) -> Float32:

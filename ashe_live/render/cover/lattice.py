@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.render.cover.masked_blur import blurred_within
 
 MOST_CONTRASTS = 3.0  # of the median's, that anything counts as: a glint or a thing would outweigh all ground
 REPEATS = 0.22  # correlation of ground and moved ground, from which it may repeat: a table of white tiles has 0.4
@@ -23,9 +24,7 @@ def structure_of(contrast: Float32, seen: Mask, level_px: float) -> Float32:
     contrast: (m, m, 3) of the ground, where it is seen (m, m). level_px: standard deviation of a blur that leaves sheen
     and folds, and no pattern.
     """
-    weight = seen.astype(np.float32)
-    sums, share = (cv2.GaussianBlur(each, (0, 0), level_px) for each in (contrast * weight[..., None], weight))
-    shown = np.where(seen[..., None], contrast - sums / np.maximum(share, 1e-6)[..., None], 0)
+    shown = np.where(seen[..., None], contrast - blurred_within(contrast, seen.astype(np.float32), level_px), 0)
     strength = np.linalg.norm(shown, axis=2)
     most = MOST_CONTRASTS * float(np.median(strength[seen])) if seen.any() else 0.0
     return np.asarray(shown * np.minimum(1, most / np.maximum(strength, 1e-9))[..., None], np.float32)

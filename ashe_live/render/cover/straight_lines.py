@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.render.cover.masked_blur import blurred_within
 
 Indices = NDArray[np.intp]
 
@@ -70,12 +71,8 @@ def _scaled(detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted
         cv2.resize(each.astype(np.float32), (m, m), interpolation=cv2.INTER_AREA) for each in (detail, hole, is_ground)
     )
     visible = np.asarray(seen > 0.98)
-    weight = visible.astype(np.float32)
-    sums, share = (
-        cv2.GaussianBlur(each, (0, 0), SMOOTH_PX) for each in (np.asarray(shown) * weight[..., None], weight)
-    )
-    smooth = np.where(visible[..., None], sums / np.maximum(share, 1e-3)[..., None], 0)
-    return _Ground(smooth.astype(np.float32), gap > 0.02, visible, side_px * m / n)
+    smooth = blurred_within(np.asarray(shown, np.float32), visible.astype(np.float32), SMOOTH_PX)
+    return _Ground(np.where(visible[..., None], smooth, np.float32(0)), gap > 0.02, visible, side_px * m / n)
 
 
 def _telling_directions(ground: _Ground) -> Float:

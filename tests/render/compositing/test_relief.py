@@ -146,6 +146,22 @@ def test_the_virtual_shadow_is_as_flat_as_the_real_one(make_renderer, stage, lig
     assert pictures[0][where].mean() == pytest.approx(pictures[1][where].mean(), abs=0.03)
 
 
+@pytest.mark.parametrize("ratio", [0.0, 1.0])
+def test_light_that_is_all_the_suns_or_all_the_skys_draws_no_nonsense(
+    make_renderer, stage, light, ratio: float
+) -> None:
+    """Both are ends of the formula for the contrast that is left, where a division by zero would be."""
+    at_end = replace(light, shadow_rgb_ratio=np.full(3, ratio))
+    flat, deep = _table(stage, light, 0.4 * LIT), _table(stage, light, LIT)
+    relief = relief_of(flat, POST, lighting_of((at_end,)))
+    assert relief is not None
+    assert 0 < relief.sky_share < 1
+    where = _in_shadow(flat, light)
+    picture = _drawn(make_renderer, stage, at_end, flat, "fast", deep)[where]
+    bare = (LINEAR_FROM_SRGB_8BIT[deep.frame.image_bgr] @ REC709_LUMINANCE[::-1])[where]
+    assert picture.mean() < 0.01 if ratio == 0 else picture.mean() == pytest.approx(bare.mean(), rel=0.25)
+
+
 def test_lit_ground_and_paint_in_the_shadow_stay(make_renderer, stage, light) -> None:
     flat, marked = _table(stage, light, 0.4 * LIT), _table(stage, light, LIT, marks=0.04)
     where = _in_shadow(flat, light)
