@@ -75,19 +75,22 @@ def costs_by_turns(
 
 
 def orbit(size: Size, model: PlacedModel | None, lights: tuple[Light, ...], views: int = 8) -> list[Scene]:
-    """Scenes with a camera that orbits the marker on grey ground, each with a frame of its own."""
+    """Scenes with a camera that orbits the marker on grey ground, each with a frame of its own, 60 of them a second.
+
+    As in the viewer the light was estimated in one of them, and the video's look is measured a few times a second.
+    """
     camera = Camera.from_hfov(size, 55.0)
     picture = np.full((size[1], size[0], 3), 150, dtype=np.uint8)
     corners = np.zeros((4, 2))
-    scenes = []
+    frames = []
     for number in range(views):
         outwards = direction_from_angles(2 * math.pi * number / views, math.radians(40))
         right = np.cross(-outwards, (0, 0, 1)) / math.cos(math.radians(40))
         R = np.array([right, np.cross(-outwards, right), -outwards])
         pose = MarkerPose(rigid(R, -R @ (np.array((0, 0, 0.03)) + 0.4 * outwards)), corners, SIDE_M, 0.0, None)
-        tracked = TrackedFrame(Frame(picture.copy(), number, 0.0), camera, pose)
-        scenes.append(Scene(tracked, model, Illumination(lights, seen_in=tracked)))
-    return scenes
+        frames.append(TrackedFrame(Frame(picture.copy(), number, number / 60), camera, pose))
+    illumination = Illumination(lights, seen_in=frames[0])
+    return [Scene(tracked, model, illumination) for tracked in frames]
 
 
 def lights_around(count: int) -> tuple[Light, ...]:

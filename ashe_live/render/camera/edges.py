@@ -115,8 +115,12 @@ def profile_at(
 def across(grey: Image, points: Float, outwards: Float, offsets: Float) -> Float:
     """(n, k) values of (h, w) uint8 at `offsets` (k,) from points (n, 2) along unit vectors (n, 2)."""
     at = points[:, None] + offsets[:, None] * outwards[:, None]
-    x, y = np.moveaxis(at.astype(np.float32), 2, 0)
-    return np.asarray(cv2.remap(grey.astype(np.float32), x, y, cv2.INTER_LINEAR), np.float64)
+    # Only the part around them is converted: all of a large picture takes longer than everything else here.
+    first, end = np.floor(at.min(axis=(0, 1))).astype(int), np.floor(at.max(axis=(0, 1))).astype(int) + 2
+    first = np.clip(first, 0, np.array(grey.shape[::-1]) - 1)
+    part = grey[first[1] : max(end[1], first[1] + 1), first[0] : max(end[0], first[0] + 1)].astype(np.float32)
+    x, y = np.moveaxis((at - first).astype(np.float32), 2, 0)
+    return np.asarray(cv2.remap(part, x, y, cv2.INTER_LINEAR), np.float64)
 
 
 def blur_of_step_px(step: Float) -> float:

@@ -7,11 +7,12 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.camera import Camera, Size
+from ashe_live.core.camera import Camera
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.framing import Rectangle
 from ashe_live.render.gl.programs import build_program, set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
+from ashe_live.render.passes.frame_texture import FrameTexture
 
 WHOLE_VIEWPORT = (-1.0, -1.0, 1.0, 1.0)
 
@@ -24,10 +25,7 @@ class Video:
         self._ctx = ctx
         self._program = build_program(ctx, "screen")
         self._rectangle = ctx.vertex_array(self._program, [])
-        self._texture: moderngl.Texture | None = None
-        self._framebuffer: moderngl.Framebuffer | None = None
-        self._flipped: Image = np.empty((0, 0, 3), np.uint8)
-        self._rgba: Image = np.empty((0, 0, 4), np.uint8)
+        self._texture: FrameTexture | None = None
         self._shown: TrackedFrame | None = None
         self._lens: tuple[Camera, Camera, Any, Any] | None = None
         self._pinhole: Camera | None = None
@@ -39,29 +37,25 @@ class Video:
         """
         size = tracked.frame.size
         if self._texture is None or self._texture.size != size:
-            self._allocate(size)
-        assert self._texture is not None
+            self._release_texture()
+            self._texture = FrameTexture(self._ctx, size)
         is_same = self._shown is not None and self._shown.frame is tracked.frame and self._pinhole is pinhole
         if self._shown is None or not is_same or self._shown.camera is not tracked.camera:
             image = tracked.frame.image_bgr
             if pinhole is not None and tracked.camera.is_distorted:
                 image = self._without_distortion(image, tracked.camera, pinhole)
-            # Mesa takes four channels thirty times as fast as three, and new memory costs more than the conversion.
-            cv2.flip(image, 0, dst=self._flipped)
-            cv2.cvtColor(self._flipped, cv2.COLOR_BGR2RGBA, dst=self._rgba)
-            self._texture.write(self._rgba)
+            self._texture.write(image)
             self._shown, self._pinhole = tracked, pinhole
             self.uploads += 1
         nearest_or_linear = moderngl.NEAREST if viewport[2:] == size else moderngl.LINEAR
-        self._texture.filter = nearest_or_linear, nearest_or_linear
+        self._texture.texture.filter = nearest_or_linear, nearest_or_linear
 
     def copy_or_draw(self, target: moderngl.Framebuffer, viewport: Rectangle) -> None:
         """Fills `viewport` of a colour-only, single-sample framebuffer."""
         assert self._texture is not None
-        assert self._framebuffer is not None
         if viewport == (0, 0, *target.size) and target.size == self._texture.size:
             # A software rasteriser copies memory a hundred times as fast as it shades.
-            self._ctx.copy_framebuffer(target, self._framebuffer)
+            self._ctx.copy_framebuffer(target, self._texture.framebuffer)
             return
         target.use()
         if viewport != (0, 0, *target.size):
@@ -73,33 +67,24 @@ class Video:
         """Draws into the current viewport."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.BLEND)
         assert self._texture is not None
-        self._texture.use(UNIT_OF["picture"])
+        self._texture.texture.use(UNIT_OF["picture"])
         set_uniforms(self._program, rectangle=WHOLE_VIEWPORT)
         self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
 
     def bind(self) -> None:
         """For programs that read it as `video`."""
         assert self._texture is not None
-        self._texture.use(UNIT_OF["video"])
+        self._texture.texture.use(UNIT_OF["video"])
 
     def release(self) -> None:
         self._release_texture()
         self._rectangle.release()
         self._program.release()
 
-    def _allocate(self, size: Size) -> None:
-        self._release_texture()
-        self._texture = self._ctx.texture(size, 4)
-        self._texture.repeat_x = self._texture.repeat_y = False
-        self._framebuffer = self._ctx.framebuffer([self._texture])
-        self._flipped = np.empty((size[1], size[0], 3), np.uint8)
-        self._rgba = np.empty((size[1], size[0], 4), np.uint8)
-
     def _release_texture(self) -> None:
-        if self._texture is not None and self._framebuffer is not None:
-            self._framebuffer.release()
+        if self._texture is not None:
             self._texture.release()
-        self._texture = self._framebuffer = self._shown = None
+        self._texture = self._shown = None
 
     def _without_distortion(self, image: Image, camera: Camera, pinhole: Camera) -> Image:
         """The frame as a pinhole camera sees it, which is what OpenGL draws."""
