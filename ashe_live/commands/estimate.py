@@ -16,7 +16,7 @@ from ashe_live.commands.flags.named_files import named_files
 from ashe_live.commands.flags.setup import camera_chooser, light_steps, make_tracker
 from ashe_live.core.contract import FileRecord
 from ashe_live.errors import ExitStatus, UserError
-from ashe_live.files.writing import check_outputs, make_folder
+from ashe_live.files.writing import check_folder, check_outputs
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
@@ -33,7 +33,7 @@ WORST_FIRST = (
 
 def run(options: argparse.Namespace) -> int:
     if options.debug is not None:
-        make_folder(options.debug)
+        check_folder(options.debug)
     _check_frames(options)
     named = named_files(options.files)
     if options.sheet is not None and options.sheet.suffix.lower() not in PAGES:

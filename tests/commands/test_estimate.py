@@ -266,6 +266,18 @@ def test_steps_that_cannot_be_kept_are_refused_before_anything_is_estimated(run,
     assert "is a file, not a folder" in outcome.err[0]
 
 
+def test_no_folder_for_steps_is_made_where_there_are_none(run, files, tmp_path):
+    """Neither where something else is wrong, nor where no picture has a marker."""
+    folder, sheet = tmp_path / "new" / "steps", tmp_path / "page.html"
+    sheet.write_text("mine")
+    steps = ("estimate", *KNOWN, "--debug", folder)
+    assert run(*steps, "--sheet", sheet, files["photo"]).status == 2
+    assert run(*steps, "--together", files["photo"]).status == 2
+    assert run(*steps, tmp_path / "gone.png").status == 2
+    assert run(*steps, files["empty_table"]).status == 3
+    assert not folder.parent.exists()
+
+
 def test_a_folder_and_a_pattern_stand_for_the_pictures_in_them(run, files, film, tmp_path):
     for name in ("b.png", "a.PNG", ".hidden.png", "notes.txt", "sub.png/inner.png"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
