@@ -240,7 +240,7 @@ def _tells_no_camera(source: Source) -> bool:
 
 
 def _write_steps(folder: Path, file: Path, pictures: Sequence[DebugPicture]) -> Path:
-    """One sheet with all steps of an estimate, under a name that is not taken yet; makes the folder. Raises UserError."""
+    """One sheet with all steps of an estimate, under a name that is not taken yet. Raises UserError."""
     sheet = contact_sheet(
         [picture.image_bgr for picture in pictures], [picture.title for picture in pictures], 4, STEP_WIDTH_PX
     )
