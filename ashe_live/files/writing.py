@@ -33,7 +33,10 @@ def check_folder(folder: Path, names: Iterable[str] = (), overwrite: bool = Fals
         while not _exists(there):
             there = there.parent
         if not there.is_dir():
-            raise UserError(f"{there} is a file, not a folder", "name a folder, which need not exist yet")
+            raise UserError(
+                f"{folder if there == folder.absolute() else there} is a file, not a folder",
+                "name a folder, which need not exist yet",
+            )
         if not os.access(there, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     except (OSError, ValueError) as error:
