@@ -530,6 +530,17 @@ def test_the_light_is_saved_for_other_programs(stage, tmp_path):
     assert light["to_light_marker"] == pytest.approx([0.5**0.5, 0, 0.5**0.5])
 
 
+def test_the_light_is_saved_whatever_else_has_its_name(stage, tmp_path, monkeypatch):
+    """As the file of a recording that ended in the same second."""
+    (tmp_path / "a.json").write_text("mine")
+    monkeypatch.setattr(keeping, "unused_name", lambda *_: tmp_path / "a.hdr")
+    stage.put(0)
+    stage.session.watch._worker.answer = stage.fakes.estimate()
+    stage.run(None, Command.ESTIMATE, None, Command.KEEP_LIGHT, None)
+    assert (tmp_path / "a.json").read_text() == "mine"
+    assert "estimate" in json.loads((tmp_path / "a-2.json").read_text())
+
+
 def test_what_does_not_change_is_not_drawn_again(stage):
     counts = []
 
