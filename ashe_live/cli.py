@@ -11,7 +11,7 @@ from importlib import import_module
 from ashe_live.commands.flags.options import parsed
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import tell
-from ashe_live.process.module_path import safe_module_path
+from ashe_live.process.module_path import safe_library_path, safe_module_path
 from ashe_live.process.streams import flushed, open_streams
 from ashe_live.process.unforeseen import outer_cause
 
@@ -34,6 +34,7 @@ def main() -> None:
     open_streams()
     for name, value in ENVIRONMENT.items():
         os.environ.setdefault(name, value)
+    os.environ["LD_LIBRARY_PATH"] = safe_library_path()  # before OpenCV appends to it
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
     try:

@@ -13,7 +13,7 @@ from ashe_live.bench.machine import header_json, measured_with
 from ashe_live.bench.plots import check_can_draw
 from ashe_live.bench.tables import bench_console
 from ashe_live.core.contract import Json
-from ashe_live.files.writing import check_folder, write_json
+from ashe_live.files.writing import check_folder, make_folder, write_json
 
 RESULTS = "results.json"
 
@@ -43,6 +43,7 @@ class Bench(ABC):
         for part in self.parts():
             record |= _with_nulls(part)
             if out is not None:  # at once, so that an interruption of the next part loses nothing of this one
+                make_folder(out)
                 written = write_json(written or out / RESULTS, record, overwrite or written is not None, beside=True)
         if out is not None:
             self.draw(record, out, overwrite)

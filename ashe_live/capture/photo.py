@@ -92,6 +92,8 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
     try:
         with opened(path) as file, _open(file) as picture:
             refuse_too_large(path, picture.size)
+            if picture.mode == "F":
+                raise UserError(f"{path} has floating-point pixels, which are not read", "convert it to JPEG or PNG")
             focal_px = _focal_px(picture)
             ImageOps.exif_transpose(picture, in_place=True)
             return np.asarray(cv2.cvtColor(_rgb_8bit(picture), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
@@ -135,8 +137,6 @@ def _rgb_8bit(picture: PIL.Image.Image) -> Image:
     if picture.mode.startswith("I"):
         grey = np.asarray(picture.convert("I")).clip(0, 65535) >> 8
         return np.repeat(grey.astype(np.uint8)[:, :, None], 3, axis=2)
-    if picture.mode == "F":
-        raise ValueError("its pixels are floating-point numbers")
     profile = picture.info.get("icc_profile")
     if picture.has_transparency_data:
         layer = picture.convert("RGBA")

@@ -12,6 +12,7 @@ import numpy as np
 from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Table
 
+from ashe_live.capture.folder import pictures_in
 from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo_series import PhotoSeries
 from ashe_live.capture.sources import Source, SourceLost
@@ -37,7 +38,10 @@ class Guidance(Protocol):
 
 
 def run(options: argparse.Namespace) -> int:
-    check_outputs([options.out], [Path(options.camera)], options.overwrite)
+    inputs = [Path(options.camera)]
+    with contextlib.suppress(OSError):  # opening it says why
+        inputs += pictures_in(inputs[0], with_clips=False)[0]
+    check_outputs([options.out], inputs, options.overwrite)
     with _opened(options) as source:
         if source.note is not None:
             tell(source.note)

@@ -7,7 +7,7 @@ from pathlib import Path
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.capture.snapshot import write_png
-from ashe_live.commands.flags.model_choice import follow_named_marker
+from ashe_live.commands.flags.model_choice import with_markers_spelled
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.viewing.headless import show_without_window
 from ashe_live.commands.viewing.setup import ViewerSetup, check_outputs, has_display
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
     clip = shipped_clip()
     options.takes_any_marker = False
     options.marker, options.marker_size = clip.marker_spec, clip.marker_side_m
-    follow_named_marker(options)
+    options = with_markers_spelled(options)
     options.takes_any_marker = True  # in files that are opened later; the clip's own marker is known
     tracker = make_tracker(options, clip.camera.resized)
     # Layers, and what was recorded in a window, are shown without text.

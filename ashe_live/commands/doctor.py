@@ -24,7 +24,7 @@ from ashe_live.render.gl.driver import is_software
 
 PACKAGES = (
     *("numpy", "opencv-contrib-python-headless", "moderngl", "glfw", "av", "pillow", "pyrr", "rich"),
-    *("dracopy", "mapbox-earcut"),
+    *("dracopy", "mapbox-earcut", "cv2-enumerate-cameras", "platformdirs"),
 )
 PROBE_S = 30.0  # a driver that takes longer will not give a picture
 
@@ -67,8 +67,8 @@ def _tried(name: str, check: Callable[[], str]) -> Finding:
 
 
 def _versions() -> str:
-    if not (3, 11) <= sys.version_info[:2] <= (3, 13):
-        raise UserError(f"Python {platform.python_version()} is not supported", "use Python 3.11, 3.12 or 3.13")
+    if not (3, 11) <= sys.version_info[:2] <= (3, 14):
+        raise UserError(f"Python {platform.python_version()} is not supported", "use Python 3.11 to 3.14")
     return f"ashe-live {__version__}, Python {platform.python_version()}, {platform.platform()}"
 
 

@@ -16,7 +16,7 @@ from ashe_live.commands.flags.named_files import named_files
 from ashe_live.commands.flags.setup import camera_chooser, light_steps, make_tracker
 from ashe_live.core.contract import FileRecord
 from ashe_live.errors import ExitStatus, UserError
-from ashe_live.files.writing import check_outputs, make_folder
+from ashe_live.files.writing import check_folder, check_outputs, make_folder
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
@@ -33,12 +33,14 @@ WORST_FIRST = (
 
 def run(options: argparse.Namespace) -> int:
     if options.debug is not None:
-        make_folder(options.debug)
+        check_folder(options.debug)
     _check_frames(options)
     named = named_files(options.files)
     if options.sheet is not None and options.sheet.suffix.lower() not in PAGES:
         raise UserError(f"the sheet is a page, and {options.sheet} is not named as one", "let its name end in .html")
-    check_outputs([options.sheet], [*named, options.camera_file], options.overwrite)
+    makes_folder_of_sheet = _is_in_folder_to_be(options.sheet, options.debug)
+    sheets = [] if makes_folder_of_sheet else [options.sheet]
+    check_outputs([*sheets], [*named, options.camera_file, options.debug], options.overwrite)
     estimator = make_estimator(options.estimator, light_steps(options))
     camera_for = camera_chooser(options)
     make_tracker(options, camera_for)  # reports a wrong --marker before any file is opened
@@ -56,8 +58,20 @@ def run(options: argparse.Namespace) -> int:
                 break  # whoever read the output has gone
     finally:  # Ctrl-C in the middle of a long batch must not lose the sheet
         if page.has_figures:
+            if makes_folder_of_sheet:
+                make_folder(options.debug)
             tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
     return next(status for status in WORST_FIRST if status in statuses)
+
+
+def _is_in_folder_to_be(sheet: Path | None, folder: Path | None) -> bool:
+    """Whether the sheet is to be put beside the steps, into a folder that is made when there is something to write."""
+    return (
+        sheet is not None
+        and folder is not None
+        and not folder.exists()
+        and sheet.absolute().parent == folder.absolute()
+    )
 
 
 def _check_frames(options: argparse.Namespace) -> None:

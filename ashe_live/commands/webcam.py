@@ -5,7 +5,7 @@ import argparse
 from ashe_live.capture.cameras import connected, name_of
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.commands.flags.marker_choice import tracker_maker
-from ashe_live.commands.flags.model_choice import follow_named_marker
+from ashe_live.commands.flags.model_choice import with_markers_spelled
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.viewing.setup import ViewerSetup, check_outputs
 from ashe_live.commands.viewing.window import show
@@ -15,7 +15,7 @@ from ashe_live.tracking.focal.focal_memory import FocalMemory
 
 def run(options: argparse.Namespace) -> int:
     check_outputs(options)
-    follow_named_marker(options)
+    options = with_markers_spelled(options)
     camera = int(options.camera) if options.camera.isdecimal() else options.camera
     memory = FocalMemory(name_of(camera, connected()))
     tracker = make_tracker(options, memory=memory)

@@ -127,6 +127,8 @@ def read_camera_file(path: str | Path) -> Camera:
     path = arguments.path(path, "path")
     try:
         content = read_json(path)
+        if not isinstance(content, dict):
+            raise ValueError("it is no object in braces")
         width, height = (_whole_number(value) for value in content["size"])
         dist: Sequence[float] = content.get("dist") or [0.0] * 5
         return Camera((width, height), content["K"], np.array(dist, dtype=np.float64), "file")

@@ -1,6 +1,7 @@
 """Files that are written at once: nothing is overwritten unasked, nothing is left half-written."""
 
 import contextlib
+import errno
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -25,11 +26,32 @@ def make_folder(folder: Path) -> None:
         raise cannot_write(folder, error) from error
 
 
-def check_folder(folder: Path, names: Iterable[str], overwrite: bool) -> None:
-    """Makes the folder before any work is done. Raises UserError when one of `names` in it must not be written."""
-    make_folder(folder)
-    for name in names:
+def check_folder(folder: Path, names: Iterable[str] = (), overwrite: bool = False) -> None:
+    """Raises UserError when the folder, or one of `names` in it, cannot or must not be written; makes nothing."""
+    there = folder.absolute()
+    try:
+        while not _exists(there):
+            there = there.parent
+        if not there.is_dir():
+            raise UserError(
+                f"{folder if there == folder.absolute() else there} is a file, not a folder",
+                "name a folder, which need not exist yet",
+            )
+        if not os.access(there, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    except (OSError, ValueError) as error:
+        raise cannot_write(folder, error) from error
+    for name in names if there == folder.absolute() else ():
         check_output(folder / name, overwrite)
+
+
+def _exists(path: Path) -> bool:
+    """Whether anything is there, a link that leads nowhere too. Raises OSError and ValueError for what is no name."""
+    try:
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return True
 
 
 def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None], overwrite: bool) -> None:

@@ -74,6 +74,12 @@ def test_grey_of_16_bits_is_reduced(tmp_path: Path) -> None:
     np.testing.assert_array_equal(image, np.repeat((ramp >> 8)[:, :, None], 3, axis=2))
 
 
+def test_a_whole_photo_of_floating_point_numbers_is_not_called_damaged(tmp_path: Path) -> None:
+    PIL.Image.fromarray(np.ones((4, 4), np.float32)).save(tmp_path / "a.tiff")
+    with pytest.raises(UserError, match="floating-point pixels, which are not read"):
+        read(tmp_path / "a.tiff")
+
+
 def test_grey_of_8_bits_is_repeated(tmp_path: Path, rgb: Image) -> None:
     PIL.Image.fromarray(rgb[:, :, 0]).save(tmp_path / "a.png")
     np.testing.assert_array_equal(read(tmp_path / "a.png"), np.repeat(rgb[:, :, :1], 3, axis=2))

@@ -63,6 +63,15 @@ def test_a_folder_of_photos_gives_a_camera_file(run, pictures: list[Image], tmp_
     assert read_camera_file(path).K[0, 0] == pytest.approx(430, rel=0.01)
 
 
+def test_a_photo_of_the_board_is_not_overwritten(run, pictures: list[Image], tmp_path: Path) -> None:
+    for number, picture in enumerate(pictures):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), picture)
+    before = (tmp_path / "0.png").read_bytes()
+    outcome = run("calibrate", "--camera", tmp_path, "--out", tmp_path / "0.png", "--overwrite", "--headless")
+    assert outcome.status == 2
+    assert (tmp_path / "0.png").read_bytes() == before
+
+
 def test_photos_of_two_sizes_are_refused_by_name(run, pictures: list[Image], tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "a.png"), pictures[0])
     cv2.imwrite(str(tmp_path / "b.png"), pictures[1][:-8])

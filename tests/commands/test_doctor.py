@@ -1,12 +1,17 @@
 """`ashe-live doctor`: one line a check, whatever is broken; status 0 exactly when the demo can run."""
 
 import os
+import platform
+import re
+import sys
+import tomllib
 
 import pytest
 
 from ashe_live.commands import doctor
 from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.errors import UserError
+from tests.checkout import CHECKOUT
 
 
 @pytest.fixture
@@ -78,3 +83,17 @@ def test_broken_settings_are_a_finding_and_no_end(tmp_path, monkeypatch):
     settings_path().write_text("hfov = 200")
     with pytest.raises(UserError, match="hfov: '200'"):
         doctor.CHECKS["settings"]()
+
+
+def test_what_is_checked_is_what_the_package_asks_for(monkeypatch):
+    project = tomllib.loads((CHECKOUT / "pyproject.toml").read_text())["project"]
+    assert {re.match(r"[\w-]+", each)[0] for each in project["dependencies"]} == set(doctor.PACKAGES)
+    lowest, beyond = (int(minor) for minor in re.findall(r"3\.(\d+)", project["requires-python"]))
+    for minor in range(lowest - 1, beyond + 1):
+        monkeypatch.setattr(sys, "version_info", (3, minor, 0, "final", 0))
+        monkeypatch.setattr(platform, "python_version", lambda minor=minor: f"3.{minor}.0")
+        if lowest <= minor < beyond:
+            assert "Python" in doctor.CHECKS["versions"]()
+        else:
+            with pytest.raises(UserError, match="is not supported"):
+                doctor.CHECKS["versions"]()

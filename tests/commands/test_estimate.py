@@ -266,6 +266,28 @@ def test_steps_that_cannot_be_kept_are_refused_before_anything_is_estimated(run,
     assert "is a file, not a folder" in outcome.err[0]
 
 
+def test_no_folder_for_steps_is_made_where_there_are_none(run, files, tmp_path):
+    """Neither where something else is wrong, nor where no picture has a marker."""
+    folder, sheet = tmp_path / "new" / "steps", tmp_path / "page.html"
+    sheet.write_text("mine")
+    steps = ("estimate", *KNOWN, "--debug", folder)
+    assert run(*steps, "--sheet", sheet, files["photo"]).status == 2
+    assert run(*steps, "--together", files["photo"]).status == 2
+    assert run(*steps, tmp_path / "gone.png").status == 2
+    assert run(*steps, files["empty_table"]).status == 3
+    assert not folder.parent.exists()
+
+
+def test_a_sheet_may_lie_in_the_new_folder_of_the_steps_and_not_be_it(run, files, tmp_path):
+    folder = tmp_path / "new.html"
+    steps = ("estimate", *KNOWN, "--debug", folder, files["photo"], "--sheet")
+    assert run(*steps, folder).status == 2
+    assert not folder.exists()
+    assert run(*steps, folder / "page.html").status == 0
+    assert (folder / "page.html").exists()
+    assert len(list(folder.glob("*.png"))) == 1
+
+
 def test_a_folder_and_a_pattern_stand_for_the_pictures_in_them(run, files, film, tmp_path):
     for name in ("b.png", "a.PNG", ".hidden.png", "notes.txt", "sub.png/inner.png"):
         (tmp_path / name).parent.mkdir(exist_ok=True)

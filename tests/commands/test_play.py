@@ -261,15 +261,35 @@ def test_layers_need_a_clip_that_can_hold_them(play, tmp_path, monkeypatch, argu
     assert list(tmp_path.glob("a.*")) == []
 
 
-def test_a_model_stands_on_each_marker(run, tmp_path):
-    """Two markers on a sheet seen from straight above: each model covers its own, and the one without a model stays."""
-    sheet = np.full((480, 640, 3), 235, np.uint8)
-    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
-    side, tops = 110, {0: (185, 60), 7: (185, 265), 9: (185, 470)}
+def write_sheet(path: Path, tops: dict[int, tuple[int, int]], family: int) -> tuple[np.ndarray, int]:
+    """A picture of markers, seen from straight above, and their side in pixels; `tops`: rows and columns by numbers."""
+    sheet, side = np.full((480, 640, 3), 235, np.uint8), 110
+    dictionary = cv2.aruco.getPredefinedDictionary(family)
     for number, (top, left) in tops.items():
         marker = cv2.aruco.generateImageMarker(dictionary, number, side)
         sheet[top : top + side, left : left + side] = marker[..., None]
-    cv2.imwrite(str(tmp_path / "sheet.png"), sheet)
+    cv2.imwrite(str(path), sheet)
+    return sheet, side
+
+
+def test_a_model_without_a_number_stands_on_the_marker_in_view_that_has_none(run, tmp_path):
+    """Nobody names a marker: 5 is followed, as 3 has a model of its own, and both are of the family in the picture."""
+    tops = {5: (185, 100), 3: (185, 400)}
+    sheet, side = write_sheet(tmp_path / "sheet.png", tops, cv2.aruco.DICT_APRILTAG_36h11)
+    out = tmp_path / "out.png"
+    named = ("--model", "tree", "--model", "3=mug", "--no-hide-marker")
+    outcome = run("play", tmp_path / "sheet.png", *HEADLESS, *named, "--out", out)
+    assert outcome.status == 0
+    assert any("apriltag:36h11:5 is in view and is followed" in line for line in outcome.err)
+    change = np.abs(cv2.imread(str(out)).astype(int) - sheet).max(axis=2)
+    for top, left in tops.values():
+        assert change[top : top + side, left : left + side].mean() > 20
+
+
+def test_a_model_stands_on_each_marker(run, tmp_path):
+    """Two markers on a sheet seen from straight above: each model covers its own, and the one without a model stays."""
+    tops = {0: (185, 60), 7: (185, 265), 9: (185, 470)}
+    sheet, side = write_sheet(tmp_path / "sheet.png", tops, cv2.aruco.DICT_4X4_50)
     pictures = []
     for number, models in enumerate((["0=cube"], ["0=cube", "7=mug"])):
         out = tmp_path / f"{number}.mp4"

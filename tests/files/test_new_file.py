@@ -12,7 +12,7 @@ import pytest
 from ashe_live.errors import UserError
 from ashe_live.files import new_file
 from ashe_live.files.new_file import NewFile, check_output, partial_path
-from ashe_live.files.writing import check_outputs, unused_name, write_json, written_whole
+from ashe_live.files.writing import check_folder, check_outputs, unused_name, write_json, written_whole
 from tests.checkout import CHECKOUT
 
 
@@ -128,6 +128,19 @@ def test_places_where_nothing_can_be_written_are_said_before(tmp_path: Path, nam
     with pytest.raises(UserError):
         check_output(tmp_path / name, overwrite=False)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_folder_is_checked_without_being_made(tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "results"
+    check_folder(folder, ("a.json",))
+    assert not folder.parent.exists()
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "link").symlink_to(tmp_path / "nowhere")
+    for wrong in ("file", "file/within", "link", "n" * 300, "nul\0"):
+        with pytest.raises(UserError):
+            check_folder(tmp_path / wrong)
+    with pytest.raises(UserError, match="exists already"):
+        check_folder(tmp_path, ("file",))
 
 
 def test_a_folder_that_must_not_be_written_to_is_said_before() -> None:

@@ -1,5 +1,6 @@
 """Model files made to harm: each is refused with one line, before much memory is taken, and reads nothing else."""
 
+import json
 import os
 import re
 import socket
@@ -289,6 +290,22 @@ def test_nothing_but_files_of_the_folder_is_read(tmp_path: Path, uri: str) -> No
     document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
     with pytest.raises(UserError, match=r"hostile\.glb|not a file|is a folder"):
         load_model_file(document.save(tmp_path / "model" / "hostile.glb"))
+
+
+@pytest.mark.usefixtures("no_network")
+@pytest.mark.parametrize("uri", ["file:///etc/a.bin", "file:a.bin", "http://example.org/a.bin", "HTTPS:a.bin"])
+@pytest.mark.parametrize("of", ["buffers", "images"])
+def test_that_no_address_is_read_is_said(tmp_path: Path, uri: str, of: str) -> None:
+    document = Document()
+    material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": uri})}}
+    document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
+    path = document.save(tmp_path / "a.gltf")
+    if of == "buffers":
+        header = json.loads(path.read_text())
+        header["buffers"][0]["uri"] = uri
+        path.write_text(json.dumps(header))
+    with pytest.raises(UserError, match="only data in it and files beside it are read"):
+        load_model_file(path)
 
 
 def test_a_folder_behind_a_link_is_outside(tmp_path: Path) -> None:

@@ -65,6 +65,24 @@ def test_no_code_of_the_current_folder_runs(trapped: Path, arguments: tuple[str,
     assert done.returncode == status, done
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="its dynamic linker, and OpenGL by EGL")
+def test_no_library_of_the_current_folder_is_loaded(tmp_path: Path) -> None:
+    """OpenCV leaves an empty entry, which is that folder, in the linker's path of all child processes."""
+    (tmp_path / "libEGL.so.1").write_text("no library")
+    environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "LD_LIBRARY_PATH")}
+    done = subprocess.run([COMMAND, "doctor"], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert "works          offscreen pictures" in done.stdout, done
+
+
+@pytest.mark.parametrize(("before", "inside"), [(None, os.devnull), ("/a::/b:", "/a:/b"), ("", os.devnull)])
+def test_a_childs_library_path_is_without_the_current_folder(monkeypatch, before, inside):
+    if before is None:
+        monkeypatch.delenv("LD_LIBRARY_PATH", raising=False)
+    else:
+        monkeypatch.setenv("LD_LIBRARY_PATH", before)
+    assert called_apart(os.getenv, ("LD_LIBRARY_PATH",), "test", FREE, PATIENCE_S) == inside
+
+
 def test_the_module_path_is_without_the_current_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     before = list(sys.path)

@@ -19,6 +19,7 @@ from ashe_live.core.caster import Caster
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews
+from ashe_live.models.catalogue import ChosenModel
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_told
@@ -33,6 +34,7 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources import marker_hunt
 from ashe_live.viewer.status import guidance
 from ashe_live.viewer.stillness import HELD_AFTER_PICTURES
+from ashe_live.viewer.table.shelf import Shelf
 from tests.viewer.scripted_window import ScriptedWindow
 
 PATIENCE_S = 20.0
@@ -456,6 +458,17 @@ def test_the_one_marker_in_view_is_followed_where_nobody_named_any(stage, others
     assert stage.pipeline.followed == others
 
 
+def test_a_marker_with_a_model_of_its_own_is_not_followed_beside_one_without(stage, others):
+    others[:] = ["aruco:4x4_50:3", "aruco:4x4_50:5"]
+    choice = (ChosenModel("mug", "aruco:4x4_50:3"),)
+    shelf = Shelf("tree", 0.08, others=["mug"])
+    stage.session = Session(shelf, stage.fakes.Worker(), EstimatePolicy(), Steadiness(), others=choice)
+    stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))
+    stage.run(awaited(stage, lambda: stage.pipeline.followed), takes_any_marker=True)
+    assert stage.pipeline.followed == ["aruco:4x4_50:5"]
+    assert stage.session.arrangement.followed == "aruco:4x4_50:5"
+
+
 def test_of_several_markers_a_person_chooses(stage, others):
     others.append("apriltag:36h11:3")
     stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))
@@ -515,6 +528,17 @@ def test_the_light_is_saved_for_other_programs(stage, tmp_path):
     assert sky.read_bytes().startswith(b"#?RADIANCE")
     light = json.loads(record.read_text())["estimate"]["light"]
     assert light["to_light_marker"] == pytest.approx([0.5**0.5, 0, 0.5**0.5])
+
+
+def test_the_light_is_saved_whatever_else_has_its_name(stage, tmp_path, monkeypatch):
+    """As the file of a recording that ended in the same second."""
+    (tmp_path / "a.json").write_text("mine")
+    monkeypatch.setattr(keeping, "unused_name", lambda *_: tmp_path / "a.hdr")
+    stage.put(0)
+    stage.session.watch._worker.answer = stage.fakes.estimate()
+    stage.run(None, Command.ESTIMATE, None, Command.KEEP_LIGHT, None)
+    assert (tmp_path / "a.json").read_text() == "mine"
+    assert "estimate" in json.loads((tmp_path / "a-2.json").read_text())
 
 
 def test_what_does_not_change_is_not_drawn_again(stage):

@@ -25,7 +25,7 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.drawing.contact_sheet import contact_sheet
 from ashe_live.drawing.steps import DebugPicture, debug_pictures
 from ashe_live.errors import UserError
-from ashe_live.files.writing import unused_name
+from ashe_live.files.writing import make_folder, unused_name
 from ashe_live.light.estimators.estimator import Estimator, TracingEstimator
 from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.process.messages import printable, tell
@@ -244,5 +244,6 @@ def _write_steps(folder: Path, file: Path, pictures: Sequence[DebugPicture]) -> 
     sheet = contact_sheet(
         [picture.image_bgr for picture in pictures], [picture.title for picture in pictures], 4, STEP_WIDTH_PX
     )
+    make_folder(folder)
     path = unused_name(folder, file.stem, ".png", datetime.now())
     return write_png(path, sheet, beside=True)

@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Callable
 
 from ashe_live.capture.sources import Source
+from ashe_live.commands.flags.model_choice import without_model
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.process.messages import tell
 from ashe_live.tracking.families.in_view import markers_in_view
@@ -37,7 +38,8 @@ def tracker_maker(
 def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str] | None = None) -> argparse.Namespace:
     """`options` with the only marker in a photo, or at the beginning of a clip, unless the one in `options` is there.
 
-    A marker that was named is kept. The source is rewound. Files that are opened later may show another marker.
+    Of several, it is the only one that has no model of its own. A marker that was named is kept. The source is rewound.
+    Files that are opened later may show another marker.
     `told_of`: the markers of which the user has been told that they are followed, for many sources.
     """
     if source.is_live or not options.takes_any_marker:
@@ -52,11 +54,12 @@ def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str
             in_view = markers_in_view(frame.image_bgr)
             if options.marker in in_view or (not in_view and named.find(frame.image_bgr[..., 1].copy())):
                 break
-            if len(in_view) == 1:
-                if in_view[0] not in told_of:
-                    tell(f"{source.name}: {in_view[0]} is in view and is followed, as no --marker was given")
-                told_of.add(in_view[0])
-                return argparse.Namespace(**{**vars(options), "marker": in_view[0]})
+            free = in_view if len(in_view) == 1 else without_model(options, in_view)
+            if len(free) == 1:
+                if free[0] not in told_of:
+                    tell(f"{source.name}: {free[0]} is in view and is followed, as no --marker was given")
+                told_of.add(free[0])
+                return argparse.Namespace(**{**vars(options), "marker": free[0]})
             if in_view:
                 tell(f"{source.name}: {' and '.join(in_view)} are in view: choose one with --marker")
                 break

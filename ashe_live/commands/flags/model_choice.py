@@ -1,6 +1,7 @@
 """Which models stand on the followed marker, and which on markers of their own, as --model says."""
 
 import argparse
+from collections.abc import Sequence
 
 from ashe_live.commands.flags.values import marker_and_model
 from ashe_live.errors import UserError
@@ -13,25 +14,33 @@ def names_of(options: argparse.Namespace) -> list[str]:
     return [name for _, name in _given(options)]
 
 
-def follow_named_marker(options: argparse.Namespace) -> None:
-    """Spells out the marker that each model stands on, before another one is followed.
+def with_markers_spelled(options: argparse.Namespace) -> argparse.Namespace:
+    """`options` with the whole spec of the marker that each model stands on, before another one is followed.
 
-    If nobody has named the marker to follow, it is the first of these. Raises UserError if the followed marker has no
-    model, if there are too many models, and if a number names no marker.
+    If nobody has named the marker to follow, and every model has one of its own, the first of these is followed. Raises
+    UserError if the followed marker has no model, if there are too many models, and if a number names no marker.
     """
     given = _given(options)
     if len(given) > MOST_MODELS:
         raise UserError(f"{len(given)} models are too many", f"give at most {MOST_MODELS}")
     specs = [None if marker is None else _spec(marker, options.marker) for marker, _ in given]
     if not any(specs):
-        return
+        return options
+    spelled = argparse.Namespace(**vars(options))
     if all(specs) and options.takes_any_marker:
-        options.marker = specs[0]
-    if not any(spec in (None, options.marker) for spec in specs):
-        raise UserError(f"no model is for the marker {options.marker}", "give one without a number: --model NAME")
-    options.takes_any_marker = False
+        spelled.marker, spelled.takes_any_marker = specs[0], False
+    if not any(spec in (None, spelled.marker) for spec in specs):
+        raise UserError(f"no model is for the marker {spelled.marker}", "give one without a number: --model NAME")
     names = [name for _, name in given]
-    options.model = tuple(name if spec is None else f"{spec}={name}" for spec, name in zip(specs, names, strict=True))
+    spelled.model = tuple(name if spec is None else f"{spec}={name}" for spec, name in zip(specs, names, strict=True))
+    return spelled
+
+
+def without_model(options: argparse.Namespace, in_view: Sequence[str]) -> list[str]:
+    """Those of the markers `in_view` that have no model of their own; a number is one of any family."""
+    own = [marker for marker, _ in _given(options) if marker is not None]
+    numbers = [int(marker) for marker in own if marker.isdecimal()]
+    return [spec for spec in in_view if spec not in own and spec.rpartition(":")[2] not in map(str, numbers)]
 
 
 def chosen_models(options: argparse.Namespace) -> tuple[ChosenModel, ...]:
@@ -42,14 +51,12 @@ def chosen_models(options: argparse.Namespace) -> tuple[ChosenModel, ...]:
 
 def other_markers(options: argparse.Namespace) -> list[Marker]:
     """The other markers on which models stand."""
-    if not hasattr(options, "model"):  # the command shows no models
-        return []
     specs = dict.fromkeys(spec for spec, _ in _given(options) if spec not in (None, options.marker))
     return [parse_marker(spec) for spec in specs if spec is not None]
 
 
 def _given(options: argparse.Namespace) -> list[tuple[str | None, str]]:
-    return [marker_and_model(text) for text in options.model]
+    return [marker_and_model(text) for text in getattr(options, "model", ())]  # not every command shows models
 
 
 def _spec(marker: str, followed: str) -> str:

@@ -88,6 +88,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     shelf = Shelf(first.name, side_m, options.up, ModelMemory(has_places=not options.headless), names)
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)
+        session.arrangement.followed = setup.tracker.marker.spec
         session.show_light = setup.shows_light
         session.covers_marker = options.hide_marker
         session.is_mirrored = options.mirror

@@ -1,6 +1,7 @@
 """What a model file may read beside itself: files of its own folder, small enough together, never a network."""
 
 import os
+import re
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from urllib.parse import unquote
 
@@ -8,6 +9,7 @@ from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes
 from ashe_live.models.parsing.limits import MAX_NAMED_FILES
 
+SCHEME = re.compile(r"[a-z][a-z0-9+.-]+:", re.IGNORECASE)  # of an address; one letter is a drive of Windows
 MOST_ENTRIES = 10_000  # of a folder that are looked at for a name in other capitals
 
 
@@ -48,6 +50,11 @@ class Folder:
             for first in range(max(1 if len(parts) > 1 else 0, len(parts) - 3), len(parts)):
                 if (path := self._named_like("/".join(parts[first:]))) is not None and path.is_file():
                     return path
+        if SCHEME.match(relative):
+            raise UserError(
+                f"the model file {self._model} names {name}, and only data in it and files beside it are read",
+                "export it as GLB, or put the file beside it and name that",
+            )
         why = "outside its own folder" if is_elsewhere else "which is missing"
         raise UserError(f"the model file {self._model} names {name}, {why}", "put what it needs beside it")
 

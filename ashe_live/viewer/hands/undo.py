@@ -21,11 +21,16 @@ class _State:
     placement: Placement
 
 
+@dataclass(frozen=True, slots=True)
+class _OtherTakenUp:
+    take_back: Callable[[], str | None]
+
+
 class Undo:
-    """What was done since another model was taken up; what was done to a model is forgotten when it is switched."""
+    """What was done to light and models; what was done to a model is forgotten when it is switched."""
 
     def __init__(self) -> None:
-        self._before: deque[_State | Callable[[], str]] = deque(maxlen=MOST_STEPS)
+        self._before: deque[_State | _OtherTakenUp | Callable[[], str]] = deque(maxlen=MOST_STEPS)
         self._last: tuple[Command | None, float] = None, -math.inf
 
     def note(self, hand: Hand, request: Request, now_s: float) -> None:
@@ -44,6 +49,15 @@ class Undo:
         self._last = None, -math.inf
         self._before.append(take_back)
 
+    def note_other_taken_up(self, take_back: Callable[[], str | None]) -> None:
+        """Keeps that another model was taken up; all that follow each other are taken back at once.
+
+        `take_back` takes the former one up again, and says so; None where that is in the hand anyway.
+        """
+        self._last = None, -math.inf
+        if not (self._before and isinstance(self._before[-1], _OtherTakenUp)):
+            self._before.append(_OtherTakenUp(take_back))
+
     def undo(self, hand: Hand) -> str | None:
         """Returns `hand` to the state before its last gesture that changed something, or takes the last change back.
 
@@ -52,6 +66,10 @@ class Undo:
         self._last = None, -math.inf
         while self._before:
             last = self._before.pop()
+            if isinstance(last, _OtherTakenUp):
+                if (said := last.take_back()) is not None:
+                    return said
+                continue
             if not isinstance(last, _State):
                 return last()
             changed = {"light": last.light is not hand.light, "model": last.placement != hand.placement}

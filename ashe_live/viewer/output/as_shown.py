@@ -12,6 +12,7 @@ from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 from ashe_live.models.assembly.up import UPS
+from ashe_live.models.catalogue import MOST_MODELS
 from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.viewer.before_after import PARTS, WHOLE
 from ashe_live.viewer.session import Session
@@ -109,6 +110,8 @@ def read_as_shown(path: Path, shelf: Shelf) -> AsShown:
     """Reads what `AsShown.to_json` wrote, and the models that it names. Raises UserError where that is not possible."""
     content = read_json(path, MOST_BYTES)
     try:
+        if not isinstance(content, dict):
+            raise ValueError("it is no object in braces")
         if content["schema"] != SCHEMA or not content["shown"]:
             raise ValueError("nothing of this version is in it")
         return AsShown({int(each["frame"]): _shown(each, shelf) for each in content["shown"]})
@@ -142,6 +145,8 @@ def _shown_json(frame: int, shown: Shown) -> Json:
 def _shown(known: Json, shelf: Shelf) -> Shown:
     if known["parts"] not in PARTS or not known["models"]:
         raise ValueError("a frame shows nothing")
+    if len(known["models"]) > MOST_MODELS:
+        raise ValueError(f"a frame shows {len(known['models'])} models, and {MOST_MODELS} are the most")
     light = known["estimate"]
     by_hand = None
     if light is not None:
@@ -154,6 +159,10 @@ def _shown(known: Json, shelf: Shelf) -> Shown:
 
 
 def _stand(known: Json, shelf: Shelf) -> Stand:
+    if len(known["shift_m"]) != 2:
+        raise ValueError("shift_m is not x and y")
+    if not isinstance(known["model"], str):
+        raise ValueError(f"no model is called {known['model']!r:.40}")
     x, y = known["shift_m"]
     placement = Placement(known["scale"], known["turn_rad"], (x, y))
     if known["seat"] not in SEATS:
@@ -169,6 +178,8 @@ def _stand(known: Json, shelf: Shelf) -> Stand:
 
 def _light(known: Json) -> Light:
     place: Any = known["position_marker_m"]
+    if place is not None and not any(place):
+        raise ValueError("a lamp stands at the marker's centre")
     size_deg = known["angular_size_deg"]
     return Light(
         known["to_light_marker"],

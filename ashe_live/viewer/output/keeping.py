@@ -12,7 +12,7 @@ from ashe_live.core.camera import drawn_size
 from ashe_live.core.contract import SNAPSHOT_KEYWORD, Json, estimated_light_json, light_by_hand_json, snapshot_json
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.files.writing import unused_name, write_json
+from ashe_live.files.writing import unused, unused_name, write_json
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.light_map import write_light_map
 from ashe_live.render.renderer import SceneRenderer
@@ -75,7 +75,7 @@ class Keeper:
         path = unused_name(Path.cwd(), "ashe-live", ".hdr", datetime.now())
         try:
             path = write_light_map(path, session.lit_by, beside=True)
-            record = write_json(path.with_suffix(".json"), self._known(session.tracked), beside=True)
+            record = write_json(unused(path.with_suffix(".json")), self._known(session.tracked), beside=True)
             self._tell(f"saved {path} and {record.name}", now_s)
         except UserError as error:
             self._tell(str(error), now_s)
@@ -138,7 +138,7 @@ class Keeper:
         words += self.flags()
         if is_demo or not as_shown.is_plain:  # without the file the demo would draw its text into the picture
             try:
-                path = write_json(recorded.with_suffix(".json"), as_shown.to_json(), beside=True)
+                path = write_json(unused(recorded.with_suffix(".json")), as_shown.to_json(), beside=True)
                 words += ["--as-shown", str(path)]
             except UserError as error:
                 return f"not as it was moved by hand: {error}"

@@ -23,6 +23,7 @@ class Followed:
     def begin_anew(self, pipeline: Pipeline) -> None:
         """Forgets what was chosen for the last source."""
         self._pipeline = pipeline
+        self._session.arrangement.followed = pipeline.marker
         self._hunt = MarkerHunt()
         self._hfov_deg: float | None = None  # a person's choice
 
@@ -43,8 +44,11 @@ class Followed:
         session.markers_in_view = self._hunt.in_view
         if (answer := self._hunt.take_answer()) is not None:
             self._take_next(answer, now_s)
-        elif is_news and self.takes_any_marker and not session.has_seen_marker and len(self._hunt.in_view) == 1:
-            self._follow(self._hunt.in_view[0], now_s)
+        elif is_news and self.takes_any_marker and not session.has_seen_marker:
+            own = {stand.marker for stand in session.arrangement.stands}
+            free = [spec for spec in self._hunt.in_view if spec not in own]
+            if len(free) == 1:
+                self._follow(free[0], now_s)
 
     def follow_other(self, now_s: float) -> None:
         """Follows another marker in view; while the one that is followed is there, others are looked for first."""
@@ -83,6 +87,7 @@ class Followed:
 
     def _follow(self, spec: str, now_s: float) -> None:
         self._pipeline.follow(spec)
+        self._session.arrangement.followed = spec
         self._begin_session_anew()
         self._hunt = MarkerHunt()
         self._tell(f"{spec} is followed now: --marker {spec} names it from the start", now_s)

@@ -26,6 +26,7 @@ class Arrangement:
     def __init__(self, shelf: Shelf, hand: Hand, others: Sequence[ChosenModel] = ()) -> None:
         """The first model is the one that `shelf` shows; `others` stand beside it, or on markers of their own."""
         self.in_hand = 0
+        self.followed: str | None = None  # spec of the marker that is followed; None: no model's own one
         self._shelf = shelf
         self._hand = hand
         self._stands = [Stand(shelf.shown_name, shelf.model())]
@@ -78,7 +79,7 @@ class Arrangement:
     def without_marker(self, tracked: TrackedFrame) -> tuple[str, ...]:
         """Specs of the markers that models stand on, and that are not in the frame."""
         specs = dict.fromkeys(stand.marker for stand in self._stands if stand.marker is not None)
-        return tuple(spec for spec in specs if _place_of(spec, tracked) is None)
+        return tuple(spec for spec in specs if self._place_of(spec, tracked) is None)
 
     def anchor(self, tracked: TrackedFrame | None) -> Placement | None:
         """The place that the placement in hand is relative to; None while that model's marker is not in view."""
@@ -121,14 +122,17 @@ class Arrangement:
 
         return take_back
 
-    def step(self) -> bool:
-        """Takes up the next model; False if there is only one."""
-        return self._change_to((self.in_hand + 1) % len(self))
+    def step(self) -> Callable[[], str | None] | None:
+        """Takes up the next model; None if there is only one.
 
-    def take_up_at(self, at_px: Pixel, tracked: TrackedFrame) -> bool:
-        """Takes up the model at a pixel of the video, or the nearest one; returns whether that is another one."""
+        What is returned takes the former one up again, and says so, unless that is in the hand; so with `take_up_at`.
+        """
+        return self._changed_to((self.in_hand + 1) % len(self))
+
+    def take_up_at(self, at_px: Pixel, tracked: TrackedFrame) -> Callable[[], str | None] | None:
+        """Takes up the model at a pixel of the video, or the nearest one; None where that is in the hand already."""
         if tracked.marker is None or len(self) == 1:
-            return False
+            return None
         (at,) = ideal_from_source(tracked.camera, np.array([at_px]))
         best, nearest = self.in_hand, (np.inf, np.inf)
         for number, (_, model, placement) in enumerate(self.models(tracked)):
@@ -138,7 +142,7 @@ class Arrangement:
             seen = project(tracked.camera, tracked.marker.T_cam_marker, corners)
             if np.isfinite(seen).all() and (distances := _distances(at, seen)) < nearest:
                 best, nearest = number, distances
-        return self._change_to(best)
+        return self._changed_to(best)
 
     def stand_clear(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool = False) -> None:
         """Has a model that nobody has moved stand over the marker; if that is on a body, clear of body and shadow.
@@ -191,12 +195,21 @@ class Arrangement:
         self._hand.placement = self._left.of(self._stands[self.in_hand], self._first)
         return True
 
-    def _change_to(self, number: int) -> bool:
+    def _changed_to(self, number: int) -> Callable[[], str | None] | None:
         if number == self.in_hand:
-            return False
+            return None
+        before = self.in_hand
         self._put_down()
         self._take_up(number)
-        return True
+
+        def take_back() -> str | None:
+            if before == self.in_hand:
+                return None
+            self._put_down()
+            self._take_up(before)
+            return f"undone: {Path(self._stands[before].name).name} is in hand again"
+
+        return take_back
 
     def _as_it_is(self) -> Stand:
         """How the model in hand stands now."""
@@ -222,14 +235,19 @@ class Arrangement:
         return next(seat for seat in range(len(taken) + 1) if seat not in taken)
 
     def _anchor(self, stand: Stand, tracked: TrackedFrame | None) -> Placement | None:
-        place = _place_of(stand.marker, tracked)
-        return None if place is None else place @ seat_beside(stand.seat, self._shelf.marker_side_m)
+        place = self._place_of(stand.marker, tracked)
+        seat = stand.seat
+        if stand.marker is not None and stand.marker == self.followed:
+            # After those that stand on whichever marker is followed.
+            seat += max((other.seat + 1 for other in self._stands if other.marker is None), default=0)
+        return None if place is None else place @ seat_beside(seat, self._shelf.marker_side_m)
+
+    def _place_of(self, marker: str | None, tracked: TrackedFrame | None) -> Placement | None:
+        """The place of `marker`, at the size that a model has on the followed one; None while it is not in view."""
+        return UNMOVED if marker in (None, self.followed) else _place_beside(marker, tracked)
 
 
-def _place_of(marker: str | None, tracked: TrackedFrame | None) -> Placement | None:
-    """The place of a model on `marker`, at the size that it has on the followed one; None while that is not in view."""
-    if marker is None:
-        return UNMOVED
+def _place_beside(marker: str | None, tracked: TrackedFrame | None) -> Placement | None:
     if tracked is None or tracked.marker is None:
         return None
     other = next((each for each in tracked.others if each.spec == marker), None)

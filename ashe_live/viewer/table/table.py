@@ -151,9 +151,8 @@ class Table:
         # The request is for the model that was in the hand until now.
         self._follow_shelf(now_s)
         if command is Command.NEXT_IN_HAND:
-            if models.step():
-                self._in_hand_is_another(now_s)
-            else:
+            self._note_other_taken_up(models.step(), now_s)
+            if len(models) == 1:
                 self._say("there is one model: T puts another beside it", now_s)
             return
         take_back = models.add() if command is Command.ADD_MODEL else models.remove()
@@ -165,15 +164,16 @@ class Table:
         else:
             self._say("the last model stays: B hides it", now_s)
 
-    def _in_hand_is_another(self, now_s: float) -> None:
-        self._undo.forget()
-        self._say(self.in_hand_said, now_s)
+    def _note_other_taken_up(self, take_back: Callable[[], str | None] | None, now_s: float) -> None:
+        if take_back is not None:
+            self._undo.note_other_taken_up(take_back)
+            self._say(self.in_hand_said, now_s)
 
     def _obey_hand(self, request: Request, tracked: TrackedFrame | None, estimated: Illumination, now_s: float) -> None:
         match request:
             case Request(Command.MOVE_MODEL, Drag(begin_px, is_first=True)) if tracked is not None:
-                if self.arrangement.take_up_at(begin_px, tracked):
-                    self._in_hand_is_another(now_s)
+                self._follow_shelf(now_s)
+                self._note_other_taken_up(self.arrangement.take_up_at(begin_px, tracked), now_s)
         self._undo.note(self.hand, request, now_s)
         anchor = self.arrangement.anchor(tracked)
         if anchor is None and request.command is Command.MOVE_MODEL:

@@ -5,7 +5,7 @@ import argparse
 import pytest
 
 from ashe_live.commands.flags.marker_choice import with_marker
-from ashe_live.commands.flags.model_choice import chosen_models, follow_named_marker, other_markers
+from ashe_live.commands.flags.model_choice import chosen_models, other_markers, with_markers_spelled, without_model
 from ashe_live.commands.flags.options import parsed
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
@@ -20,23 +20,21 @@ def models(*names: str) -> list[str]:
 
 
 def test_without_a_flag_there_is_the_cube():
-    chosen = options()
-    follow_named_marker(chosen)
+    chosen = with_markers_spelled(options())
     assert chosen_models(chosen) == (ChosenModel("cube"),)
     assert chosen.takes_any_marker
     assert other_markers(chosen) == []
 
 
 def test_several_stand_on_the_followed_marker():
-    chosen = options(*models("mug", "a=b.glb"))  # a file's name may have an equals sign
-    follow_named_marker(chosen)
+    chosen = with_markers_spelled(options(*models("mug", "a=b.glb")))  # a file's name may have an equals sign
     assert chosen_models(chosen) == (ChosenModel("mug"), ChosenModel("a=b.glb"))
     assert chosen.takes_any_marker
 
 
 def test_a_number_is_a_marker_of_the_followed_ones_family():
-    chosen = options("--marker", "apriltag:36h11:3", *models("07=tree.glb", "mug", "7=cube", "3=lantern"))
-    follow_named_marker(chosen)
+    named = models("07=tree.glb", "mug", "7=cube", "3=lantern")
+    chosen = with_markers_spelled(options("--marker", "apriltag:36h11:3", *named))
     other = "apriltag:36h11:7"
     assert chosen_models(chosen) == (
         ChosenModel("mug"),
@@ -48,8 +46,7 @@ def test_a_number_is_a_marker_of_the_followed_ones_family():
 
 
 def test_a_number_stays_that_of_the_marker_when_another_one_is_followed():
-    chosen = options("--marker", "apriltag:36h11:3", *models("mug", "7=tree"))
-    follow_named_marker(chosen)
+    chosen = with_markers_spelled(options("--marker", "apriltag:36h11:3", *models("mug", "7=tree")))
     for followed in ("cube", "aruco:4x4_50:7", "apriltag:36h11:7"):
         later = with_marker(chosen, followed)
         assert chosen_models(later)[0] == ChosenModel("mug")
@@ -58,10 +55,16 @@ def test_a_number_stays_that_of_the_marker_when_another_one_is_followed():
 
 
 def test_the_first_numbered_marker_is_followed_where_none_is_named():
-    chosen = options(*models("4=mug", "apriltag:36h11:7=tree"))
-    follow_named_marker(chosen)
+    chosen = with_markers_spelled(options(*models("4=mug", "apriltag:36h11:7=tree")))
     assert (chosen.marker, chosen.takes_any_marker) == ("aruco:4x4_50:4", False)
     assert chosen_models(chosen) == (ChosenModel("mug"), ChosenModel("tree", "apriltag:36h11:7"))
+
+
+def test_of_several_markers_in_view_one_without_a_model_of_its_own_may_be_followed():
+    unnamed = options(*models("tree", "03=mug", "aruco:4x4_50:9=cube"))
+    assert with_markers_spelled(unnamed).takes_any_marker
+    assert without_model(unnamed, ["aruco:4x4_50:9", "apriltag:36h11:5", "apriltag:36h11:3"]) == ["apriltag:36h11:5"]
+    assert without_model(unnamed, ["apriltag:36h11:9", "cube"]) == ["apriltag:36h11:9", "cube"]
 
 
 @pytest.mark.parametrize(
@@ -75,7 +78,7 @@ def test_the_first_numbered_marker_is_followed_where_none_is_named():
 )
 def test_what_cannot_be_is_said(arguments, said):
     with pytest.raises(UserError, match=said):
-        follow_named_marker(options(*arguments))
+        with_markers_spelled(options(*arguments))
 
 
 def test_a_marker_without_a_model_is_refused(capsys):

@@ -12,7 +12,7 @@ from ashe_live.core.contract import SCHEMA
 from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.models.assembly.up import UPS
-from ashe_live.models.catalogue import ChosenModel
+from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import Placement
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.before_after import PARTS, WHOLE
@@ -145,6 +145,16 @@ def test_another_file_is_refused_in_one_line(begun, tmp_path: Path, content: str
         read_as_shown(path, begun().table.shelf)
 
 
+def test_a_file_with_more_models_than_can_stand_there_is_refused(begun, tmp_path: Path) -> None:
+    as_shown = AsShown()
+    as_shown.add(0, shown_now(begun()))
+    record = as_shown.to_json()
+    record["shown"][0]["models"] = record["shown"][0]["models"][:1] * (MOST_MODELS + 1)
+    (tmp_path / "shown.json").write_text(json.dumps(record))
+    with pytest.raises(UserError, match=f"{MOST_MODELS} are the most"):
+        read_as_shown(tmp_path / "shown.json", begun().table.shelf)
+
+
 def test_a_damaged_light_or_place_is_refused(begun, tmp_path: Path) -> None:
     window, as_shown = begun(), AsShown()
     window.hand.light = Illumination((SUN,))
@@ -152,6 +162,7 @@ def test_a_damaged_light_or_place_is_refused(begun, tmp_path: Path) -> None:
     for path, value in (
         (("models", 0, "scale"), 0),
         (("models", 0, "shift_m"), [1]),
+        (("models", 0, "model"), 3),
         (("parts",), "none"),
         (("estimate", "lights", 0, "position_marker_m"), [0, 0, 0]),
         (("estimate", "lights", 0, "to_light_marker"), [0, 0, 0]),
@@ -168,5 +179,6 @@ def test_a_damaged_light_or_place_is_refused(begun, tmp_path: Path) -> None:
             at = at[key]
         at[path[-1]] = value
         (tmp_path / "shown.json").write_text(json.dumps(record))
-        with pytest.raises(UserError, match="does not say"):
+        with pytest.raises(UserError, match="does not say") as caught:
             read_as_shown(tmp_path / "shown.json", begun().table.shelf)
+        assert not any(words in str(caught.value) for words in ("unpack", "division", "os.PathLike"))  # Python's own

@@ -86,8 +86,6 @@ def test_keys_change_the_one_in_hand_alone(make, fakes):
     assert turned.shift_m == mug.shift_m
     asked(session, Command.UNDO)
     assert places(session) == [larger, mug]
-    asked(session, Command.UNDO)  # what was done to another one is not
-    assert places(session) == [larger, mug]
     asked(session, Command.NEXT_IN_HAND, Command.RESET)
     assert places(session) == [cube, mug]
 
@@ -138,6 +136,43 @@ def test_a_model_that_was_added_or_taken_away_is_as_before_after_undo(make, fake
     assert "nothing" in session.notice.text
 
 
+def test_what_was_done_to_one_is_undone_after_another_was_taken_up(make, fakes):
+    session = make(ChosenModel("mug"), ChosenModel("tree"))
+    session.take(fakes.tracked(0), 0.0)
+    first = places(session)
+    asked(session, Request(Command.TURN_MODEL, 3), *[Command.NEXT_IN_HAND] * 2, Request(Command.SCALE_MODEL, 2))
+    asked(session, Command.UNDO, Command.UNDO)
+    assert session.arrangement.in_hand == 0  # both steps to the tree at once
+    assert session.notice.text == "undone: cube is in hand again"
+    assert places(session)[0] != first[0]
+    asked(session, Command.UNDO)
+    assert places(session) == first
+    asked(session, Command.UNDO)
+    assert "nothing" in session.notice.text
+
+
+def test_steps_round_to_the_same_one_are_no_step_to_undo(make, fakes):
+    session = make(ChosenModel("mug"))
+    session.take(fakes.tracked(0), 0.0)
+    first = places(session)
+    asked(session, Request(Command.TURN_MODEL, 3), Command.NEXT_IN_HAND, Command.NEXT_IN_HAND, Command.UNDO)
+    assert places(session) == first
+
+
+def test_a_drag_that_takes_up_another_one_is_undone_with_what_was_done_before(make, fakes):
+    session = make(ChosenModel("mug"))
+    tracked = fakes.tracked(0, tilt_deg=40.0)
+    session.take(tracked, 0.0)
+    first = places(session)
+    asked(session, Request(Command.TURN_MODEL, 3))
+    middle = np.array([(*first[1].shift_m, 0.02)])
+    ((x, y),) = project(tracked.camera, tracked.marker.T_cam_marker, middle)
+    asked(session, Request(Command.MOVE_MODEL, Drag((x, y), (x + 5, y), is_first=True)))
+    assert session.arrangement.in_hand == 1
+    asked(session, *[Command.UNDO] * 3)
+    assert (session.arrangement.in_hand, places(session)) == (0, first)
+
+
 def test_a_drag_takes_up_the_model_that_it_begins_on(make, fakes):
     session = make(ChosenModel("mug"))
     tracked = fakes.tracked(0, tilt_deg=40.0)
@@ -167,6 +202,17 @@ def test_a_model_stands_on_its_own_marker_and_is_as_large_as_that(make, fakes):
     place = places(session)[1]
     assert (place.scale, place.turn_rad) == pytest.approx((0.5, 0.5))
     assert place.shift_m == pytest.approx((0.2, 0.1))
+
+
+def test_on_the_followed_marker_its_own_model_stands_beside_those_without_a_number(make, fakes):
+    session = make(ChosenModel("mug", OTHER), ChosenModel("tree"))
+    session.take(fakes.tracked(0), 0.0)
+    session.arrangement.followed = OTHER
+    assert session.arrangement.without_marker(session.tracked) == ()
+    cube, mug, tree = (place.shift_m[0] / (BESIDE_SIDES * SIDE_M) for place in places(session))
+    assert (cube, tree, mug) == pytest.approx((0, 1, -1))
+    session.arrangement.followed = "aruco:4x4_50:1"
+    assert places(session)[1] is None
 
 
 def test_what_is_moved_by_hand_goes_with_its_marker(make, fakes):
