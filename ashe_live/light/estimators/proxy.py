@@ -114,7 +114,7 @@ def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, steps: Pr
         return fault_of_scene(choice.explanation, choice.confidence)
     trace, ground = choice.look.trace, choice.look.views[0].ground
     assert trace.unlit is not None
-    if steps.light != SUN and is_under_low_lamp(choice.explanation, trace.view, ground, trace.unlit):
+    if steps.light != SUN and is_under_low_lamp(choice.explanation, choice.confidence, trace.view, ground, trace.unlit):
         return LOW_LAMP
     sharpener = Sharpener.of([view.fine for view in choice.look.views])
     return None if is_as_given(choice.explanation, steps.first_fit, sharpener) else OTHER_SIZE

@@ -38,3 +38,10 @@ def test_a_sun_makes_no_spot(ground: str) -> None:
 
 def test_a_lamp_above_a_flat_object_is_none() -> None:
     assert not low_lamp_elsewhere(fall_off("plain", LOW["beside the marker"]), 0.01, ELSEWHERE)
+
+
+@pytest.mark.parametrize("lamp_m", LOW.values(), ids=LOW)
+def test_an_explanation_that_is_surer_than_the_ground_stays(lamp_m: tuple[float, ...]) -> None:
+    of = fall_off("plain", lamp_m)
+    assert low_lamp_elsewhere(of, TOP_M, ELSEWHERE, log_odds=-5.0)
+    assert not low_lamp_elsewhere(of, TOP_M, ELSEWHERE, log_odds=1e3)

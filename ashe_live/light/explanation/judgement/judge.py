@@ -101,8 +101,13 @@ def recalibrated(probability: float, average: Average) -> float:
 
     It is needed because an average of agreeing forecasts is less sure than it should be (Ranjan and Gneiting, 2010).
     """
+    return 1 / (1 + math.exp(-average.offset - average.slope * logit(probability)))
+
+
+def logit(probability: float) -> float:
+    """The log odds of a probability, finite for 0 and 1 too."""
     inside = min(max(probability, LEAST_PROBABILITY), 1 - LEAST_PROBABILITY)
-    return 1 / (1 + math.exp(-average.offset - average.slope * math.log(inside / (1 - inside))))
+    return math.log(inside / (1 - inside))
 
 
 def probabilities_of(log_odds: Sequence[float]) -> Float:

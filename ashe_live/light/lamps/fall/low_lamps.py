@@ -4,13 +4,14 @@ Where such a lamp hardly reaches, the sky that an object hides at its own foot i
 fades before it ends. An explanation that takes either for a shadow's end may fit well. But so near a lamp lights the
 ground as no other light does: within some centimetres its light falls to a tenth, and the spot tells where it stands
 to a centimetre or two. Where that is lower than the object's top, and not where the explanation has its light, there is
-nothing to state.
+nothing to state, unless the explanation is surer than the ground: uneven paint may look like a spot as well.
 """
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.judge import logit
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.slow_shading import irradiances
 from ashe_live.light.lamps.fall.agreement import LAMP_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
@@ -33,11 +34,11 @@ EVERY = 4  # samples of the ground
 ELSEWHERE = 7.8
 
 
-def is_under_low_lamp(explanation: Explanation, view: View, ground: LitGround, unlit: Mask) -> bool:
+def is_under_low_lamp(explanation: Explanation, confidence: float, view: View, ground: LitGround, unlit: Mask) -> bool:
     """Whether the ground shows a lamp lower than the explained object, where the explanation has none.
 
-    view: the one that `ground` was fitted to. unlit: (h, w) what the lit ground does not explain. With two lights, the
-    ground shows their sum, and nothing is said.
+    confidence: of the explanation. view: the one that `ground` was fitted to. unlit: (h, w) what the lit ground does
+    not explain. With two lights, the ground shows their sum, and nothing is said.
     """
     if len(explanation.lights) > 1:
         return False
@@ -48,13 +49,15 @@ def is_under_low_lamp(explanation: Explanation, view: View, ground: LitGround, u
         return False
     lights = np.vstack([lit.lights[:1], lit.first_light_near((0.0, *NEARNESSES))])
     parameters = np.column_stack([light_parameters(lights), nearness_of(lights)])
-    return low_lamp_elsewhere(fall_off, float(explanation.proxy.points_marker()[:, 2].max()), parameters)
+    top_m = float(explanation.proxy.points_marker()[:, 2].max())
+    return low_lamp_elsewhere(fall_off, top_m, parameters, logit(confidence))
 
 
-def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float) -> bool:
+def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float, log_odds: float = 0.0) -> bool:
     """Whether the ground shows a lamp that is lower than `top_m`, and none of some lights.
 
-    lights: (n, 3) displacement and nearness each: an explanation's, as far as it leaves them open.
+    lights: (n, 3) displacement and nearness each: an explanation's, as far as it leaves them open. log_odds: of that
+    explanation by all but the ground's light, which has to outweigh them.
     """
     some = fall_off.every(EVERY)
     _, deviance = FallDirections(some).likeliest
@@ -64,7 +67,8 @@ def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float) -> bool:
     if not len(low_lamps):
         return False
     low, even = _least_cost(some, low_lamps), _least_cost(some, np.zeros((1, 3)))
-    return even - low > max(LAMP_DEVIANCE, deviance) and _least_cost(some, lights) - low > ELSEWHERE
+    outweighed = ELSEWHERE + max(2 * log_odds, 0.0)
+    return even - low > max(LAMP_DEVIANCE, deviance) and _least_cost(some, lights) - low > outweighed
 
 
 def _lamps(fall_off: FallOff, heights_m: Float) -> Float:
