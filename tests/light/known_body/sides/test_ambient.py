@@ -36,11 +36,14 @@ def test_the_open_sky_is_told_from_what_the_cube_leaves_of_it(sky: float) -> Non
 
 @pytest.mark.parametrize("slope", [(0.4, 0.0), (-0.4, 0.0), (0.0, 0.4), (0.3, -0.3)])
 def test_a_sky_is_brighter_where_it_is(slope: tuple[float, float]) -> None:
+    """As few skies lean that much, and cameras bend tones, it is told to lean less, but to the same side."""
     even, _ = seen()
     found, sky = seen(slope)
-    # The painter's slope is in half skies.
-    expected = 0.5 * np.outer(slope, sky)
-    np.testing.assert_allclose(slope_of(found) - slope_of(even), expected, atol=0.03)
+    told = (slope_of(found) - slope_of(even)).mean(axis=1)
+    true = 0.5 * np.mean(sky) * np.array(slope)  # the painter's slope is in half skies
+    along = float(told @ true / (true @ true))
+    assert 0.3 < along < 1
+    np.testing.assert_allclose(told, along * true, atol=0.01)
 
 
 def test_an_even_sky_hardly_leans() -> None:
