@@ -54,5 +54,6 @@ def _cube(options: argparse.Namespace) -> int:
         raise UserError("--size-mm is the side of a flat marker", "give a cube's edge in metres by --side")
     edge_m = USUAL_EDGE_M if options.side is None else options.side
     write_cube_sheet(options.out, cube_layout(), edge_m, options.paper, options.overwrite)
-    say(f"{options.out}: print it at 100 % on stiff matt paper, fold it, stand it on its plain face: --marker {CUBE}")
+    flags = f"--marker {CUBE}" if edge_m == USUAL_EDGE_M else f"--marker {CUBE} --marker-size {edge_m:g}"
+    say(f"{options.out}: print it at 100 % on stiff matt paper, fold it, stand it on its plain face: {flags}")
     return ExitStatus.ANSWERED

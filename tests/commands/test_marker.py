@@ -39,9 +39,11 @@ def test_a_marker_that_does_not_exist_is_one_line(run, tmp_path, arguments):
 def test_a_cube_is_printed_by_either_of_its_names(run, tmp_path):
     outcome = run("marker", "--cube", "--out", tmp_path / "cube.pdf", "--side", "0.05", "--paper", "letter")
     assert outcome.status == 0
-    assert "--marker cube" in outcome.out[0]
+    assert "--marker cube --marker-size 0.05" in outcome.out[0]
     assert (tmp_path / "cube.pdf").read_bytes().startswith(b"%PDF")
-    assert run("marker", "--marker", "cube", "--out", tmp_path / "same.pdf").status == 0
+    usual = run("marker", "--marker", "cube", "--out", tmp_path / "same.pdf")
+    assert usual.status == 0
+    assert "--marker-size" not in usual.out[0]
     assert run("marker", "--marker", "cube", "--cube", "--out", tmp_path / "both.pdf").status == 0
 
 

@@ -61,14 +61,18 @@ def with_confidence(
         confidence, around = (with_edges(each, None, step, palest, pale) for each in (near, around))
         return replace(one, confidence=confidence, around=around if none < MOST_NONE else confidence)
     exists = with_edges(near, one.fit, step, palest, pale)
-    confidence, around = (exists * _share(one, within) for within in (NEAR_RAD, AROUND_RAD))
+    confidence, around = (exists * _shares(one)).tolist()
     return replace(one, exists=exists, confidence=confidence, around=around if 1 - exists < MOST_NONE else confidence)
 
 
-def _share(one: FoundLight, within_rad: float) -> float:
-    """Probability that the light is so near which casts the shadow, by what its edges leave open of it."""
-    sigmas = np.sqrt(np.maximum(np.linalg.eigvalsh(one.fitted.covariance_rad2), 1e-12))
-    return math.prod(math.erf(within_rad / (math.sqrt(2) * sigma)) for sigma in sigmas.tolist())
+def _shares(one: FoundLight) -> Float:
+    """(2,) probability that the light is within NEAR_RAD, AROUND_RAD which casts the shadow, by what its edges leave
+    open of it.
+    """
+    sigmas = np.sqrt(np.maximum(np.linalg.eigvalsh(one.fitted.covariance_rad2), 1e-12)).tolist()
+    return np.array(
+        [math.prod(math.erf(within / (math.sqrt(2) * sigma)) for sigma in sigmas) for within in (NEAR_RAD, AROUND_RAD)]
+    )
 
 
 def _posterior(

@@ -24,7 +24,7 @@ class Block:
 
     rows: slice
     columns: slice
-    numbers: Integers  # (k,) among all shadows
+    numbers: Integers  # (k,) among all shadows, ascending
     shares: Float32  # (k, cells of the window) part of each cell that is in shadow
     squares: Float32  # (k, cells of the window) of these parts
 
@@ -62,7 +62,8 @@ class Shadows:
         """(n, n) part of each cell of the map that is in the shadow of light `number`."""
         shadow = np.zeros((SIDE, SIDE), np.float32)
         for block in self.blocks:
-            for at in np.flatnonzero(block.numbers == number):
+            at = int(block.numbers.searchsorted(number))
+            if at < len(block.numbers) and block.numbers[at] == number:
                 window = shadow[block.rows, block.columns]
                 window[:] = block.shares[at].reshape(window.shape)
         return shadow

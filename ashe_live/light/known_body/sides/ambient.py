@@ -8,12 +8,9 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.shadows import shadows_of
-from ashe_live.light.known_body.sides.shading import LOWEST_Z, NOISE, OF_LIGHT, SLOPE, TURN_RAD, direct_light
+from ashe_live.light.known_body.sides.shading import SLOPE, UNEVEN, Sides
 
-# Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is right to 3 % from
-# here on, and half of what it is where a facet is five pixels wide.
-LEAST_PX = 30.0
-LEAST_LIGHT = 0.1  # of level ground's, on a level facet beside lamps that give it less
+LEAST_GIVEN = 1e-3  # part of the table's light, by all lights together
 
 
 def open_sky_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float) -> Float:
@@ -33,44 +30,24 @@ def sky_slope_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float, sky
     """(2, 3) slope of the sky's light along x and y, R, G, B, in units of all light on level ground.
 
     A facet with the normal n gets sky (1 + n_z) / 2 + n_x slope_x + n_y slope_y: spherical harmonics of the first
-    order, whose vertical part an even sky's hemisphere fixes (docs/maths.md, "Ambient"). Zeros where the level facet is
-    not seen well, which all others are compared with.
+    order, whose vertical part an even sky's hemisphere fixes (docs/maths.md, "Ambient"). Zeros where nothing tells the
+    level facet's light, which all others are compared with.
 
     dark_rgb: (l, 3) part of the table's light that each light gives. sky_rgb: (3,) the sky's.
     """
-    facets = seen.measured.facets
-    is_told = (facets.width_px >= LEAST_PX) & ~facets.is_clipped
-    is_level = facets.normals[:, 2] > 0.99
-    level = np.flatnonzero(is_told & is_level)
-    if not len(level):
-        return np.zeros((2, 3))
     points = np.array([each.light for each in lights])
-    to_lights = points[:, :3] / np.linalg.norm(points[:, :3], axis=1, keepdims=True)
-    given = direct_light(points, facets.normals, facets.centres)
-    # Of white paper in all the light of level ground, of which a lamp gives more, or less, to the level facet.
-    on_level = 1 + (given[:, level[0]] - 1) @ dark_rgb
-    white = np.maximum(facets.light_rgb[level[0]] / np.maximum(on_level, LEAST_LIGHT), 1e-4)
-    across = dark_rgb / np.maximum(to_lights[:, 2:], LOWEST_Z)
-    turned_level = _change_by_turn(to_lights, across, np.array((0.0, 0.0, 1.0)))
-    information, pull = np.tile(np.eye(2) / SLOPE**2, (3, 1, 1)), np.zeros((3, 2))
-    for number in np.flatnonzero(is_told & ~is_level):
-        normal, relative = facets.normals[number], facets.light_rgb[number] / white
-        direct = given[:, number] @ dark_rgb
-        from_table = seen.measured.from_table[number] / white
-        left = relative - 0.5 * sky_rgb - direct - from_table
-        by_turns = _change_by_turn(to_lights, across, normal) ** 2 + (relative * turned_level) ** 2
-        weight = 1 / (NOISE**2 + (OF_LIGHT * direct) ** 2 + TURN_RAD**2 * by_turns)
-        information += weight[:, None, None] * np.outer(normal[:2], normal[:2])
-        pull += (weight * left)[:, None] * normal[:2]
-    slope = np.linalg.solve(information, pull[..., None])[..., 0].T
-    return np.asarray(slope.clip(-0.5 * sky_rgb, 0.5 * sky_rgb))
-
-
-def _change_by_turn(to_lights: Float, across: Float, normal: Float) -> Float:
-    """(3,) how fast the direct light on a facet changes as that turns, per radian.
-
-    to_lights: (l, 3). across: (l, 3) light of each on what faces it, R, G, B.
-    """
-    cosines = to_lights @ normal
-    sines = np.where(cosines > 0, np.sqrt(np.maximum(1 - cosines**2, 0.0)), 0.0)
-    return np.asarray(np.sqrt(((sines[:, None] * across) ** 2).sum(axis=0)))
+    points /= np.linalg.norm(points[:, :3], axis=1, keepdims=True)
+    given = dark_rgb * (1 - sky_rgb) / np.maximum(dark_rgb.sum(axis=0), LEAST_GIVEN)
+    slope = np.zeros((2, 3))
+    for channel, (by_lights, sky) in enumerate(zip(given.T, sky_rgb.tolist(), strict=True)):
+        sides = Sides.of(seen.measured.facets, seen.measured.from_table, np.eye(3)[channel])
+        reached = sides.reached(points)
+        left = sides.residual - by_lights @ reached
+        variance = sides.noise**2 + by_lights**2 @ sides.spread(points, reached) + (UNEVEN * sky) ** 2
+        # Of a clipped side only a bound is known; what the level facet's own light leaves open, all sides share.
+        is_told = ~sides.is_clipped
+        across, shared = sides.normals[is_told, :2], sides.by_level[is_told]
+        weighted = np.linalg.solve(np.diag(variance[is_told]) + np.outer(shared, shared), across)
+        information = across.T @ weighted + np.eye(2) / (SLOPE * sky) ** 2
+        slope[:, channel] = np.linalg.solve(information, weighted.T @ left[is_told])
+    return slope.clip(-0.5 * sky_rgb, 0.5 * sky_rgb)

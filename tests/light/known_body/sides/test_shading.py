@@ -5,7 +5,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.sides.facets import Facets
-from ashe_live.light.known_body.sides.shading import Sides, direct_light, fall_off
+from ashe_live.light.known_body.sides.shading import NOISE, TONES, Sides, direct_light, fall_off
 from tests.painted_cubes import EDGE_M
 
 NORMALS = np.array([(0.0, 0, 1), (1, 0, 0), (0, -1, 0)])
@@ -63,6 +63,16 @@ def test_lamps_leave_more_open_than_suns() -> None:
     assert (sides.spread(unit, reached) > sides.spread(sun, reached)).all()
 
 
+def test_a_cameras_tones_bend_ratios_the_more_the_farther_they_are_from_one() -> None:
+    """Whatever its exponent, what is as bright as the level facet stays so."""
+    light_rgb = np.repeat(np.array([(1.0,), (0.98,), (0.4,)]), 3, axis=1)
+    sides = Sides.of(Facets(NORMALS, light_rgb, CENTRES, np.zeros(3, bool), np.full(3, 90.0)), np.zeros((3, 3)), WHITE)
+    bent = sides.relative ** (1 + TONES)
+    assert (np.abs(bent - sides.relative) < sides.noise).all()
+    assert sides.noise[0] < 1.1 * NOISE
+    assert sides.noise[1] > 2 * sides.noise[0]
+
+
 def test_a_level_facet_that_nobody_can_tell_leaves_what_the_sides_say_of_each_other() -> None:
     """All sides brighter by the same share are as likely as none, and one that is brighter than the other is not."""
     light_rgb = np.repeat(np.array([(1.0,), (0.5,), (0.5,)]), 3, axis=1)
@@ -75,7 +85,7 @@ def test_a_level_facet_that_nobody_can_tell_leaves_what_the_sides_say_of_each_ot
 
     brighter, lopsided = light_rgb * np.array([(1.0,), (1.4,), (1.4,)]), light_rgb * np.array([(1.0,), (1.8,), (1.0,)])
     known, open_ = 0.0, 0.5
-    assert likelihood(light_rgb, known) - likelihood(brighter, known) > 1.5
+    assert likelihood(light_rgb, known) - likelihood(brighter, known) > 1.4
     assert likelihood(light_rgb, open_) - likelihood(brighter, open_) < 1
     assert likelihood(brighter, open_) - likelihood(lopsided, open_) > 0.5
 
