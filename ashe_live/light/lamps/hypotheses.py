@@ -65,8 +65,10 @@ class LampEvidence:
     @property
     def is_lamp(self) -> bool:
         """Whether the light is surely no sun."""
-        least, sure = (LEAST_IN_VIEWS, DEVIANCE_IN_VIEWS) if self.in_views else (LEAST_BY_FALL, LAMP_DEVIANCE)
-        both = self.by_outlines != 0 and self.by_fall > least and self.deviance > sure
+        if self.in_views:
+            both = min(self.by_fall, self.by_outlines) > LEAST_IN_VIEWS and self.deviance > DEVIANCE_IN_VIEWS
+        else:
+            both = self.by_outlines != 0 and self.by_fall > LEAST_BY_FALL and self.deviance > LAMP_DEVIANCE
         return self.lamp is not None and (both or self.deviance > ALONE_DEVIANCE)
 
 

@@ -43,7 +43,7 @@ class SeenObject:
         """Where the first light is, by this object's borders."""
         fitted = FittedLight(self.explanation.lights[0].light, self.covariance_rad2)
         borders = lamp_borders(self.explanation)[0]
-        if self.explanation.nearness is not None:
+        if self.explanation.nearness is not None or self.explanation.alignment.elsewhere:
             borders = replace(borders, nearness_sigma=math.sqrt(self.overdispersion) * borders.nearness_sigma)
         return place_by_borders(fitted, borders)
 
