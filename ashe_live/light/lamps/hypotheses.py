@@ -44,7 +44,7 @@ PARAMETER_DEVIANCE = 3.5  # of one shape parameter in the outlines' criterion: t
 # the fall of light alone, to which uneven ground may contribute more than its model allows.
 LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 33.0, 13.0, 60.0
 # The same by both in several views, whose outlines' deviance is scaled by their dispersion: of the suns in 27 takes the
-# surest has 15. The fall of light need only not speak for the sun.
+# surest has 15. Neither may speak for the sun.
 DEVIANCE_IN_VIEWS, LEAST_IN_VIEWS = 20.0, 0.0
 
 

@@ -34,8 +34,8 @@ class SeenObject:
     explanation: Explanation
     probability: float  # that it is right
     covariance_rad2: Float  # (2, 2) of all causes, on the direction's tangent basis
-    # Factor on the variance of a nearness that steps of light tell: their errors are correlated along borders, as those
-    # of directions are. Other sources of the nearness are weighed against that.
+    # Factor on the variance of a nearness that steps of light tell, or the borders of several views: their errors are
+    # correlated along borders, as those of directions are. Other sources of the nearness are weighed against that.
     overdispersion: float
 
     @property
