@@ -44,7 +44,7 @@ PARAMETER_DEVIANCE = 3.5  # of one shape parameter in the outlines' criterion: t
 # the fall of light alone, to which uneven ground may contribute more than its model allows.
 LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 33.0, 13.0, 60.0
 # The same by both in several views, whose outlines' deviance is scaled by their dispersion: of the suns in 27 takes the
-# surest has 15. The fall of light need only not speak for the sun.
+# surest has 15. Neither may speak for the sun.
 DEVIANCE_IN_VIEWS, LEAST_IN_VIEWS = 20.0, 0.0
 
 
@@ -65,8 +65,10 @@ class LampEvidence:
     @property
     def is_lamp(self) -> bool:
         """Whether the light is surely no sun."""
-        least, sure = (LEAST_IN_VIEWS, DEVIANCE_IN_VIEWS) if self.in_views else (LEAST_BY_FALL, LAMP_DEVIANCE)
-        both = self.by_outlines != 0 and self.by_fall > least and self.deviance > sure
+        if self.in_views:
+            both = min(self.by_fall, self.by_outlines) > LEAST_IN_VIEWS and self.deviance > DEVIANCE_IN_VIEWS
+        else:
+            both = self.by_outlines != 0 and self.by_fall > LEAST_BY_FALL and self.deviance > LAMP_DEVIANCE
         return self.lamp is not None and (both or self.deviance > ALONE_DEVIANCE)
 
 

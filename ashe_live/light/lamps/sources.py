@@ -34,8 +34,8 @@ class SeenObject:
     explanation: Explanation
     probability: float  # that it is right
     covariance_rad2: Float  # (2, 2) of all causes, on the direction's tangent basis
-    # Factor on the variance of a nearness that steps of light tell: their errors are correlated along borders, as those
-    # of directions are. Other sources of the nearness are weighed against that.
+    # Factor on the variance of a nearness that steps of light tell, or the borders of several views: their errors are
+    # correlated along borders, as those of directions are. Other sources of the nearness are weighed against that.
     overdispersion: float
 
     @property
@@ -43,7 +43,7 @@ class SeenObject:
         """Where the first light is, by this object's borders."""
         fitted = FittedLight(self.explanation.lights[0].light, self.covariance_rad2)
         borders = lamp_borders(self.explanation)[0]
-        if self.explanation.nearness is not None:
+        if self.explanation.nearness is not None or self.explanation.alignment.elsewhere:
             borders = replace(borders, nearness_sigma=math.sqrt(self.overdispersion) * borders.nearness_sigma)
         return place_by_borders(fitted, borders)
 

@@ -17,6 +17,7 @@ from ashe_live.light.estimators.scene_views import without_confirming
 from ashe_live.light.estimators.steps import BALANCED, FAST
 from ashe_live.light.estimators.together import without_alike
 from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge
+from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.views.joint import in_each_view
 from ashe_live.light.views.seen import SceneView
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
@@ -115,6 +116,13 @@ def test_of_two_searches_each_explanation_counts_once() -> None:
     )
     again = in_each_view(one.joint)
     assert without_alike([(one, 0.5), (other, 1.0), (again, 2.0)]) == [(again, 2.0), (other, 1.0)]
+
+
+def test_a_nearness_by_the_borders_of_several_views_is_as_overdispersed_as_a_direction() -> None:
+    first, *others = views_of(BOX)
+    explanation = looked(first, others, FAST, fitted_judge(), StageClock()).trace.judged[0]
+    sigmas = [SeenObject(explanation, 0.9, 1e-4 * np.eye(2), factor).place.nearness_sigma for factor in (1.0, 4.0)]
+    assert sigmas[1] == pytest.approx(2 * sigmas[0])
 
 
 def test_views_without_a_marker_count_for_nothing() -> None:

@@ -11,7 +11,7 @@ from ashe_live.light.explanation.explain import Proposal, explained, explained_n
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.labels.associate import Split
-from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
+from ashe_live.light.lamps.hypotheses import LampEvidence, LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import nearness_of
@@ -77,3 +77,11 @@ def test_no_lamp_is_tried_where_lights_are_taken_for_suns() -> None:
     here = painted_region(BOX, lamp_m=LAMP_M)
     sun, sharpener = by_a_sun(here)
     assert hypotheses(here, SUN).evidence(sun, FIT, sharpener).lamp is None
+
+
+def test_in_several_views_outlines_that_speak_for_a_sun_keep_it() -> None:
+    """They show a lamp's parallax, which uneven ground cannot imitate."""
+    lamp, _ = by_a_sun(painted_region(BOX))
+    assert not LampEvidence(lamp, by_fall=55.0, by_outlines=-30.0, in_views=True).is_lamp
+    assert not LampEvidence(lamp, by_fall=-2.0, by_outlines=30.0, in_views=True).is_lamp
+    assert LampEvidence(lamp, by_fall=2.0, by_outlines=20.0, in_views=True).is_lamp
