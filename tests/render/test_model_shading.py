@@ -47,7 +47,8 @@ def test_lit_faces_of_a_convex_box_have_one_shade(make_renderer, stage, quality:
         upward = 0.5 + 0.5 * normal[2]
         sunlight = lighting.suns[0].irradiance[0] * max(0.0, float(np.dot(normal, light.to_light_marker)))
         radiance = EXPOSURE * (lighting.sky[0] * upward + lighting.bounce[0] * (1 - upward) + sunlight)
-        np.testing.assert_allclose(pixels, 255 * srgb_from_linear(min(radiance, 1.0)), atol=1.01)
+        # Rounded to half precision, to 8 bits and by the GPU's own powers; acne would be tens of levels.
+        np.testing.assert_allclose(pixels, 255 * srgb_from_linear(min(radiance, 1.0)), atol=1.5)
 
 
 def test_face_turned_away_gets_no_sun(make_renderer, stage) -> None:
