@@ -36,6 +36,10 @@ def test_a_sun_makes_no_spot(ground: str) -> None:
     assert not low_lamp_elsewhere(fall_off(ground), TOP_M, ELSEWHERE)
 
 
+def test_a_lamp_above_the_top_whose_light_any_lamp_explains_as_well_is_none() -> None:
+    assert not low_lamp_elsewhere(fall_off("checkered", (0.1, -0.05, 0.1)), TOP_M, ELSEWHERE)
+
+
 def test_a_lamp_above_a_flat_object_is_none() -> None:
     assert not low_lamp_elsewhere(fall_off("plain", LOW["beside the marker"]), 0.01, ELSEWHERE)
 

@@ -29,8 +29,7 @@ MARGIN = 1.5  # over their height, by which they may stand beside the ground tha
 REACH_M = 0.6  # from the marker, along x and y, of that ground
 SHARES = (0.3, 0.6, 0.85, 0.95)  # of all light that are the lamp's, where it is brightest
 EVERY = 4  # samples of the ground
-# Deviance of an explanation's lights from the likeliest low lamp, that chance exceeds once in twenty with the lamp's
-# three parameters.
+# Deviance of other lights from the likeliest low lamp, that chance exceeds once in twenty with the lamp's three parameters.
 ELSEWHERE = 7.8
 
 
@@ -68,7 +67,9 @@ def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float, log_odds:
         return False
     low, even = _least_cost(some, low_lamps), _least_cost(some, np.zeros((1, 3)))
     outweighed = ELSEWHERE + max(2 * log_odds, 0.0)
-    return even - low > max(LAMP_DEVIANCE, deviance) and _least_cost(some, lights) - low > outweighed
+    # What lamps of ordinary heights explain as well, as they do a table's slow shading, is no low lamp's spot.
+    is_spot = even - low > max(LAMP_DEVIANCE, deviance + ELSEWHERE)
+    return is_spot and _least_cost(some, lights) - low > outweighed
 
 
 def _lamps(fall_off: FallOff, heights_m: Float) -> Float:
