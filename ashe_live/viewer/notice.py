@@ -17,3 +17,8 @@ class Notice:
     def shown(self, now_s: float) -> str | None:
         """The line, while it is to be shown."""
         return None if self.text is None or now_s > self._until_s else self.text
+
+    def withdraw(self, text: str) -> None:
+        """No longer shows the line, if it is this one."""
+        if self.text == text:
+            self._until_s = 0.0

@@ -183,9 +183,11 @@ class Session:
                     self.say(f"the arrow appears when the light is known: {self.how_it_gets_known}", now_s)
             case Command.TOGGLE_MASKS:
                 self.show_masks = not self.show_masks
-                if self.show_masks and self.estimate is None:
+                if not self.show_masks:
+                    self.notice.withdraw(ANSWER_ALONE)
+                elif self.estimate is None:
                     self.say(f"nothing has been estimated yet: {self.how_it_gets_known}", now_s)
-                elif self.show_masks and self.steps_bgr is None:
+                elif self.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
             case Command.HIDE_MARKER:
                 self.covers_marker = not self.hides_marker
