@@ -29,7 +29,7 @@ MARGIN = 1.5  # over their height, by which they may stand beside the ground tha
 REACH_M = 0.6  # from the marker, along x and y, of that ground
 SHARES = (0.3, 0.6, 0.85, 0.95)  # of all light that are the lamp's, where it is brightest
 EVERY = 4  # samples of the ground
-# Deviance of other lights from the likeliest low lamp, that chance exceeds once in twenty with the lamp's three parameters.
+# Deviance of other lights from the likeliest low lamp, that chance exceeds once in twenty with three parameters more.
 ELSEWHERE = 7.8
 
 
