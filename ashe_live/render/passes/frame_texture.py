@@ -38,7 +38,7 @@ class FrameTexture:
 
 
 class _ByGpu:
-    """Uploads the frame's bytes as they are: a driver takes three channels slowly, and so does OpenCV add a fourth."""
+    """Uploads the frame's bytes as they are: drivers upload three channels slowly, and OpenCV adds a fourth slowly."""
 
     def __init__(self, ctx: moderngl.Context, target: moderngl.Framebuffer) -> None:
         self._ctx = ctx

@@ -4,18 +4,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import project, transform_points
 from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, seat_beside
-from ashe_live.render.gl.framing import box_corners
-from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.viewer.estimates.beside import first_placement
 from ashe_live.viewer.hands.hand import Hand
 from ashe_live.viewer.hands.pointing import Pixel
+from ashe_live.viewer.table.pointed_at import model_at
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import LeftPlaces, Stand
 
@@ -131,18 +126,8 @@ class Arrangement:
 
     def take_up_at(self, at_px: Pixel, tracked: TrackedFrame) -> Callable[[], str | None] | None:
         """Takes up the model at a pixel of the video, or the nearest one; None where that is in the hand already."""
-        if tracked.marker is None or len(self) == 1:
-            return None
-        (at,) = ideal_from_source(tracked.camera, np.array([at_px]))
-        best, nearest = self.in_hand, (np.inf, np.inf)
-        for number, (_, model, placement) in enumerate(self.models(tracked)):
-            if placement is None:
-                continue
-            corners = transform_points(placement.marker_from_placed, box_corners(model.bounds))
-            seen = project(tracked.camera, tracked.marker.T_cam_marker, corners)
-            if np.isfinite(seen).all() and (distances := _distances(at, seen)) < nearest:
-                best, nearest = number, distances
-        return self._changed_to(best)
+        number = model_at(at_px, tracked, [(model, placement) for _, model, placement in self.models(tracked)])
+        return None if number is None else self._changed_to(number)
 
     def stand_clear(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool = False) -> None:
         """Has a model that nobody has moved stand over the marker; if that is on a body, clear of body and shadow.
@@ -255,10 +240,3 @@ def _place_beside(marker: str | None, tracked: TrackedFrame | None) -> Placement
         return None
     x, y = other.centre_m
     return Placement(other.side_m / tracked.marker.side_m, other.turn_rad, (float(x), float(y)))
-
-
-def _distances(at: Float, seen: Float) -> tuple[float, float]:
-    """Distances from a pixel (2,) to the rectangle around pixels (n, 2), 0 within it, and to its middle."""
-    lower, upper = seen.min(axis=0), seen.max(axis=0)
-    outside = np.maximum(np.maximum(lower - at, at - upper), 0)
-    return float(np.linalg.norm(outside)), float(np.linalg.norm(at - (lower + upper) / 2))
