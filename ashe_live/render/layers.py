@@ -1,18 +1,29 @@
 """What is drawn into the layers of added and removed light, one pass after the other."""
 
+from dataclasses import dataclass
+
 import moderngl
 
 from ashe_live.core.proxy import Proxy
 from ashe_live.render.cover.hidden_marker import HiddenMarker
 from ashe_live.render.gl.programs import Programs
-from ashe_live.render.lights.photometry import Photometry
-from ashe_live.render.passes.ground import ShadowCatcher
+from ashe_live.render.passes.ground import CatchingGround, ShadowCatcher
 from ashe_live.render.passes.light_sign import LightSign, LightSigns
 from ashe_live.render.passes.model_pass import ModelPass, ShadingInputs
 from ashe_live.render.passes.real_object import RealObject
 from ashe_live.render.passes.standing import StandingGroup
-from ashe_live.render.passes.video import Video
 from ashe_live.render.scene import Scene
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LayerContent:
+    """What is drawn into the layers of one picture."""
+
+    models: StandingGroup
+    inputs: ShadingInputs
+    shows_model: bool  # the models themselves, and not their shadows alone
+    signs: tuple[LightSign, ...]
+    ground: CatchingGround | None  # None: neither shadows nor a cover lie on it
 
 
 class LayerPasses:
@@ -45,44 +56,20 @@ class LayerPasses:
         self.hidden_marker.follow(scene.tracked, scene.illumination, at_once)
         return self.hidden_marker if len(self.hidden_marker.corners) else None
 
-    def draw(
-        self,
-        models: StandingGroup,
-        inputs: ShadingInputs,
-        signs: list[LightSign],
-        scene: Scene,
-        video: Video,
-        hidden: HiddenMarker | None,
-        photometry: Photometry,
-        has_models: bool = True,
-        has_ground: bool = False,
-    ) -> None:
-        """`video`: as the framing's pinhole camera sees it. `hidden`: what covers the marker's sheet.
-
-        `has_models`: with them and the signs, which else will be drawn over it. `has_ground`: that was drawn before.
-        """
-        frame, lighting, shadows = inputs.framing, inputs.lighting, inputs.looked_up.shadows
+    def draw(self, content: LayerContent, has_models: bool = True, has_ground: bool = False) -> None:
+        """`has_models`: with them and the signs, which else are drawn later. `has_ground`: that was drawn before."""
+        models, inputs = content.models, content.inputs
+        frame = inputs.framing
         self._ctx.viewport = frame.viewport
         if self.real is not None:
-            self.real.draw(frame, lighting, shadows)
-        shows_model = scene.shows_model and has_models
+            self.real.draw(frame, inputs.lighting, inputs.looked_up.shadows)
+        shows_model = content.shows_model and has_models
         if shows_model:
             self.model_pass.draw_opaque(models, inputs)
-        for sign in signs if has_models else ():
+        for sign in content.signs if has_models else ():
             self._light_signs.draw(frame, sign)
-        if (scene.casts_shadow or hidden is not None) and not has_ground:
-            self.catcher.draw(
-                frame,
-                video,
-                lighting,
-                inputs.looked_up.ground_shadows,
-                2 if shadows.shadows_meet else 1,
-                models,
-                scene.illumination.ground_rgb,
-                hidden,
-                scene.casts_shadow,
-                photometry.border_share(scene.illumination) * frame.viewport[2],
-            )
+        if content.ground is not None and not has_ground:
+            self.catcher.draw(models, inputs, content.ground)
         if shows_model:
             self.model_pass.draw_blended(models, inputs)
 

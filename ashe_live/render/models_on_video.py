@@ -1,23 +1,24 @@
 """Draws a scene's models onto the video: calls the passes for light, shadows, layers and composite in their order."""
 
-from functools import partial
-
 import moderngl
 import numpy as np
 
+from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.compositing.outlines import Outlines
-from ashe_live.render.cover.hidden_marker import SeenCover
+from ashe_live.render.cover.hidden_marker import HiddenMarker, SeenCover
 from ashe_live.render.gl.framing import Rectangle, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
-from ashe_live.render.layers import LayerPasses
+from ashe_live.render.layers import LayerContent, LayerPasses
 from ashe_live.render.lights.environment import Environment
 from ashe_live.render.lights.ground_shadows import GroundShadows
+from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.lights.photometry import Photometry
 from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.passes.ground import CatchingGround
 from ashe_live.render.passes.light_sign import light_sign
 from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
 from ashe_live.render.passes.standing import StandingGroup
@@ -72,24 +73,19 @@ class ModelsOnVideo:
         assert tracked is not None
         assert tracked.marker is not None
         lighting = self.photometry.lighting(scene.illumination)
-        self.shadows.render((models,) if self.layers.real is None else (models, self.layers.real), lighting)
-        self._ground_shadows.render(self.shadows, lighting)
-        hidden = self.layers.follow_sheet(scene, at_once)
-        covered = np.zeros((0, 2)) if hidden is None else hidden.corners
-        self.layers.catcher.fit(models, lighting, self.shadows, covered)
-        self.layers.catcher.follow(models, lighting, self._ground_shadows)
+        hidden = self._followed(models, scene, lighting, at_once)
         viewport = letterbox(tracked.frame.size, surface.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         T_cam_marker = tracked.marker.T_cam_marker
         signed = scene.illumination.lights if scene.shows_light else ()
-        signs = [light_sign(models.members[0].corners, light, camera, T_cam_marker) for light in signed]
+        signs = tuple(light_sign(models.members[0].corners, light, camera, T_cam_marker) for light in signed)
         standing = np.concatenate([models.corners, *(sign.corners for sign in signs)])
         drawn = np.concatenate([standing, self.layers.catcher.polygon])
         frame = framing(camera, T_cam_marker, drawn, viewport)
         if frame is None:
             return
         look = self.photometry.look(tracked, scene.illumination)
-        self._environment.show(scene.illumination, look.white_rgb, covered)
+        self._environment.show(scene.illumination, look.white_rgb, _covered(hidden))
         straight = self._video
         if bends and self.shadows.shadows_meet:
             straight = self._straight_video
@@ -100,9 +96,10 @@ class ModelsOnVideo:
         relief, lens = self.photometry.relief(scene.illumination), self._lens if bends else None
         onto = Footage(viewport, self._video, tracked, look, relief, cover, lens, scene.is_split)
         inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
-        draw = partial(self.layers.draw, models, inputs, signs, scene, straight, hidden, self.photometry)
+        ground = self._ground(scene, straight, hidden, viewport)
+        content = LayerContent(models, inputs, scene.shows_model, signs, ground)
         with surface.drawing(grown(frame.region, 2 * onto.blurs.farthest + 1, surface.size)):
-            draw(has_models=surface.samples == 0)
+            self.layers.draw(content, has_models=surface.samples == 0)
         real = [] if self.layers.real is None else [self.layers.real.points]
         if surface.samples and (scene.shows_model or signs or real):
             # The ground looks the same with one sample, and several are expensive: they are used where edges are.
@@ -112,12 +109,30 @@ class ModelsOnVideo:
                 # The ground is included where the real object's border ends it.
                 has_ground = self.layers.real is None
                 with surface.drawing(within, several_samples=True, over_drawn=has_ground):
-                    draw(has_ground=has_ground)
+                    self.layers.draw(content, has_ground=has_ground)
         elif scene.shows_model and not surface.samples:
             model = framing(camera, T_cam_marker, models.corners, viewport)
             if model is not None:
                 self._outlines.smooth(surface, grown(model.region, 1, surface.size))
         self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
+
+    def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, at_once: bool) -> HiddenMarker | None:
+        """Readies shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
+        self.shadows.render((models,) if self.layers.real is None else (models, self.layers.real), lighting)
+        self._ground_shadows.render(self.shadows, lighting)
+        hidden = self.layers.follow_sheet(scene, at_once)
+        self.layers.catcher.fit(models, lighting, self.shadows, _covered(hidden))
+        self.layers.catcher.follow(models, lighting, self._ground_shadows)
+        return hidden
+
+    def _ground(
+        self, scene: Scene, straight: Video, hidden: HiddenMarker | None, viewport: Rectangle
+    ) -> CatchingGround | None:
+        """The ground of `straight`, a pinhole camera's video; None where nothing is drawn on it."""
+        if hidden is None and not scene.casts_shadow:
+            return None
+        border_px = self.photometry.border_share(scene.illumination) * viewport[2]
+        return CatchingGround(straight, scene.illumination.ground_rgb, hidden, scene.casts_shadow, border_px)
 
     def release(self) -> None:
         self.layers.follow_real_object(None)
@@ -135,6 +150,11 @@ class ModelsOnVideo:
         self.shadows.release()
         self._ground_shadows.release()
         self._environment.release()
+
+
+def _covered(hidden: HiddenMarker | None) -> Float:
+    """(n, 2) metres, corners of what is covered on the plane."""
+    return np.zeros((0, 2)) if hidden is None else hidden.corners
 
 
 def _common(some: Rectangle, other: Rectangle) -> Rectangle:

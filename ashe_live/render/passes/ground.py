@@ -1,5 +1,6 @@
 """The shadow catcher: the part of the marker plane that the models' shadows can darken."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import cv2
@@ -8,17 +9,29 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.render.cover.hidden_marker import HiddenMarker
-from ashe_live.render.gl.framing import Framing
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.lights.cast_shadows import LEAST_DISTANCE, MAX_SHADOW_HEIGHTS, shadow_hull
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import Lighting, Sun
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.walls import WallLight
+from ashe_live.render.passes.model_pass import ShadingInputs
 from ashe_live.render.passes.standing import StandingGroup, StandingModel
 from ashe_live.render.passes.video import Video
 
 LEAST_BORDER_PX = 0.2  # that is worth four looks at a shadow instead of one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CatchingGround:
+    """The ground in the video, as the shadows on it need it."""
+
+    video: Video  # as the framing's pinhole camera sees it
+    lit_rgb: Float | None  # (3,) linear RGB where it is lit, if that is known
+    hidden: HiddenMarker | None  # what covers the marker's sheet
+    darkens: bool  # whether the models take light away from it
+    # Standard deviation, pixels of the framebuffer, of the real shadow's border beyond what lens and sun explain.
+    border_px: float
 
 
 class ShadowCatcher:
@@ -57,62 +70,47 @@ class ShadowCatcher:
         for walls, model in zip(self._walls, models.members, strict=False):
             walls.follow(model.contact, model.marker_from_placed, lighting, shadows)
 
-    def draw(
-        self,
-        framing: Framing,
-        video: Video,
-        lighting: Lighting,
-        shadows: GroundShadows,
-        casters: int,
-        models: StandingGroup,
-        ground_rgb: Float | None,
-        hidden: HiddenMarker | None,
-        darkens: bool,
-        border_px: float,
-    ) -> None:
-        """Draws behind the models' depth; nothing where the camera is below the plane.
-
-        `ground_rgb`: (3,) linear RGB of the lit ground in the video, where that is known. `hidden`: what covers the
-        marker's sheet. `darkens`: whether the models take light away. `border_px`: standard deviation, pixels of the
-        framebuffer, of the real shadow's border beyond what lens and sun explain.
-        """
+    def draw(self, models: StandingGroup, inputs: ShadingInputs, ground: CatchingGround) -> None:
+        """Draws behind the models' depth; nothing where the camera is below the plane."""
+        framing, lighting, shadows = inputs.framing, inputs.lighting, inputs.looked_up.ground_shadows
         if framing.eye_marker[2] <= 0 or self._buffer is None:
             return
+        casters = 2 if inputs.looked_up.shadows.shadows_meet else 1
         constants: dict[str, float] = {**lighting.constants, "casters": casters}
-        if hidden is not None:
+        if ground.hidden is not None:
             constants["covers"] = 1
-        if border_px >= LEAST_BORDER_PX:
+        if ground.border_px >= LEAST_BORDER_PX:
             constants["soft_border"] = 1
-        video.bind()
+        ground.video.bind()
         uniforms = {
             "clip_from_marker": framing.clip_from_marker,
             "ground_bounce": lighting.bounce,
             "viewport": tuple(float(value) for value in framing.viewport),
-            "ground_rgb": (0.0, 0.0, 0.0) if ground_rgb is None else tuple(float(value) for value in ground_rgb),
+            "ground_rgb": (0.0, 0.0, 0.0) if ground.lit_rgb is None else tuple(float(each) for each in ground.lit_rgb),
             "sky": lighting.sky,
             "sky_slope": lighting.sky_slope,
-            "strength": 1.0 if darkens else 0.0,
+            "strength": 1.0 if ground.darkens else 0.0,
             "sun_on_ground": lighting.ground_shares,
             "sun": lighting.irradiances,
-            "border_px": border_px,
+            "border_px": ground.border_px,
         }
         # Behind a model that is flat on the ground.
         self._ctx.polygon_offset = 1.0, 1.0
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         first, *others = models.members
         program = self._programs.get("catcher", **constants)
-        if hidden is not None:
-            hidden.bind(program)
+        if ground.hidden is not None:
+            ground.hidden.bind(program)
         self._draw_fan(program, first, self._walls[0], shadows, uniforms)
-        if others and darkens:
+        if others and ground.darkens:
             # What each lets through multiplies: 1 - (1 - removed) (1 - drawn).
             self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_COLOR
             # On the polygon that has just been drawn.
             self._ctx.depth_func = "<="
             constants.pop("covers", None)
+            program = self._programs.get("catcher", contact_alone=1, **constants)
             for model, walls in zip(others, self._walls[1:], strict=False):
-                program = self._programs.get("catcher", contact_alone=1, **constants)
                 self._draw_fan(program, model, walls, shadows, uniforms)
             self._ctx.depth_func = "<"
         self._ctx.polygon_offset = 0.0, 0.0
