@@ -11,6 +11,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.regions import Region, unlit_regions
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.ground.shadow_shift import voted_for
 from ashe_live.light.labels.materials import Materials, materials_of
 from ashe_live.light.pixels.log_colour import log_opponent
@@ -32,6 +33,11 @@ class PaintedRegion:
     body: Mask  # (h, w) of the region
     shadow: Mask  # (h, w) of the region
     true_shift: Float  # (3,) of the painted shadow
+
+    @cached_property
+    def view(self) -> SceneView:
+        fine = View.of(self.scene.tracked, BALANCED.fine_width_px)
+        return SceneView(self.scene.tracked.frame.index, fine, fine.scaled(BALANCED.coarse_width_px), self.ground)
 
     @cached_property
     def materials(self) -> Materials:

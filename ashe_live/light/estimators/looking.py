@@ -26,12 +26,13 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import region_with_on_plane, unlit_regions
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts, voted_for
 from ashe_live.light.ground.sheet_shadow import sheet_shadow_in
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.evidence import no_less_sure
 from ashe_live.light.views.joint import JointExplanation
-from ashe_live.light.views.seen import SceneView, without_plane
+from ashe_live.light.views.seen import without_plane
 
 # Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
 LEAST_SHARE = 0.0005
@@ -139,7 +140,7 @@ def _explanations(
     if not rough:
         return [], [], lamps
     log_odds_of = log_odds_among(rough)
-    found = refined_and_others(rough, sharpener, view.fine, view.coarse, view.ground, steps, log_odds_of, lamps)
+    found = refined_and_others(rough, sharpener, view, steps, log_odds_of, lamps)
     clock.end("fit")
     if steps.caster is not None and not leaves_no_doubt(found, log_odds_among(found)):
         found += _found_by_place(view, trace, found, log_odds_among(found), sharpener, lamps, steps, judge)
@@ -172,9 +173,7 @@ def _found_by_place(
         [*sorted(of_any, key=by_any(of_any), reverse=True)[:HINTS], *sorted(found, key=log_odds, reverse=True)],
         HINTS,
     )
-    placed = explanations_by_place(
-        steps.caster, hints, view.fine, view.coarse, trace.unlit, view.ground, steps.region_px
-    )
+    placed = explanations_by_place(steps.caster, hints, view, trace.unlit, steps.region_px)
     likeliest = sorted(sharpener.measured(placed), key=log_odds, reverse=True)[: steps.refined + 1]
     sharp = refined_alone(likeliest, sharpener, steps, lamps)
     return [each for each in sharp if not any(_is_same(each, one) for one in found)]

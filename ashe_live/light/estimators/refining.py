@@ -11,17 +11,14 @@ from ashe_live.light.explanation.judgement.judge import GOOD_RAD, is_settled
 from ashe_live.light.explanation.searches.first_shadow import with_shadows_searched
 from ashe_live.light.explanation.searches.second_light import is_part_of, with_lights_counted
 from ashe_live.light.explanation.sharpen import Sharpener
-from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.lamps.hypotheses import LampHypotheses
-from ashe_live.light.pixels.view import View
 
 
 def refined_and_others(
     rough: Sequence[Explanation],
     sharpener: Sharpener,
-    fine: View,
-    coarse: View,
-    ground: LitGround,
+    view: SceneView,
     steps: ProxySteps,
     log_odds: Callable[[Explanation], float],
     lamps: LampHypotheses,
@@ -38,7 +35,7 @@ def refined_and_others(
     turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
     # They are compared with the rough ones by their steps of light, among others, which must be measured alike.
     sharp = sharpener.measured([fine for fine in fines if fine is not None])
-    found = with_lights_counted(sharp, rough, fine, coarse, ground, steps.region_px, log_odds)
+    found = with_lights_counted(sharp, rough, view, steps.region_px, log_odds)
     others = different(each for each in ranked if not any(each is one for one in chosen))
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
@@ -48,12 +45,12 @@ def refined_and_others(
         return judged
     alone = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
     by_two = [each for each in sharp if len(each.lights) > 1]
-    searched = with_shadows_searched(judged, fine, coarse, ground, steps.region_px, alone, log_odds)
+    searched = with_shadows_searched(judged, view, steps.region_px, alone, log_odds)
     new = [each for each in searched if not any(each is one for one in judged)]
     likeliest = max(searched, key=log_odds, default=None)
     # Also what takes the place of one of two lights, whose second may only have been told by a worse body.
     tried = [each for each in new if each is likeliest or any(is_part_of(both, each) for both in by_two)]
-    counted = [with_lights_counted([one], [], fine, coarse, ground, steps.region_px, log_odds) for one in tried]
+    counted = [with_lights_counted([one], [], view, steps.region_px, log_odds) for one in tried]
     several = [each for found_of_one in counted for each in found_of_one if len(each.lights) > 1]
     both = _sharp_and_decided(several, sharpener, steps, lamps)
     return [*both, *(each for each in searched if not any(is_part_of(one, each) for one in both))]

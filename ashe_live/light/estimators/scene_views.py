@@ -9,11 +9,12 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import FAST, ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
 from ashe_live.light.views.joint import in_each_view
-from ashe_live.light.views.seen import SceneView, with_plane
+from ashe_live.light.views.seen import with_plane
 from ashe_live.light.views.which import span_rad, usable
 
 # By how many log odds an explanation may be less likely in a view than in the first one, for the view to count as one

@@ -9,6 +9,7 @@ from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.hull.explained import with_hull
 from ashe_live.light.hull.replaced import without_replaced
 from ashe_live.light.lamps.hypotheses import LampHypotheses
@@ -29,7 +30,7 @@ from ashe_live.light.views.joint_refinement import (
     sharpened_in_views,
     with_steps,
 )
-from ashe_live.light.views.seen import SceneView, costs_around
+from ashe_live.light.views.seen import costs_around
 
 REFITTED = 1  # number of explanations, the likeliest, whose body's family is chosen anew by all views
 FIRST_VIEWS = 3  # number of views in which candidates are aligned before the likeliest are in all

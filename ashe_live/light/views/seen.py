@@ -1,19 +1,19 @@
-"""A view of the scene with its own lit ground, and what the pixels cost there around a body that another view shows."""
+"""What other views tell of a view's pixels, and what these cost around a body that another view shows."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.ground.lit_ground import LitGround, unlit_mask, with_on_plane
 from ashe_live.light.ground.regions import Region, region_of
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, materials_of, object_cost
 from ashe_live.light.labels.two_lights import materials_of_two
 from ashe_live.light.pixels.areas import overlapping
 from ashe_live.light.pixels.log_colour import log_opponent
-from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
@@ -21,16 +21,6 @@ from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 # Number of views that the plane is compared with, for the first view and for another: more repeat what these tell.
 COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
 LEAST_PX = 60  # of a body with its shadow, in the coarse picture: a view that shows less tells nothing
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SceneView:
-    """A view at its finest and at the ground's resolution, with the lit ground in it."""
-
-    index: int  # of its frame
-    fine: View
-    coarse: View
-    ground: LitGround
 
 
 def with_plane(views: Sequence[SceneView]) -> list[SceneView]:

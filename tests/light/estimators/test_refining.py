@@ -13,7 +13,6 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.pixels.areas import grown
-from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import CYLINDER, OtherLight
 
@@ -30,10 +29,9 @@ def test_a_shadow_found_by_the_shape_of_its_object_may_have_a_second_beside_it(o
     ring = grown(here.body, 4) & ~here.body & ~here.shadow & here.region.is_ground
     (wrong,) = explained([Proposal(here.region, here.materials, Split(here.body, ring))], BALANCED.fine_fit)
     assert wrong is not None
-    fine, coarse = (View.of(here.scene.tracked, w) for w in (BALANCED.fine_width_px, BALANCED.coarse_width_px))
-    found = refined_and_others(
-        [wrong], Sharpener.of([fine]), fine, coarse, here.ground, BALANCED, doubtful, LampHypotheses(None, here.ground)
-    )
+    view = here.view
+    lamps = LampHypotheses(None, here.ground)
+    found = refined_and_others([wrong], Sharpener.of([view.fine]), view, BALANCED, doubtful, lamps)
     truths = [here.scene.to_light, *([] if other is None else [other.to_light])]
     right = [
         len(each.lights)

@@ -17,9 +17,9 @@ from ashe_live.light.estimators.scene_views import without_confirming
 from ashe_live.light.estimators.steps import BALANCED, FAST
 from ashe_live.light.estimators.together import without_alike
 from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.views.joint import in_each_view
-from ashe_live.light.views.seen import SceneView
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
 

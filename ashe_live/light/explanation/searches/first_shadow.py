@@ -13,10 +13,9 @@ from ashe_live.light.explanation.explain import Proposal, aligned_explanations
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.searches.second_light import LEAST_CLARITY, NEAR_RAD
 from ashe_live.light.explanation.searches.shadow_search import shadow_candidates
-from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
-from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.light_points import NO_LIGHTS
 from ashe_live.light.shape.predicted import predicted
@@ -28,21 +27,19 @@ CLEAR_BODY = 0.5  # least mean clarity of an outline that is taken for an object
 
 def with_shadows_searched(
     judged: Sequence[Explanation],
-    fine: View,
-    coarse: View,
-    ground: LitGround,
+    view: SceneView,
     region_px: int,
     refine: Callable[[Sequence[Explanation]], list[Explanation]],
     log_odds: Callable[[Explanation], float],
 ) -> list[Explanation]:
     """The explanations, and those of the clearest objects' shadows that their shapes find.
 
-    Of explanations of one object by nearly one light the likeliest is kept. coarse: the view that `ground` was fitted
-    to. fine: the view at the largest scale to use. region_px: size in pixels to which a region is scaled. refine: fits
-    each explanation anew, and moves it onto the steps of light. log_odds: by which explanations are judged.
+    Of explanations of one object by nearly one light the likeliest is kept. region_px: size in pixels to which a region
+    is scaled. refine: fits each explanation anew, and moves it onto the steps of light. log_odds: by which explanations
+    are judged.
     """
     objects = _clear_objects(judged, log_odds)
-    starts = [_starts(one, fine, coarse, ground, region_px) for one in objects]
+    starts = [_starts(one, view, region_px) for one in objects]
     # Aligned and refined as one batch, as they do not depend on one another.
     aligned = iter(aligned_explanations([start for of_one in starts for start in of_one]))
     found = [[each for _ in of_one if (each := next(aligned)) is not None] for of_one in starts]
@@ -66,17 +63,15 @@ def _clear_objects(judged: Sequence[Explanation], log_odds: Callable[[Explanatio
     return found[:BODIES]
 
 
-def _starts(
-    one: Explanation, fine: View, coarse: View, ground: LitGround, region_px: int
-) -> list[tuple[Proposal, Sequence[LitBody], Sight]]:
+def _starts(one: Explanation, view: SceneView, region_px: int) -> list[tuple[Proposal, Sequence[LitBody], Sight]]:
     """The object of `one` with each candidate for its shadow, to be aligned."""
     starts: list[tuple[Proposal, Sequence[LitBody], Sight]] = []
-    for candidate in shadow_candidates(one.proxy, NO_LIGHTS, coarse, ground, TRIED):
-        shift = candidate.shift(ground)
+    for candidate in shadow_candidates(one.proxy, NO_LIGHTS, view.coarse, view.ground, TRIED):
+        shift = candidate.shift(view.ground)
         if shift is not None:
             start = replace(one.alignment.placed.lit, lights=candidate.light[None])
-            region = candidate.region(start, fine, coarse, ground, region_px)
-            materials, masks = materials_of(region, ground, shift), predicted(one.proxy, start.lights, region.view)
+            region = candidate.region(start, view, region_px)
+            materials, masks = materials_of(region, view.ground, shift), predicted(one.proxy, start.lights, region.view)
             as_object = object_cost(region, masks.body & region.is_ground)
             split = relabelled(region, materials, as_object, masks)
             starts.append((Proposal(region, materials, split, None, as_object), [start], Sight.of(region.view)))

@@ -16,14 +16,13 @@ from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.explanation.alignment import PlacedBody, placed_in
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.ground.regions import Region, region_of
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.mixtures import UNEXPLAINED
-from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import Body, BodyFrame, LitBody
 from ashe_live.light.shape.known import family_of, unit_m
 from ashe_live.light.shape.light_points import cast_on_ground
@@ -63,24 +62,24 @@ def hints_of(explanations: Iterable[Explanation], count: int) -> list[Hint]:
 
 
 def explanations_by_place(
-    caster: Caster, hints: Sequence[Hint], fine: View, coarse: View, unlit: Mask, ground: LitGround, region_px: int
+    caster: Caster, hints: Sequence[Hint], view: SceneView, unlit: Mask, region_px: int
 ) -> list[Explanation]:
     """The caster where it explains the picture best in one of the lights of `hints`, aligned; FOUND places at most.
 
-    fine: the view at the largest scale to use. coarse: the view that `ground` was fitted to, and `unlit` (h, w) its
-    pixels that this does not explain. region_px: size in pixels to which a region is scaled.
+    unlit: (h, w) of the coarse view, pixels that the lit ground does not explain. region_px: size in pixels to which a
+    region is scaled.
     """
     if not unlit.any():
         return []
-    whole = region_of(fine, unlit, ground, SEARCH_PX)
+    whole = view.region(unlit, SEARCH_PX)
     feet = _feet(whole)
     if not len(feet):
         return []
-    several = [(hint, materials_of(whole, ground, hint.shift)) for hint in hints]
+    several = [(hint, materials_of(whole, view.ground, hint.shift)) for hint in hints]
     placed = [
         (hint, one) for hint, materials in several for one in _likely_places(caster, hint, whole, materials, feet)
     ]
-    starts = (_start(one.lit, hint, fine, coarse, ground, region_px) for hint, one in _different(placed, caster))
+    starts = (_start(one.lit, hint, view, region_px) for hint, one in _different(placed, caster))
     return [found for found in aligned_explanations([each for each in starts if each is not None]) if found is not None]
 
 
@@ -181,14 +180,14 @@ def _agreement(one: PlacedBody) -> float:
 
 
 def _start(
-    lit: LitBody, hint: Hint, fine: View, coarse: View, ground: LitGround, region_px: int
+    lit: LitBody, hint: Hint, view: SceneView, region_px: int
 ) -> tuple[Proposal, Sequence[LitBody], Sight] | None:
     """The body as the start of an alignment, in a region of its own; None where it is not in view."""
-    seen = predicted(lit.body.proxy, lit.lights, coarse).whole & coarse.is_ground
+    seen = predicted(lit.body.proxy, lit.lights, view.coarse).whole & view.coarse.is_ground
     if not seen.any():
         return None
-    region = region_of(fine, seen, ground, region_px)
-    materials, masks = materials_of(region, ground, hint.shift), predicted(lit.body.proxy, lit.lights, region.view)
+    region = view.region(seen, region_px)
+    materials, masks = materials_of(region, view.ground, hint.shift), predicted(lit.body.proxy, lit.lights, region.view)
     as_object = object_cost(region, masks.body & region.is_ground)
     split = relabelled(region, materials, as_object, masks)
     return Proposal(region, materials, split, None, as_object), [lit], Sight.of(region.view)

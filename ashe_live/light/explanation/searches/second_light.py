@@ -15,12 +15,11 @@ from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.searches.shadow_search import ShadowCandidate, shadow_candidates
-from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
-from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
@@ -33,18 +32,15 @@ NEAR_RAD = math.radians(10)
 def with_lights_counted(
     explanations: Sequence[Explanation],
     rough: Sequence[Explanation],
-    fine: View,
-    coarse: View,
-    ground: LitGround,
+    view: SceneView,
     region_px: int,
     log_odds: Callable[[Explanation], float],
 ) -> list[Explanation]:
     """Settles the number of lights: drops explanations by two lights where the picture shows one, and tries a second.
 
     Returns the explanations kept; those with a second light of the likeliest of them come first and replace those by
-    one of their two lights. rough: the explanations before refinement, and others. coarse: the view that
-    `ground` was fitted to. fine: the view at the largest scale to use. region_px: size in pixels to which a region is
-    scaled. log_odds: by which explanations are judged.
+    one of their two lights. rough: the explanations before refinement, and others. region_px: size in pixels to which
+    a region is scaled. log_odds: by which explanations are judged.
     """
     singles = [each for each in [*explanations, *rough] if len(each.lights) == 1]
     kept = [each for each in explanations if len(each.lights) == 1 or _shows_both(each, singles)]
@@ -53,8 +49,8 @@ def with_lights_counted(
         return kept
     if len(one.lights) > 1:
         return [each for each in kept if not is_part_of(one, each)]
-    found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights, coarse, ground, TRIED)
-    tried = [_tried(one, candidate, fine, coarse, ground, region_px) for candidate in found]
+    found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights, view.coarse, view.ground, TRIED)
+    tried = [_tried(one, candidate, view, region_px) for candidate in found]
     several = [both for both in tried if both is not None]
     return [*several, *(other for other in kept if not any(is_part_of(both, other) for both in several))]
 
@@ -78,14 +74,13 @@ def is_part_of(both: Explanation, other: Explanation) -> bool:
     return min(angles) < NEAR_RAD
 
 
-def _tried(
-    one: Explanation, candidate: ShadowCandidate, fine: View, coarse: View, ground: LitGround, region_px: int
-) -> Explanation | None:
+def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region_px: int) -> Explanation | None:
     """The explanation with a second light; None if that is rejected."""
+    ground = view.ground
     lit, shift = one.alignment.placed.lit, candidate.shift(ground)
     if shift is None:
         return None
-    region = candidate.region(lit, fine, coarse, ground, region_px)
+    region = candidate.region(lit, view, region_px)
     known, new = (materials_of(region, ground, each) for each in (one.materials.shift, shift))
     materials = materials_of_two(region, ground, known, new)
     if materials is None:

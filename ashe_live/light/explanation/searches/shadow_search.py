@@ -14,7 +14,8 @@ from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.ground.regions import Region, region_of
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.ground.shadow_shift import shift_near
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
@@ -55,10 +56,10 @@ class ShadowCandidate:
         shift = shift_near(ground.colours[self.area], ground, self.difference)
         return None if shift is None or shift[0] > PALEST else shift
 
-    def region(self, lit: LitBody, fine: View, coarse: View, ground: LitGround, region_px: int) -> Region:
-        """The part of `fine` that holds the candidate and the body with its shadows, scaled to `region_px`."""
-        seen = predicted(lit.body.proxy, lit.lights, coarse).whole & coarse.is_ground
-        return region_of(fine, seen | self.area, ground, region_px)
+    def region(self, lit: LitBody, view: SceneView, region_px: int) -> Region:
+        """The part of the view that holds the candidate and the body with its shadows, scaled to `region_px`."""
+        seen = predicted(lit.body.proxy, lit.lights, view.coarse).whole & view.coarse.is_ground
+        return view.region(seen | self.area, region_px)
 
 
 def shadow_candidates(

@@ -28,10 +28,9 @@ def beside_its_shadow(here: PaintedRegion) -> Explanation:
 
 
 def searched(here: PaintedRegion, *judged: Explanation) -> list[Explanation]:
-    tracked = here.scene.tracked
-    fine, coarse = (View.of(tracked, width) for width in (BALANCED.fine_width_px, BALANCED.coarse_width_px))
-    sharpen = Sharpener.of([fine]).sharpened
-    return with_shadows_searched(judged, fine, coarse, here.ground, BALANCED.region_px, sharpen, as_the_steps_say)
+    view = here.view
+    sharpen = Sharpener.of([view.fine]).sharpened
+    return with_shadows_searched(judged, view, BALANCED.region_px, sharpen, as_the_steps_say)
 
 
 def as_the_steps_say(explanation: Explanation) -> float:

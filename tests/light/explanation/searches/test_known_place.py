@@ -12,7 +12,6 @@ from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.searches.known_place import Hint, explanations_by_place, hints_of
 from ashe_live.light.labels.associate import Split
-from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from tests.light.painted_regions import PaintedRegion, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER
@@ -28,9 +27,8 @@ def placed(here: PaintedRegion, caster: Caster, turned_deg: float = 0.0) -> list
     """By the true light, turned about the vertical."""
     c, s = math.cos(math.radians(turned_deg)), math.sin(math.radians(turned_deg))
     light = at_infinity((np.array([(c, -s, 0), (s, c, 0), (0, 0, 1)]) @ here.scene.to_light)[None])[0]
-    fine, coarse = (View.of(here.scene.tracked, width) for width in (BALANCED.fine_width_px, BALANCED.coarse_width_px))
     hint = Hint(light, here.true_shift)
-    return explanations_by_place(caster, [hint], fine, coarse, here.unlit, here.ground, BALANCED.region_px)
+    return explanations_by_place(caster, [hint], here.view, here.unlit, BALANCED.region_px)
 
 
 @pytest.mark.parametrize("shape", [BOX, CYLINDER], ids=lambda shape: shape.shape)
@@ -53,7 +51,6 @@ def test_lights_that_are_nearly_the_same_are_one_hint() -> None:
 
 def test_nothing_that_stands_out_is_no_place() -> None:
     here = painted_region(CYLINDER)
-    fine, coarse = (View.of(here.scene.tracked, width) for width in (BALANCED.fine_width_px, BALANCED.coarse_width_px))
     hint = Hint(at_infinity(here.scene.to_light[None])[0], here.true_shift)
     nothing = np.zeros_like(here.unlit)
-    assert explanations_by_place(KNOWN["cylinder"], [hint], fine, coarse, nothing, here.ground, 100) == []
+    assert explanations_by_place(KNOWN["cylinder"], [hint], here.view, nothing, 100) == []
