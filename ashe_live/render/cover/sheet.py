@@ -4,6 +4,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ashe_live.core.arrays import Float32, Mask
 from ashe_live.core.colour import REC709_LUMINANCE
@@ -13,6 +14,9 @@ MOST_HALF_SIDES = 1.6  # of a sheet, in the same measure: what is larger is no s
 RING_SIDES = (0.55, 0.6)  # from the marker's middle: paper
 SAME_LOG = 0.35  # of paper: largest difference of a logarithm of linear RGB from the ring's
 CONVEX = 0.85  # a sheet's least fraction of its convex hull
+# Where ground that is like paper touches it, each side is looked for by itself, by the lines across that begin so near
+# its middle: paper ends at this difference of logarithms, where that lasts so far; lengths in sides of the marker.
+ALONG_SIDES, OTHER_LOG, LASTING_SIDES = 0.45, 0.2, 0.08
 LINE_SIDES = 0.04  # a printed line that parts the paper
 EDGE_SIDES = 0.05  # what a sheet's rim, its curl and the picture's blur take beside the paper
 THROWN_SIDES = 0.22  # how far a curled sheet's own shadow reaches
@@ -24,7 +28,7 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
     """(n, n) of a rectified picture (n, n, 3) of the plane, linear RGB: the sheet with its rim and its own shadow.
 
     is_ground: (n, n) seen, lit alike. side_px: the marker's side; the marker is in the middle. Where the paper cannot
-    be told from the ground, only the square with a margin is meant.
+    be told from the ground, a rectangle is meant, or the square with a margin if none of its sides is seen.
     """
     size = len(lit)
     x, y = np.meshgrid(*[np.abs(np.arange(size) + 0.5 - size / 2) / side_px] * 2)
@@ -33,12 +37,13 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
     ring = (away > RING_SIDES[0]) & (away < RING_SIDES[1])
     paper = np.median(lit[ring], axis=0)
     logs = np.log(np.maximum(lit, 1e-3)) - np.log(np.maximum(paper, 1e-3))
-    alike = (np.abs(logs).max(axis=2) < SAME_LOG) & (away < MOST_HALF_SIDES) | least
+    unlike = np.abs(logs).max(axis=2)
+    alike = (unlike < SAME_LOG) & (away < MOST_HALF_SIDES) | least
     opened = cv2.morphologyEx(alike.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2)))
     paper_there = _joined(cv2.morphologyEx(opened, cv2.MORPH_CLOSE, _disc(LINE_SIDES * side_px)) > 0, least)
     sheet = _hull(paper_there)
     if sheet[away > MOST_HALF_SIDES - 2 / side_px].any() or paper_there.sum() < CONVEX * sheet.sum():
-        sheet = least
+        sheet = least | _rectangle(unlike, side_px)
     grown = cv2.dilate(sheet.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
     near = cv2.dilate(sheet.astype(np.uint8), _disc(THROWN_SIDES * side_px)) > 0
     brightness = lit @ REC709_LUMINANCE.astype(np.float32)
@@ -52,6 +57,28 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
         thrown = _joined((touching | reaching) > 0, sheet)
         grown |= cv2.dilate(thrown.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
     return grown
+
+
+def _rectangle(unlike: Float32, side_px: float) -> Mask:
+    """(n, n) the rectangle that ends where most lines outwards leave the paper; empty if none of its sides is seen.
+
+    unlike: (n, n) difference from the paper. A side that is not seen is taken to be as far away as the others.
+    """
+    middle, along, lasting = len(unlike) // 2, round(ALONG_SIDES * side_px), max(1, round(LASTING_SIDES * side_px))
+    first, last = (middle + round(sides * side_px) for sides in (RING_SIDES[1], MOST_HALF_SIDES))
+    ends: list[int | None] = []
+    for turns in range(4):  # right, above, left, below
+        across = np.rot90(unlike, -turns)[middle - along : middle + along, first : last + lasting]
+        is_other = sliding_window_view(np.median(across, axis=0) > OTHER_LOG, lasting).all(axis=1)
+        ends.append(first + int(is_other.argmax()) if is_other.any() else None)
+    known = [end for end in ends if end is not None]
+    mask = np.zeros(unlike.shape, np.bool_)
+    if known:
+        usual = round(float(np.median(known)))
+        right, above, left, below = (usual if end is None else end for end in ends)
+        n = len(unlike)
+        mask[n - above : below, n - left : right] = True
+    return mask
 
 
 def _joined(mask: Mask, seed: Mask) -> Mask:

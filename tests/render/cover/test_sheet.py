@@ -33,3 +33,22 @@ def test_the_shadow_of_a_lifted_edge_is_covered_also_where_paper_is_not_told_fro
     shadow = (np.abs(X) < 0.6) & (Y > 0.68) & (Y < 0.75)
     plane[shadow] *= 0.1
     assert sheet_mask(plane, GROUND, SIDE_PX)[shadow].all()
+
+
+def test_paper_on_light_ground_whose_bright_joints_reach_it_is_covered_to_its_edges() -> None:
+    """What is as bright as paper and touches it is no reason to leave the sheet's rim in view."""
+    plane = _plane(0.5)
+    joints = ~PAPER & ((np.abs(X - 0.2) < 0.03) | (np.abs(Y + 0.3) < 0.03))
+    plane[joints] = 0.8
+    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    assert mask[PAPER].all()
+    assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 0.68 + 0.12].any()
+
+
+def test_a_side_of_the_sheet_that_is_not_seen_is_as_far_as_the_others() -> None:
+    plane = _plane(0.5)
+    beside = (X > 0.5) & ~PAPER
+    plane[beside] = 0.78
+    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    assert mask[PAPER].all()
+    assert not mask[beside & (X > 0.68 + 0.12)].any()
