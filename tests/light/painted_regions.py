@@ -9,9 +9,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.regions import Region, unlit_regions
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.ground.shadow_shift import voted_for
 from ashe_live.light.labels.materials import Materials, materials_of
 from ashe_live.light.pixels.log_colour import log_opponent

@@ -14,12 +14,11 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import Proposal, explained, refined_by_tangents
 from ashe_live.light.explanation.sharpen import Sharpener
-from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
-from ashe_live.light.ground.regions import Region, region_of
+from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.ground.regions import region_of
 from ashe_live.light.ground.shadow_shift import shift_within
 from ashe_live.light.labels.associate import Split
-from ashe_live.light.labels.materials import Materials, materials_of
-from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
+from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_each
 from ashe_live.light.pixels.view import View
 
 
@@ -63,7 +62,7 @@ def directions_from_labels(
     # As everywhere, the deeper shadow's light comes first.
     order = sorted(range(len(shadows)), key=lambda i: shifts[i][0])
     parts = tuple(shadows[i] for i in order)
-    materials = _materials(region, ground, [shifts[i] for i in order])
+    materials = materials_of_each(region, ground, [shifts[i] for i in order])
     if materials is None or (materials.lights == 2 and not are_two_shadows(parts)):
         return None
     split = Split(body, np.logical_or.reduce(parts), None, parts if len(parts) > 1 else ())
@@ -72,12 +71,6 @@ def directions_from_labels(
         return None
     (sharp,) = Sharpener.of([fine]).sharpened([refined_by_tangents(found)])
     return [sharp.lights[order.index(i)].to_light_marker for i in range(len(order))]
-
-
-def _materials(region: Region, ground: LitGround, shifts: Sequence[Float]) -> Materials | None:
-    """The materials of one light's shadow, or of two; None where both lights together would leave no light."""
-    first, *others = (materials_of(region, ground, shift) for shift in shifts)
-    return materials_of_two(region, ground, first, others[0]) if others else first
 
 
 def _resized(mask: Mask, size: tuple[int, int]) -> Mask:

@@ -21,12 +21,12 @@ from ashe_live.light.explanation.explain import Proposal, explained, explained_n
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company, company_features
 from ashe_live.light.explanation.judgement.judge import Judge, explanation_features, is_settled, probabilities_of
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.known_place import explanations_by_place, hints_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
-from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
+from ashe_live.light.ground.lit_ground import with_unlit_on_average
 from ashe_live.light.ground.regions import region_with_on_plane, unlit_regions
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts, voted_for
 from ashe_live.light.ground.sheet_shadow import sheet_shadow_in
 from ashe_live.light.lamps.hypotheses import LampHypotheses
@@ -193,8 +193,7 @@ def _rough_explanations(
     ground suggests. sharpener: of that view at full resolution.
     """
     fine, coarse, ground = view.fine, view.coarse, view.ground
-    unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
-    unlit = with_unlit_on_average(unlit, coarse)
+    unlit = with_unlit_on_average(view.unlit(round(LEAST_SHARE * coarse.is_ground.size)), coarse)
     trace.sheet_shadow = sheet_shadow = sheet_shadow_in(fine)
     trace.glint = glint = glint_in(coarse, ground)
     trace.unlit = unlit = unlit if glint is None else unlit & ~glint.halo

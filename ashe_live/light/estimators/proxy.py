@@ -16,7 +16,7 @@ from ashe_live.core.stages import StageClock
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
 from ashe_live.light.estimators.looking import looked
-from ashe_live.light.estimators.scene_views import contradicting, span_of, without_confirming
+from ashe_live.light.estimators.scene_views import contradicting, span_of
 from ashe_live.light.estimators.stating import Choice, chosen, illumination_of
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.estimators.trace import Look, Trace
@@ -36,6 +36,7 @@ from ashe_live.light.explanation.no_answer import (
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
 from ashe_live.light.lamps.kinds import SUN
+from ashe_live.light.views.agreement import without_confirming
 
 
 class ProxyEstimator:

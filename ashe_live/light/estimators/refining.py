@@ -8,10 +8,10 @@ from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import are_alike, different, explained_near, refined, refined_by_tangents
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, is_settled
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.first_shadow import with_shadows_searched
 from ashe_live.light.explanation.searches.second_light import is_part_of, with_lights_counted
 from ashe_live.light.explanation.sharpen import Sharpener
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 
 

@@ -7,19 +7,12 @@ import numpy as np
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import FAST, ProxySteps
-from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.judge import Judge
-from ashe_live.light.ground.scene_view import SceneView
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
-from ashe_live.light.views.joint import in_each_view
 from ashe_live.light.views.seen import with_plane
 from ashe_live.light.views.which import span_rad, usable
-
-# By how many log odds an explanation may be less likely in a view than in the first one, for the view to count as one
-# of the same scene: one of another scene has no borders where the body and its shadow should be, and is behind by more.
-MOST_BEHIND_FIRST = 1.0
 
 
 def fine_and_coarse(tracked: TrackedFrame, steps: ProxySteps) -> tuple[View, View]:
@@ -70,16 +63,3 @@ def contradicting(
     depth = 0.0 if ratio is None else -float(np.log(np.maximum(ratio, 1e-3)).mean())
     agree = agreeing([View.of(each, WIDTH_PX) for each in (tracked, *used)], body, lights, depth)
     return [other for other, does in zip(used, agree, strict=True) if not does]
-
-
-def without_confirming(several: Sequence[TrackedFrame], explanation: Explanation, judge: Judge) -> list[TrackedFrame]:
-    """Those of the frames that do not show body and shadow where an explanation of theirs and others has them.
-
-    In the ones that do, the plane looks different because something else stands before it. explanation: of several
-    views, the first of which is not among the frames.
-    """
-    first, *others = in_each_view(explanation).each
-    least = judge.log_odds(first) - MOST_BEHIND_FIRST
-    confirming = [each.region.view.T_cam_marker for each in others if judge.log_odds(each) > least]
-    poses = [(each, each.marker.T_cam_marker) for each in several if each.marker is not None]
-    return [each for each, pose in poses if not any(np.array_equal(pose, one) for one in confirming)]

@@ -8,12 +8,13 @@ from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.sharpen import Sharpener
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.hull.explained import with_hull
 from ashe_live.light.hull.replaced import without_replaced
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.average_light import with_average_light
+from ashe_live.light.views.costs_around import costs_around
 from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
 from ashe_live.light.views.joint import (
     JointExplanation,
@@ -30,7 +31,6 @@ from ashe_live.light.views.joint_refinement import (
     sharpened_in_views,
     with_steps,
 )
-from ashe_live.light.views.seen import costs_around
 
 REFITTED = 1  # number of explanations, the likeliest, whose body's family is chosen anew by all views
 FIRST_VIEWS = 3  # number of views in which candidates are aligned before the likeliest are in all

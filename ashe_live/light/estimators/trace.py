@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from ashe_live.core.arrays import Mask
 from ashe_live.light.explanation.explain import Proposal
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.pixels.view import View
 

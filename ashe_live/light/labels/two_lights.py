@@ -11,7 +11,14 @@ from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shadow_ratio, shift_of_ratio
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.labels.materials import SHADED_SHARES, Materials, cost_of_shift, object_cost, share_of_light_lost
+from ashe_live.light.labels.materials import (
+    SHADED_SHARES,
+    Materials,
+    cost_of_shift,
+    materials_of,
+    object_cost,
+    share_of_light_lost,
+)
 from ashe_live.light.pixels.areas import distance_to, large_areas, majority, smoothed
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture, nearest_squared_distance
 from ashe_live.light.shape.predicted import Predicted
@@ -58,6 +65,12 @@ def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], 
             together = missed(shift_of_ratio(ground, ratio))
             found.append((float(np.minimum(np.minimum(alone[i], alone[j]), together).mean()), (i, j)))
     return [pair for _, pair in sorted(found)[:count]]
+
+
+def materials_of_each(region: Region, ground: LitGround, shifts: Sequence[Float]) -> Materials | None:
+    """The materials of the shadow of one light or of two, by their shifts (3,); None as `materials_of_two`."""
+    first, *others = (materials_of(region, ground, shift) for shift in shifts)
+    return materials_of_two(region, ground, first, others[0]) if others else first
 
 
 def materials_of_two(region: Region, ground: LitGround, first: Materials, second: Materials) -> Materials | None:

@@ -11,10 +11,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.views.joint import in_each_view
 from ashe_live.light.views.plane import OnPlane, on_plane, plane_homography
 
 WIDTH_PX = 160  # at which views are compared: displacements that matter are larger than its pixels
@@ -22,6 +26,9 @@ SQUARED_SIGMAS = 21.1  # of a residual in three channels, exceeded once in ten t
 AROUND_PX, HIDDEN_PX = 5, 2  # how far around body and shadow the plane is compared; margin of what the body hides
 LEAST_PX = 30  # of the plane to compare
 MOST_AROUND, MOST_OF_SHADOW = 0.08, 0.2  # fractions of the pixels that may differ: body and gloss are not quite known
+# By how many log odds an explanation may be less likely in a view than in the first one, for the view to count as one
+# of the same scene: one of another scene has no borders where the body and its shadow should be, and is behind by more.
+MOST_BEHIND_FIRST = 1.0
 
 
 def agreeing(views: Sequence[View], body: Proxy, lights: Float, depth: float = 0.0) -> list[bool]:
@@ -46,6 +53,19 @@ def agreeing(views: Sequence[View], body: Proxy, lights: Float, depth: float = 0
         shadow = seen.shadow & clear
         found.append(_share(differs, around) <= MOST_AROUND and _share(differs, shadow) <= MOST_OF_SHADOW)
     return found
+
+
+def without_confirming(several: Sequence[TrackedFrame], explanation: Explanation, judge: Judge) -> list[TrackedFrame]:
+    """Those of the frames that do not show body and shadow where an explanation of theirs and others has them.
+
+    In the ones that do, the plane looks different because something else stands before it. explanation: of several
+    views, the first of which is not among the frames.
+    """
+    first, *others = in_each_view(explanation).each
+    least = judge.log_odds(first) - MOST_BEHIND_FIRST
+    confirming = [each.region.view.T_cam_marker for each in others if judge.log_odds(each) > least]
+    poses = [(each, each.marker.T_cam_marker) for each in several if each.marker is not None]
+    return [each for each, pose in poses if not any(np.array_equal(pose, one) for one in confirming)]
 
 
 def _on_first(mask: Mask, first: View, other: View) -> Mask:

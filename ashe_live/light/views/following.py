@@ -8,15 +8,15 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.explanation.alignment import SEARCH_RANGES, Alignment, Start, aligned
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import fit_lit_ground
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
 from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import Body, BodyFrame, LitBody
 from ashe_live.light.shape.family import Family, Parts
 from ashe_live.light.shape.sight import Sight
-from ashe_live.light.views.seen import costs_around
+from ashe_live.light.views.costs_around import costs_around
 
 WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 160, 480, 90  # widths of the frame for its ground and for the region; its size
 STEPS = GroundSteps(12, 8, 1)  # coarser than any preset's: a known body needs little of the ground

@@ -13,12 +13,12 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators import looking
 from ashe_live.light.estimators.looking import looked
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.scene_views import without_confirming
 from ashe_live.light.estimators.steps import BALANCED, FAST
 from ashe_live.light.estimators.together import without_alike
 from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge
-from ashe_live.light.ground.scene_view import SceneView
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.lamps.sources import SeenObject
+from ashe_live.light.views.agreement import without_confirming
 from ashe_live.light.views.joint import in_each_view
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction

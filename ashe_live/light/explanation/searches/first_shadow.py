@@ -11,9 +11,9 @@ from dataclasses import replace
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.second_light import LEAST_CLARITY, NEAR_RAD
 from ashe_live.light.explanation.searches.shadow_search import shadow_candidates
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.shape.body import LitBody

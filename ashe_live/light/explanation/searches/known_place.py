@@ -16,8 +16,8 @@ from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.explanation.alignment import PlacedBody, placed_in
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled

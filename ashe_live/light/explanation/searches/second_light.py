@@ -14,8 +14,8 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.shadow_search import ShadowCandidate, shadow_candidates
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled

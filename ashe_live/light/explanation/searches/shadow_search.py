@@ -13,9 +13,9 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, image_from_plane
+from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.ground.scene_view import SceneView
 from ashe_live.light.ground.shadow_shift import shift_near
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View

@@ -1,9 +1,9 @@
-"""A view of the scene at the two sizes that the estimator works at, with its own lit ground."""
+"""A view of the scene that explanations are looked for in: at the two sizes that this works at, with its lit ground."""
 
 from dataclasses import dataclass
 
 from ashe_live.core.arrays import Mask
-from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.lit_ground import LitGround, unlit_mask
 from ashe_live.light.ground.regions import Region, region_of
 from ashe_live.light.pixels.view import View
 
@@ -16,6 +16,10 @@ class SceneView:
     fine: View
     coarse: View
     ground: LitGround  # fitted to `coarse`
+
+    def unlit(self, least_px: int) -> Mask:
+        """(h, w) of `coarse`: areas of at least `least_px` pixels that the lit ground does not explain."""
+        return unlit_mask(self.ground, self.coarse.is_ground, least_px)
 
     def region(self, area: Mask, size_px: int) -> Region:
         """The part of the view that holds `area`, (h, w) of `coarse`, scaled to `size_px`."""
