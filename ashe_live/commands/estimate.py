@@ -61,6 +61,8 @@ def run(options: argparse.Namespace) -> int:
             if makes_folder_of_sheet:
                 make_folder(options.debug)
             tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
+    if files.without_steps:
+        statuses.add(ExitStatus.WRONG_USE)
     return next(status for status in WORST_FIRST if status in statuses)
 
 

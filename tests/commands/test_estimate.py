@@ -2,6 +2,7 @@
 
 import base64
 import re
+import resource
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -257,6 +258,21 @@ def test_the_steps_of_every_estimate_are_kept_on_sheets_of_their_own(run, files,
         assert len(sheets) == runs  # none without a marker
         assert all(cv2.imread(str(sheet)).shape[1] >= 960 for sheet in sheets)
     assert any(str(sheet) in outcome.err[0] for sheet in sheets)
+
+
+def test_an_answer_is_given_though_its_steps_find_no_room(run, files, tmp_path):
+    """A full disk is not known before something is written."""
+    folder = tmp_path / "steps"
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, before[1]))
+    try:
+        outcome = run("estimate", "--json", *KNOWN, "--debug", folder, files["photo"], files["photo"])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert outcome.status == 2
+    assert [record["light"] is not None for record in outcome.records] == [True, True]
+    assert [line for line in outcome.err if "without its steps: cannot write" in line] == outcome.err
+    assert list(folder.iterdir()) == []
 
 
 def test_steps_that_cannot_be_kept_are_refused_before_anything_is_estimated(run, files):
