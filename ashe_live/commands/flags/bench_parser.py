@@ -37,9 +37,14 @@ def _add_render(render: argparse.ArgumentParser) -> None:
         "--frames", type=values.count, default=100, metavar="N", help="frames of each measurement (default 100)"
     )
     render.add_argument("--memory-frames", type=values.count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
-    render.add_argument("--pairs", type=values.path, metavar="DIR", help="also against photos of scenes with a model in them")
     render.add_argument(
-        "--budget", type=values.path, metavar="DIR", help="only what each cause of the difference from such photos costs"
+        "--pairs", type=values.path, metavar="DIR", help="also against photos of scenes with a model in them"
+    )
+    render.add_argument(
+        "--budget",
+        type=values.path,
+        metavar="DIR",
+        help="only what each cause of the difference from such photos costs",
     )
     _add_results_folder(render)
 
@@ -103,9 +108,16 @@ def _add_cube(cube: argparse.ArgumentParser) -> None:
 
 def _add_track(tracking: argparse.ArgumentParser) -> None:
     tracking.add_argument("--real", type=values.path, metavar="DIR", help="also follow the real clips listed there")
-    tracking.add_argument("--photos", type=values.path, metavar="DIR", help="also look for absent ids in the pictures there")
     tracking.add_argument(
-        "--scenes", type=values.path, nargs="+", default=(), metavar="DIR", help="also check, and fit, how certain poses are"
+        "--photos", type=values.path, metavar="DIR", help="also look for absent ids in the pictures there"
+    )
+    tracking.add_argument(
+        "--scenes",
+        type=values.path,
+        nargs="+",
+        default=(),
+        metavar="DIR",
+        help="also check, and fit, how certain poses are",
     )
     _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")

@@ -35,7 +35,9 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     )
     scene.add_argument("--caster", metavar="SHAPE|FILE", help=CASTER_HELP)
     camera = scene.add_mutually_exclusive_group()
-    camera.add_argument("--camera-file", type=values.path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}')
+    camera.add_argument(
+        "--camera-file", type=values.path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}'
+    )
     camera.add_argument("--focal-px", type=values.focal_px, metavar="F", help="focal length in pixels of the source")
     camera.add_argument(
         "--hfov",

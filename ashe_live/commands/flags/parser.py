@@ -115,8 +115,12 @@ def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
     estimate.add_argument(
         "--repeat", type=values.count, metavar="N", help="warm up once, then give the median times of N runs"
     )
-    estimate.add_argument("--debug", type=values.path, metavar="DIR", help="write a sheet of each estimate's steps there")
-    estimate.add_argument("--sheet", type=values.path, metavar="FILE.html", help="a page with the light drawn into thumbnails")
+    estimate.add_argument(
+        "--debug", type=values.path, metavar="DIR", help="write a sheet of each estimate's steps there"
+    )
+    estimate.add_argument(
+        "--sheet", type=values.path, metavar="FILE.html", help="a page with the light drawn into thumbnails"
+    )
     estimate.add_argument("--overwrite", action="store_true", help="replace an existing sheet")
     estimate.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
     estimate.add_argument(
