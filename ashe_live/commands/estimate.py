@@ -6,7 +6,6 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ashe_live.commands.answers.file_answers import FileEstimator
@@ -85,7 +84,7 @@ def _check_frames(options: argparse.Namespace) -> None:
 def _watched(paths: Sequence[Path]) -> Iterator[Path]:
     """The paths, with a progress bar on stderr if that is a terminal and there is something to wait for."""
     progress = Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
@@ -98,7 +97,7 @@ def _watched(paths: Sequence[Path]) -> Iterator[Path]:
     with progress:
         task = progress.add_task("", total=len(paths))
         for path in paths:
-            progress.update(task, description=escape(printable(path.name, 60)))
+            progress.update(task, description=printable(path.name, 60))
             yield path
             progress.advance(task)
 

@@ -14,6 +14,7 @@ from ashe_live.commands import calibrate
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, read_camera_file
 from ashe_live.core.types import Frame
+from ashe_live.errors import UserError
 from ashe_live.tracking.boards.calibration_board import CalibrationBoard
 from tests.tracking.board_pictures import Lens, seen_from
 
@@ -102,6 +103,27 @@ def test_a_clip_gives_a_camera_file(run, board_clip: Path, tmp_path: Path) -> No
     again = run("calibrate", "--camera", board_clip, "--out", path)
     assert again.status == 2
     assert "exists" in again.err[0]
+
+
+def test_a_name_that_looks_like_markup_is_only_a_name(run, board_clip: Path, tmp_path: Path) -> None:
+    path = tmp_path / "[/b]" / "[red]camera.json"
+    path.parent.mkdir(parents=True)
+    outcome = run("calibrate", "--camera", board_clip, "--out", path)
+    assert outcome.status == 0
+    assert outcome.out[-1].endswith(f"--camera-file {path}")
+
+
+def test_the_figures_are_told_though_the_file_finds_no_room(
+    run, board_clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise UserError("cannot write camera.json (no room)", "make some")
+
+    monkeypatch.setattr(calibrate, "write_json", refuse)
+    outcome = run("calibrate", "--camera", board_clip, "--out", tmp_path / "camera.json")
+    assert outcome.status == 2
+    assert "cannot write camera.json" in outcome.err[-1]
+    assert any(line.startswith("f 4") for line in outcome.out)
 
 
 def test_a_clip_without_a_board_is_one_line(run, film, tmp_path: Path) -> None:
