@@ -77,7 +77,7 @@ def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Cal
     board = CalibrationBoard()
     frame: Frame | None = None
     said: str | None = None
-    with contextlib.suppress(KeyboardInterrupt):
+    try:
         while True:
             try:
                 new = source.read()
@@ -101,6 +101,9 @@ def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Cal
                     said = str(error)
             if not guidance.show(frame, view, guide, said):
                 return None
+    except KeyboardInterrupt:  # without a window the way to say that it is enough
+        if not guide.frames_with_board:
+            raise
     return None
 
 

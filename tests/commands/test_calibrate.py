@@ -126,6 +126,26 @@ def test_the_figures_are_told_though_the_file_finds_no_room(
     assert any(line.startswith("f 4") for line in outcome.out)
 
 
+@pytest.mark.parametrize(("seen", "status"), [(0, 130), (FRAMES, 0)])
+def test_ctrl_c_ends_it_with_what_was_seen(
+    run, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seen: int, status: int
+) -> None:
+    class Interrupted(FakeWebcam):
+        def read(self) -> Frame:
+            if self.reads == seen:
+                raise KeyboardInterrupt
+            return super().read()
+
+    webcam = Interrupted(pictures)
+    webcam.is_live = False  # a clip: a camera ends by itself
+    monkeypatch.setattr(calibrate, "WebcamSource", lambda camera, size: webcam)  # noqa: ARG005
+    webcam.lost_at = set()
+    outcome = run("calibrate", "--camera", "0", "--headless", "--out", tmp_path / "camera.json")
+    assert outcome.status == status
+    assert not [line for line in outcome.err if line.startswith("ashe-live:")]
+    assert (tmp_path / "camera.json").exists() == (status == 0)
+
+
 def test_a_clip_without_a_board_is_one_line(run, film, tmp_path: Path) -> None:
     outcome = run("calibrate", "--camera", film.path, "--out", tmp_path / "camera.json")
     assert outcome.status == 2

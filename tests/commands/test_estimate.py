@@ -4,6 +4,7 @@ import base64
 import re
 import resource
 import shutil
+import signal
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import pytest
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.core.types import Illumination, Light
 from ashe_live.light.estimators import estimator
+from tests.commands.conftest import InstantEstimator
 
 pytestmark = pytest.mark.usefixtures("instant")
 KNOWN = ("--hfov", "55")
@@ -353,6 +355,23 @@ def test_a_batch_that_is_interrupted_leaves_a_sheet_of_what_was_answered(run, fo
     fail_on_dark(KeyboardInterrupt())
     outcome = run("estimate", *KNOWN, folder, "--sheet", sheet)
     assert outcome.status == 130
+    assert len(outcome.out) == len(BASE64.findall(sheet.read_text())) == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_batch_that_is_asked_to_end_leaves_a_sheet_too(run, folder, monkeypatch, number):
+    """As by a terminal that is closed."""
+    sheet = folder / "sheet.html"
+    estimate = InstantEstimator.estimate
+
+    def asked(self, tracked, others=()):
+        if tracked.frame.image_bgr.mean() < 60:
+            signal.raise_signal(number)
+        return estimate(self, tracked, others)
+
+    monkeypatch.setattr(InstantEstimator, "estimate", asked)
+    outcome = run("estimate", *KNOWN, folder, "--sheet", sheet)
+    assert outcome.status == 128 + number
     assert len(outcome.out) == len(BASE64.findall(sheet.read_text())) == 1
 
 
