@@ -27,6 +27,10 @@ HEIF_BRANDS = {b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
 
 
+# Their content begins as a photo: they are pictures in JPEG one after the other.
+CLIP_SUFFIXES = {".mjpeg", ".mjpg"}
+
+
 class PhotoSource(Source):
     """The picture in a file, upright as its EXIF data says: frame 0, then the end."""
 
@@ -58,6 +62,8 @@ class PhotoSource(Source):
 
 def looks_like_photo(path: Path) -> bool:
     """Whether the file begins as a photo does, or at least is named as one. Raises UserError as `opened`."""
+    if path.suffix.lower() in CLIP_SUFFIXES:
+        return False
     try:
         with opened(path) as file:
             _open(file).close()

@@ -21,7 +21,7 @@ from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, write_json
 from ashe_live.process.console import TerminalConsole
-from ashe_live.process.messages import tell
+from ashe_live.process.messages import say, tell
 from ashe_live.tracking.boards.calibration import Calibration
 from ashe_live.tracking.boards.calibration_board import BoardView, CalibrationBoard
 from ashe_live.tracking.boards.calibration_guide import CalibrationGuide, KeptView
@@ -48,8 +48,17 @@ def run(options: argparse.Namespace) -> int:
         guide = CalibrationGuide(source.size)
         with _window(source) if source.is_live and not options.headless else _lines() as guidance:
             calibration = _collect(source, guide, guidance) or guide.calibration()
-    path = write_json(options.out, calibration.to_json(), options.overwrite, beside=True)
-    _print_result(calibration, guide.kept, path)
+    console = TerminalConsole()
+    try:
+        path = write_json(options.out, calibration.to_json(), options.overwrite, beside=True)
+    except UserError:  # the figures are not lost with the file
+        _print_figures(console, calibration, guide.kept)
+        raise
+    _print_figures(console, calibration, guide.kept)
+    say(
+        f"{path}: {calibration.rms_px:.2f} px off on average in {int(calibration.used.sum())} of {len(guide.kept)} "
+        f"views; use it with --camera-file {path}"
+    )
     return ExitStatus.ANSWERED
 
 
@@ -68,7 +77,7 @@ def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Cal
     board = CalibrationBoard()
     frame: Frame | None = None
     said: str | None = None
-    with contextlib.suppress(KeyboardInterrupt):
+    try:
         while True:
             try:
                 new = source.read()
@@ -92,6 +101,9 @@ def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Cal
                     said = str(error)
             if not guidance.show(frame, view, guide, said):
                 return None
+    except KeyboardInterrupt:  # without a window the way to say that it is enough
+        if not guide.frames_with_board:
+            raise
     return None
 
 
@@ -114,7 +126,7 @@ class _Lines:
 
 @contextlib.contextmanager
 def _lines() -> Iterator[Guidance]:
-    columns = (BarColumn(), TextColumn("{task.fields[views]} views  {task.description}"))
+    columns = (BarColumn(), TextColumn("{task.fields[views]} views  {task.description}", markup=False))
     with Progress(*columns, console=TerminalConsole(stderr=True)) as progress:
         yield _Lines(progress)
 
@@ -129,8 +141,7 @@ def _window(source: Source) -> Iterator[Guidance]:
         yield guidance
 
 
-def _print_result(calibration: Calibration, kept: list[KeptView], path: Path) -> None:
-    console = TerminalConsole()
+def _print_figures(console: TerminalConsole, calibration: Calibration, kept: list[KeptView]) -> None:
     table = Table("view", "frame", "corners", "error, px", "")
     for number, (view, rms_px, used) in enumerate(
         zip(kept, calibration.view_rms_px, calibration.used, strict=True), start=1
@@ -146,10 +157,5 @@ def _print_result(calibration: Calibration, kept: list[KeptView], path: Path) ->
     console.print(
         f"f {K[0, 0]:.1f} ± {sigma_f[0]:.1f}, {K[1, 1]:.1f} ± {sigma_f[1]:.1f} px; "
         f"c {K[0, 2]:.1f} ± {sigma_c[0]:.1f}, {K[1, 2]:.1f} ± {sigma_c[1]:.1f} px; distortion {dist}",
-        soft_wrap=True,
-    )
-    console.print(
-        f"{path}: {calibration.rms_px:.2f} px off on average in {int(calibration.used.sum())} of {len(kept)} views; "
-        f"use it with --camera-file {path}",
         soft_wrap=True,
     )

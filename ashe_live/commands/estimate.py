@@ -6,7 +6,6 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ashe_live.commands.answers.file_answers import FileEstimator
@@ -20,6 +19,7 @@ from ashe_live.files.writing import check_folder, check_outputs, make_folder
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
+from ashe_live.process.signals import ended_by_signals
 
 PAGES = (".html", ".htm")
 WORST_FIRST = (
@@ -48,19 +48,23 @@ def run(options: argparse.Namespace) -> int:
     statuses = set()
     files = FileEstimator(estimator, camera_for, options)
     answers = files.of_all(named) if options.together else (files.of(path) for path in _watched(named))
-    try:
-        for record, picture in answers:
-            is_read = say_exactly(record.to_line()) if options.json else say(_line(record))
-            statuses.add(_status(record))
-            if options.sheet is not None:
-                page.add(_named(record), _said(record), picture)
-            elif not is_read and options.debug is None:
-                break  # whoever read the output has gone
-    finally:  # Ctrl-C in the middle of a long batch must not lose the sheet
-        if page.has_figures:
-            if makes_folder_of_sheet:
-                make_folder(options.debug)
-            tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
+    with ended_by_signals() as end_if_asked:
+        try:
+            for record, picture in answers:
+                is_read = say_exactly(record.to_line()) if options.json else say(_line(record))
+                statuses.add(_status(record))
+                if options.sheet is not None:
+                    page.add(_named(record), _said(record), picture)
+                elif not is_read and options.debug is None:
+                    break  # whoever read the output has gone
+                end_if_asked()
+        finally:  # a request to end in the middle of a long batch must not lose the sheet
+            if page.has_figures:
+                if makes_folder_of_sheet:
+                    make_folder(options.debug)
+                tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
+    if files.without_steps:
+        statuses.add(ExitStatus.WRONG_USE)
     return next(status for status in WORST_FIRST if status in statuses)
 
 
@@ -83,7 +87,7 @@ def _check_frames(options: argparse.Namespace) -> None:
 def _watched(paths: Sequence[Path]) -> Iterator[Path]:
     """The paths, with a progress bar on stderr if that is a terminal and there is something to wait for."""
     progress = Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
@@ -96,7 +100,7 @@ def _watched(paths: Sequence[Path]) -> Iterator[Path]:
     with progress:
         task = progress.add_task("", total=len(paths))
         for path in paths:
-            progress.update(task, description=escape(printable(path.name, 60)))
+            progress.update(task, description=printable(path.name, 60))
             yield path
             progress.advance(task)
 

@@ -32,12 +32,13 @@ NUMBERED_FILES = Path("/proc/self/fd")
 class NewFile:
     """Write to `stream`, then `publish` or `discard`. As a context manager it discards what is not published."""
 
-    def __init__(self, path: Path, overwrite: bool = False, is_recoverable: bool = False) -> None:
+    def __init__(self, path: Path, overwrite: bool = False, is_recoverable: bool = False, beside: bool = False) -> None:
         """Leaves `path` untouched for now. A file that `is_recoverable` has a hidden name in any case.
 
-        Raises UserError as `check_output`.
+        `beside`: it will be published beside what is there. Raises UserError as `check_output`.
         """
-        _check_name(path, overwrite)
+        if not (beside and os.path.lexists(path)):
+            _check_name(path, overwrite)
         self.path = path  # the final path; after `publish` the one that it really has
         self._overwrite = overwrite
         try:
@@ -57,7 +58,7 @@ class NewFile:
         if fcntl is None:
             self.stream.close()
         wanted, numbers = self.path, count(2)
-        while not self._put(self.path):
+        while not self._put(self.path, self._overwrite and self.path == wanted, beside):
             if not beside:
                 raise _is_there(wanted)
             self.path = wanted.with_stem(f"{wanted.stem}-{next(numbers)}")
@@ -79,10 +80,15 @@ class NewFile:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.discard()
 
-    def _put(self, path: Path) -> bool:
+    def _put(self, path: Path, overwrite: bool, beside: bool) -> bool:
         """Returns False if something is at `path` that must stay."""
-        if self._overwrite:
-            _check_name(path, overwrite=True)
+        if overwrite:
+            try:
+                _check_name(path, overwrite=True)
+            except UserError:  # a link, or a folder
+                if beside:
+                    return False
+                raise
             if self.partial is None:
                 hidden = partial_path(path)
                 self._link(hidden)

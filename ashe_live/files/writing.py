@@ -73,7 +73,7 @@ def written_whole(path: Path, overwrite: bool = False, beside: bool = False) -> 
     `path` of what is yielded then says where. Raises UserError when writing fails.
     """
     try:
-        with NewFile(path, overwrite) as file:
+        with NewFile(path, overwrite, beside=beside) as file:
             yield file
             file.publish(beside)
     except OSError as error:

@@ -6,11 +6,14 @@ from rich.console import Console
 
 
 class TerminalConsole(Console):
-    """Rich's console without colours for numbers in text. If the reader has gone, rich itself would end the process."""
+    """Rich's console without colours for numbers in text, and without markup, which names of files may look like.
+
+    If the reader has gone, rich itself would end the process.
+    """
 
     def __init__(self, **how: Any) -> None:
         """`how`: the arguments of rich's Console."""
-        super().__init__(**{"highlight": False, **how})
+        super().__init__(**{"highlight": False, "markup": False, **how})
 
     def on_broken_pipe(self) -> None:
         """Raises BrokenPipeError for standard output, which carries the results; ignores it for standard error."""

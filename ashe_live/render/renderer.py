@@ -182,7 +182,7 @@ class SceneRenderer:
     def _build_shaders(self, model: GpuModel) -> Iterator[None]:
         """In steps, with the variants that are known before the model is drawn."""
         drawing = self._models_on_video
-        building = drawing.layers.model_pass.build_for(model, drawing.looked_up)
+        building = drawing.layers.model_pass.build_for(model, lambda: drawing.looked_up)
         while True:
             with self._surface.drawing((0, 0, 1, 1), several_samples=True):
                 if next(building, building) is building:

@@ -14,6 +14,7 @@ from ashe_live.commands import calibrate
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, read_camera_file
 from ashe_live.core.types import Frame
+from ashe_live.errors import UserError
 from ashe_live.tracking.boards.calibration_board import CalibrationBoard
 from tests.tracking.board_pictures import Lens, seen_from
 
@@ -102,6 +103,47 @@ def test_a_clip_gives_a_camera_file(run, board_clip: Path, tmp_path: Path) -> No
     again = run("calibrate", "--camera", board_clip, "--out", path)
     assert again.status == 2
     assert "exists" in again.err[0]
+
+
+def test_a_name_that_looks_like_markup_is_only_a_name(run, board_clip: Path, tmp_path: Path) -> None:
+    path = tmp_path / "[/b]" / "[red]camera.json"
+    path.parent.mkdir(parents=True)
+    outcome = run("calibrate", "--camera", board_clip, "--out", path)
+    assert outcome.status == 0
+    assert outcome.out[-1].endswith(f"--camera-file {path}")
+
+
+def test_the_figures_are_told_though_the_file_finds_no_room(
+    run, board_clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise UserError("cannot write camera.json (no room)", "make some")
+
+    monkeypatch.setattr(calibrate, "write_json", refuse)
+    outcome = run("calibrate", "--camera", board_clip, "--out", tmp_path / "camera.json")
+    assert outcome.status == 2
+    assert "cannot write camera.json" in outcome.err[-1]
+    assert any(line.startswith("f 4") for line in outcome.out)
+
+
+@pytest.mark.parametrize(("seen", "status"), [(0, 130), (FRAMES, 0)])
+def test_ctrl_c_ends_it_with_what_was_seen(
+    run, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seen: int, status: int
+) -> None:
+    class Interrupted(FakeWebcam):
+        def read(self) -> Frame:
+            if self.reads == seen:
+                raise KeyboardInterrupt
+            return super().read()
+
+    webcam = Interrupted(pictures)
+    webcam.is_live = False  # a clip: a camera ends by itself
+    monkeypatch.setattr(calibrate, "WebcamSource", lambda camera, size: webcam)  # noqa: ARG005
+    webcam.lost_at = set()
+    outcome = run("calibrate", "--camera", "0", "--headless", "--out", tmp_path / "camera.json")
+    assert outcome.status == status
+    assert not [line for line in outcome.err if line.startswith("ashe-live:")]
+    assert (tmp_path / "camera.json").exists() == (status == 0)
 
 
 def test_a_clip_without_a_board_is_one_line(run, film, tmp_path: Path) -> None:

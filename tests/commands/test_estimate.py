@@ -2,7 +2,9 @@
 
 import base64
 import re
+import resource
 import shutil
+import signal
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +16,7 @@ import pytest
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.core.types import Illumination, Light
 from ashe_live.light.estimators import estimator
+from tests.commands.conftest import InstantEstimator
 
 pytestmark = pytest.mark.usefixtures("instant")
 KNOWN = ("--hfov", "55")
@@ -259,6 +262,21 @@ def test_the_steps_of_every_estimate_are_kept_on_sheets_of_their_own(run, files,
     assert any(str(sheet) in outcome.err[0] for sheet in sheets)
 
 
+def test_an_answer_is_given_though_its_steps_find_no_room(run, files, tmp_path):
+    """A full disk is not known before something is written."""
+    folder = tmp_path / "steps"
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, before[1]))
+    try:
+        outcome = run("estimate", "--json", *KNOWN, "--debug", folder, files["photo"], files["photo"])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert outcome.status == 2
+    assert [record["light"] is not None for record in outcome.records] == [True, True]
+    assert [line for line in outcome.err if "without its steps: cannot write" in line] == outcome.err
+    assert list(folder.iterdir()) == []
+
+
 def test_steps_that_cannot_be_kept_are_refused_before_anything_is_estimated(run, files):
     outcome = run("estimate", *KNOWN, "--debug", files["photo"], files["photo"])
     assert outcome.status == 2
@@ -337,6 +355,23 @@ def test_a_batch_that_is_interrupted_leaves_a_sheet_of_what_was_answered(run, fo
     fail_on_dark(KeyboardInterrupt())
     outcome = run("estimate", *KNOWN, folder, "--sheet", sheet)
     assert outcome.status == 130
+    assert len(outcome.out) == len(BASE64.findall(sheet.read_text())) == 1
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_batch_that_is_asked_to_end_leaves_a_sheet_too(run, folder, monkeypatch, number):
+    """As by a terminal that is closed."""
+    sheet = folder / "sheet.html"
+    estimate = InstantEstimator.estimate
+
+    def asked(self, tracked, others=()):
+        if tracked.frame.image_bgr.mean() < 60:
+            signal.raise_signal(number)
+        return estimate(self, tracked, others)
+
+    monkeypatch.setattr(InstantEstimator, "estimate", asked)
+    outcome = run("estimate", *KNOWN, folder, "--sheet", sheet)
+    assert outcome.status == 128 + number
     assert len(outcome.out) == len(BASE64.findall(sheet.read_text())) == 1
 
 

@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.errors import UserError
+from ashe_live.viewer.output.report import Report
 from tests.checkout import CHECKOUT
 
 pytestmark = pytest.mark.usefixtures("instant")
@@ -162,6 +164,19 @@ def test_a_truncated_clip_is_said_in_one_line(run, files):
     assert len(outcome.err) == 1
     assert "truncated" in outcome.err[0]
     assert outcome.status in (0, 2)
+
+
+def test_picture_and_light_are_kept_though_the_report_finds_no_room(run, files, tmp_path, monkeypatch):
+    def refuse(*_):
+        raise UserError("cannot write r.json (no room)", "make some")
+
+    monkeypatch.setattr(Report, "write", refuse)
+    out = tmp_path / "p.png"
+    outcome = run("play", files["photo"], *HEADLESS, "--out", out, "--report", tmp_path / "r.json")
+    assert outcome.status == 2
+    assert "cannot write r.json" in outcome.err[-1]
+    assert "azimuth" in outcome.out[0]
+    assert cv2.imread(str(out)) is not None
 
 
 def test_a_report_needs_headless(run, film, tmp_path):

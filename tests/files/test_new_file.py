@@ -100,6 +100,22 @@ def test_what_appears_meanwhile_stays(tmp_path: Path, beside: bool) -> None:
     assert len(list(tmp_path.iterdir())) == 1 + beside
 
 
+def test_what_appears_before_a_result_is_written_stays_too(tmp_path: Path) -> None:
+    """As where two programs save a picture in the same second, or a long run's report."""
+    path = tmp_path / "a.txt"
+    path.write_text("theirs")
+    (tmp_path / "a-2.txt").write_text("theirs as well")
+    assert write(path, "ours", beside=True) == tmp_path / "a-3.txt"
+    assert write(path, "over it", overwrite=True, beside=True) == path
+    path.unlink()
+    path.symlink_to("a-2.txt")
+    assert write(path, "not through it", overwrite=True, beside=True) == tmp_path / "a-4.txt"
+    texts = {each.name: each.read_text() for each in tmp_path.iterdir()}
+    assert texts == {
+        "a.txt": "theirs as well", "a-2.txt": "theirs as well", "a-3.txt": "ours", "a-4.txt": "not through it"
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize("overwrite", [False, True])
 @pytest.mark.parametrize("target", ["thesis.txt", "gone"])
 def test_links_are_neither_followed_nor_replaced(tmp_path: Path, target: str, overwrite: bool) -> None:

@@ -180,6 +180,10 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
         "not a number",
         lambda: changed(lambda _, it: it["nodes"][0].update(translation=[float("nan"), 0, 0])),
     ),
+    "a place at the end of the world": (
+        r"is 1e\+300, too large a number: at most 1e\+30 is read",
+        lambda: changed(lambda _, it: it["nodes"][0].update(translation=[1e300, 0, 0])),
+    ),
     "lines": ("no triangles", lambda: changed(lambda _, it: it["meshes"][0]["primitives"][0].update(mode=1))),
     "a mesh of nothing": ("no triangles", lambda: changed(lambda _, it: it["meshes"][0].update(primitives=[]))),
     "a picture of 30,000 x 30,000": ("more than 8192 x 8192", lambda: textured(claimed_png(30_000, 30_000))),
@@ -247,6 +251,7 @@ def assert_refused_with_little_memory(path: Path, said: str) -> None:
         with pytest.raises(UserError, match=said) as caught:
             load_model_file(path)
         assert not PYTHONS_WORDS.search(str(caught.value))
+        assert path.name in str(caught.value)  # of several models on one command line
         assert tracemalloc.get_traced_memory()[1] < LITTLE_BYTES + 3 * path.stat().st_size
     finally:
         tracemalloc.stop()

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from ashe_live.bench.light.cells import degrees, fraction, percent
 from ashe_live.bench.light.results import ALL, GOOD_DEG, CaseResult, Summary
@@ -86,7 +87,7 @@ def _targets(name: str, verdicts: Iterable[Verdict]) -> Table:
     for verdict in verdicts:
         measured = "-" if verdict.value is None else _value(verdict.value, verdict.unit)
         alone = "" if verdict.on_true_labels is None else _value(verdict.on_true_labels, verdict.unit)
-        mark = "[green]met[/]" if verdict.is_met else "[red]missed[/]"
+        mark = Text("met", "green") if verdict.is_met else Text("missed", "red")
         by = verdict.missed_by or ""
         table.add_row(verdict.group, verdict.figure, measured, _bounds(verdict), alone, mark, by)
     return table

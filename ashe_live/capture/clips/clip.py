@@ -177,7 +177,11 @@ class ClipSource(Source):
 
     def _note_what_is_missing(self) -> None:
         pictures = self._pictures
-        if pictures is not None and (pictures.damaged or pictures.ends_early()):
+        if pictures is not None and pictures.has_other_shapes:
+            self.note = (
+                f"{self.name} changes the shape of its pictures: only the {pictures.decoded} of the first are shown"
+            )
+        elif pictures is not None and (pictures.damaged or pictures.ends_early()):
             self.note = f"{self.name} is truncated or damaged: only {pictures.decoded} frames could be read"
 
 

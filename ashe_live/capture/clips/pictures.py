@@ -30,6 +30,7 @@ ONE_THREAD_PIXELS = 1_000_000
 TOLERATED_GAP_FRAMES = 2
 # Of a pixel: nearer to a square is an encoder's rounding, farther from it damage.
 SAME_ASPECT, MOST_ASPECT = 0.005, 4
+SAME_SHAPE = 0.02  # of pictures' sides' ratio: nearer is an encoder's rounding to whole blocks
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,9 @@ class ClipPictures:
     def __init__(self, path: Path) -> None:
         """Opens the clip and decodes its first picture. Raises UserError when there is none."""
         self._file = opened(path)
-        self.damaged = 0  # packets and pictures that could not be read
+        self.damaged = 0  # packets and pictures that could not be read, and pictures of another shape
+        self.has_other_shapes = False
+        self._first_size: tuple[int, int] | None = None  # as decoded
         self.decoded = 0  # pictures, which gives the next one's index
         try:
             self._container: InputContainer = opened_container(self._file)
@@ -149,10 +152,19 @@ class ClipPictures:
                 return
             for picture in pictures:
                 assert isinstance(picture, VideoFrame)
-                if picture.is_corrupt:
+                if picture.is_corrupt or self._is_of_other_shape(picture):
                     self.damaged += 1
                 else:
                     yield picture
+
+    def _is_of_other_shape(self, picture: VideoFrame) -> bool:
+        """Calls and screens are recorded in changing sizes: one of the same shape is scaled, another would be bent."""
+        if self._first_size is None:
+            self._first_size = picture.width, picture.height
+        width, height = self._first_size
+        is_other = abs(picture.width * height / (width * picture.height) - 1) > SAME_SHAPE
+        self.has_other_shapes |= is_other
+        return is_other
 
 
 def _with_square_pixels(size: tuple[int, int], aspect: Fraction | None) -> tuple[int, int]:

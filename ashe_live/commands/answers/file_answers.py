@@ -51,6 +51,7 @@ class FileEstimator:
     # What the user has been told, and is not told again for every file.
     faults: set[str] = dataclasses.field(default_factory=set)  # faults whose traceback has been shown
     followed: set[str] = dataclasses.field(default_factory=set)  # markers that are followed without having been named
+    without_steps: set[Path] = dataclasses.field(default_factory=set)  # files whose steps could not be written
 
     def of(self, path: Path) -> FileAnswer:
         """The answer for a file."""
@@ -140,8 +141,7 @@ class FileEstimator:
             trace = None
             if isinstance(self.estimator, TracingEstimator):
                 estimate, trace = self.estimator.traced(frozen, others)
-            sheet = _write_steps(self.options.debug, first.path, debug_pictures(frozen, estimate, trace))
-            tell(f"{first.path}: steps in {sheet}")
+            self._keep_steps(first.path, debug_pictures(frozen, estimate, trace))
         if more and estimate.lights:
             _tell_of_unused(
                 [places[view.frame.index][0] for view in others], [places[view][0] for view in estimate.views]
@@ -153,6 +153,14 @@ class FileEstimator:
             places=tuple(places[view] for view in estimate.views) if more else (),
         )
         return record, self._picture(first.seen.frozen, estimate)
+
+    def _keep_steps(self, file: Path, pictures: Sequence[DebugPicture]) -> None:
+        """Writes them, and says where, or why not: the answer is worth more than they are, and is given anyway."""
+        try:
+            tell(f"{file}: steps in {_write_steps(self.options.debug, file, pictures)}")
+        except UserError as error:
+            self.without_steps.add(file)
+            tell(f"{file}: without its steps: {error}")
 
     def _picture(self, tracked: TrackedFrame, estimate: LightEstimate | None) -> Image | None:
         return None if self.options.sheet is None else picture_of(tracked, estimate)

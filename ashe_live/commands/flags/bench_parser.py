@@ -1,7 +1,6 @@
 """What can be asked of `ashe-live bench`."""
 
 import argparse
-from pathlib import Path
 
 from ashe_live.commands.flags import values
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR, QUALITIES, add_quality_options
@@ -38,9 +37,14 @@ def _add_render(render: argparse.ArgumentParser) -> None:
         "--frames", type=values.count, default=100, metavar="N", help="frames of each measurement (default 100)"
     )
     render.add_argument("--memory-frames", type=values.count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
-    render.add_argument("--pairs", type=Path, metavar="DIR", help="also against photos of scenes with a model in them")
     render.add_argument(
-        "--budget", type=Path, metavar="DIR", help="only what each cause of the difference from such photos costs"
+        "--pairs", type=values.path, metavar="DIR", help="also against photos of scenes with a model in them"
+    )
+    render.add_argument(
+        "--budget",
+        type=values.path,
+        metavar="DIR",
+        help="only what each cause of the difference from such photos costs",
     )
     _add_results_folder(render)
 
@@ -52,7 +56,7 @@ def _add_soak(soak: argparse.ArgumentParser) -> None:
 
 
 def _add_light(light: argparse.ArgumentParser) -> None:
-    light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    light.add_argument("--scenes", type=values.path, nargs="+", required=True, metavar="DIR")
     _add_results_folder(light)
     light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
     light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
@@ -63,7 +67,7 @@ def _add_light(light: argparse.ArgumentParser) -> None:
 
 
 def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
-    judge.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    judge.add_argument("--scenes", type=values.path, nargs="+", required=True, metavar="DIR")
     _add_results_folder(judge)
     judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
     judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
@@ -80,7 +84,7 @@ def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
 
 
 def _add_fit_lamps(lamps: argparse.ArgumentParser) -> None:
-    lamps.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    lamps.add_argument("--scenes", type=values.path, nargs="+", required=True, metavar="DIR")
     _add_results_folder(lamps)
     lamps.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
 
@@ -92,7 +96,7 @@ def _add_cube(cube: argparse.ArgumentParser) -> None:
     )
     cube.add_argument(
         "--scenes",
-        type=Path,
+        type=values.path,
         nargs="+",
         default=(),
         metavar="DIR",
@@ -103,10 +107,17 @@ def _add_cube(cube: argparse.ArgumentParser) -> None:
 
 
 def _add_track(tracking: argparse.ArgumentParser) -> None:
-    tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
-    tracking.add_argument("--photos", type=Path, metavar="DIR", help="also look for absent ids in the pictures there")
+    tracking.add_argument("--real", type=values.path, metavar="DIR", help="also follow the real clips listed there")
     tracking.add_argument(
-        "--scenes", type=Path, nargs="+", default=(), metavar="DIR", help="also check, and fit, how certain poses are"
+        "--photos", type=values.path, metavar="DIR", help="also look for absent ids in the pictures there"
+    )
+    tracking.add_argument(
+        "--scenes",
+        type=values.path,
+        nargs="+",
+        default=(),
+        metavar="DIR",
+        help="also check, and fit, how certain poses are",
     )
     _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
@@ -114,5 +125,5 @@ def _add_track(tracking: argparse.ArgumentParser) -> None:
 
 
 def _add_results_folder(bench: argparse.ArgumentParser) -> None:
-    bench.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the plots go")
+    bench.add_argument("--out", type=values.path, metavar="DIR", help="where results.json and the plots go")
     bench.add_argument("--overwrite", action="store_true", help="replace existing files there")

@@ -1,7 +1,6 @@
 """Groups of options that several commands have."""
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from ashe_live.commands.flags import values
@@ -36,7 +35,9 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     )
     scene.add_argument("--caster", metavar="SHAPE|FILE", help=CASTER_HELP)
     camera = scene.add_mutually_exclusive_group()
-    camera.add_argument("--camera-file", type=Path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}')
+    camera.add_argument(
+        "--camera-file", type=values.path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}'
+    )
     camera.add_argument("--focal-px", type=values.focal_px, metavar="F", help="focal length in pixels of the source")
     camera.add_argument(
         "--hfov",
@@ -82,7 +83,7 @@ def _add_output_options(parser: argparse.ArgumentParser) -> None:
     output.add_argument("--frames", type=values.count, metavar="N", help="stop after N frames")
     output.add_argument(
         "--out",
-        type=Path,
+        type=values.path,
         metavar="VIDEO.mp4",
         help="record what is shown; with --headless also FILE.png: the last picture, as of a photo",
     )
@@ -93,12 +94,12 @@ def _add_output_options(parser: argparse.ArgumentParser) -> None:
     )
     output.add_argument(
         "--as-shown",
-        type=Path,
+        type=values.path,
         metavar="FILE.json",
         help="as it was moved and lit by hand while it was recorded (V names the file when it stops)",
     )
     output.add_argument(
-        "--report", type=Path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"
+        "--report", type=values.path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"
     )
     output.add_argument("--overwrite", action="store_true", help="replace existing files")
 

@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NoReturn
 
 from ashe_live import __version__
@@ -80,7 +79,7 @@ def build_start_parser(parser_class: type[argparse.ArgumentParser] | None = None
 
 
 def _add_board_options(board: argparse.ArgumentParser) -> None:
-    board.add_argument("--out", type=Path, required=True, metavar="FILE.pdf|png")
+    board.add_argument("--out", type=values.path, required=True, metavar="FILE.pdf|png")
     board.add_argument(
         "--square-mm", type=values.millimetres, default=25.0, metavar="MM", help="side of a square (default 25)"
     )
@@ -97,7 +96,7 @@ def _add_calibrate_options(calibrate: argparse.ArgumentParser) -> None:
         help="a camera, or a clip or a folder of photos of the board (default 0)",
     )
     calibrate.add_argument(
-        "--out", type=Path, required=True, metavar="FILE.json", help="the calibration, for --camera-file"
+        "--out", type=values.path, required=True, metavar="FILE.json", help="the calibration, for --camera-file"
     )
     calibrate.add_argument("--size", type=values.size, metavar="WxH", help="size to ask the camera for")
     calibrate.add_argument(
@@ -116,8 +115,12 @@ def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
     estimate.add_argument(
         "--repeat", type=values.count, metavar="N", help="warm up once, then give the median times of N runs"
     )
-    estimate.add_argument("--debug", type=Path, metavar="DIR", help="write a sheet of each estimate's steps there")
-    estimate.add_argument("--sheet", type=Path, metavar="FILE.html", help="a page with the light drawn into thumbnails")
+    estimate.add_argument(
+        "--debug", type=values.path, metavar="DIR", help="write a sheet of each estimate's steps there"
+    )
+    estimate.add_argument(
+        "--sheet", type=values.path, metavar="FILE.html", help="a page with the light drawn into thumbnails"
+    )
     estimate.add_argument("--overwrite", action="store_true", help="replace an existing sheet")
     estimate.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
     estimate.add_argument(
@@ -140,7 +143,7 @@ def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
 
 def _add_marker_options(marker: argparse.ArgumentParser) -> None:
     target = marker.add_mutually_exclusive_group(required=True)
-    target.add_argument("--out", type=Path, metavar="FILE.pdf|png")
+    target.add_argument("--out", type=values.path, metavar="FILE.pdf|png")
     target.add_argument("--show", action="store_true", help="show it in a window instead of printing it")
     marker.add_argument("--marker", metavar="SPEC", help=f"{MARKERS_HELP} or cube (default {DEFAULT_MARKER})")
     marker.add_argument(

@@ -46,10 +46,14 @@ count, index, views = (_whole_number_in(allowed) for allowed in (COUNT, INDEX, V
 
 
 def path(text: str) -> Path:
-    """The path of a file or folder to read."""
-    if not text:  # from an unset shell variable, for example; pathlib would take it for the current folder
-        raise argparse.ArgumentTypeError("it is empty and names no file")
+    """The path of a file or folder."""
+    _check_not_empty(text, "file")
     return Path(text)
+
+
+def _check_not_empty(text: str, what: str) -> None:
+    if not text:  # from an unset shell variable, for example; pathlib would take it for the current folder
+        raise argparse.ArgumentTypeError(f"it is empty and names no {what}")
 
 
 MARKER_KINDS = ("aruco", "apriltag", "pattern", "image")
@@ -57,6 +61,7 @@ MARKER_KINDS = ("aruco", "apriltag", "pattern", "image")
 
 def model(text: str) -> str:
     """[MARKER=]MODEL."""
+    _check_not_empty(text, "model")
     marker, name = marker_and_model(text)
     if not name:
         raise argparse.ArgumentTypeError(f"{text!r} names no model: write {marker}=NAME or {marker}=FILE")
@@ -94,6 +99,7 @@ def frame_range(text: str) -> tuple[int, int | None]:
 
 def camera(text: str) -> str:
     """A number, or what may be a path."""
+    _check_not_empty(text, "camera")
     if text.isdecimal() and not (len(text) < 9 and int(text) in CAMERA_NUMBER):
         raise argparse.ArgumentTypeError(f"{text!r} is not a camera's number {CAMERA_NUMBER}")
     return text

@@ -1,5 +1,6 @@
 """The viewer without a window: every frame into a file, a report, or to whoever takes it."""
 
+import argparse
 import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -12,7 +13,7 @@ from ashe_live.commands.flags.marker_choice import others_said
 from ashe_live.commands.flags.setup import quality_of
 from ashe_live.commands.viewing.setup import ViewerSetup, opened_session, tell_of_recordings_cut_short
 from ashe_live.core.arrays import Image
-from ashe_live.errors import ExitStatus
+from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import say, tell
 from ashe_live.process.signals import ended_by_signals
 from ashe_live.render.gl.offscreen import graphics_failures_told, offscreen_context
@@ -55,13 +56,25 @@ def show_without_window(
 
         run = HeadlessRun(next_scene, options.frames, options.loop, takers, options.layers is not None)
         play_headless(setup.source, setup.tracker, session, renderer, run, report)
-        if options.report is not None:
-            _tell_where(options.report, report.write(options.report, options.overwrite))
+        refusal = _report_refused(report, options)
     # Only now is it known what has become of the recording.
     if recorder is not None:
         _tell_where(options.out, recorder.path)
         options.out = recorder.path
-    return _summed_up(setup, session, report)
+    status = _summed_up(setup, session, report)
+    if refusal is not None:
+        raise refusal
+    return status
+
+
+def _report_refused(report: Report, options: argparse.Namespace) -> UserError | None:
+    """Writes the report if one is asked for. The error if it cannot be: the recording and the answer come first."""
+    if options.report is not None:
+        try:
+            _tell_where(options.report, report.write(options.report, options.overwrite))
+        except UserError as error:
+            return error
+    return None
 
 
 def _recorder(setup: ViewerSetup) -> Recorder | TransparentRecorder | LastPicture:

@@ -6,15 +6,15 @@ http://paulbourke.net/dataformats/mtl/
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.colour import linear_from_srgb
-from ashe_live.errors import UserError
 from ashe_live.models.material import PLAIN_LAYOUT, UNKNOWN, Alpha, MapLayout, Material
 from ashe_live.models.parsing.kinds import in_utf8
-from ashe_live.models.parsing.limits import MAX_MATERIALS
+from ashe_live.models.parsing.limits import check_materials
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
 
@@ -74,8 +74,8 @@ def text_of(content: bytes) -> str:
         return content.decode("latin-1")
 
 
-def read_mtl(content: bytes, texels: Callable[[str], Image], notes: Notes) -> dict[str, Material]:
-    """Materials by their names. `texels` gives a picture's (h, w, 4) uint8 by its file's name.
+def read_mtl(model: Path, content: bytes, texels: Callable[[str], Image], notes: Notes) -> dict[str, Material]:
+    """Materials of the file `model` by their names. `texels` gives a picture's (h, w, 4) uint8 by its file's name.
 
     Raises UserError for more materials than the limit, MalformedError for a line that is no MTL.
     """
@@ -89,8 +89,7 @@ def read_mtl(content: bytes, texels: Callable[[str], Image], notes: Notes) -> di
         if key == "newmtl":
             one = described[value] = _Described()
             count += 1
-            if count > MAX_MATERIALS:
-                raise UserError(f"a material file holds more than {MAX_MATERIALS:,} materials", "export it with fewer")
+            check_materials(model, count)
         elif value:
             _take(one, key, value)
             if key in NOT_DRAWN:

@@ -97,7 +97,7 @@ def _sorted(content: bytes) -> _Lines:
 
 def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Material]:
     """By the names that the OBJ gives them; the first of several libraries that has one."""
-    pictures = Pictures()
+    pictures = Pictures(folder.model)
     found: dict[str, Material] = {}
 
     def texels(name: str) -> Image:
@@ -114,7 +114,7 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
             contents = [_there(folder, name, notes) for name in library.split()]
         for content in contents:
             is_any_missing |= content is None
-            read = {} if content is None else read_mtl(content, texels, notes)
+            read = {} if content is None else read_mtl(folder.model, content, texels, notes)
             for name, material in read.items():
                 found.setdefault(name, material)
     wanted = {name: text_of(name) for name in lines.names}

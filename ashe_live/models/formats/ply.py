@@ -75,7 +75,7 @@ def _material(content: bytes, folder: Folder, notes: Notes) -> Material:
     if len(set(names)) > 1:
         notes.add(f"one of its {len(set(names))} textures is drawn, on all of it")
     name = names[0].decode(errors="replace").strip()
-    return pictured(UNKNOWN, Pictures().texels(name, partial(folder.get, name), f"texture {name}"))
+    return pictured(UNKNOWN, Pictures(folder.model).texels(name, partial(folder.get, name), f"texture {name}"))
 
 
 def _columns(element: Element, names: tuple[str, ...]) -> Float | None:

@@ -42,7 +42,7 @@ class Materials:
         self._arrays = arrays
         self._folder = folder
         self._notes = notes
-        self._pictures = Pictures()
+        self._pictures = Pictures(folder.model)
         self._made: dict[tuple[int, frozenset[int]], tuple[Material, tuple[int, ...]]] = {}
 
     def material(self, place: int | None, uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:

@@ -1,6 +1,7 @@
 """Textures in Basis Universal (KTX 2), read where `opengl_basisu` is installed, which is the extra `ktx2`."""
 
 import importlib.util
+from pathlib import Path
 
 import numpy as np
 
@@ -19,7 +20,7 @@ def is_readable() -> bool:
     return importlib.util.find_spec("opengl_basisu") is not None
 
 
-def texels_of(content: bytes, name: str) -> Image:
+def texels_of(model: Path, content: bytes, name: str) -> Image:
     """(h, w, 4) uint8, the first stored level no side of which is longer than MAX_TEXTURE_PX, or else the smallest.
 
     Raises UserError when it is too large, MalformedError naming `name` when it is damaged.
@@ -29,7 +30,7 @@ def texels_of(content: bytes, name: str) -> Image:
     try:
         texture = opengl_basisu.open(content)
         size = texture.width, texture.height
-        check_size(*size)
+        check_size(model, *size)
         longest = [max(size) >> level for level in range(texture.levels)]
         level = next((level for level, side in enumerate(longest) if side <= MAX_TEXTURE_PX), texture.levels - 1)
         texels = np.asarray(texture.transcode("rgba8", level=level).data, dtype=np.uint8)

@@ -22,7 +22,7 @@ class Folder:
     """
 
     def __init__(self, model: Path, most_bytes: int) -> None:
-        self._model = model
+        self.model = model
         self._folder = model.parent.resolve()
         self._bytes_left = most_bytes
         self._named = 0
@@ -32,9 +32,15 @@ class Folder:
         self._named += 1
         if self._named > MAX_NAMED_FILES:
             raise UserError(
-                f"the model file {self._model} names files more than {MAX_NAMED_FILES:,} times", "export it with fewer"
+                f"the model file {self.model} names files more than {MAX_NAMED_FILES:,} times", "export it with fewer"
             )
-        content = read_bytes(self._found(name), self._bytes_left)
+        path = self._found(name)
+        try:
+            content = read_bytes(path, self._bytes_left)
+        except UserError as refusal:
+            raise UserError(
+                f"the model file {self.model} needs a file beside it: {refusal.message}", refusal.remedy
+            ) from None
         self._bytes_left -= len(content)
         return content
 
@@ -52,11 +58,11 @@ class Folder:
                     return path
         if SCHEME.match(relative):
             raise UserError(
-                f"the model file {self._model} names {name}, and only data in it and files beside it are read",
+                f"the model file {self.model} names {name}, and only data in it and files beside it are read",
                 "export it as GLB, or put the file beside it and name that",
             )
         why = "outside its own folder" if is_elsewhere else "which is missing"
-        raise UserError(f"the model file {self._model} names {name}, {why}", "put what it needs beside it")
+        raise UserError(f"the model file {self.model} names {name}, {why}", "put what it needs beside it")
 
     def _is_within(self, relative: str) -> bool:
         return Path(os.path.realpath(self._folder / relative)).is_relative_to(self._folder)

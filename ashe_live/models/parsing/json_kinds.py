@@ -99,8 +99,10 @@ def integer_from(least: int) -> Kind:
 
 
 def number(value: Any, _: Mapping[str, int]) -> float:
-    if type(value) not in (int, float) or abs(value) > LARGEST or not math.isfinite(value):
+    if type(value) not in (int, float) or math.isnan(value):
         raise WrongValueError(f"is {_shown(value)}, not a number")
+    if abs(value) > LARGEST:
+        raise WrongValueError(f"is {_shown(value)}, too large a number: at most {LARGEST:g} is read")
     return float(value)
 
 

@@ -91,34 +91,46 @@ def _check(path: Path, count: int, most: int, what: str) -> None:
         raise UserError(f"the model file {path} has {count:,} {what}", f"reduce it to {most:,} or fewer")
 
 
-def check_picture(picture: PillowImage.Image) -> None:
+def check_materials(path: Path, materials: int) -> None:
+    """Of one file that the model names."""
+    if materials > MAX_MATERIALS:
+        raise UserError(
+            f"a material file of the model file {path} holds more than {MAX_MATERIALS:,} materials",
+            "export it with fewer",
+        )
+
+
+def check_picture(path: Path, picture: PillowImage.Image) -> None:
     """Of a picture whose header is read and whose texels are not."""
     if picture.format not in PICTURE_FORMATS:
-        raise UserError(f"a texture of the model is in the format {picture.format}", "save it as PNG or JPEG")
-    check_size(*picture.size)
+        raise UserError(
+            f"a texture of the model file {path} is in the format {picture.format}", "save it as PNG or JPEG"
+        )
+    check_size(path, *picture.size)
 
 
-def check_size(width: int, height: int) -> None:
+def check_size(path: Path, width: int, height: int) -> None:
     """Of a picture in the file. Raises UserError when it is too large."""
     if width * height > MAX_PICTURE_TEXELS:
-        raise too_large(f"of {width} x {height}")
+        raise too_large(path, f"of {width} x {height}")
 
 
-def too_large(size: str) -> UserError:
-    return UserError(f"the model has a texture {size} texels", "reduce it to 8192 x 8192 or fewer")
+def too_large(path: Path, size: str) -> UserError:
+    return UserError(f"the model file {path} has a texture {size} texels", "reduce it to 8192 x 8192 or fewer")
 
 
-def check_decoded(texels: int) -> None:
+def check_decoded(path: Path, texels: int) -> None:
     """Before the last of them are decoded, which takes their number's time, however few bytes hold them."""
     if texels > MAX_DECODED_TEXELS:
         raise UserError(
-            f"the model's textures have more than {MAX_DECODED_TEXELS:,} texels in their files",
+            f"the textures of the model file {path} have more than {MAX_DECODED_TEXELS:,} texels in their files",
             "reduce them to 2048 x 2048 each",
         )
 
 
-def check_texels(texels: int) -> None:
+def check_texels(path: Path, texels: int) -> None:
     if texels > MAX_MODEL_TEXELS:
         raise UserError(
-            f"the model's textures have {texels:,} texels together", f"reduce them to {MAX_MODEL_TEXELS:,} or fewer"
+            f"the textures of the model file {path} have {texels:,} texels together",
+            f"reduce them to {MAX_MODEL_TEXELS:,} or fewer",
         )

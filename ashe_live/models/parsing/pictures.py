@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Callable, Hashable
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,10 @@ DEEP_MODES = ("I;16", "I;16B", "I;16L", "I;16N", "I", "F")  # one channel of mor
 
 
 class Pictures:
-    """Of one file; what is used several times is one value."""
+    """Of one model's file; what is used several times is one value."""
 
-    def __init__(self) -> None:
+    def __init__(self, model: Path) -> None:
+        self._model = model
         self._texels: dict[Hashable, Image] = {}
         self._decoded = 0  # texels, of all pictures so far
 
@@ -37,7 +39,7 @@ class Pictures:
     def keep(self, key: Hashable, texels: Image) -> Image:
         """Counts `texels` (h, w, 4) uint8 among the model's, under `key`. Raises UserError when they are too many."""
         self._texels[key] = texels
-        check_texels(sum(kept.size // 4 for kept in self._texels.values()))
+        check_texels(self._model, sum(kept.size // 4 for kept in self._texels.values()))
         return texels
 
     def get(self, key: Hashable) -> Image | None:
@@ -45,23 +47,23 @@ class Pictures:
 
     def _decoded_from(self, content: bytes, name: str) -> Image:
         if content.startswith(KTX2):
-            texels = basis.texels_of(content, name)
+            texels = basis.texels_of(self._model, content, name)
             self._decoded += texels.size // 4
-            check_decoded(self._decoded)
+            check_decoded(self._model, self._decoded)
             return _reduced(PillowImage.fromarray(texels))
         try:
             picture = PillowImage.open(io.BytesIO(content))
         except PillowImage.DecompressionBombError:
-            raise too_large("of more than 8192 x 8192") from None
+            raise too_large(self._model, "of more than 8192 x 8192") from None
         except (OSError, ValueError, SyntaxError, TypeError):
             raise MalformedError(f"its {name} cannot be read") from None
         with picture:
-            check_picture(picture)
+            check_picture(self._model, picture)
             # Before the conversion, which would make four channels of the large one.
             if max(picture.size) > MAX_TEXTURE_PX and picture.mode == "RGB":
                 picture.draft("RGB", (MAX_TEXTURE_PX, MAX_TEXTURE_PX))
             self._decoded += picture.width * picture.height
-            check_decoded(self._decoded)
+            check_decoded(self._model, self._decoded)
             try:
                 reduced = _in_8_bits(picture).convert("RGBA")
             except (MemoryError, UserError):

@@ -1,6 +1,6 @@
 """Draws the models, each part with the shader variant that computes only what its material needs."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import moderngl
@@ -48,13 +48,14 @@ class ModelPass:
         self._ctx = ctx
         self._programs = programs
 
-    def build_for(self, model: GpuModel, looked_up: LookedUp) -> Iterator[None]:
+    def build_for(self, model: GpuModel, looked_up: Callable[[], LookedUp]) -> Iterator[None]:
         """Has the driver compile the model's shader variants, one each step, into the framebuffer that is bound then.
 
         A software rasteriser takes 100 ms for one that this machine has never drawn (later ones come from its disk).
+        `looked_up` is asked at each step, as the quality may have changed since the last one.
         """
         for part in model.parts:
-            program = self._bound_program(part, looked_up)
+            program = self._bound_program(part, looked_up())
             set_uniforms(program, clip_from_marker=NOWHERE)
             self._ctx.enable_only(gl_flags(part.material))
             part.draw(program)

@@ -66,7 +66,7 @@ BINDINGS = (
     Binding(
         (ALT + "PAGE_UP", ALT + "PAGE_DOWN"),
         Command.LIGHT_DISTANCE,
-        "Alt+wheel, Page Up, Down",
+        "Alt+ wheel, Page Up, Down",
         "light: farther, nearer (a lamp)",
         (1, -1),
         repeats=True,

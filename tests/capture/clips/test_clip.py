@@ -11,6 +11,7 @@ import pytest
 from av.video.frame import VideoFrame
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.opening import open_source
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -129,6 +130,25 @@ def test_clip_of_pictures_that_are_too_long_is_refused(tmp_path: Path) -> None:
         container.mux(stream.encode(None))
     with pytest.raises(UserError, match="longer than 16384 pixels"):
         ClipSource(path)
+
+
+def test_pictures_in_jpeg_one_after_the_other_are_a_clip_and_those_of_another_shape_are_said(tmp_path: Path) -> None:
+    """As from a recorded call: half the size is the same picture, another shape would bend its angles."""
+    bright = cv2.imencode(".jpg", np.full((48, 64, 3), 200, np.uint8))[1].tobytes()
+    half = cv2.imencode(".jpg", np.full((24, 32, 3), 100, np.uint8))[1].tobytes()
+    upright = cv2.imencode(".jpg", np.full((64, 48, 3), 0, np.uint8))[1].tobytes()
+    path = tmp_path / "call.mjpeg"
+    path.write_bytes(bright * 3 + half * 3)
+    with open_source(path) as source:
+        assert [round(frame.image_bgr.mean(), -1) for frame in frames_of(source)] == [200] * 3 + [100] * 3
+        assert source.note is None
+    path.write_bytes(bright * 3 + upright * 3 + half * 2)
+    with open_source(path) as source:
+        frames = frames_of(source)
+        assert [round(frame.image_bgr.mean(), -1) for frame in frames] == [200] * 3 + [100] * 2
+        assert {frame.size for frame in frames} == {(64, 48)}
+        assert source.note is not None
+        assert "only the 5 of the first are shown" in source.note
 
 
 def _write_clip(

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.types import Illumination
-from ashe_live.models.placement import UNMOVED, Placement
+from ashe_live.models.catalogue import load_model
+from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box
-from ashe_live.quality import FAST
+from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import live_gl_objects
 from ashe_live.render.occlusion import occlusion
 from ashe_live.render.passes import prepared
@@ -60,6 +61,30 @@ def test_what_is_dropped_while_it_is_prepared_leaves_nothing(ctx, stage, monkeyp
     renderer.render(Scene(tracked, small))
     assert live_gl_objects() == before
     renderer.release()
+    assert ctx.error == "GL_NO_ERROR"
+
+
+def test_the_quality_may_change_while_a_model_of_several_parts_is_prepared(ctx, stage, monkeypatch) -> None:
+    """As by key Q, or by itself with --quality auto: what its shaders look up is made anew."""
+    monkeypatch.setattr(prepared, "MOST_S", 0.0)
+    tracked, lit = stage.tracked(90, stage.pose(20, 40)), Illumination((stage.light(10, 40),))
+    small, goblet = stage.placed(box((0.02, 0.02, 0.02))), placed_on_marker(load_model("goblet"), 0.08)
+    assert len(goblet.model.parts) > 1
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
+    renderer.render(Scene(tracked, small, lit))
+    pictures = 0
+    while pictures == 0 or not renderer.is_settled:
+        renderer.preset = (FAST, BALANCED)[pictures % 2].render
+        renderer.render(Scene(tracked, goblet, lit))
+        pictures += 1
+    renderer.preset = FAST.render
+    renderer.render(Scene(tracked, goblet, lit))
+    shown = renderer.read_bgr()
+    at_once = SceneRenderer(ctx, FAST.render, (480, 360))
+    at_once.render(Scene(tracked, goblet, lit))
+    np.testing.assert_array_equal(shown, at_once.read_bgr())
+    renderer.release()
+    at_once.release()
     assert ctx.error == "GL_NO_ERROR"
 
 
