@@ -26,9 +26,6 @@ LEAST_SEEN = 0.9  # of body and shadow, in the mean view: a silhouette that is c
 # Cost, over that with the hull, that a family leaves unexplained for each pixel of the body. A pixel with a wrong label
 # costs ten: that of a twentieth of the body's pixels.
 LEAST_GAIN = 0.5
-# Mean squared distance, in sigmas, of the shadow's outline from steps of light, up to which it lies where the family
-# says. The light being one camera more, its silhouette is then explained at full resolution, whatever pixels cost.
-ON_STEPS = 1.0
 WIDENED = 0.35  # the box of voxels over the fitted body's
 CORNERS = 64  # directions in which a hull's farthest points stand for its convex hull
 
@@ -36,15 +33,15 @@ CORNERS = 64  # directions in which a hull's farthest points stand for its conve
 def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExplanation:
     """The explanation with the hull as its real object, and the light whose shadow that throws.
 
-    As it is where a family explains the silhouettes as well, or throws exactly the shadow that is seen, where there are
-    two lights or a lamp, where the views are too near to each other or show too little of body and shadow, and where
-    the hull tells no light. sharpener: of all views at full resolution.
+    As it is where a family explains the silhouettes as well, where there are two lights or a lamp, where the views are
+    too near to each other or show too little of body and shadow, and where the hull tells no light. sharpener: of all
+    views at full resolution.
     """
     joint = explanation.joint
     span = span_rad([view_direction(each.region.view.T_cam_marker) for each in explanation.each])
     is_sun = len(joint.lights) == 1 and joint.lights[0].light[3] == 0
     seen = np.mean([share_seen(each) for each in explanation.each])
-    if not is_sun or span is None or span < LEAST_SPAN_RAD or seen < LEAST_SEEN or joint.steps.shadow < ON_STEPS:
+    if not is_sun or span is None or span < LEAST_SPAN_RAD or seen < LEAST_SEEN:
         return explanation
     start = joint.lights[0].to_light_marker
     # Where a family's body misses parts of the object, their colours are those of what else is unlit around.

@@ -10,18 +10,15 @@ from ashe_live.bench.light.takes import FALL
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, TrackedFrame
-from ashe_live.light.edges.step_costs import StepCosts
-from ashe_live.light.estimators import looking, together
+from ashe_live.light.estimators import looking
 from ashe_live.light.estimators.looking import looked
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.scene_views import without_confirming
 from ashe_live.light.estimators.steps import BALANCED, FAST
 from ashe_live.light.estimators.together import without_alike
 from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge
-from ashe_live.light.explanation.sharpen import Sharpener
-from ashe_live.light.hull.explained import ON_STEPS, with_hull
 from ashe_live.light.lamps.sources import SeenObject
-from ashe_live.light.views.joint import JointExplanation, in_each_view
+from ashe_live.light.views.joint import in_each_view
 from ashe_live.light.views.seen import SceneView
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
@@ -155,15 +152,10 @@ def test_the_same_views_give_the_same_bits() -> None:
     np.testing.assert_array_equal(one.covariance_rad2, again.covariance_rad2)
 
 
-ODD = (
-    Caster(at=(0.1, -0.03), width_m=0.03),
-    Caster(at=(0.14, 0.02), width_m=0.03),
-    Caster("cylinder", (0.12, -0.005), 0.06, 0.035, BOX.rgb),
-)
-
-
 def test_the_hull_stands_for_what_is_like_no_family() -> None:
-    first, *others = views_of(*ODD, headings=(90, 65, 115, 78))
+    odd = Caster(at=(0.1, -0.03), width_m=0.03), Caster(at=(0.14, 0.02), width_m=0.03)
+    block = Caster("cylinder", (0.12, -0.005), 0.06, 0.035, BOX.rgb)
+    first, *others = views_of(*odd, block, headings=(90, 65, 115, 78))
     estimate = ProxyEstimator(FAST).estimate(first, others)
     assert estimate.light is not None, estimate.reason
     assert math.degrees(angle_between(estimate.light.to_light_marker, direction(200, 40))) < 2.0
@@ -177,24 +169,6 @@ def test_the_hull_stands_for_what_is_like_no_family() -> None:
     assert (low[:2] < (0.094, -0.036)).all()
     assert (high[:2] > (0.146, 0.026)).all()
     assert (high - low)[:2].max() < 0.12
-
-
-def test_a_family_that_throws_exactly_the_shadow_that_is_seen_needs_no_hull(monkeypatch: pytest.MonkeyPatch) -> None:
-    hulled: list[JointExplanation] = []
-
-    def kept(explanation: JointExplanation, sharpener: Sharpener) -> JointExplanation:
-        found = with_hull(explanation, sharpener)
-        steps = StepCosts(explanation.joint.steps.body, 0.9 * ON_STEPS)
-        exact = dataclasses.replace(explanation, joint=dataclasses.replace(explanation.joint, steps=steps))
-        if found is not explanation:
-            hulled.append(found)
-            assert with_hull(exact, sharpener) is exact
-        return found
-
-    monkeypatch.setattr(together, "with_hull", kept)
-    first, *others = views_of(*ODD, headings=(90, 65, 115, 78))
-    ProxyEstimator(FAST).estimate(first, others)
-    assert hulled
 
 
 def test_views_confirm_an_explanation_that_they_show_as_well() -> None:
