@@ -177,7 +177,9 @@ class Illumination:
     lights: tuple[Light, ...] = ()
     ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that none of `lights` reaches, over lit ground
     ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the video
-    real_object: Proxy | None = None  # approximates the real object, which casts shadows and occludes the model
+    # Approximates the real object, which casts shadows and occludes the model. It stands below the plane z = 0 where
+    # several views tell that the marker lies above the ground.
+    real_object: Proxy | None = None
     # The frame, with a marker, that polished surfaces mirror, and whose white turns `ground_rgb` into an albedo.
     # None: they mirror even ground under an overcast sky.
     seen_in: TrackedFrame | None = None

@@ -131,6 +131,13 @@ def test_the_answer_is_the_lights_that_shine_but_for_misleading_pictures(
                 assert scene["patches"] or any(each["role"] == "outside" for each in scene["objects"])
 
 
+def test_nothing_in_view_throws_the_shadow_of_a_light_that_is_not_to_be_told() -> None:
+    beside_a_shadow_from_outside = [specification("training", index) for index in (176, 270, 274)]
+    for scene in beside_a_shadow_from_outside:
+        assert scene["without_object"]
+        assert [each["role"] for each in scene["objects"]] == ["outside"]
+
+
 def test_cells_of_a_marker_are_those_that_opencv_draws(training: list[dict[str, Any]]) -> None:
     for scene in training[:10]:
         sheet = scene["marker"]

@@ -60,7 +60,7 @@ def looked(
     trace.ground = views[0].ground
     candidates, log_odds, lamps = _explanations(views[0], trace, steps, judge, clock)
     if len(views) > 1:
-        together = _explained_together((views[0], candidates), views, steps, judge, lamps, clock)
+        together = _explained_together((views[0], candidates), views, trace, steps, judge, lamps, clock)
         alone, alone_log_odds = _directions(candidates), log_odds
         candidates, log_odds = [each.joint for each, _ in together], [odds for _, odds in together]
         log_odds = no_less_sure(_directions(candidates), log_odds, alone, alone_log_odds)
@@ -72,6 +72,7 @@ def looked(
 def _explained_together(
     first: tuple[SceneView, Sequence[Explanation]],
     views: Sequence[SceneView],
+    trace: Trace,
     steps: ProxySteps,
     judge: Judge,
     lamps: LampHypotheses,
@@ -81,7 +82,7 @@ def _explained_together(
 
     Where that leaves doubt as well, each view is also searched as if it were the only one: the inside of a plain object
     does not visibly shear, so that labels which rest on other views take it for the shadow. first: the first view with
-    its explanations.
+    its explanations; trace: of its picture.
     """
 
     def searched(several: Sequence[SceneView]) -> Iterator[tuple[SceneView, Sequence[Explanation]]]:
@@ -90,15 +91,23 @@ def _explained_together(
             rough, *_ = _rough_explanations(view, seen, Trace(view.coarse), _beside(steps), judge, clock)
             yield view, rough
 
+    def together_of(
+        several: Sequence[tuple[SceneView, Sequence[Explanation]]],
+        found: Sequence[tuple[SceneView, Sequence[Explanation]]],
+    ) -> list[tuple[JointExplanation, float]]:
+        company = Company([one for _, those in found for one in those], trace.glint, trace.sheet_shadow)
+        return explained_together(several, views, steps, judge, lamps, company)
+
     companions = views[1 : 1 + steps.companions]
-    together = explained_together([first], views, steps, judge, lamps)
+    together = together_of([first], [first])
     if _leaves_no_doubt(together) or not companions:
         return together
-    together = explained_together([first, *searched(companions)], views, steps, judge, lamps)
+    found = [first, *searched(companions)]
+    together = together_of(found, found)
     if _leaves_no_doubt(together):
         return together
     alone = [(view, _found_alone(view, steps, judge, clock)) for view in views[:SEARCHED_ALONE]]
-    return without_alike([*together, *explained_together(alone, views, steps, judge, lamps)])
+    return without_alike([*together, *together_of(alone, [*found, *alone])])
 
 
 def _leaves_no_doubt(together: Sequence[tuple[JointExplanation, float]]) -> bool:

@@ -8,6 +8,7 @@ confidence, or rejects it. `looking` calls the stages; docs/maths.md has the equ
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,6 +38,8 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.views.agreement import without_confirming
+from ashe_live.light.views.ground_height import COMPARED, height_above_ground, seen_from_ground, seen_from_marker
+from ashe_live.light.views.which import usable
 
 
 class ProxyEstimator:
@@ -62,6 +65,16 @@ class ProxyEstimator:
             # The marker is printed on a known body, which casts a shadow itself.
             estimate, view = estimate_by_body(tracked, tracked.marker.body, self._steps.fine_width_px, self.name)
             return estimate, Trace(view)
+        compared = usable(tracked, others, min(COMPARED, self._steps.views - 1))
+        height_m = height_above_ground([tracked, *compared])
+        if height_m == 0:
+            return self._of_agreeing(tracked, others)
+        tracked, *others = (seen_from_ground(each, height_m) for each in (tracked, *others))
+        estimate, trace = self._of_agreeing(tracked, others)
+        return replace(estimate, illumination=seen_from_marker(estimate.illumination, height_m)), trace
+
+    def _of_agreeing(self, tracked: TrackedFrame, others: Sequence[TrackedFrame]) -> tuple[LightEstimate, Trace]:
+        """As `traced`, of frames in which the plane z = 0 is the ground; those that show another scene are left out."""
         clock = StageClock()
         estimate, trace = self._traced(tracked, others, clock)
         if len(estimate.views) > 1:

@@ -7,6 +7,7 @@ from operator import itemgetter
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.company import Company
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.sharpen import Sharpener
@@ -46,23 +47,25 @@ def explained_together(
     steps: ProxySteps,
     judge: Judge,
     lamps: LampHypotheses,
+    company: Company,
 ) -> list[tuple[JointExplanation, float]]:
     """The likeliest different candidates of some of the views, aligned in all, and their log odds; the likeliest first.
 
     found: views with their explanations. views: all, that of the answer first. lamps: what that one's ground tells.
+    company: what else that one shows, and what was found in any.
     """
     candidates = [(view, each) for view, several in found for each in several]
 
     def in_one_view(pair: tuple[SceneView, Explanation]) -> float:
         one = pair[1]
-        return judge.log_odds(one) + plane_support(one.region, one.predicted.body, one.predicted.shadow)
+        return judge.log_odds(one, company) + plane_support(one.region, one.predicted.body, one.predicted.shadow)
 
     ranked = sorted(((in_one_view(pair), *pair) for pair in candidates), key=itemgetter(0), reverse=True)
     candidates = [(view, each) for odds, view, each in ranked if odds > ranked[0][0] - MOST_BEHIND]
 
     @cache
     def log_odds(one: JointExplanation) -> float:
-        return joint_log_odds(one, judge)
+        return joint_log_odds(one, judge, company)
 
     few, rest = views[:FIRST_VIEWS], views[FIRST_VIEWS:]
     starts = []

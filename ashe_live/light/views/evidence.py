@@ -9,6 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import angle_between, view_direction
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.company import Company, company_features
 from ashe_live.light.explanation.judgement.evidence import of_steps_and_families
 from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
@@ -44,27 +45,29 @@ ALIKE_SHARE = 0.3  # of a body's size: the most distance between the feet of two
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the largest angle between their lights
 
 
-def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
+def joint_features(explanation: JointExplanation, company: Company) -> Mapping[str, float]:
     """The features of an explanation of several views: the mean over the first JUDGED views of what each shows.
 
     Each view is weighted by how much of body and shadow its picture shows. Steps of light are those of all views
-    together, and so is the covariance that tells how well the light is determined.
+    together, and so is the covariance that tells how well the light is determined. company: what else the first view
+    shows, and what was found in any.
     """
     judged = explanation.each[:JUDGED]
     of_views = [explanation_features(each) for each in judged]
     weights = [max(share_seen(each), LEAST_SEEN) for each in judged]
     means = {name: float(np.average([each[name] for each in of_views], weights=weights)) for name in of_views[0]}
-    return {**means, **of_steps_and_families(explanation.joint)}
+    joint = explanation.joint
+    return {**means, **of_steps_and_families(joint), **company_features(joint, company)}
 
 
-def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
+def joint_log_odds(explanation: JointExplanation, judge: Judge, company: Company) -> float:
     """Log odds that the explanation is right rather than none of those tried."""
     joint = explanation.joint
     shadow = joint.predicted.shadow & ~_hidden_elsewhere(explanation)
     support = joint_support(joint.region, joint.predicted.body, shadow)
     # Labels tell about a body only as far as its picture shows it.
     seen = float(np.mean([share_seen(each) for each in explanation.each]))
-    return judge.log_odds_of(joint_features(explanation)) + seen * support
+    return judge.log_odds_of(joint_features(explanation, company)) + seen * support
 
 
 def no_less_sure(

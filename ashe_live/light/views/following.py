@@ -17,6 +17,7 @@ from ashe_live.light.shape.body import Body, BodyFrame, LitBody
 from ashe_live.light.shape.family import Family, Parts
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.views.costs_around import costs_around
+from ashe_live.light.views.ground_height import seen_from_ground, seen_from_marker
 
 WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 160, 480, 90  # widths of the frame for its ground and for the region; its size
 STEPS = GroundSteps(12, 8, 1)  # coarser than any preset's: a known body needs little of the ground
@@ -31,11 +32,23 @@ def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | No
 
     The body stays as it is; the lights' directions move until the shadows lie on their borders in the picture. Their
     uncertainty comes mostly from the body, and stays as well. An estimate without a light or a body, or a frame without
-    a marker, gives None. The masks are left out.
+    a marker, gives None. The masks are left out. A body that stands below the marker's plane stands on its own.
     """
-    body, lights = estimate.illumination.real_object, estimate.lights
-    if tracked.marker is None or body is None or not lights:
+    body = estimate.illumination.real_object
+    if tracked.marker is None or body is None or not estimate.lights:
         return None
+    height_m = max(-_lowest(body), 0.0)
+    found = _followed(
+        replace(estimate, illumination=seen_from_marker(estimate.illumination, -height_m)),
+        body.raised(height_m),
+        seen_from_ground(tracked, height_m),
+    )
+    return found and replace(found, illumination=seen_from_marker(found.illumination, height_m))
+
+
+def _followed(estimate: LightEstimate, body: Proxy, tracked: TrackedFrame) -> LightEstimate | None:
+    """As `follow`, of a body that stands on the plane z = 0."""
+    lights = estimate.lights
     fine = View.of(tracked, FINE_WIDTH_PX)
     coarse = fine.scaled(WIDTH_PX)
     ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, STEPS)
@@ -63,6 +76,11 @@ def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | No
 def _is_clear(found: Alignment) -> bool:
     clear = min(found.clear_body, *found.clear_shadows)
     return clear >= LEAST_CLARITY and found.misfit_px <= MOST_MISFIT * found.placed.object_px
+
+
+def _lowest(proxy: Proxy) -> float:
+    """The z of its lowest point, metres."""
+    return float((proxy.spheroids_marker[:, 2] - proxy.spheroids_marker[:, 4]).min())
 
 
 def _given(proxy: Proxy) -> Body:

@@ -9,7 +9,9 @@ import pytest
 from ashe_live.core.arrays import Mask
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.explanation.judgement.company import ALONE, Company
 from ashe_live.light.explanation.judgement.judge import best_direction, fitted_judge, probabilities_of
+from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.views.evidence import joint_log_odds, joint_support, no_less_sure
 from ashe_live.light.views.joint import JointExplanation, in_each_view
@@ -86,10 +88,24 @@ def test_what_another_object_hides_in_one_view_does_not_shear_in_the_other() -> 
             )
             for each, mask in ((here, end), (there, standing))
         ]
-        return joint_log_odds(JointExplanation(several[0], tuple(several), here), fitted_judge())
+        return joint_log_odds(JointExplanation(several[0], tuple(several), here), fitted_judge(), ALONE)
 
     in_its_place, reaching_over = log_odds(end_there), log_odds(grown(end_there, 3) | beside)
     assert reaching_over > in_its_place + 0.5
+
+
+def test_what_else_a_picture_shows_counts_with_several_views_too() -> None:
+    first, other = (
+        paint(BOX, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading)).tracked for heading in (90, 60)
+    )
+    _, trace = ProxyEstimator(FAST).traced(first, [other])
+    found = in_each_view(trace.judged[int(np.argmax(trace.probabilities))])
+    towards = found.joint.lights[0].to_light_marker[:2]
+    confirmed, contradicted = (
+        joint_log_odds(found, fitted_judge(), Company(sheet=SheetShadow(0.05 * away, 0.8)))
+        for away in (-towards, towards)
+    )
+    assert contradicted + 0.5 < joint_log_odds(found, fitted_judge(), ALONE) < confirmed - 0.5
 
 
 def test_one_view_alone_supports_nothing() -> None:

@@ -10,6 +10,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.views.following import follow
+from ashe_live.light.views.ground_height import seen_from_ground, seen_from_marker
 from tests.light.painted_scenes import BOX, SHADOW_RATIO, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
 
@@ -38,6 +39,19 @@ def test_the_light_is_followed(ground: str, heading_deg: float, turned_deg: floa
     assert math.degrees(angle_between(found.light.to_light_marker, truth)) < 1.0
     assert found.frame_index == found.views[0] == tracked.frame.index
     np.testing.assert_array_equal(found.light.covariance_rad2, known().light.covariance_rad2)
+
+
+@pytest.mark.parametrize("heading_deg", [60, 90, 120])
+def test_a_body_below_the_markers_plane_stands_on_a_plane_of_its_own(heading_deg: float) -> None:
+    card_m = 0.01
+    estimate = known()
+    lowered = dataclasses.replace(estimate, illumination=seen_from_marker(estimate.illumination, card_m))
+    found = follow(lowered, seen_from_ground(painted_from(heading_deg, BOX, ground="bricks"), -card_m))
+    assert found is not None
+    assert found.light is not None
+    assert math.degrees(angle_between(found.light.to_light_marker, direction(200, 40))) < 1.0
+    assert found.illumination.real_object is not None
+    assert found.illumination.real_object.points_marker()[:, 2].min() == pytest.approx(-card_m)
 
 
 def test_a_light_that_is_elsewhere_is_not_followed() -> None:

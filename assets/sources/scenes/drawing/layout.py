@@ -54,7 +54,7 @@ def layout(rng: Rng, base: str, ground: Params, sealed: bool, dark: bool, lamps:
     count = int(rng.integers(1, 4)) if base == "clutter" else 1 if occluded else int(rng.random() < 0.1)
     if lamps:
         count = int(rng.integers(0, 3))
-    for _ in range(count):
+    for _ in range(0 if alone else count):
         other = neighbour(rng, ground, sealed, camera, size, objects, sheet, hull, occluded)
         if other is None:
             return None

@@ -1,0 +1,75 @@
+"""How high the marker lies above the ground: by the ground's texture in painted pictures of known scenes."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.views.ground_height import height_above_ground, seen_from_ground, seen_from_marker
+from tests.light.painted_scenes import BOX, Caster, paint
+from tests.light.synthetic_masks import camera_towards, direction
+
+CARD_M = 0.004
+
+
+def painted_from(
+    *headings_deg: float, card_m: float = 0.0, casters: tuple[Caster, ...] = (BOX,), ground: str = "bricks"
+) -> list[TrackedFrame]:
+    """Frames of a box on the ground, with poses of a marker that lies so far above it."""
+    poses = [camera_towards((0.06, 0.0), 0.5, 45.0, heading) for heading in headings_deg]
+    frames = [paint(*casters, ground=ground, T_cam_marker=pose).tracked for pose in poses]
+    return [seen_from_ground(each, -card_m) for each in frames]
+
+
+@pytest.mark.parametrize("card_m", [CARD_M, 0.007])
+def test_texture_tells_how_far_the_ground_lies_below_the_marker(card_m: float) -> None:
+    assert height_above_ground(painted_from(90, 75, 105, card_m=card_m)) == pytest.approx(card_m, abs=5e-4)
+
+
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+@pytest.mark.parametrize("headings_deg", [(90, 75, 105), (90, 89), (90, 90), (90,)])
+def test_a_sheet_that_lies_flat_is_not_said_to_be_on_card(headings_deg: tuple[float, ...], ground: str) -> None:
+    assert height_above_ground(painted_from(*headings_deg, ground=ground)) == 0
+
+
+def test_what_hardly_shows_is_not_told() -> None:
+    assert height_above_ground(painted_from(90, 89.5, card_m=CARD_M)) == 0
+    assert height_above_ground(painted_from(90, 75, card_m=CARD_M, casters=(), ground="plain")) == 0
+
+
+def test_the_answer_is_that_of_the_ground_and_its_body_stands_there() -> None:
+    on_card, flat = (
+        ProxyEstimator(FAST).estimate(first, others)
+        for first, *others in (painted_from(90, 60, 120, card_m=card_m) for card_m in (CARD_M, 0.0))
+    )
+    assert on_card.light is not None
+    assert flat.light is not None
+    assert math.degrees(angle_between(on_card.light.to_light_marker, flat.light.to_light_marker)) < 0.3
+    body = on_card.illumination.real_object
+    assert body is not None
+    assert body.points_marker()[:, 2].min() == pytest.approx(-CARD_M, abs=5e-4)
+
+
+def test_a_lamp_stays_where_it_is() -> None:
+    at_m = np.array([0.2, -0.1, 0.3])  # from the ground below the marker's centre
+    distance = float(np.linalg.norm(at_m))
+    lamp = Light(at_m / distance, inverse_distance=1 / distance)
+    sun = Light(direction(200, 40))
+    body = Proxy("box", np.array([(0.1, 0.0, 0.05, 0.02, 0.0)]))
+    seen = seen_from_marker(Illumination((lamp, sun), real_object=body), CARD_M)
+    found, same = seen.lights
+    np.testing.assert_allclose(found.to_light_marker / found.inverse_distance, at_m - (0, 0, CARD_M), atol=1e-12)
+    np.testing.assert_allclose(same.to_light_marker, sun.to_light_marker)
+    assert seen.real_object is not None
+    assert seen.real_object.spheroids_marker[0, 2] == pytest.approx(0.05 - CARD_M)
+
+
+def test_a_frame_without_a_marker_stays_as_it_is() -> None:
+    frame = replace(painted_from(90)[0], marker=None)
+    assert seen_from_ground(frame, CARD_M) is frame
