@@ -37,7 +37,7 @@ def errors_of(offsets: Float, spreads: Float, shares: Float) -> Errors:
     errors = np.linalg.norm(offsets[:, None] + samples @ along.transpose(0, 2, 1), axis=2)
     order = np.argsort(errors, axis=None)
     cumulated = np.cumsum(np.repeat(shares / len(samples), len(samples))[order])
-    return Errors(np.append(0.0, errors.ravel()[order]), np.append(0.0, cumulated))
+    return Errors(np.append(0.0, errors.ravel()[order]), np.append(0.0, np.minimum(cumulated, 1.0)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
