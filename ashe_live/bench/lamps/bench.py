@@ -5,11 +5,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import ClassVar
 
+import numpy as np
 from rich.progress import track
 
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import read_cases
 from ashe_live.bench.lamps.fall_errors import FallError, fall_error, fitted_share, whole_share
+from ashe_live.bench.metrics import ELLIPSE_95
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
@@ -52,6 +54,11 @@ class LampBench(Bench):
             if errors:
                 table.add_row(name, str(len(errors)), f"{whole_share(errors):.0%}", f"{fitted_share(errors):.0%}")
         self.console.print(table)
+        median_deg = float(np.median([each.direction_deg for each in used]))
+        within = float(np.mean([each.squared_sigmas <= ELLIPSE_95 for each in used]))
+        self.console.print(
+            f"direction by the fall alone: {median_deg:.1f}° off in the median, {within:.0%} in the 95 % ellipse"
+        )
         further, whole = fitted_share(used), whole_share(used)
         self.console.print(f"FALL_ERROR_SHARE {further:.2f}, in use {FALL_ERROR_SHARE:.2f}")
         self.console.print(f"WHOLE_ERROR_SHARE {whole:.2f}, in use {WHOLE_ERROR_SHARE:.2f}")

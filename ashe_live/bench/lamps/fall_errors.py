@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from ashe_live.bench.cases import Case
+from ashe_live.bench.metrics import angular_error_deg, tangent_offset
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.estimators.steps import ProxySteps
@@ -18,7 +19,7 @@ from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.kinds import AUTO
 from ashe_live.light.lamps.lit_by_lamp import LEAST_PX, lit_ground_of
 from ashe_live.light.lamps.place import Place
-from ashe_live.light.lamps.sources import share_of, with_fall_off
+from ashe_live.light.lamps.sources import anywhere_about, share_of, with_fall_off
 from ashe_live.light.pixels.view import View
 
 KNOWN_M, OPEN = 0.01, 30.0  # sigmas: of the displacement at the object, which is given, and of the nearness (1/m)
@@ -33,6 +34,8 @@ class FallError:
     true: float  # nearness w / z (1/m)
     told: float
     sigma: float  # of `told`, by the ground's noise and unevenness
+    direction_deg: float  # error at the marker by the fall of light alone: the direction is not given
+    squared_sigmas: float  # of the same: squared Mahalanobis distance
 
     @property
     def share(self) -> float:
@@ -68,7 +71,20 @@ def fall_error(case: Case, steps: ProxySteps) -> FallError | None:
     if information <= 0 or place.mean[2] <= 0:
         return None
     sigma = 1 / math.sqrt(information)
-    return FallError(even.worst_cost - pull.worst_cost, 1 / float(case.lamp_m[2]), float(place.mean[2]), sigma)
+    true = np.append(case.lamp_m[:2], 1.0) / case.lamp_m[2]
+    alone = with_fall_off(
+        anywhere_about(Place(true, np.eye(3)), case.foot_m), fall_off, np.empty((0, 3)), [share], reference
+    )
+    to_lamp = case.lamp_m / np.linalg.norm(case.lamp_m)
+    off = tangent_offset(alone.light[:3], to_lamp)
+    return FallError(
+        even.worst_cost - pull.worst_cost,
+        1 / float(case.lamp_m[2]),
+        float(place.mean[2]),
+        sigma,
+        angular_error_deg(alone.light[:3], to_lamp),
+        float(off @ np.linalg.solve(alone.lamp_covariance[:2, :2], off)),
+    )
 
 
 def fitted_share(errors: Sequence[FallError]) -> float:

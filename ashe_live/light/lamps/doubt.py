@@ -5,14 +5,14 @@ beside the object, by 17 degrees. The evidence that is too weak to state a lamp 
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
 from ashe_live.core.types import Light
-from ashe_live.light.explanation.judgement.judge import GOOD_RAD, probability_of_good
-from ashe_live.light.lamps.place import Place
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.lamps.mixture import errors_of
+from ashe_live.light.lamps.place import LAMPS_NEARNESS, Place
 from ashe_live.light.shape.directions import (
     FittedLight,
     direction_by_displacement,
@@ -20,15 +20,14 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
 )
 
-# Sigma of the nearness of lamps (1/m), and the probability of a lamp before a picture is seen: both count only where
-# the evidence leaves it open, in what the direction is at the marker.
-LAMPS_NEARNESS, LAMPS_SHARE = 1.5, 0.5
+# The probability of a lamp before a picture is seen: it counts only where the evidence leaves it open, in what the
+# direction is at the marker.
+LAMPS_SHARE = 0.5
 # That chance exceeds once in twenty, as lamps are on one side of a sun: below it a sun's direction stays as it was
 # measured.
 CHANCE_DEVIANCE = 2.71
 MOST_LOG_ODDS = 20.0  # of a lamp against a sun, either way
 FAR_TAIL = -5.0  # argument of erf, below which its asymptote is used
-CIRCLES, POINTS = 24, 24  # of equal probability, that stand for a normal distribution; and on each of them
 
 
 def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float) -> Light:
@@ -53,8 +52,8 @@ def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float) -> 
     offsets = np.stack([as_sun - expected, as_lamp - expected]) @ slope.T
     spreads = np.stack([slope @ each @ slope.T for each in (of_sun, of_lamp)])
     covariance = np.einsum("i,ijk->jk", shares, spreads + offsets[:, :, None] * offsets[:, None, :])
-    errors = _errors(offsets, spreads, shares)
-    alone = _errors(np.zeros((1, 2)), light.covariance_rad2[None], np.ones(1))
+    errors = errors_of(offsets, spreads, shares)
+    alone = errors_of(np.zeros((1, 2)), light.covariance_rad2[None], np.ones(1))
     good = min(errors.within(GOOD_RAD) / max(alone.within(GOOD_RAD), 1e-9), 1.0)
     return replace(
         light,
@@ -63,33 +62,6 @@ def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float) -> 
         sigma_rad=min(errors.radius(0.68), math.pi),
         confidence=None if light.confidence is None else light.confidence * good,
     )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Errors:
-    """The distribution of a direction's error, by samples."""
-
-    radii: Float  # (n,) radians, increasing
-    probability: Float  # (n,) that an error is no larger
-
-    def radius(self, probability: float) -> float:
-        return float(np.interp(probability, self.probability, self.radii))
-
-    def within(self, radius_rad: float) -> float:
-        return float(np.interp(radius_rad, self.radii, self.probability))
-
-
-def _errors(offsets: Float, spreads: Float, shares: Float) -> _Errors:
-    """Of a mixture of normal distributions: offsets (n, 2) from the answer, covariances (n, 2, 2), shares (n,)."""
-    turns = (np.arange(POINTS) + 0.5) * (2 * math.pi / POINTS)
-    radii = np.sqrt(-2 * np.log1p(-(np.arange(CIRCLES) + 0.5) / CIRCLES))  # quantiles of Rayleigh's distribution
-    samples = (radii[:, None, None] * np.column_stack([np.cos(turns), np.sin(turns)])).reshape(-1, 2)
-    values, vectors = np.linalg.eigh(spreads)
-    along = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
-    errors = np.linalg.norm(offsets[:, None] + samples @ along.transpose(0, 2, 1), axis=2)
-    order = np.argsort(errors, axis=None)
-    cumulated = np.cumsum(np.repeat(shares / len(samples), len(samples))[order])
-    return _Errors(np.append(0.0, errors.ravel()[order]), np.append(0.0, cumulated))
 
 
 def _with_prior(place: Place) -> tuple[float, float]:
@@ -126,11 +98,3 @@ def _positive(mean: float, variance: float) -> tuple[float, float]:
         return variance / -mean, (variance / mean) ** 2
     hazard = math.sqrt(2 / math.pi) * math.exp(-(x**2) - _log_side(x))
     return mean + sigma * hazard, variance * (1 - hazard * (mean / sigma + hazard))
-
-
-def confidence_within(light: Light, covariance_rad2: Float) -> float | None:
-    """The light's confidence, lowered by what a wider covariance leaves of directions within 10 degrees."""
-    if light.confidence is None or light.covariance_rad2 is None:
-        return None
-    before, after = (probability_of_good(each) for each in (light.covariance_rad2, covariance_rad2))
-    return light.confidence * min(after / before, 1.0)

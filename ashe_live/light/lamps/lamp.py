@@ -13,19 +13,20 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light
 from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.companions import companions
-from ashe_live.light.lamps.doubt import confidence_within, with_doubt
+from ashe_live.light.lamps.doubt import with_doubt
 from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
+from ashe_live.light.lamps.mixture import Mixture
 from ashe_live.light.lamps.near_fits import fitted_near
 from ashe_live.light.lamps.place import Place, places_by_glints
 from ashe_live.light.lamps.sources import (
@@ -34,6 +35,7 @@ from ashe_live.light.lamps.sources import (
     Witnesses,
     deviance_of_sun,
     place_by_all,
+    place_by_fall,
     place_seen_from_a_sun,
     shadow_middle,
 )
@@ -117,10 +119,12 @@ def stated(
     if is_lamp:
         worth = WORTH_ALIGNING if kind == AUTO else 0.0
         seen, at = _fitted_as_lamps(seen, place, covariance_of, worth, scene)
-        if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0):
+        believed = _believed(seen, covariance_of)
+        if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0) and believed.mean.mean[2] > 0:
             best = seen.objects[0].explanation
             alone, *others_lights = lights_of(best, confidence)
-            return Answer(best, (_lamp(alone, at, ratios[0], shadow_middle(best)), *others_lights), at)
+            lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
+            return Answer(best, (lamp, *others_lights), believed.mean)
     alone, *others_lights = lights
     unsure = with_doubt(alone, place, from_sun, deviance_of_sun(seen, place))
     return Answer(explanation, (unsure, *others_lights), place)
@@ -168,6 +172,15 @@ def _fitted_as_lamps(
     return seen, place
 
 
+def _believed(seen: Witnesses, covariance_of: Callable[[Explanation, float], Float]) -> Mixture:
+    """Where the lamp is: by all, if the first object and its shadow are what they were taken for, else by its light."""
+    first = seen.objects[0]
+    certain = replace(first, covariance_rad2=covariance_of(first.explanation, 1.0))
+    if_right = place_by_all(replace(seen, objects=[certain, *seen.objects[1:]]))
+    places = [if_right, place_by_fall(seen, if_right)]
+    return Mixture.of(places, np.array([first.probability, 1 - first.probability]))
+
+
 def _may_be_near(place: Place) -> bool:
     """Whether a sun is not certain: something tells of a lamp, or nothing tells anything."""
     return _is_near(place, WORTH_LOOKING) or place.nearness_sigma > UNTOLD_NEARNESS
@@ -185,10 +198,10 @@ def _is_near(place: Place, sigmas: float) -> bool:
     return place.mean[2] > 0 and place.standard_errors > sigmas
 
 
-def _lamp(light: Light, place: Place, ratio: Float, reference: Float) -> Light:
+def _lamp(light: Light, believed: Mixture, ratio: Float, reference: Float) -> Light:
     """The direction `light` restated as a lamp; ratio: (3,) the shadow ratio, measured at `reference` (2,)."""
+    place = believed.mean
     covariance = place.lamp_covariance
-    of_direction = covariance[:2, :2]
     x, y, z, inverse_distance = place.light
     aside = place.mean[:2] - place.mean[2] * reference
     brighter = ((1 + aside @ aside) / (1 + place.mean[:2] @ place.mean[:2])) ** 1.5  # at the centre than there
@@ -196,9 +209,9 @@ def _lamp(light: Light, place: Place, ratio: Float, reference: Float) -> Light:
     return replace(
         light,
         to_light_marker=np.array([x, y, z]),
-        covariance_rad2=of_direction,
-        sigma_rad=radius_of_68_percent(of_direction),
-        confidence=confidence_within(light, of_direction),
+        covariance_rad2=covariance[:2, :2],
+        sigma_rad=min(believed.errors.radius(0.68), math.pi),
+        confidence=believed.errors.within(GOOD_RAD),
         inverse_distance=float(inverse_distance),
         lamp_covariance=covariance,
         intensity_rgb_ratio=np.maximum(intensity, 0.0),

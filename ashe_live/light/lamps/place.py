@@ -26,6 +26,7 @@ from ashe_live.light.views.joint import views_as_one
 # Sigma of the ray that a glint shows, on either axis: the ground's relief and its rough reflection move the peak. Three
 # of a generated set's four glints are 0.1 to 0.4 degrees off, the other is not the lamp's.
 GLINT_SIGMA_RAD = math.radians(1.0)
+LAMPS_NEARNESS = 1.5  # 1/m, sigma of the nearness of lamps before a picture is seen: it counts only where that is open
 MOST_APART = 9.2  # squared distance of a glint from where its light would show one, in sigmas: 99 % of two dimensions
 
 

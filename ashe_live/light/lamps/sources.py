@@ -10,8 +10,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.fall.fall_off import FallOff, Pull
-from ashe_live.light.lamps.place import Place, combined, place_by_borders
-from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.lamps.place import LAMPS_NEARNESS, Place, combined, place_by_borders
+from ashe_live.light.shape.directions import FittedLight, with_hemisphere_prior
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
 
@@ -70,6 +70,30 @@ def place_by_all(seen: Witnesses) -> Place:
         return by_borders
     first = seen.objects[0].explanation
     return with_fall_off(by_borders, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
+
+
+def place_by_fall(seen: Witnesses, about: Place) -> Place:
+    """Where the light is if what was taken for the first object's shadow is none: by the fall of light alone.
+
+    about: what the shadow tells if it is one.
+    """
+    first = seen.objects[0].explanation
+    anywhere = anywhere_about(about, first.alignment.placed.lit.body.frame.origin_marker)
+    if seen.fall_off is None:
+        return anywhere
+    return with_fall_off(anywhere, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
+
+
+def anywhere_about(place: Place, foot_m: Float) -> Place:
+    """A light of which nothing is told: on the hemisphere that an object at foot_m (2,) sees, as near as lamps are.
+
+    place: the mean of that wide distribution.
+    """
+    line = np.column_stack([np.eye(2), -foot_m])
+    from_object = np.append(line @ place.mean, (1.0, 0.0))
+    information = line.T @ with_hemisphere_prior(np.zeros((2, 2)), from_object[None]) @ line
+    information[2, 2] += 1 / LAMPS_NEARNESS**2
+    return Place(place.mean, np.asarray(information))
 
 
 def place_seen_from_a_sun(seen: Witnesses) -> Place:

@@ -20,7 +20,9 @@ def errors(share: float, sigma_share: float) -> list[FallError]:
     rng = np.random.default_rng(7)
     true = rng.uniform(0.5, 3.0, 4000)
     told = true * (1 + np.hypot(share, sigma_share) * rng.normal(size=4000))
-    return [FallError(50.0, k, at, sigma_share * k) for k, at in zip(true.tolist(), told.tolist(), strict=True)]
+    return [
+        FallError(50.0, k, at, sigma_share * k, 0.0, 0.0) for k, at in zip(true.tolist(), told.tolist(), strict=True)
+    ]
 
 
 def test_the_further_share_is_what_the_sigmas_lack() -> None:
@@ -33,6 +35,7 @@ def test_honest_sigmas_lack_nothing() -> None:
 
 
 LAMP_M = np.array([-0.3, -0.15, 0.4])
+WITHIN_99 = 9.2  # squared Mahalanobis distance in two dimensions
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +69,7 @@ def test_a_lamps_nearness_is_told_by_the_fall_of_light(lamp_case: Case) -> None:
     assert found.true == pytest.approx(1 / LAMP_M[2])
     assert found.told == pytest.approx(found.true, rel=0.15)
     assert found.deviance > 30
+    assert found.squared_sigmas < WITHIN_99
 
 
 def test_suns_and_several_lights_tell_nothing(lamp_case: Case) -> None:

@@ -1,0 +1,68 @@
+"""How a lamp is stated: by its object's shadow as far as that is believed, else by the light on the ground."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.explanation.explain import Proposal, explained, explained_near
+from ashe_live.light.explanation.judgement.judge import fitted_judge
+from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.ground.shadow_shift import shadow_ratio
+from ashe_live.light.labels.associate import Split
+from ashe_live.light.lamps.kinds import LAMP
+from ashe_live.light.lamps.lamp import Answer, Scene, stated
+from ashe_live.light.pixels.view import View
+from tests.light.painted_regions import painted_region
+from tests.light.painted_scenes import BOX
+
+LAMP_M = (-0.3, -0.1, 0.45)
+FIT = partial(explained_near, preset=BALANCED.fine_fit)
+
+
+def answer(confidence: float) -> Answer:
+    """A box's explanation under a lamp, stated as one."""
+    here = painted_region(BOX, lamp_m=LAMP_M)
+    (sun,) = explained([Proposal(here.region, here.materials, Split(here.body, here.shadow))], BALANCED.fine_fit)
+    assert sun is not None
+    tracked, judge = here.scene.tracked, fitted_judge()
+    fine = View.of(tracked, BALANCED.fine_width_px)
+    scene = Scene(
+        fine.scaled(BALANCED.coarse_width_px),
+        here.ground,
+        here.unlit,
+        list,
+        lambda: Sharpener.of([fine]),
+        FIT,
+        [],
+        judge.calibration.overdispersion,
+    )
+    ratios = [shadow_ratio(here.ground, here.true_shift)]
+    return stated(sun, confidence, lambda one, sure: judge.lights_of(one, sure, tracked), ratios, scene, LAMP)
+
+
+def test_a_lamp_is_between_where_its_shadow_and_where_the_ground_puts_it_by_what_the_shadow_is_worth() -> None:
+    believed, doubted, less = (answer(confidence) for confidence in (0.9, 0.6, 0.3))
+    assert np.linalg.norm(believed.place.mean - less.place.mean) > 0.05
+    np.testing.assert_allclose(doubted.place.mean, (believed.place.mean + less.place.mean) / 2, atol=0.01)
+
+
+def test_a_shadow_that_is_believed_leaves_a_narrower_lamp() -> None:
+    believed, doubted = (answer(confidence).lights[0] for confidence in (0.99, 0.6))
+    assert np.degrees(angle_between(believed.to_light_marker, np.array(LAMP_M))) < 3
+    assert believed.sigma_rad is not None
+    assert doubted.sigma_rad is not None
+    assert believed.sigma_rad < 0.8 * doubted.sigma_rad
+    assert believed.covariance_rad2 is not None
+    assert doubted.covariance_rad2 is not None
+    assert (np.linalg.eigvalsh(doubted.covariance_rad2 - believed.covariance_rad2) > 0).all()
+
+
+@pytest.mark.parametrize("confidence", [0.0, 1.0])
+def test_certainty_of_either_kind_is_finite(confidence: float) -> None:
+    (light,) = answer(confidence).lights
+    assert light.lamp_covariance is not None
+    assert (np.linalg.eigvalsh(light.lamp_covariance) > 0).all()
+    assert 0 <= (light.confidence or 0.0) <= 1
