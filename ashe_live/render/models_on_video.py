@@ -9,7 +9,7 @@ from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.compositing.outlines import Outlines
 from ashe_live.render.cover.hidden_marker import HiddenMarker, SeenCover
-from ashe_live.render.gl.framing import Rectangle, framing, grown, letterbox
+from ashe_live.render.gl.framing import Rectangle, common, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.layers import LayerContent, LayerPasses
@@ -104,7 +104,7 @@ class ModelsOnVideo:
         if surface.samples and (scene.shows_model or signs or real):
             # The ground looks the same with one sample, and several are expensive: they are used where edges are.
             edged = framing(camera, T_cam_marker, np.concatenate([standing, *real]), viewport)
-            within = (0, 0, 0, 0) if edged is None else _common(grown(edged.region, 1, surface.size), frame.region)
+            within = (0, 0, 0, 0) if edged is None else common(grown(edged.region, 1, surface.size), frame.region)
             if min(within[2:]) > 0:
                 # The ground is included where the real object's border ends it.
                 has_ground = self.layers.real is None
@@ -155,10 +155,3 @@ class ModelsOnVideo:
 def _covered(hidden: HiddenMarker | None) -> Float:
     """(n, 2) metres, corners of what is covered on the plane."""
     return np.zeros((0, 2)) if hidden is None else hidden.corners
-
-
-def _common(some: Rectangle, other: Rectangle) -> Rectangle:
-    """The intersection of two rectangles; its width or height is 0 if it is empty."""
-    left, bottom = max(some[0], other[0]), max(some[1], other[1])
-    right, top = min(some[0] + some[2], other[0] + other[2]), min(some[1] + some[3], other[1] + other[3])
-    return left, bottom, max(0, right - left), max(0, top - bottom)

@@ -22,7 +22,7 @@ from ashe_live.render.compositing.coarse import KERNEL_SIGMAS, CoarseBlur, Coars
 from ashe_live.render.compositing.ground_means import GroundMeans
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.cover.hidden_marker import SeenCover
-from ashe_live.render.gl.framing import Rectangle, grown
+from ashe_live.render.gl.framing import Rectangle, common, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.passes.surface import Surface
@@ -86,7 +86,7 @@ class Composite:
         self._choosing, self._composing = WholeRectangle(ctx), WholeRectangle(ctx)
 
     def draw(self, surface: Surface, region: Rectangle, onto: Footage, is_cut_out: bool = False) -> None:
-        """Onto `surface.colour`, within `region` and its blur's reach.
+        """Onto the video in `surface.colour`, within `region` and its blur's reach.
 
         The layers beside `region` must be empty for twice that reach. `is_cut_out`: onto nothing, in place of the
         video; straight alpha.
@@ -104,6 +104,7 @@ class Composite:
             onto.lens.bind(onto.tracked.camera)
             where["region"] = tuple(map(float, within))
             within = viewport
+        within = common(within, viewport)  # black bars beside the video stay black
         set_uniforms(choosing, **where)
         set_uniforms(program, **where, **onto.uniforms, seed=frame.index)
         if onto.cover is not None:

@@ -75,6 +75,13 @@ def grown(rectangle: Rectangle, margin: int, size: Size) -> Rectangle:
     return x0, y0, x1 - x0, y1 - y0
 
 
+def common(some: Rectangle, other: Rectangle) -> Rectangle:
+    """The intersection of two rectangles; its width or height is 0 if it is empty."""
+    left, bottom = max(some[0], other[0]), max(some[1], other[1])
+    right, top = min(some[0] + some[2], other[0] + other[2]), min(some[1] + some[3], other[1] + other[3])
+    return left, bottom, max(0, right - left), max(0, top - bottom)
+
+
 def _spanned(clip_from_marker: Float, points: Float, viewport: Rectangle) -> Rectangle:
     """The pixels of `viewport` that the hull of points in front of the camera can touch; empty outside it."""
     clip = np.column_stack([points, np.ones(len(points))]) @ clip_from_marker.T

@@ -66,6 +66,25 @@ def test_shadow_border_is_as_wide_as_the_cameras_blur_makes_it(make_renderer, st
 
 
 @pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize("across", [True, False])
+def test_a_shadow_that_leaves_the_video_leaves_the_bars_beside_it_black(
+    make_renderer, stage, quality: str, across: bool
+) -> None:
+    """As in a full screen of another shape; the shadow's end is blurred as the camera blurs."""
+    tracked = _sheet(stage, blur=1.2)
+    width, height = tracked.frame.size
+    bars_px = 40
+    renderer = make_renderer(QUALITIES[quality].render)
+    renderer.resize((width + 2 * bars_px, height) if across else (width, height + 2 * bars_px))
+    tower = stage.placed(box((0.04, 0.04, 0.3), BLACK))
+    for azimuth_deg in range(0, 360, 90):
+        renderer.render(Scene(tracked, tower, Illumination((stage.light(azimuth_deg, 10),))))
+        shown = renderer.read_bgr()
+        bars = (shown[:, :bars_px], shown[:, -bars_px:]) if across else (shown[:bars_px], shown[-bars_px:])
+        assert not np.any(bars)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
 def test_a_shadow_is_as_soft_as_the_real_one_though_the_camera_sharpens_its_marker(
     make_renderer, stage, quality: str
 ) -> None:
