@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -113,8 +114,10 @@ def _named(record: FileRecord) -> str:
 
 def _line(record: FileRecord) -> str:
     """The line about a file: its name, unless the error says it itself, and the answer."""
-    said = _said(record)
-    return said if printable(record.file) in said else f"{_named(record)}: {said}"
+    # A name may be as short as a word of the error, or as a letter in one.
+    as_word = rf"(?<!\w){re.escape(printable(record.file))}(?!\w)"
+    names_itself = record.error is not None and re.search(as_word, record.error) is not None
+    return _said(record) if names_itself else f"{_named(record)}: {_said(record)}"
 
 
 def _said(record: FileRecord) -> str:

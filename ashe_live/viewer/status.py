@@ -4,6 +4,7 @@ import math
 
 from ashe_live.core.transforms import angle_between, transform_points
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.gl.framing import box_corners, framing
 from ashe_live.render.lights.light_view import sees
 from ashe_live.viewer.session import Session
 
@@ -15,6 +16,7 @@ KEYS = "H: keys"
 # An answer so sharp needs no advice, and where views over so wide an angle gave none, moving on will not.
 SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
 LAMP_BELOW = "the lamp is below the table: it gives no light"
+OUT_OF_PICTURE = "the model stands outside the picture: Backspace puts it back"
 LAMP_INSIDE = "the lamp is inside the model or touches it: it throws no shadow"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
@@ -123,10 +125,24 @@ def lamp_note(session: Session) -> str | None:
     return None if all(sees(lamp, points) for lamp in lamps for points in bodies) else LAMP_INSIDE
 
 
+def _is_moved_out_of_picture(session: Session) -> bool:
+    """Whether a person has left the model in the hand where none of it is seen, in this run or another."""
+    tracked, models = session.tracked, session.arrangement
+    if tracked is None or tracked.marker is None or not models.is_moved:
+        return False
+    _, model, placement = models.models(tracked)[models.in_hand]
+    if placement is None:
+        return False
+    corners = transform_points(placement.marker_from_placed, box_corners(model.bounds))
+    return framing(tracked.camera, tracked.marker.T_cam_marker, corners, (0, 0, *tracked.frame.size)) is None
+
+
 def guidance(session: Session) -> tuple[str, ...]:
-    """What to do when no marker or no light has been found yet, or a lamp stands where no light can come from."""
+    """What to do when no marker or no light has been found yet, or a lamp or the model stands where it is of no use."""
     if (note := lamp_note(session)) is not None:
         return (note,)
+    if _is_moved_out_of_picture(session):
+        return (OUT_OF_PICTURE,)
     if session.markers_in_view:
         specs = session.markers_in_view
         return (f"{' and '.join(specs)} {'is' if len(specs) == 1 else 'are'} in view: M follows {specs[0]}",)

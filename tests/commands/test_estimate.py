@@ -45,6 +45,17 @@ def test_the_pose_is_the_true_one(run, files, film):
     assert record["camera"]["source"] == "file"
 
 
+def test_a_short_name_is_told_as_any_other(run, files, tmp_path, monkeypatch):
+    """Though its letters are in what is said of it."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(files["empty_table"], "n")
+    Path("d").mkdir()
+    empty_table, folder, missing = run("estimate", *KNOWN, "n", "d", "x").out
+    assert empty_table.startswith("n: no marker found")
+    assert folder.startswith("d: there is no photo")
+    assert missing.startswith("there is no file x")
+
+
 def test_equal_markers_are_told(run, files, tmp_path):
     twice = tmp_path / "twice.png"
     cv2.imwrite(str(twice), np.tile(cv2.imread(str(files["photo"])), (1, 2, 1)))

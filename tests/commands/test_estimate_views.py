@@ -189,6 +189,12 @@ def test_photos_tell_their_camera_together_by_whichever_marker_is_in_them(run, t
     assert named.records[0]["camera"]["source"] == "estimated"
 
 
+def test_a_first_photo_without_a_marker_does_not_say_which_one_is_followed(run, table, files, monkeypatch):
+    monkeypatch.setattr(option_groups, "DEFAULT_MARKER", "aruco:4x4_50:17")
+    outcome = run("estimate", "--json", *KNOWN, "--together", files["empty_table"], *table)
+    assert [bool(record["marker"]["found"]) for record in outcome.records] == [False, True]
+
+
 def test_a_sheet_and_the_steps_are_made_of_them_too(run, table, tmp_path):
     sheet, steps = tmp_path / "light.html", tmp_path / "steps"
     outcome = run("estimate", *KNOWN, "--together", *table, "--sheet", sheet, "--debug", steps)

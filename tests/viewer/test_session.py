@@ -13,7 +13,7 @@ from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.models.mesh import Model
-from ashe_live.models.placement import UNMOVED, placed_on_marker
+from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
@@ -25,6 +25,7 @@ from ashe_live.viewer.session import ANSWER_ALONE, Session
 from ashe_live.viewer.status import (
     LAMP_BELOW,
     LAMP_INSIDE,
+    OUT_OF_PICTURE,
     camera_line,
     guidance,
     light_line,
@@ -753,6 +754,18 @@ def test_each_model_stays_where_it_was_put(make, fakes):
     session.handle(Request(Command.PREVIOUS_MODEL), 0.0)
     session.poll(0.0)
     assert session.hand.placement == large
+
+
+def test_a_model_that_was_moved_out_of_the_picture_is_told(make, fakes, monkeypatch):
+    session = make()
+    model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
+    monkeypatch.setattr(session.table.shelf, "model", lambda: model)
+    session.take(fakes.tracked(), 0.0)
+    for shift_m, told in (((0.0, 0.0), ()), ((0.01, 0.0), ()), ((90.0, 0.0), (OUT_OF_PICTURE,))):
+        session.hand.placement = Placement(shift_m=shift_m)
+        assert guidance(session) == told
+    session.handle(Request(Command.RESET), 0.0)
+    assert guidance(session) == ()
 
 
 @pytest.mark.parametrize(

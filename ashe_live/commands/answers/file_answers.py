@@ -16,7 +16,7 @@ from ashe_live.capture.snapshot import write_png
 from ashe_live.capture.sources import Source
 from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, of_one_scene, renumbered
-from ashe_live.commands.flags.marker_choice import with_marker, with_marker_in
+from ashe_live.commands.flags.marker_choice import marker_in, with_marker, with_marker_in
 from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, make_tracker
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
@@ -176,11 +176,11 @@ class FileEstimator:
         return of_it
 
     def _marker_of_all(self, paths: Sequence[Path]) -> argparse.Namespace:
-        """The options with the marker of the first file that can be read."""
-        for source in openable(paths):
+        """The options with the marker of the first file in which there is one."""
+        for source in openable(paths) if self.options.takes_any_marker else ():
             with suppress(Exception):  # its own line says so
-                options = with_marker_in(source, self.options, self.followed)
-                return with_marker(options, options.marker)
+                if (found := marker_in(source, self.options, self.followed)) is not None:
+                    return with_marker(self.options, found)
         return self.options
 
     def _cameras_of_all(self, paths: Sequence[Path], options: argparse.Namespace) -> dict[Size, Camera]:

@@ -36,15 +36,22 @@ def tracker_maker(
 
 
 def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str] | None = None) -> argparse.Namespace:
-    """`options` with the only marker in a photo, or at the beginning of a clip, unless the one in `options` is there.
+    """`options` with `marker_in` a photo or clip. A marker that was named is kept.
 
-    Of several, it is the only one that has no model of its own. A marker that was named is kept. The source is rewound.
     Files that are opened later may show another marker.
     `told_of`: the markers of which the user has been told that they are followed, for many sources.
     """
     if source.is_live or not options.takes_any_marker:
         return options
-    told_of = set() if told_of is None else told_of
+    found = marker_in(source, options, set() if told_of is None else told_of)
+    return options if found in (None, options.marker) else argparse.Namespace(**{**vars(options), "marker": found})
+
+
+def marker_in(source: Source, options: argparse.Namespace, told_of: set[str]) -> str | None:
+    """The only marker in a photo, or at the beginning of a clip, unless the one in `options` is there; None: no marker.
+
+    Of several, it is the only one that has no model of its own. The source is rewound.
+    """
     named = parse_marker(options.marker)
     try:
         for _ in range(LOOKED_AT):
@@ -53,19 +60,19 @@ def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str
                 break
             in_view = markers_in_view(frame.image_bgr)
             if options.marker in in_view or (not in_view and named.find(frame.image_bgr[..., 1].copy())):
-                break
+                return str(options.marker)
             free = in_view if len(in_view) == 1 else without_model(options, in_view)
             if len(free) == 1:
                 if free[0] not in told_of:
                     tell(f"{source.name}: {free[0]} is in view and is followed, as no --marker was given")
                 told_of.add(free[0])
-                return argparse.Namespace(**{**vars(options), "marker": free[0]})
+                return free[0]
             if in_view:
                 tell(f"{source.name}: {' and '.join(in_view)} are in view: choose one with --marker")
-                break
+                return str(options.marker)
     finally:
         source.rewind()
-    return options
+    return None
 
 
 def others_said(in_view: tuple[str, ...], marker: str) -> str:

@@ -157,12 +157,21 @@ class Arrangement:
 
     def give_back(self) -> None:
         """Has the model in the hand stand as if nobody had ever moved it."""
-        self._hand.placement = self._first if self.marker_in_hand is None else UNMOVED
+        self._hand.placement = self._first_in_hand
         self.keep_places()
 
     def keep_places(self) -> None:
         """Remembers how the model in the hand stands, for when it stands there again, in this run or another."""
         self._left.keep(self._as_it_is(), self._first)
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether the model in the hand stands elsewhere than where it stood at first."""
+        return self._hand.placement.shift_m != self._first_in_hand.shift_m
+
+    @property
+    def _first_in_hand(self) -> Placement:
+        return self._first if self.marker_in_hand is None else UNMOVED
 
     @property
     def is_as_left(self) -> bool:
