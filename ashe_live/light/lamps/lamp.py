@@ -35,7 +35,7 @@ from ashe_live.light.lamps.sources import (
     Witnesses,
     deviance_of_sun,
     place_by_all,
-    place_by_fall,
+    place_by_the_rest,
     place_seen_from_a_sun,
     shadow_middle,
 )
@@ -173,11 +173,11 @@ def _fitted_as_lamps(
 
 
 def _believed(seen: Witnesses, covariance_of: Callable[[Explanation, float], Float]) -> Mixture:
-    """Where the lamp is: by all, if the first object and its shadow are what they were taken for, else by its light."""
+    """Where the lamp is: by all, if the first object and its shadow are what they were taken for, else by the rest."""
     first = seen.objects[0]
     certain = replace(first, covariance_rad2=covariance_of(first.explanation, 1.0))
     if_right = place_by_all(replace(seen, objects=[certain, *seen.objects[1:]]))
-    places = [if_right, place_by_fall(seen, if_right)]
+    places = [if_right, place_by_the_rest(seen, if_right)]
     return Mixture.of(places, np.array([first.probability, 1 - first.probability]))
 
 

@@ -72,16 +72,17 @@ def place_by_all(seen: Witnesses) -> Place:
     return with_fall_off(by_borders, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
 
 
-def place_by_fall(seen: Witnesses, about: Place) -> Place:
-    """Where the light is if what was taken for the first object's shadow is none: by the fall of light alone.
+def place_by_the_rest(seen: Witnesses, about: Place) -> Place:
+    """Where the light is if what was taken for the first object's shadow is none: by the others and the fall of light.
 
     about: what the shadow tells if it is one.
     """
     first = seen.objects[0].explanation
     anywhere = anywhere_about(about, first.alignment.placed.lit.body.frame.origin_marker)
+    by_others = combined([anywhere, *(each.place for each in seen.objects[1:])])
     if seen.fall_off is None:
-        return anywhere
-    return with_fall_off(anywhere, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
+        return by_others
+    return with_fall_off(by_others, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
 
 
 def anywhere_about(place: Place, foot_m: Float) -> Place:

@@ -15,7 +15,7 @@ from ashe_live.light.lamps.kinds import AUTO
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_of
 from ashe_live.light.lamps.mixture import Mixture
 from ashe_live.light.lamps.place import Place
-from ashe_live.light.lamps.sources import SeenObject, Witnesses, place_by_fall
+from ashe_live.light.lamps.sources import SeenObject, Witnesses, place_by_the_rest
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX
@@ -70,7 +70,7 @@ def test_the_ground_tells_where_a_lamp_is_whatever_a_wrong_shadow_told(seen: Wit
     found = []
     for aside in ((0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5)):
         wrong = Place(true + np.array([*aside, 0.0]), np.diag([1e3, 1e3, 10.0]))
-        place = place_by_fall(seen, wrong)
+        place = place_by_the_rest(seen, wrong)
         offset = place.mean - true
         assert offset @ place.information @ offset < WITHIN_99
         found.append(place.light[:3])
@@ -79,6 +79,6 @@ def test_the_ground_tells_where_a_lamp_is_whatever_a_wrong_shadow_told(seen: Wit
 
 def test_where_the_ground_is_not_seen_a_wrong_shadow_leaves_the_hemisphere(seen: Witnesses) -> None:
     wrong = Place(np.array([0.5, 0.2, 1.5]), np.diag([1e3, 1e3, 10.0]))
-    found = place_by_fall(Witnesses(seen.objects, seen.ratios, None), wrong)
+    found = place_by_the_rest(Witnesses(seen.objects, seen.ratios, None), wrong)
     np.testing.assert_allclose(found.mean, wrong.mean)
     assert 30 < np.degrees(radius_of_68_percent(found.lamp_covariance[:2, :2])) < 90
