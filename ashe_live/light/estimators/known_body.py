@@ -29,6 +29,8 @@ BLOCKED = (
 )
 # Probability that a light is right, below which it is none: of painted pictures below it as many are wrong as right.
 LEAST_CONFIDENCE = 0.4
+# Of a light none of whose edges is seen, as bright sides may be a leaning sky's: it is to be likelier right than wrong.
+LEAST_HIDDEN = 0.5
 # Of an answer that may be wrong; an error of the folded paper is among the systematic ones.
 CALIBRATION = Calibration(1.0, np.radians(10.0).item(), 1.0)
 # The table beside the cube over the open table, below which something else keeps the light away.
@@ -72,7 +74,8 @@ def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
 
     A light that surely exists is stated beside others for its share of the light, even if its direction is uncertain.
     """
-    is_likely = [max(each.confidence, each.around) >= LEAST_CONFIDENCE for each in found]
+    least = [LEAST_HIDDEN if each.fit is None else LEAST_CONFIDENCE for each in found]
+    is_likely = [max(each.confidence, each.around) >= one for each, one in zip(found, least, strict=True)]
     if not any(is_likely):
         return []
     exist = [(each.exists or 0.0) >= LEAST_CONFIDENCE for each in found]
