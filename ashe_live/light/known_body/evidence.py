@@ -3,7 +3,6 @@
 One linear model in the lights' darkenings (`observed.py`, docs/maths.md, "A known body").
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,12 +94,12 @@ class Evidence:
             information[-1, :-1] = information[:-1, -1] = self._overlaps(new) - known.varied @ new.explained.T
         pull = np.empty((count + 1, m))
         pull[:-1], pull[-1] = without.pull, new.pull
-        sides = np.empty((2, count + 1, len(new.reached), m))
-        sides[0, :-1], sides[0, -1] = without.reached, new.reached
-        sides[1, :-1], sides[1, -1] = without.spread, new.spread
+        reached, spread = np.empty((2, count + 1, len(new.reached), m))
+        reached[:-1], reached[-1] = without.reached, new.reached
+        spread[:-1], spread[-1] = without.spread, new.spread
         sky = np.empty((count + 1, VARIED - HIDDEN, m))
         sky[:-1], sky[-1] = without.sky, new.explained[:, HIDDEN:].T
-        return _Normal(information, pull, *sides, sky)
+        return _Normal(information, pull, reached, spread, sky)
 
     def _overlaps(self, new: Expected) -> Float:
         """(l, m) products of the new lights' parts of the map with those of the known ones."""

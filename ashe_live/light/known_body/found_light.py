@@ -121,9 +121,8 @@ def hidden_step(seen: Seen, one: FoundLight) -> float:
         return 0.0
     away_px = BEYOND_PX + BEYOND_PENUMBRA * one.size_rad * float(np.median(edges.by_size))
     cell_px = height_px(seen.body, seen.view) / CELLS_A_HEIGHT
-    rim = Rims.of(seen.body, one.casting[None])
-    by_rim = rim.hidden_step(seen.templates.hidden_sky, seen.is_table)
-    return by_rim * min(away_px / (float(rim.cells_away[0]) * cell_px), 1.0)
+    rim = Rims.of(seen.body, one.casting[None], seen.templates.hidden_sky)
+    return rim.hidden_step(seen.is_table) * min(away_px / (float(rim.cells_away[0]) * cell_px), 1.0)
 
 
 def _step_rgb(

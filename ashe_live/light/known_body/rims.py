@@ -18,8 +18,9 @@ from ashe_live.light.known_body.shadows import cells_of
 from ashe_live.light.known_body.table import CELLS_A_HEIGHT, SIDE
 
 PLACES = 40  # of an outline, evenly along it
-# From the outline to where it is dark and lit: of the shadow's length, as neighbouring templates' lengths differ by a
-# fifth; but cells no less than the picture's blur takes, nor more than the narrowest part of a long shadow has room for.
+# From the outline to where it is dark and lit: of the shadow's length, as templates lie apart by a part of it and the
+# body hides what is nearer to its own middle; in cells no less than blur takes, and no more than there is room for in
+# a long one.
 BESIDE_LENGTHS, LEAST_CELLS, MOST_CELLS = 0.4, 0.3, 1.5
 NOWHERE = -1e6  # coordinate of what is not in the picture
 
@@ -29,7 +30,7 @@ class Ground(NamedTuple):
 
     light: Float32  # (h, w) over the lit table's
     is_table: Mask  # (h, w) pixels that show the bare table away from all that is known
-    pixel_from_cell: Float  # (3, 3) from (column, row, 1) of the map, whose cells' centres are integers; depth comes last
+    pixel_from_cell: Float  # (3, 3) as by `table.pixel_from_cell`
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,10 +40,11 @@ class Rims:
     inside: Float32  # (m, PLACES, 2) columns and rows; far away where a shadow has no outline
     outside: Float32  # (m, PLACES, 2)
     cells_away: Float  # (m,) from the outline to both
+    hidden: Float32  # (m, PLACES) how much more of an even sky the body hides inside than outside
 
     @staticmethod
-    def of(body: Proxy, lights: Float) -> "Rims":
-        """Of the body's shadows in lights (m, 4)."""
+    def of(body: Proxy, lights: Float, hidden_sky: Float32) -> "Rims":
+        """Of the body's shadows in lights (m, 4); hidden_sky: (n * n,) as in Templates."""
         cells, is_finite = cells_of(body, lights)
         inside, outside = (np.full((len(lights), PLACES, 2), NOWHERE, np.float32) for _ in range(2))
         lengths_cells = CELLS_A_HEIGHT * np.hypot(*lights[:, :2].T) / np.maximum(lights[:, 2], 1e-6)
@@ -61,49 +63,50 @@ class Rims:
             across = np.column_stack([along[side, 1], -along[side, 0]])
             across *= np.sign(((places - outline.mean(axis=0)) * across).sum(axis=1))[:, None]
             inside[number], outside[number] = (places + sign * away[number] * across for sign in (-1, 1))
-        return Rims(inside, outside, away)
+        hidden = hidden_sky.reshape(SIDE, SIDE)
+        within, beyond = (cv2.remap(hidden, *_split(each), cv2.INTER_LINEAR) for each in (inside, outside))
+        return Rims(inside, outside, away, np.asarray(within - beyond, dtype=np.float32))
 
     def and_unseen(self, count: int) -> "Rims":
         """These and so many after them of which nothing is seen."""
         unseen = np.full((count, PLACES, 2), NOWHERE, np.float32)
-        beside = (np.concatenate([each, unseen]) for each in (self.inside, self.outside))
-        return Rims(*beside, np.concatenate([self.cells_away, np.full(count, MOST_CELLS)]))
+        return Rims(
+            np.concatenate([self.inside, unseen]),
+            np.concatenate([self.outside, unseen]),
+            np.concatenate([self.cells_away, np.full(count, MOST_CELLS)]),
+            np.concatenate([self.hidden, np.zeros((count, PLACES), np.float32)]),
+        )
 
-    def seen(
-        self, ground: Ground, hidden_sky: Float32, darkenings: Float, sky: Float, least: float
-    ) -> tuple[Float, Float]:
+    def seen(self, ground: Ground, darkenings: Float, sky: Float, least: float) -> tuple[Float, Float]:
         """(m,) part of each outline both sides of which are seen, and the log odds of a shadow by steps there.
 
-        hidden_sky: (n * n,) as in Templates. darkenings: (m,) part of the table's light that each light gives, at least
-        `least`. sky: (m,) that of the sky beside it, of which the body hides more on the inner side.
+        darkenings: (m,) part of the table's light that each light gives, at least `least`. sky: (m,) that of the sky
+        beside it, of which the body hides more on the inner side.
         """
-        light, is_table = ground.light, ground.is_table.view(np.uint8)
-        pixels = [_in_picture(each, ground.pixel_from_cell) for each in (self.inside, self.outside)]
-        lost = cv2.remap(light, *pixels[1], cv2.INTER_LINEAR) - cv2.remap(light, *pixels[0], cv2.INTER_LINEAR)
-        visible = np.ones(lost.shape, bool)
+        inside, outside = (_in_picture(each, ground.pixel_from_cell) for each in (self.inside, self.outside))
+        dark, lit = (cv2.remap(ground.light, x, y, cv2.INTER_LINEAR) for x, y in (inside, outside))
         # Between both lies no other edge that is known, either.
-        for x, y in (*pixels, [0.5 * (one + other) for one, other in zip(*pixels, strict=True)]):
-            visible &= cv2.remap(is_table, x, y, cv2.INTER_NEAREST, borderValue=0) > 0
-        hidden = hidden_sky.reshape(SIDE, SIDE)
-        inside, outside = (cv2.remap(hidden, *_split(each), cv2.INTER_LINEAR) for each in (self.inside, self.outside))
-        lost -= sky[:, None] * (inside - outside)
+        between = 0.5 * (inside[0] + outside[0]), 0.5 * (inside[1] + outside[1])
+        visible = _all_on(ground.is_table, inside, outside, between)
+        lost = lit - dark - sky[:, None] * self.hidden
         steps = visible & (lost > LEAST_STEP * np.maximum(darkenings, least)[:, None])
         shown, count = steps.sum(axis=1), visible.sum(axis=1)
         samples = POINTS / POINTS_A_SAMPLE / PLACES
         return count / PLACES, np.asarray(samples * (shown * BY_STEP + (count - shown) * BY_NONE))
 
-    def hidden_step(self, hidden_sky: Float32, seen: Mask) -> float:
+    def hidden_step(self, seen: Mask) -> float:
         """How much more of the sky is hidden inside of the first outline, in the median of where both sides are `seen`.
 
-        hidden_sky: (n * n,). seen: (n, n). 0 where none is.
+        seen: (n, n). 0 where none is.
         """
-        hidden = hidden_sky.reshape(SIDE, SIDE)
-        ends = [_split(each[:1]) for each in (self.inside, self.outside)]
-        inside, outside = (cv2.remap(hidden, *each, cv2.INTER_LINEAR) for each in ends)
-        is_seen = np.ones(inside.shape, bool)
-        for x, y in ends:
-            is_seen &= cv2.remap(seen.view(np.uint8), x, y, cv2.INTER_NEAREST, borderValue=0) > 0
-        return float(np.median((inside - outside)[is_seen])) if is_seen.any() else 0.0
+        is_seen = _all_on(seen, _split(self.inside[:1]), _split(self.outside[:1]))
+        return float(np.median(self.hidden[:1][is_seen])) if is_seen.any() else 0.0
+
+
+def _all_on(mask: Mask, *places: tuple[Float32, Float32]) -> Mask:
+    """(m, k) whether all of several places with x and y (m, k) lie on a mask (h, w)."""
+    on = [cv2.remap(mask.view(np.uint8), x, y, cv2.INTER_NEAREST, borderValue=0) > 0 for x, y in places]
+    return np.asarray(np.all(on, axis=0))
 
 
 def _split(places: Float32) -> tuple[Float32, Float32]:
@@ -111,10 +114,11 @@ def _split(places: Float32) -> tuple[Float32, Float32]:
     return np.ascontiguousarray(places[..., 0]), np.ascontiguousarray(places[..., 1])
 
 
-def _in_picture(cells: Float32, pixel_from_cell: Float) -> list[Float32]:
+def _in_picture(cells: Float32, pixel_from_cell: Float) -> tuple[Float32, Float32]:
     """(m, k) x and y in the picture of places (m, k, 2) in cells; NOWHERE of what is behind the camera."""
     H = pixel_from_cell.astype(np.float32)
     x, y, depth = (row[0] * cells[..., 0] + row[1] * cells[..., 1] + row[2] for row in H)
     is_before = depth > 0
     depth = np.where(is_before, depth, np.float32(1))
-    return [np.where(is_before, each / depth, np.float32(NOWHERE)).clip(NOWHERE, -NOWHERE) for each in (x, y)]
+    x, y = (np.where(is_before, each / depth, np.float32(NOWHERE)).clip(NOWHERE, -NOWHERE) for each in (x, y))
+    return x, y

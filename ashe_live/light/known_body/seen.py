@@ -162,9 +162,9 @@ class Seen:
         """
         key = np.ascontiguousarray(known).tobytes()
         if key not in self._rims:
-            darkenings, hidden = self.beside(known).everywhere.darkenings, self.templates.hidden_sky
+            darkenings = self.beside(known).everywhere.darkenings
             sky = 1 - darkenings.sum(axis=1)
-            self._rims[key] = self.templates.rims.seen(self._ground(known), hidden, darkenings[:, -1], sky, DEEP)
+            self._rims[key] = self.templates.rims.seen(self._ground(known), darkenings[:, -1], sky, DEEP)
         return self._rims[key]
 
     def _ground(self, known: Float) -> Ground:

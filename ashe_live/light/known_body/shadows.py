@@ -116,9 +116,9 @@ def corners_of(body: Proxy, lights: Float) -> tuple[NDArray[np.int32], NDArray[n
 
 
 def cells_of(body: Proxy, lights: Float) -> tuple[Float, NDArray[np.bool_]]:
-    """(m, k, 2) columns and rows in the map, whose cells' centres are integers, of the body's points cast by each light.
+    """(m, k, 2) columns and rows in the map of the body's points cast by each light, and (m,) where all are finite.
 
-    And (m,) where its shadow is finite.
+    Cells' centres are integers.
     """
     points = body.points_marker(12)
     is_above = lights[:, 2] > LOWEST_Z * np.linalg.norm(lights[:, :3], axis=1)

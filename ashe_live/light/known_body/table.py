@@ -47,11 +47,11 @@ def places(body: Proxy) -> Float:
 
 
 def pixel_from_cell(view: View, body: Proxy) -> Float:
-    """(3, 3) homography from the map's cells (column, row, 1), whose centres are integers, to pixels; depth comes last."""
+    """(3, 3) homography from the map's cells (column, row, 1), whose centres are integers, to pixels and depth."""
     along, foot = places(body), body.foot_marker
     cell = float(along[1] - along[0])
     marker_from_cell = np.array([(cell, 0, foot[0] + along[0]), (0, cell, foot[1] + along[0]), (0, 0, 1)])
-    return image_from_plane(view.camera, view.T_cam_marker) @ marker_from_cell
+    return np.asarray(image_from_plane(view.camera, view.T_cam_marker) @ marker_from_cell)
 
 
 def table_around(view: View, body: Proxy, picture: Float32) -> Table | None:

@@ -33,7 +33,7 @@ def log_odds(
 ) -> tuple[np.ndarray, np.ndarray]:
     count = len(templates.lights)
     darkenings, skies = np.full(count, DARKENING), np.full(count, sky)
-    return templates.rims.seen(from_above(values, seen), templates.hidden_sky, darkenings, skies, 0.1)
+    return templates.rims.seen(from_above(values, seen), darkenings, skies, 0.1)
 
 
 def from_above(values: Float32, seen: Mask = ALL) -> Ground:
@@ -70,9 +70,8 @@ def test_the_sky_that_the_body_hides_is_no_shadow(templates: Templates) -> None:
 
 
 def test_unseen_ones_are_added_at_the_end(body: Proxy) -> None:
-    rims = Rims.of(body, LIGHT).and_unseen(2)
-    bright, sky = np.ones((SIDE, SIDE), np.float32), np.zeros(SIDE * SIDE, np.float32)
-    visible, odds = rims.seen(from_above(bright), sky, np.ones(3), np.zeros(3), 0.1)
+    rims = Rims.of(body, LIGHT, np.zeros(SIDE * SIDE, np.float32)).and_unseen(2)
+    visible, odds = rims.seen(from_above(np.ones((SIDE, SIDE), np.float32)), np.ones(3), np.zeros(3), 0.1)
     assert visible[0] > 0.5
     assert not visible[1:].any()
     assert not odds[1:].any()
@@ -89,7 +88,7 @@ def test_a_shadow_narrower_than_two_cells_is_seen_in_a_finer_picture(body: Proxy
     cv2.fillConvexPoly(seen, cv2.convexHull(np.round(FINER * on_table[0]).astype(np.int32)), 0)
     ground = Ground(finer, seen.view(bool), np.diag([FINER, FINER, 1.0]))
     count = len(templates.lights)
-    visible, odds = templates.rims.seen(ground, templates.hidden_sky, np.full(count, DARKENING), np.zeros(count), 0.1)
+    visible, odds = templates.rims.seen(ground, np.full(count, DARKENING), np.zeros(count), 0.1)
     own = (templates.lights[:, :3] @ light[:3]).argmax()
     assert visible[own] > 0.2
     assert odds[own] > 4
