@@ -29,8 +29,8 @@ BLOCKED = (
 )
 # Probability that a light is right, below which it is none: of painted pictures below it as many are wrong as right.
 LEAST_CONFIDENCE = 0.4
-# Of a light none of whose edges is seen, as bright sides may be a leaning sky's: a wrong light is worse than none.
-LEAST_HIDDEN = 0.6
+# Of a light none of whose edges is seen, as bright sides may be a leaning sky's: it is to be likelier right than wrong.
+LEAST_HIDDEN = 0.5
 # Of an answer that may be wrong; an error of the folded paper is among the systematic ones.
 CALIBRATION = Calibration(1.0, np.radians(10.0).item(), 1.0)
 # The table beside the cube over the open table, below which something else keeps the light away.

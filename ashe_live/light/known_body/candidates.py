@@ -70,6 +70,8 @@ def refined(
             tried += 1
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
+        if score[index] < 0:
+            start = template  # what map and sides speak against was told by its steps: they would move it onto stains
         if darkening < LEAST_DARKENING or likelihood < told:
             continue
         if any(_finds_again(seen, start, other) for other in clear):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.observed import CELLS_A_SAMPLE, HIDDEN, Expected, Lit, Observed
+from ashe_live.light.known_body.observed import BESIDE_LIGHTS, CELLS_A_SAMPLE, HIDDEN, VARIED, Expected, Lit, Observed
 from ashe_live.light.known_body.table import SIDE
 
 LEAST_NOISE = 0.02  # standard deviation of relative light that every map has
@@ -35,6 +35,7 @@ class _Normal:
     pull: Float  # (l, m)
     reached: Float  # (l, k, m)
     spread: Float  # (l, k, m)
+    sky: Float  # (l, 3, m) what of their parts of the map looks like another sky
 
 
 class Evidence:
@@ -51,7 +52,11 @@ class Evidence:
         self._columns = np.ascontiguousarray(self._taken.T).reshape(SIDE, SIDE, -1)
         information = self._taken @ taken.T - expected.explained @ expected.varied.T
         self._without = _Normal(
-            information[..., None], expected.pull[:, None], expected.reached.T[..., None], expected.spread.T[..., None]
+            information[..., None],
+            expected.pull[:, None],
+            expected.reached.T[..., None],
+            expected.spread.T[..., None],
+            expected.explained[:, HIDDEN:, None],
         )
         beside = self._with(observed.everywhere)
         left, best, darkenings = min(
@@ -89,10 +94,12 @@ class Evidence:
             information[-1, :-1] = information[:-1, -1] = self._overlaps(new) - known.varied @ new.explained.T
         pull = np.empty((count + 1, m))
         pull[:-1], pull[-1] = without.pull, new.pull
-        sides = np.empty((2, count + 1, len(new.reached), m))
-        sides[0, :-1], sides[0, -1] = without.reached, new.reached
-        sides[1, :-1], sides[1, -1] = without.spread, new.spread
-        return _Normal(information, pull, *sides)
+        reached, spread = np.empty((2, count + 1, len(new.reached), m))
+        reached[:-1], reached[-1] = without.reached, new.reached
+        spread[:-1], spread[-1] = without.spread, new.spread
+        sky = np.empty((count + 1, VARIED - HIDDEN, m))
+        sky[:-1], sky[-1] = without.sky, new.explained[:, HIDDEN:].T
+        return _Normal(information, pull, reached, spread, sky)
 
     def _overlaps(self, new: Expected) -> Float:
         """(l, m) products of the new lights' parts of the map with those of the known ones."""
@@ -136,8 +143,15 @@ class Evidence:
             darkenings, log_determinant = _solved(information, pull)
             darkenings = darkenings.clip(0.0, MOST_DARKENING)
             darkenings /= np.maximum(darkenings.sum(axis=0) / MOST_DARKENING, 1.0)
-        left = self._left(normal, darkenings) / cells + LEAST_NOISE**2
-        by_map_left = -0.5 * cells / self._cells_a_sample * np.log(left)
+        left = self._left(normal, darkenings)
+        samples = cells / self._cells_a_sample
+        by_map_left = -0.5 * samples * np.log(left / cells + LEAST_NOISE**2)
+        # The more of the light the sky gives, the less is known of what the map looks like without lights.
+        sky = self._observed.sky[:, None] - (normal.sky * darkenings[:, None]).sum(axis=0)
+        left_by_sky = np.maximum(left - self._observed.taken_by_sky(sky), 0.0)
+        by_sky_alone = -0.5 * samples * np.log(left_by_sky / cells + LEAST_NOISE**2) + self._observed.volume
+        towards = ((1 - darkenings.sum(axis=0) - BESIDE_LIGHTS) / (1 - BESIDE_LIGHTS)).clip(0.0, 1.0)
+        by_map_left += towards * (by_sky_alone - by_map_left)
         by_sides = sides.log_likelihood(reached, darkenings, sides.variance(normal.spread, darkenings))
         by_prior = -0.5 * prior * ((darkenings - DARKENING) ** 2).sum(axis=0)
         volume = 0.5 * (count * np.log(prior) - log_determinant)

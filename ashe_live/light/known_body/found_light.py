@@ -11,7 +11,7 @@ from ashe_live.core.transforms import normalised, raycast_to_plane
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit, height_px
 from ashe_live.light.known_body.outline.room import Outline, Room
-from ashe_live.light.known_body.rims import BESIDE_CELLS, Rims
+from ashe_live.light.known_body.rims import Rims
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.shading import fall_off
 from ashe_live.light.known_body.table import CELLS_A_HEIGHT
@@ -121,8 +121,8 @@ def hidden_step(seen: Seen, one: FoundLight) -> float:
         return 0.0
     away_px = BEYOND_PX + BEYOND_PENUMBRA * one.size_rad * float(np.median(edges.by_size))
     cell_px = height_px(seen.body, seen.view) / CELLS_A_HEIGHT
-    by_rim = Rims.of(seen.body, one.casting[None]).hidden_step(seen.templates.hidden_sky, seen.is_table)
-    return by_rim * min(away_px / (BESIDE_CELLS * cell_px), 1.0)
+    rim = Rims.of(seen.body, one.casting[None], seen.templates.hidden_sky)
+    return rim.hidden_step(seen.is_table) * min(away_px / (float(rim.cells_away[0]) * cell_px), 1.0)
 
 
 def _step_rgb(

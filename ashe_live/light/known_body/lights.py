@@ -15,7 +15,7 @@ from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, p
 from ashe_live.light.known_body.lamps import as_lamps
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
-from ashe_live.light.known_body.outline.profiles import LEAST_PX
+from ashe_live.light.known_body.outline.profiles import LEAST_PX, SHOWN
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 from ashe_live.light.shape.light_points import NO_LIGHTS
@@ -133,8 +133,11 @@ def _is_surely_sun(one: FoundLight) -> bool:
 
 
 def _is_clear(fit: EdgeFit) -> bool:
-    """Whether its edges are steps, and where they are predicted."""
-    return fit.clear > LEAST_CLEAR and fit.misfit_px < MOST_MISFIT_PX
+    """Whether its edges are steps, and where they are predicted, or as many steps as true edges show.
+
+    On a mottled table a pale shadow's edges scatter by as much as what is none.
+    """
+    return fit.clear > (LEAST_CLEAR if fit.misfit_px < MOST_MISFIT_PX else SHOWN)
 
 
 def _is_unseen(one: FoundLight) -> bool:

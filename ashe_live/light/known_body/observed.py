@@ -5,6 +5,7 @@ are given; the sky gives the rest. Slow gradients of the table's light, and how 
 are marginalised (docs/maths.md, "A known body").
 """
 
+import math
 from dataclasses import dataclass
 from functools import cache
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.light.known_body.shadows import Shadows
-from ashe_live.light.known_body.sides.shading import Sides
+from ashe_live.light.known_body.sides.shading import SLOPE, Sides
 from ashe_live.light.known_body.table import SIDE
 
 # Cells whose errors are correlated, as stains, planks, tiles and other things' shadows are wider than a cell: the
@@ -23,10 +24,10 @@ CELLS_A_SAMPLE, ALIKE = 13.0, 9
 USUAL_NOISE = 0.06  # standard deviation of relative light that most maps have
 # What else varies on a table: slow terms; the sky that the body hides; and how that leans, along x and along y.
 VARIED, HIDDEN, LEANING = 9, 6, slice(7, 9)
-# Of the sky's light that the body hides, over what it would hide of an even sky that gave all of the table's: a sky
-# that gives half of it and hides a fifth more or less. Painted cubes' skies are off by half of this.
-HIDDEN_SIGMA = 0.1
-LEANING_SIGMA = 0.06  # of the slope of such a sky, of SLOPE for one that gives all of the table's light
+# Of the sky's light that the body hides, over what it would hide of an even sky: it hides a fifth more or less. Painted
+# cubes' skies are off by half of this. And of the slope of a sky that gives all of the table's light. Of one that gives
+# a part of it both are that part: beside lights a half.
+HIDDEN_SIGMA, LEANING_SIGMA, BESIDE_LIGHTS = 0.2, SLOPE, 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,15 +80,28 @@ class Observed:
         weighted = base * self.weight
         moments = (weighted @ base.T).astype(np.float64)
         self._of_hidden = moments[HIDDEN].copy()
-        moments[HIDDEN, HIDDEN] += CELLS_A_SAMPLE * (USUAL_NOISE / HIDDEN_SIGMA) ** 2
-        moments[LEANING, LEANING] += CELLS_A_SAMPLE * (USUAL_NOISE / LEANING_SIGMA) ** 2 * np.eye(2)
+        sky = slice(HIDDEN, VARIED)
+        known = CELLS_A_SAMPLE * USUAL_NOISE**2 * np.diag([HIDDEN_SIGMA**-2, LEANING_SIGMA**-2, LEANING_SIGMA**-2])
+        moments[sky, sky] += known / BESIDE_LIGHTS**2
         self._base = base
         self._columns = np.ascontiguousarray(weighted.T).reshape(SIDE, SIDE, -1)
         self._without_varied, light = np.linalg.inv(moments[:VARIED, :VARIED]), moments[:VARIED, VARIED]
         self._of_light = light
         # Sum of squares of what is left if no light is there.
         self.squares = float(moments[VARIED, VARIED] - light @ self._without_varied @ light)
+        self.sky = np.asarray(self._without_varied[sky] @ light)
+        # Where the sky gives all light its prior is so much wider.
+        wider, left = known * (BESIDE_LIGHTS**-2 - 1), self._without_varied[sky, sky]
+        self._by_wider_sky = np.linalg.inv(np.linalg.inv(wider) - left)
+        self.volume = 3 * math.log(BESIDE_LIGHTS) - 0.5 * float(np.linalg.slogdet(np.eye(3) - wider @ left)[1])
         self.everywhere = self.expected(everywhere)
+
+    def taken_by_sky(self, sky: Float) -> Float:
+        """(m,) by how much less of the map's squares is left if the sky gives all light.
+
+        sky: (3, m) how it differs from an even one beside lights: in what is hidden of it, and in its slope.
+        """
+        return np.asarray((sky * (self._by_wider_sky @ sky)).sum(axis=0))
 
     def alike(self, explained: Float) -> float:
         """Cells whose errors are as one, of what `explained` (n * n) and what else varies leave of the map.

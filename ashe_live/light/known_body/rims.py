@@ -1,10 +1,11 @@
-"""The table on both sides of shadows' outlines, in the map: which lights' shadows show edges there, of all directions.
+"""The table on both sides of shadows' outlines: which lights' shadows show edges in the picture, of all directions.
 
 Coarse, but of many lights at once: it says which of them are worth moving onto edges, and which cast no shadow where it
 would be seen.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -13,30 +14,44 @@ from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.outline.edges import POINTS
 from ashe_live.light.known_body.outline.profiles import BY_NONE, BY_STEP, LEAST_STEP, POINTS_A_SAMPLE
-from ashe_live.light.known_body.shadows import FIXED, Integers, corners_of
-from ashe_live.light.known_body.table import SIDE
+from ashe_live.light.known_body.shadows import cells_of
+from ashe_live.light.known_body.table import CELLS_A_HEIGHT, SIDE
 
 PLACES = 40  # of an outline, evenly along it
-# Cells from the outline to where it is dark and lit: a template's outline lies up to this far from the shadow's.
-BESIDE_CELLS = 1.5
-BEYOND = SIDE * SIDE  # number of a cell that is none of the map's
+# From the outline to where it is dark and lit: of the shadow's length, as templates lie apart by a part of it and the
+# body hides what is nearer to its own middle; in cells no less than blur takes, and no more than there is room for in
+# a long one.
+BESIDE_LENGTHS, LEAST_CELLS, MOST_CELLS = 0.4, 0.3, 1.5
+NOWHERE = -1e6  # coordinate of what is not in the picture
+
+
+class Ground(NamedTuple):
+    """A picture of the table in which shadows' outlines are looked for."""
+
+    light: Float32  # (h, w) over the lit table's
+    is_table: Mask  # (h, w) pixels that show the bare table away from all that is known
+    pixel_from_cell: Float  # (3, 3) as by `table.pixel_from_cell`
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rims:
-    """The cells at both sides of m shadows' outlines."""
+    """Places at both sides of m shadows' outlines, in the map's cells."""
 
-    inside: Integers  # (m, PLACES) numbers of cells, row by row; BEYOND for what is not in the map
-    outside: Integers  # (m, PLACES)
+    inside: Float32  # (m, PLACES, 2) columns and rows; far away where a shadow has no outline
+    outside: Float32  # (m, PLACES, 2)
+    cells_away: Float  # (m,) from the outline to both
+    hidden: Float32  # (m, PLACES) how much more of an even sky the body hides inside than outside
 
     @staticmethod
-    def of(body: Proxy, lights: Float) -> "Rims":
-        """Of the body's shadows in lights (m, 4)."""
-        corners, is_finite = corners_of(body, lights)
-        inside, outside = (np.full((len(lights), PLACES), BEYOND) for _ in range(2))
+    def of(body: Proxy, lights: Float, hidden_sky: Float32) -> "Rims":
+        """Of the body's shadows in lights (m, 4); hidden_sky: (n * n,) as in Templates."""
+        cells, is_finite = cells_of(body, lights)
+        inside, outside = (np.full((len(lights), PLACES, 2), NOWHERE, np.float32) for _ in range(2))
+        lengths_cells = CELLS_A_HEIGHT * np.hypot(*lights[:, :2].T) / np.maximum(lights[:, 2], 1e-6)
+        away = np.clip(BESIDE_LENGTHS * lengths_cells, LEAST_CELLS, MOST_CELLS)
         evenly = (np.arange(PLACES) + 0.5) / PLACES
         for number in np.flatnonzero(is_finite):
-            outline = cv2.convexHull(corners[number])[:, 0].astype(np.float64) / FIXED
+            outline = cv2.convexHull(cells[number].astype(np.float32))[:, 0].astype(np.float64)
             sides = np.roll(outline, -1, axis=0) - outline
             lengths = np.hypot(*sides.T)
             ends = lengths.cumsum()
@@ -47,46 +62,63 @@ class Rims:
             places = outline[side] + (evenly * ends[-1] - ends[side] + lengths[side])[:, None] * along[side]
             across = np.column_stack([along[side, 1], -along[side, 0]])
             across *= np.sign(((places - outline.mean(axis=0)) * across).sum(axis=1))[:, None]
-            inside[number], outside[number] = (_cells(places + sign * BESIDE_CELLS * across) for sign in (-1, 1))
-        return Rims(inside, outside)
+            inside[number], outside[number] = (places + sign * away[number] * across for sign in (-1, 1))
+        hidden = hidden_sky.reshape(SIDE, SIDE)
+        within, beyond = (cv2.remap(hidden, *_split(each), cv2.INTER_LINEAR) for each in (inside, outside))
+        return Rims(inside, outside, away, np.asarray(within - beyond, dtype=np.float32))
 
     def and_unseen(self, count: int) -> "Rims":
         """These and so many after them of which nothing is seen."""
-        unseen = np.full((count, PLACES), BEYOND)
-        return Rims(*(np.concatenate([each, unseen]) for each in (self.inside, self.outside)))
+        unseen = np.full((count, PLACES, 2), NOWHERE, np.float32)
+        return Rims(
+            np.concatenate([self.inside, unseen]),
+            np.concatenate([self.outside, unseen]),
+            np.concatenate([self.cells_away, np.full(count, MOST_CELLS)]),
+            np.concatenate([self.hidden, np.zeros((count, PLACES), np.float32)]),
+        )
 
-    def seen(
-        self, values: Float32, seen: Mask, hidden_sky: Float32, darkenings: Float, sky: Float, least: float
-    ) -> tuple[Float, Float]:
-        """(m,) part of each outline both sides of which are `seen`, and the log odds of a shadow by steps there.
+    def seen(self, ground: Ground, darkenings: Float, sky: Float, least: float) -> tuple[Float, Float]:
+        """(m,) part of each outline both sides of which are seen, and the log odds of a shadow by steps there.
 
-        values: (n, n) relative light. seen: (n, n). hidden_sky: (n * n,) as in Templates. darkenings: (m,) part of the
-        table's light that each light gives, at least `least`. sky: (m,) that of the sky beside it, of which the body
-        hides more on the inner side.
+        darkenings: (m,) part of the table's light that each light gives, at least `least`. sky: (m,) that of the sky
+        beside it, of which the body hides more on the inner side.
         """
-        light = np.append(np.where(seen, values, np.nan).reshape(-1), np.nan)
-        hidden = np.append(hidden_sky, 0.0)
-        lost = light[self.outside] - light[self.inside]
-        visible = np.isfinite(lost)
-        lost -= sky[:, None] * (hidden[self.inside] - hidden[self.outside])
-        with np.errstate(invalid="ignore"):
-            steps = lost > LEAST_STEP * np.maximum(darkenings, least)[:, None]
+        inside, outside = (_in_picture(each, ground.pixel_from_cell) for each in (self.inside, self.outside))
+        dark, lit = (cv2.remap(ground.light, x, y, cv2.INTER_LINEAR) for x, y in (inside, outside))
+        # Between both lies no other edge that is known, either.
+        between = 0.5 * (inside[0] + outside[0]), 0.5 * (inside[1] + outside[1])
+        visible = _all_on(ground.is_table, inside, outside, between)
+        lost = lit - dark - sky[:, None] * self.hidden
+        steps = visible & (lost > LEAST_STEP * np.maximum(darkenings, least)[:, None])
         shown, count = steps.sum(axis=1), visible.sum(axis=1)
         samples = POINTS / POINTS_A_SAMPLE / PLACES
         return count / PLACES, np.asarray(samples * (shown * BY_STEP + (count - shown) * BY_NONE))
 
-    def hidden_step(self, hidden_sky: Float32, seen: Mask) -> float:
-        """How much more of the sky is hidden inside of an outline, in the median of where both sides are `seen`.
+    def hidden_step(self, seen: Mask) -> float:
+        """How much more of the sky is hidden inside of the first outline, in the median of where both sides are `seen`.
 
-        hidden_sky: (n * n,). seen: (n, n). 0 where none is.
+        seen: (n, n). 0 where none is.
         """
-        hidden, is_cell = np.append(hidden_sky, 0.0), np.append(seen.reshape(-1), False)
-        is_seen = is_cell[self.inside] & is_cell[self.outside]
-        return float(np.median((hidden[self.inside] - hidden[self.outside])[is_seen])) if is_seen.any() else 0.0
+        is_seen = _all_on(seen, _split(self.inside[:1]), _split(self.outside[:1]))
+        return float(np.median(self.hidden[:1][is_seen])) if is_seen.any() else 0.0
 
 
-def _cells(places: Float) -> Integers:
-    """(k,) numbers of the cells in which places (k, 2) lie, in cells from the map's corner."""
-    columns, rows = np.floor(places).astype(np.intp).T
-    is_in_map = (columns >= 0) & (columns < SIDE) & (rows >= 0) & (rows < SIDE)
-    return np.where(is_in_map, rows * SIDE + columns, BEYOND)
+def _all_on(mask: Mask, *places: tuple[Float32, Float32]) -> Mask:
+    """(m, k) whether all of several places with x and y (m, k) lie on a mask (h, w)."""
+    on = [cv2.remap(mask.view(np.uint8), x, y, cv2.INTER_NEAREST, borderValue=0) > 0 for x, y in places]
+    return np.asarray(np.all(on, axis=0))
+
+
+def _split(places: Float32) -> tuple[Float32, Float32]:
+    """(m, k) columns and rows of places (m, k, 2)."""
+    return np.ascontiguousarray(places[..., 0]), np.ascontiguousarray(places[..., 1])
+
+
+def _in_picture(cells: Float32, pixel_from_cell: Float) -> tuple[Float32, Float32]:
+    """(m, k) x and y in the picture of places (m, k, 2) in cells; NOWHERE of what is behind the camera."""
+    H = pixel_from_cell.astype(np.float32)
+    x, y, depth = (row[0] * cells[..., 0] + row[1] * cells[..., 1] + row[2] for row in H)
+    is_before = depth > 0
+    depth = np.where(is_before, depth, np.float32(1))
+    x, y = (np.where(is_before, each / depth, np.float32(NOWHERE)).clip(NOWHERE, -NOWHERE) for each in (x, y))
+    return x, y

@@ -12,6 +12,7 @@ from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.rims import Ground
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
 from ashe_live.light.known_body.sides.facets import Facets, facets_of
@@ -23,6 +24,7 @@ from ashe_live.light.known_body.table import (
     SIDE,
     Table,
     linear_picture,
+    pixel_from_cell,
     places,
     relative_light,
     sent_by_table,
@@ -33,6 +35,10 @@ from ashe_live.light.pixels.view import View
 
 MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B
 BESIDE_CELL = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+# What blur mixes with the table, beside the body and things that shine; and how broad a known shadow's edge is.
+BESIDE_BODY = cv2.getStructuringElement(cv2.MORPH_RECT, (5, 5))
+EDGE_BROAD_PX = 7
+FARTHEST_PX = 1e4  # of an edge from the picture: beyond, it is drawn as if it were there
 LEAST_EDGE = 0.05  # part of a cell in shadow by which neighbours differ at its edge
 DEEP = 0.1  # part of the table's light: what is no third as deep as this is no step
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
@@ -156,11 +162,21 @@ class Seen:
         """
         key = np.ascontiguousarray(known).tobytes()
         if key not in self._rims:
-            is_told = self.is_table & _away_from_edges(self.lit(known)) if len(known) else self.is_table
-            values, darkenings = self.measured.relative.mean(axis=2), self.beside(known).everywhere.darkenings
-            hidden, sky = self.templates.hidden_sky, 1 - darkenings.sum(axis=1)
-            self._rims[key] = self.templates.rims.seen(values, is_told, hidden, darkenings[:, -1], sky, DEEP)
+            darkenings = self.beside(known).everywhere.darkenings
+            sky = 1 - darkenings.sum(axis=1)
+            self._rims[key] = self.templates.rims.seen(self._ground(known), darkenings[:, -1], sky, DEEP)
         return self._rims[key]
+
+    def _ground(self, known: Float) -> Ground:
+        """The picture of the table, away from the body and from the edges of the shadows in `known` lights (l, 4)."""
+        light = self.light / np.float32(self.lit_rgb.mean())
+        is_table = cv2.erode((self.view.is_ground & (light < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
+        for one in known:
+            edges = self.shadow_edges(one)
+            if edges is not None:
+                outline = np.round(edges.corners_px.clip(-FARTHEST_PX, FARTHEST_PX)).astype(np.int32)
+                cv2.polylines(is_table, [outline], True, 0, EDGE_BROAD_PX)
+        return Ground(light, is_table.view(bool), pixel_from_cell(self.view, self.body))
 
     def shadow_edges(self, light: Float) -> ShadowEdges | None:
         """The outline of the body's shadow in a light (4,); None where it has none in the picture."""

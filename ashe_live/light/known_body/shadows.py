@@ -111,6 +111,15 @@ def _window(corners: NDArray[np.int32]) -> slice:
 
 def corners_of(body: Proxy, lights: Float) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
     """(m, k, 2) the body's points cast by each light, in units of 1 / FIXED of a cell, and (m,) where it is finite."""
+    cells, is_finite = cells_of(body, lights)
+    return np.round(((cells + 0.5) * FINER - 0.5) * 2**BITS).astype(np.int32), is_finite
+
+
+def cells_of(body: Proxy, lights: Float) -> tuple[Float, NDArray[np.bool_]]:
+    """(m, k, 2) columns and rows in the map of the body's points cast by each light, and (m,) where all are finite.
+
+    Cells' centres are integers.
+    """
     points = body.points_marker(12)
     is_above = lights[:, 2] > LOWEST_Z * np.linalg.norm(lights[:, :3], axis=1)
     by_height = lights[:, [0, 1, 3]] / np.where(is_above, lights[:, 2], 1.0)[:, None]
@@ -120,5 +129,4 @@ def corners_of(body: Proxy, lights: Float) -> tuple[NDArray[np.int32], NDArray[n
     cast = cast / np.where(is_finite[:, None], left, 1.0)[..., None] - body.foot_marker[:2]
     along = places(body)
     cells = (cast / float(along[1] - along[0])).clip(-FARTHEST_CELLS, FARTHEST_CELLS)
-    fixed = np.round(((cells + SIDE // 2 + 0.5) * FINER - 0.5) * 2**BITS).astype(np.int32)
-    return fixed, is_finite
+    return cells + SIDE // 2, is_finite

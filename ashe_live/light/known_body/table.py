@@ -46,13 +46,17 @@ def places(body: Proxy) -> Float:
     return np.asarray((np.arange(SIDE) - SIDE // 2) * (height_of(body) / CELLS_A_HEIGHT))
 
 
-def table_around(view: View, body: Proxy, picture: Float32) -> Table | None:
-    """The map of the view's `picture`, averaged over cells; None where next to nothing of the table is in it."""
-    along = places(body)
-    foot = body.foot_marker
+def pixel_from_cell(view: View, body: Proxy) -> Float:
+    """(3, 3) homography from the map's cells (column, row, 1), whose centres are integers, to pixels and depth."""
+    along, foot = places(body), body.foot_marker
     cell = float(along[1] - along[0])
     marker_from_cell = np.array([(cell, 0, foot[0] + along[0]), (0, cell, foot[1] + along[0]), (0, 0, 1)])
-    H = image_from_plane(view.camera, view.T_cam_marker) @ marker_from_cell
+    return np.asarray(image_from_plane(view.camera, view.T_cam_marker) @ marker_from_cell)
+
+
+def table_around(view: View, body: Proxy, picture: Float32) -> Table | None:
+    """The map of the view's `picture`, averaged over cells; None where next to nothing of the table is in it."""
+    H = pixel_from_cell(view, body)
     index = np.arange(SIDE)
     depth = H[2, 0] * index[None] + H[2, 1] * index[:, None] + H[2, 2]
     middle = depth[SIDE // 2, SIDE // 2]

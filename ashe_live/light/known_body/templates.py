@@ -98,4 +98,5 @@ def _templates(family: str, spheroids: bytes) -> Templates:
     # A sky with the radiance 1 + 3 g·w towards w gives 1/2 + g·n to an upright facet, over that of level ground.
     hidden = np.einsum("cm,mij->cij", share * np.vstack([np.ones(len(s)), 3 * lights[:, :2].T]), shadows.whole())
     hidden = hidden.reshape(3, SIDE * SIDE).astype(np.float32)
-    return Templates(lights, solid_angle, shadows, Rims.of(body, lights), hidden[0], hidden[1:], form_factors(body))
+    rims = Rims.of(body, lights, hidden[0])
+    return Templates(lights, solid_angle, shadows, rims, hidden[0], hidden[1:], form_factors(body))

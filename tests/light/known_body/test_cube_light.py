@@ -135,6 +135,35 @@ def test_each_light_is_as_sure_as_its_own_shadow_shows_it() -> None:
     assert one_hidden.get(70, 0.0) < one_hidden[30]
 
 
+@pytest.mark.parametrize(("seed", "mottled"), [(2, 0.06), (6, 0.1)])
+def test_a_high_suns_narrow_shadow_beside_anothers_is_a_second_light(seed: int, mottled: float) -> None:
+    suns = [sun(95, 48, on_table=0.45), sun(186, 74, on_table=0.32)]
+    answer = estimate(CubeScene(CAMERA, looking(0.5, 45, 340), suns, mottled=mottled, seed=seed))
+    assert len(answer.lights) == 2
+    for true in suns:
+        assert min(off_deg(light.to_light_marker, true.point) for light in answer.lights) < 1.5
+
+
+def test_a_pale_second_shadow_on_a_mottled_table_is_a_second_light() -> None:
+    """Its edges are steps all along, though stains move them by a pixel."""
+    *_, scene = next(one for one in SETS if one.name == "two suns").scenes(21, 51717)
+    assert len(estimate(scene).lights) == 2
+
+
+@pytest.mark.parametrize(
+    ("azimuth_deg", "elevation_deg", "tilt_deg", "from_deg", "seed"),
+    [(96.3, 42, 47.7, 305, 10), (182.8, 41.8, 44, 215.3, 12), (314.7, 36.6, 38.3, 304.2, 18)],
+)
+def test_a_pale_shadow_lies_where_its_edges_do_and_not_on_the_tables_stains(
+    azimuth_deg: float, elevation_deg: float, tilt_deg: float, from_deg: float, seed: int
+) -> None:
+    light = sun(azimuth_deg, elevation_deg, on_table=0.12)
+    view = looking(0.5, tilt_deg, from_deg)
+    answer = estimate(CubeScene(CAMERA, view, [light], sky_rgb=np.full(3, 0.5), mottled=0.16, seed=seed))
+    assert len(answer.lights) == 1
+    assert off_deg(answer.lights[0].to_light_marker, light.point) < 1.5
+
+
 def test_the_rest_of_a_shadow_is_no_second_light() -> None:
     """Lights that are moved onto the same edges are one."""
     for azimuth_deg in (20, 140, 260):

@@ -73,6 +73,14 @@ def test_where_nothing_casts_a_shadow_nothing_is_likelier_than_that() -> None:
     assert evidence(map_of({}), lit()).everywhere.log_likelihood.max() < 1
 
 
+@pytest.mark.parametrize("slope", [(0.2, 0.0), (0.0, 0.25), (-0.2, 0.15)])
+def test_a_sky_that_gives_all_light_may_lean_as_much_as_skies_do(slope: tuple[float, float]) -> None:
+    leaning = 1 - TEMPLATES.hidden_sky - np.array(slope) @ TEMPLATES.hidden_slope
+    noise = np.random.default_rng(RNG_SEED).normal(0, 0.01, (SIDE, SIDE))
+    values = (leaning.reshape(SIDE, SIDE) + noise).astype(np.float32)
+    assert evidence(values, lit()).everywhere.log_likelihood.max() < 0
+
+
 def test_a_further_light_that_is_not_there_takes_nothing() -> None:
     scan = evidence(map_of({(200, 35): 0.4}), lit(sun(200, 35).point)).scanned(lit(sun(80, 60).point))
     assert scan.darkenings[0, 1] < 0.03

@@ -1,18 +1,20 @@
-"""Steps of light beside shadows' outlines, in the map of the table."""
+"""Steps of light beside shadows' outlines, in a picture of the table."""
 
+import cv2
 import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float32, Mask
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.rims import Rims
-from ashe_live.light.known_body.shadows import shadows_of
+from ashe_live.light.known_body.rims import Ground, Rims
+from ashe_live.light.known_body.shadows import cells_of, shadows_of
 from ashe_live.light.known_body.table import SIDE
 from ashe_live.light.known_body.templates import Templates, templates_of
 from ashe_live.tracking.cube.faces import CORNERS
 
 ALL: Mask = np.ones((SIDE, SIDE), bool)
 DARKENING = 0.5
+FINER = 10  # pixels to a cell
 LIGHT = np.array([[0.4, -0.5, 0.6, 0.0]])
 
 
@@ -31,7 +33,12 @@ def log_odds(
 ) -> tuple[np.ndarray, np.ndarray]:
     count = len(templates.lights)
     darkenings, skies = np.full(count, DARKENING), np.full(count, sky)
-    return templates.rims.seen(values, seen, templates.hidden_sky, darkenings, skies, 0.1)
+    return templates.rims.seen(from_above(values, seen), darkenings, skies, 0.1)
+
+
+def from_above(values: Float32, seen: Mask = ALL) -> Ground:
+    """The map as picture."""
+    return Ground(values, seen, np.eye(3))
 
 
 def test_the_light_whose_shadow_it_is_has_the_best_odds(body: Proxy, templates: Templates) -> None:
@@ -63,9 +70,27 @@ def test_the_sky_that_the_body_hides_is_no_shadow(templates: Templates) -> None:
 
 
 def test_unseen_ones_are_added_at_the_end(body: Proxy) -> None:
-    rims = Rims.of(body, LIGHT).and_unseen(2)
-    bright, sky = np.ones((SIDE, SIDE), np.float32), np.zeros(SIDE * SIDE, np.float32)
-    visible, odds = rims.seen(bright, ALL, sky, np.ones(3), np.zeros(3), 0.1)
+    rims = Rims.of(body, LIGHT, np.zeros(SIDE * SIDE, np.float32)).and_unseen(2)
+    visible, odds = rims.seen(from_above(np.ones((SIDE, SIDE), np.float32)), np.ones(3), np.zeros(3), 0.1)
     assert visible[0] > 0.5
     assert not visible[1:].any()
     assert not odds[1:].any()
+
+
+def test_a_shadow_narrower_than_two_cells_is_seen_in_a_finer_picture(body: Proxy, templates: Templates) -> None:
+    """That of a sun 75 degrees high, of which the map has two cells beside the cube's own."""
+    light = templates.lights[int((templates.lights[:, :3] @ (0.26, 0.0, 0.966)).argmax())]
+    cells, _ = cells_of(body, light[None])
+    finer = np.full((FINER * SIDE, FINER * SIDE), 1.0, np.float32)
+    cv2.fillConvexPoly(finer, cv2.convexHull(np.round(FINER * cells[0]).astype(np.int32)), 1 - DARKENING)
+    seen = np.ones(finer.shape, np.uint8)
+    on_table, _ = cells_of(body, np.array([[0.0, 0.0, 1.0, 0.0]]))
+    cv2.fillConvexPoly(seen, cv2.convexHull(np.round(FINER * on_table[0]).astype(np.int32)), 0)
+    ground = Ground(finer, seen.view(bool), np.diag([FINER, FINER, 1.0]))
+    count = len(templates.lights)
+    visible, odds = templates.rims.seen(ground, np.full(count, DARKENING), np.zeros(count), 0.1)
+    own = (templates.lights[:, :3] @ light[:3]).argmax()
+    assert visible[own] > 0.2
+    assert odds[own] > 4
+    high_elsewhere = (templates.lights[:, 2] > 0.9) & (templates.lights[:, 0] < -0.2)
+    assert (odds[high_elsewhere] < -4).all()

@@ -25,9 +25,9 @@ SLOPE, UNEVEN = 0.12, 0.1
 # Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is a fifth of the
 # level one's off where it is ten pixels wide, and falls by the third power of the width.
 MIXED, MIXED_PX, MIXED_POWER = 0.2, 10.0, 3
-# Of the exponent by which a camera's tones bend the ratio of two facets' light. Of 70 sides, path-traced, through five
-# cameras; 0.02 of a plain one.
-TONES = 0.14
+# Of the exponent by which a camera's tones bend the ratio of two facets' light: of 87 sides, path-traced, through five
+# cameras, by `scenes.tones` (assets/sources); 0.01 of a plain one and 0.2 of a phone that maps tones locally.
+TONES = 0.12
 MOST_SIGMAS = 4.0  # a residual counts no more than so many: something else may light or shade that side
 
 
