@@ -25,8 +25,6 @@ LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
 HEIF_BRANDS = {b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"}
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
-
-
 # Their content begins as a photo: they are pictures in JPEG one after the other.
 CLIP_SUFFIXES = {".mjpeg", ".mjpg"}
 

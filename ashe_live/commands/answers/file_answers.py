@@ -5,35 +5,30 @@ import dataclasses
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from datetime import datetime
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
 from ashe_live.capture.opening import open_source, openable
 from ashe_live.capture.photo import PhotoSource
-from ashe_live.capture.snapshot import write_png
 from ashe_live.capture.sources import Source
 from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, of_one_scene, renumbered
+from ashe_live.commands.answers.steps_sheet import write_steps
 from ashe_live.commands.flags.marker_choice import marker_in, with_marker, with_marker_in
 from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, make_tracker
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.contract import FileRecord
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.drawing.contact_sheet import contact_sheet
 from ashe_live.drawing.steps import DebugPicture, debug_pictures
 from ashe_live.errors import UserError
-from ashe_live.files.writing import make_folder, unused_name
 from ashe_live.light.estimators.estimator import Estimator, TracingEstimator
 from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.process.messages import printable, tell
 from ashe_live.process.unforeseen import fault, outer_cause, show_traceback
 from ashe_live.tracking.families.in_view import markers_in_view
 from ashe_live.tracking.tracker import MarkerTracker
-
-STEP_WIDTH_PX = 480
 
 Result = TypeVar("Result")
 
@@ -157,7 +152,7 @@ class FileEstimator:
     def _keep_steps(self, file: Path, pictures: Sequence[DebugPicture]) -> None:
         """Writes them, and says where, or why not: the answer is worth more than they are, and is given anyway."""
         try:
-            tell(f"{file}: steps in {_write_steps(self.options.debug, file, pictures)}")
+            tell(f"{file}: steps in {write_steps(self.options.debug, file, pictures)}")
         except UserError as error:
             self.without_steps.add(file)
             tell(f"{file}: without its steps: {error}")
@@ -245,13 +240,3 @@ def _tell_of_unused(given: Sequence[str], used: Sequence[str]) -> None:
 
 def _tells_no_camera(source: Source) -> bool:
     return isinstance(source, PhotoSource) and source.focal_px is None
-
-
-def _write_steps(folder: Path, file: Path, pictures: Sequence[DebugPicture]) -> Path:
-    """One sheet with all steps of an estimate, under a name that is not taken yet. Raises UserError."""
-    sheet = contact_sheet(
-        [picture.image_bgr for picture in pictures], [picture.title for picture in pictures], 4, STEP_WIDTH_PX
-    )
-    make_folder(folder)
-    path = unused_name(folder, file.stem, ".png", datetime.now())
-    return write_png(path, sheet, beside=True)
