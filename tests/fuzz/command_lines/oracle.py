@@ -25,6 +25,8 @@ NOTES = (
     r"ashe-live: no camera is connected, so this is the demo ",
     r"ashe-live: .* is truncated or damaged: ",
     r"ashe-live: saved ",
+    r"ashe-live: nothing to estimate in frame ",
+    r"ashe-live: camera: focal length ",
     r"ashe-live: .* has appeared meanwhile and stays as it is: see ",
     r".*: steps in ",
     r"sheet in ",
