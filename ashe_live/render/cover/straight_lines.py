@@ -42,13 +42,17 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
     coarse, fine = (_scaled(detail, hole, is_ground, side_px, px) for px in (SIDE_PX, FINE_SIDE_PX))
     lines, drawn = np.zeros_like(coarse.detail), np.zeros_like(fine.detail)
     for direction in _telling_directions(coarse):
-        left = coarse.without(lines)
         nearby = direction + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINER_STEP_DEG)
-        rows = max((_Rows(left, each) for each in nearby), key=lambda each: each.energy)
-        if rows.is_line.any():
-            lines = _stronger(lines, rows.drawn(rows.is_line))
-            finer = _Rows(fine.without(drawn), rows.direction_deg)
-            drawn = _stronger(drawn, finer.drawn(finer.those_of(rows)))
+        # A seam may run a degree beside the grain, whose many lines would have it turned into their direction.
+        for alone in (True, False):
+            left = coarse.without(lines)
+            turned = (_Rows(left, each) for each in nearby)
+            rows = max(turned, key=lambda each: each.highest if alone else each.energy)
+            chosen = rows.strongest if alone else rows.is_line
+            if chosen.any():
+                lines = _stronger(lines, rows.drawn(chosen))
+                finer = _Rows(fine.without(drawn), rows.direction_deg)
+                drawn = _stronger(drawn, finer.drawn(finer.those_of(rows, chosen)))
     return np.asarray(cv2.resize(drawn, hole.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
@@ -140,10 +144,26 @@ class _Rows:
         return np.where(is_line, found, 0.0)
 
     @property
+    def _weaker(self) -> Float:
+        """(k,) contrast of the weaker side."""
+        return np.minimum(self._sides[0].contrast, self._sides[1].contrast)
+
+    @property
     def energy(self) -> float:
         """Of what may be drawn: largest where a line is turned into as few rows as it is wide."""
-        weaker = np.minimum(self._sides[0].contrast, self._sides[1].contrast)
-        return float((weaker[self.certainty > LIKELY] ** 2).sum())
+        return float((self._weaker[self.certainty > LIKELY] ** 2).sum())
+
+    @property
+    def highest(self) -> float:
+        """Contrast of the line that stands out most: largest where that is turned into as few rows as it is wide."""
+        return float(self._weaker[self.is_line].max(initial=0.0))
+
+    @property
+    def strongest(self) -> Mask:
+        """(k,) rows of that line."""
+        is_line = self.is_line
+        _, parts = cv2.connectedComponents(is_line.astype(np.uint8)[:, None])
+        return is_line & (parts[:, 0] == parts[np.where(is_line, self._weaker, 0).argmax(), 0])
 
     @property
     def is_line(self) -> Mask:
@@ -152,15 +172,15 @@ class _Rows:
         sure = np.unique(parts[self.certainty > SURE])
         return np.asarray(np.isin(parts[:, 0], sure[sure > 0]))
 
-    def those_of(self, others: "_Rows") -> Mask:
-        """(k,) rows where the same ground in the same direction, at another resolution, has lines."""
+    def those_of(self, others: "_Rows", lines: Mask) -> Mask:
+        """(k,) rows where the same ground in the same direction, at another resolution, has the `lines` of its rows."""
         *along, offset = self._turning[1]
         *_, others_offset = others._turning[1]
         # Pixel middles are integers: a picture of m pixels extends from -0.5 to m - 0.5.
         half = 0.5 * float(np.sum(along))
         scale = others._ground.side / self._ground.side
         at = (np.arange(self._size) - offset + half) * scale - half + others_offset
-        return np.asarray(others.is_line[np.clip(np.round(at), 0, others._size - 1).astype(int)])
+        return np.asarray(lines[np.clip(np.round(at), 0, others._size - 1).astype(int)])
 
     def drawn(self, is_line: Mask) -> Float32:
         """(m, m, 3) rows (k,) in the hole and as far beside it as they were looked at; 0 elsewhere."""

@@ -35,6 +35,14 @@ def test_a_line_is_continued_where_it_goes(direction: float, offset: float) -> N
     assert np.abs(found[off]).mean() < 0.1 * CONTRAST
 
 
+@pytest.mark.parametrize("beside_deg", [-1.5, 1.5])
+def test_a_seam_is_continued_where_it_goes_beside_grain_of_nearly_its_direction(beside_deg: float) -> None:
+    seam = _line(beside_deg, 8.0, 4.0)
+    grain = np.max([_line(0.0, offset, 5.0) for offset in (-40.0, -30.0, -20.0, -10.0, 24.0, 34.0)], axis=0)
+    found = straight_lines(_detail(np.maximum(seam, 0.5 * grain)), HOLE, ~HOLE, SIDE_PX)
+    assert found[HOLE & (seam == 1)].mean() == pytest.approx(-CONTRAST, rel=0.25)
+
+
 def test_lines_that_cross_are_not_twice_as_dark() -> None:
     first, second = _line(20.0, 5.0), _line(110.0, -8.0)
     found = straight_lines(_detail(np.maximum(first, second)), HOLE, ~HOLE, SIDE_PX)
