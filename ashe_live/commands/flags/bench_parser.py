@@ -56,7 +56,7 @@ def _add_soak(soak: argparse.ArgumentParser) -> None:
 
 
 def _add_light(light: argparse.ArgumentParser) -> None:
-    light.add_argument("--scenes", type=values.path, nargs="+", required=True, metavar="DIR")
+    _add_scenes(light)
     _add_results_folder(light)
     light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
     light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
@@ -67,7 +67,7 @@ def _add_light(light: argparse.ArgumentParser) -> None:
 
 
 def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
-    judge.add_argument("--scenes", type=values.path, nargs="+", required=True, metavar="DIR")
+    _add_scenes(judge)
     _add_results_folder(judge)
     judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
     judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
@@ -84,7 +84,7 @@ def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
 
 
 def _add_fit_lamps(lamps: argparse.ArgumentParser) -> None:
-    lamps.add_argument("--scenes", type=values.path, nargs="+", required=True, metavar="DIR")
+    _add_scenes(lamps)
     _add_results_folder(lamps)
     lamps.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
 
@@ -94,14 +94,7 @@ def _add_cube(cube: argparse.ArgumentParser) -> None:
     cube.add_argument(
         "--seed", type=values.index, default=0, metavar="N", help="other pictures of these kinds (default 0)"
     )
-    cube.add_argument(
-        "--scenes",
-        type=values.path,
-        nargs="+",
-        default=(),
-        metavar="DIR",
-        help="the light on these pictures, not on painted ones",
-    )
+    _add_scenes(cube, "the light on these pictures, not on painted ones")
     _add_results_folder(cube)
     cube.add_argument("--quality", choices=QUALITIES, default="balanced")
 
@@ -111,17 +104,17 @@ def _add_track(tracking: argparse.ArgumentParser) -> None:
     tracking.add_argument(
         "--photos", type=values.path, metavar="DIR", help="also look for absent ids in the pictures there"
     )
-    tracking.add_argument(
-        "--scenes",
-        type=values.path,
-        nargs="+",
-        default=(),
-        metavar="DIR",
-        help="also check, and fit, how certain poses are",
-    )
+    _add_scenes(tracking, "also check, and fit, how certain poses are")
     _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
     tracking.add_argument("--quality", choices=QUALITIES, default="balanced")
+
+
+def _add_scenes(bench: argparse.ArgumentParser, instead: str | None = None) -> None:
+    """Folders of pictures with known lights; `instead`: what they are for in a bench that does without them."""
+    bench.add_argument(
+        "--scenes", type=values.path, nargs="+", required=instead is None, default=(), metavar="DIR", help=instead
+    )
 
 
 def _add_results_folder(bench: argparse.ArgumentParser) -> None:

@@ -71,7 +71,8 @@ def refined(
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
         if score[index] < 0:
-            start = template  # what map and sides speak against was told by its steps: they would move it onto stains
+            # Only steps in the picture tell this one: where map and sides are best nearby, there may be a stain.
+            start = template
         if darkening < LEAST_DARKENING or likelihood < told:
             continue
         if any(_finds_again(seen, start, other) for other in clear):

@@ -11,7 +11,7 @@ import numpy as np
 
 from ashe_live.core.types import Light
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
-from ashe_live.light.lamps.mixture import errors_of
+from ashe_live.light.lamps.mixture import covariance_of, errors_of
 from ashe_live.light.lamps.place import LAMPS_NEARNESS, Place
 from ashe_live.light.shape.directions import (
     FittedLight,
@@ -51,7 +51,7 @@ def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float) -> 
     shares = np.array([1 - probability, probability])
     offsets = np.stack([as_sun - expected, as_lamp - expected]) @ slope.T
     spreads = np.stack([slope @ each @ slope.T for each in (of_sun, of_lamp)])
-    covariance = np.einsum("i,ijk->jk", shares, spreads + offsets[:, :, None] * offsets[:, None, :])
+    covariance = covariance_of(offsets, spreads, shares)
     errors = errors_of(offsets, spreads, shares)
     alone = errors_of(np.zeros((1, 2)), light.covariance_rad2[None], np.ones(1))
     good = min(errors.within(GOOD_RAD) / max(alone.within(GOOD_RAD), 1e-9), 1.0)

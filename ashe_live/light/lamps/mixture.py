@@ -21,9 +21,11 @@ class Errors:
     probability: Float  # (n,) that an error is no larger
 
     def radius(self, probability: float) -> float:
+        """Radians, within which an error is with that probability."""
         return float(np.interp(probability, self.probability, self.radii))
 
     def within(self, radius_rad: float) -> float:
+        """The probability that an error is no larger."""
         return float(np.interp(radius_rad, self.radii, self.probability))
 
 
@@ -40,6 +42,14 @@ def errors_of(offsets: Float, spreads: Float, shares: Float) -> Errors:
     return Errors(np.append(0.0, errors.ravel()[order]), np.append(0.0, np.minimum(cumulated, 1.0)))
 
 
+def covariance_of(offsets: Float, spreads: Float, shares: Float) -> Float:
+    """(k, k) about the answer, of a mixture of distributions.
+
+    offsets: (n, k) of their means from the answer. spreads: (n, k, k) their covariances. shares: (n,).
+    """
+    return np.asarray(np.einsum("i,ijk->jk", shares, spreads + offsets[:, :, None] * offsets[:, None, :]))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Mixture:
     """A light that is in one of n places."""
@@ -53,7 +63,7 @@ class Mixture:
         mean = probabilities @ np.stack([each.mean for each in places])
         offsets = np.stack([each.mean - mean for each in places])
         spreads = np.stack([each.covariance for each in places])
-        covariance = np.einsum("i,ijk->jk", probabilities, spreads + offsets[:, :, None] * offsets[:, None, :])
+        information = np.asarray(np.linalg.inv(covariance_of(offsets, spreads, probabilities)))
         slope = direction_by_displacement(mean[:2])
         errors = errors_of(offsets[:, :2] @ slope.T, slope @ spreads[:, :2, :2] @ slope.T, probabilities)
-        return Mixture(Place(mean, np.asarray(np.linalg.inv(covariance))), errors)
+        return Mixture(Place(mean, information), errors)

@@ -49,10 +49,11 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
             turned = (_Rows(left, each) for each in nearby)
             rows = max(turned, key=lambda each: each.highest if alone else each.energy)
             chosen = rows.strongest if alone else rows.is_line
-            if chosen.any():
-                lines = _stronger(lines, rows.drawn(chosen))
-                finer = _Rows(fine.without(drawn), rows.direction_deg)
-                drawn = _stronger(drawn, finer.drawn(finer.those_of(rows, chosen)))
+            if not chosen.any():
+                break
+            lines = _stronger(lines, rows.drawn(chosen))
+            finer = _Rows(fine.without(drawn), rows.direction_deg)
+            drawn = _stronger(drawn, finer.drawn(finer.those_of(rows, chosen)))
     return np.asarray(cv2.resize(drawn, hole.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
