@@ -62,12 +62,15 @@ float noise_sigma(float brightness) {
     return mix(noise_sigmas[below], noise_sigmas[below + 1], at - float(below));
 }
 
-// Reads a layer a whole number of pixels from `middle`, which lies between pixels if the lens distorts.
+// Reads a layer a whole number of pixels from `middle`, which lies between pixels if the lens distorts. What the video's
+// border cuts off goes on beyond it as it is there.
 #ifdef BENDS
-#define READ(layer, middle, column, row) textureLod(layer, (middle + vec2(column, row)) / vec2(textureSize(layer, 0)), 0.0)
+#define READ(layer, middle, column, row) \
+    textureLod(layer, clamp(middle + vec2(column, row), viewport.xy + 0.5, viewport.xy + viewport.zw - 0.5) / \
+        vec2(textureSize(layer, 0)), 0.0)
 #else
 #define READ(layer, middle, column, row) \
-    texelFetch(layer, clamp(ivec2(middle) + ivec2(column, row), ivec2(0), textureSize(layer, 0) - 1), 0)
+    texelFetch(layer, clamp(ivec2(middle) + ivec2(column, row), ivec2(viewport.xy), ivec2(viewport.xy + viewport.zw) - 1), 0)
 #endif
 
 // What is left of the video's light.

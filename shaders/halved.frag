@@ -1,18 +1,20 @@
-// Both layers at half the resolution, as means of two by two pixels.
+// Both layers at half the resolution, as means of two by two pixels. What the video's border cuts off goes on beyond it.
 #version 330 core
 
 uniform sampler2D added_light;
 uniform sampler2D removed;
+uniform ivec2 first;  // the video's lower left pixel
+uniform ivec2 last;  // its upper right pixel
 
 layout(location = 0) out vec4 halved_light;  // clipped to what a picture can show, as cameras clip before they blur colours
 layout(location = 1) out vec4 halved_gone;  // alpha: 0 if nothing is drawn there, else 1 plus the largest difference
 
 void main() {
-    ivec2 last = textureSize(added_light, 0) - 1, lower = 2 * ivec2(gl_FragCoord.xy);
+    ivec2 lower = 2 * ivec2(gl_FragCoord.xy);
     vec4 light = vec4(0.0), least_light = vec4(1e4), most_light = vec4(-1e4);
     vec3 gone = vec3(0.0), least_gone = vec3(1e4), most_gone = vec3(-1e4);
     for (int k = 0; k < 4; ++k) {
-        ivec2 at = min(lower + ivec2(k & 1, k >> 1), last);
+        ivec2 at = clamp(lower + ivec2(k & 1, k >> 1), first, last);
         vec4 light_there = texelFetch(added_light, at, 0);
         vec3 gone_there = texelFetch(removed, at, 0).rgb;
         light += 0.25 * min(light_there, 1.0);

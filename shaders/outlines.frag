@@ -6,6 +6,10 @@
 
 uniform sampler2D added_light;
 uniform sampler2D removed;
+#ifndef PUT_BACK
+uniform ivec2 first;  // the video's lower left pixel: what its border cuts off has no outline there
+uniform ivec2 last;  // its upper right pixel
+#endif
 
 #if defined(FIND)
 out vec4 steps;  // whether there is a step to the right, above, to the left and below; pixels without any are not chosen
@@ -17,7 +21,7 @@ const float OTHER_SURFACE = 0.004;  // difference of the numbers of two surfaces
 
 // A pixel's brightness, its coverage, and the number of the surface that it shows.
 vec3 seen(ivec2 at) {
-    ivec2 within = clamp(at, ivec2(0), textureSize(added_light, 0) - 1);
+    ivec2 within = clamp(at, first, last);
     vec4 light = texelFetch(added_light, within, 0);
     return vec3(dot(light.rgb, LUMINANCE), light.a, texelFetch(removed, within, 0).a);
 }
@@ -57,7 +61,7 @@ const int FARTHEST = 12;  // pixels along a step: a longer one counts as level
 
 // Whether there is a step between a pixel and its neighbour in one of the four directions.
 bool is_step(ivec2 at, ivec2 towards) {
-    vec4 steps = texelFetch(outline_steps, clamp(at, ivec2(0), textureSize(outline_steps, 0) - 1), 0);
+    vec4 steps = texelFetch(outline_steps, clamp(at, first, last), 0);
     vec2 ahead = towards.x + towards.y > 0 ? steps.xy : steps.zw;
     return (towards.x != 0 ? ahead.x : ahead.y) > 0.5;
 }
@@ -104,8 +108,7 @@ void main() {
     bool is_steep = aside.x + aside.y > upright.x + upright.y;
     vec2 shares = is_steep ? aside : upright;
     ivec2 across = is_steep ? RIGHT : UP;
-    ivec2 last = textureSize(removed, 0) - 1;
-    ivec2 further = clamp(at + across, ivec2(0), last), nearer = clamp(at - across, ivec2(0), last);
+    ivec2 further = clamp(at + across, first, last), nearer = clamp(at - across, first, last);
     float left = 1.0 - shares.x - shares.y;
     smooth_light = left * texelFetch(added_light, at, 0) + shares.x * texelFetch(added_light, further, 0)
         + shares.y * texelFetch(added_light, nearer, 0);

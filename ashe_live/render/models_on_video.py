@@ -113,7 +113,7 @@ class ModelsOnVideo:
         elif scene.shows_model and not surface.samples:
             model = framing(camera, T_cam_marker, models.corners, viewport)
             if model is not None:
-                self._outlines.smooth(surface, grown(model.region, 1, surface.size))
+                self._outlines.smooth(surface, grown(model.region, 1, surface.size), viewport)
         self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
 
     def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, at_once: bool) -> HiddenMarker | None:

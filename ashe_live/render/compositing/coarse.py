@@ -12,7 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
-from ashe_live.render.gl.framing import Rectangle, grown
+from ashe_live.render.gl.framing import Rectangle, corner_pixels, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
@@ -61,11 +61,12 @@ class CoarseLayers:
         self._targets: tuple[_Target, _Target] | None = None
         self._rectangles = WholeRectangle(ctx), WholeRectangle(ctx)
 
-    def draw(self, surface: Surface, region: Rectangle, blur: CoarseBlur, spread: int) -> None:
+    def draw(self, surface: Surface, region: Rectangle, viewport: Rectangle, blur: CoarseBlur, spread: int) -> None:
         """Blurs `surface`'s layers where they are looked up in `region`, beside which they must be empty.
 
-        As far as `blur.reach_px` beyond it. Their alpha says where the layers are even besides, as far as `spread`
-        pixels of half the resolution around. Leaves another framebuffer bound.
+        As far as `blur.reach_px` beyond it. Beyond the border of the video, which is in `viewport`, they go on as they
+        are there. Their alpha says where the layers are even besides, as far as `spread` pixels of half the resolution
+        around. Leaves another framebuffer bound.
         """
         width, height = surface.size
         size = (width + 1) // 2, (height + 1) // 2
@@ -73,14 +74,16 @@ class CoarseLayers:
         self._ctx.enable_only(moderngl.NOTHING)
         wanted = _halved(grown(region, 2, surface.size))
         in_rows = _above_and_below(wanted, blur.taps, size)
-        halving, blurring = self._rectangles
+        rectangle_of_halves, rectangle_of_blurs = self._rectangles
         surface.bind_layers()
-        self._draw_into(first, grown(wanted, blur.taps, size), halving, self._programs.get("halved"))
+        halving = self._programs.get("halved")
+        set_uniforms(halving, **corner_pixels(viewport))
+        self._draw_into(first, grown(wanted, blur.taps, size), rectangle_of_halves, halving)
         program = self._programs.get("coarse", taps=blur.taps, spread=min(spread, blur.taps))
         set_uniforms(program, weights=line_weights(*blur))
         for target, within, along in ((second, in_rows, (1, 0)), (first, wanted, (0, 1))):
             set_uniforms(program, along=along)
-            self._draw_into(target, within, blurring, program)
+            self._draw_into(target, within, rectangle_of_blurs, program)
 
     def bind(self) -> None:
         if self._targets is not None:

@@ -95,7 +95,7 @@ class Composite:
         blurs = onto.blurs
         choosing, program = self._programs_for(onto, is_cut_out)
         within = grown(region, blurs.farthest, surface.size)
-        self._coarse.draw(surface, within, blurs.coarse, blurs.reach // 2)
+        self._coarse.draw(surface, within, viewport, blurs.coarse, blurs.reach // 2)
         self._coarse.bind()
         surface.bind_layers()
         onto.video.bind()

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import moderngl
 
-from ashe_live.render.gl.framing import Rectangle, grown
-from ashe_live.render.gl.programs import Programs
+from ashe_live.render.gl.framing import Rectangle, corner_pixels, grown
+from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.passes.surface import Surface
@@ -24,16 +24,22 @@ class Outlines:
         self._surface: Surface | None = None  # the one that the rest is for
         self._found: _Found | None = None
 
-    def smooth(self, surface: Surface, region: Rectangle) -> None:
-        """Within `region`, which holds the model and a pixel around it. Leaves another framebuffer bound."""
+    def smooth(self, surface: Surface, region: Rectangle, viewport: Rectangle) -> None:
+        """Within `region`, which holds the model and a pixel around it; `viewport`: of the video.
+
+        Leaves another framebuffer bound.
+        """
         found = self._found_of(surface)
         finding, smoothing, putting_back = self._rectangles
         surface.bind_layers()
+        find, smooth = self._programs.get("outlines", find=1), self._programs.get("outlines")
+        for program in (find, smooth):
+            set_uniforms(program, **corner_pixels(viewport))
         with surface.chosen.choosing(found.step_framebuffer, grown(region, 2, surface.size)):
-            finding.draw(self._programs.get("outlines", find=1))
+            finding.draw(find)
         found.steps.use(UNIT_OF["outline_steps"])
         with surface.chosen.restricted(found.framebuffer, region):
-            smoothing.draw(self._programs.get("outlines"))
+            smoothing.draw(smooth)
         for texture, name in zip(found.layers, ("added_light", "removed"), strict=True):
             texture.use(UNIT_OF[name])
         with surface.chosen.restricted(surface.chosen_layers, region):

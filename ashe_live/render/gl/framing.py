@@ -75,6 +75,12 @@ def grown(rectangle: Rectangle, margin: int, size: Size) -> Rectangle:
     return x0, y0, x1 - x0, y1 - y0
 
 
+def corner_pixels(rectangle: Rectangle) -> dict[str, tuple[int, int]]:
+    """The rectangle's lower left pixel `first` and its upper right one `last`, as shaders that keep within it ask."""
+    left, bottom, width, height = rectangle
+    return {"first": (left, bottom), "last": (left + width - 1, bottom + height - 1)}
+
+
 def common(some: Rectangle, other: Rectangle) -> Rectangle:
     """The intersection of two rectangles; its width or height is 0 if it is empty."""
     left, bottom = max(some[0], other[0]), max(some[1], other[1])

@@ -85,6 +85,27 @@ def test_a_shadow_that_leaves_the_video_leaves_the_bars_beside_it_black(
 
 
 @pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize("bars_px", [(40, 0), (0, 40), (33, 0)])
+def test_bars_beside_the_video_do_not_change_a_shadow_that_leaves_it(
+    make_renderer, stage, quality: str, bars_px: tuple[int, int]
+) -> None:
+    tracked = _sheet(stage, blur=1.2)
+    width, height = tracked.frame.size
+    across, up = bars_px
+    renderer = make_renderer(QUALITIES[quality].render)
+    tower = stage.placed(box((0.04, 0.04, 0.3), BLACK))
+    for azimuth_deg in range(0, 360, 90):
+        scene = Scene(tracked, tower, Illumination((stage.light(azimuth_deg, 10),)))
+        renderer.resize((width, height))
+        renderer.render(scene)
+        alone = renderer.read_bgr()
+        renderer.resize((width + 2 * across, height + 2 * up))
+        renderer.render(scene)
+        within = renderer.read_bgr()[up : up + height, across : across + width]
+        assert np.abs(within.astype(int) - alone).max() <= 1
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
 def test_a_shadow_is_as_soft_as_the_real_one_though_the_camera_sharpens_its_marker(
     make_renderer, stage, quality: str
 ) -> None:

@@ -27,7 +27,7 @@ def smoothed(ctx) -> Iterator:
     def smooth(added: Float, removed: Float) -> list[Float]:
         for layer, values in zip(surface.layers, (added, removed), strict=True):
             layer.write(np.ascontiguousarray(values, np.float16).tobytes())
-        outlines.smooth(surface, WHOLE)
+        outlines.smooth(surface, WHOLE, WHOLE)
         return [np.frombuffer(each.read(), np.float16).reshape(SIDE, SIDE, 4).astype(float) for each in surface.layers]
 
     yield smooth
