@@ -25,7 +25,7 @@ from ashe_live.viewer.hands.controls import BINDINGS
 from tests.checkout import CHECKOUT
 from tests.commands.conftest import InstantWorker
 
-PAGES = [CHECKOUT / "README.md", *sorted((CHECKOUT / "docs").glob("*.md"))]
+PAGES = [CHECKOUT / "README.md", *sorted((CHECKOUT / "docs").rglob("*.md"))]
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 # What cannot be run by a test; the command line must take it all the same.
