@@ -48,6 +48,9 @@ TOLD_SIGMAS = 2.0  # the same once a sun is excluded: the nearness is then state
 # The same where one object alone tells it: then it is the fall of light that does, and uneven ground, which has wider
 # tails than a normal distribution, has no second witness against it.
 ALONE_SIGMAS = 4.0
+# Deviance of a sun, from which on the ground excludes it: suns have 8 at most in 82 pictures (docs/accuracy/lamps.md).
+# Where no lamp fits the object and its shadow either, they are something else.
+EXCLUDED_DEVIANCE = 100.0
 WORTH_ALIGNING = 1.5  # standard errors from which on borders are aligned as a lamp's
 WORTH_LOOKING = 1.0  # standard errors from which on other objects are looked for
 UNTOLD_NEARNESS = 0.5  # 1/m, standard error of the nearness above which a sun is not certain either
@@ -88,6 +91,8 @@ def stated(
 ) -> Answer:
     """The lights of an explanation; its first one as a lamp where that is told, the others always as suns.
 
+    The first has no confidence where the light on the ground is no sun's and no lamp can be told.
+
     lights_of: those of an explanation of some confidence as directions, with covariances. ratios: (3,) each light's
     shadow ratio, linear RGB. kind: one of KINDS.
     """
@@ -126,7 +131,10 @@ def stated(
             lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
             return Answer(best, (lamp, *others_lights), believed.mean)
     alone, *others_lights = lights
-    unsure = with_doubt(alone, place, from_sun, deviance_of_sun(seen, place))
+    deviance = deviance_of_sun(seen, place)
+    unsure = with_doubt(alone, place, from_sun, deviance)
+    if deviance > EXCLUDED_DEVIANCE:
+        unsure = replace(unsure, confidence=0.0)
     return Answer(explanation, (unsure, *others_lights), place)
 
 

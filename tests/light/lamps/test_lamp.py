@@ -7,12 +7,12 @@ import pytest
 
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.explanation.explain import Proposal, explained, explained_near
+from ashe_live.light.explanation.explain import NearFit, Proposal, explained, explained_near
 from ashe_live.light.explanation.judgement.judge import fitted_judge
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.shadow_shift import shadow_ratio
 from ashe_live.light.labels.associate import Split
-from ashe_live.light.lamps.kinds import LAMP
+from ashe_live.light.lamps.kinds import AUTO, LAMP
 from ashe_live.light.lamps.lamp import Answer, Scene, stated
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import painted_region
@@ -22,9 +22,11 @@ LAMP_M = (-0.3, -0.1, 0.45)
 FIT = partial(explained_near, preset=BALANCED.fine_fit)
 
 
-def answer(confidence: float) -> Answer:
-    """A box's explanation under a lamp, stated as one."""
-    here = painted_region(BOX, lamp_m=LAMP_M)
+def answer(
+    confidence: float, lamp_m: tuple[float, ...] | None = LAMP_M, fit: NearFit = FIT, kind: str = LAMP
+) -> Answer:
+    """A box's explanation, under a lamp or a sun, stated as a light of a kind; fit: of lamps to its labels."""
+    here = painted_region(BOX, lamp_m=lamp_m)
     (sun,) = explained([Proposal(here.region, here.materials, Split(here.body, here.shadow))], BALANCED.fine_fit)
     assert sun is not None
     tracked, judge = here.scene.tracked, fitted_judge()
@@ -35,12 +37,12 @@ def answer(confidence: float) -> Answer:
         here.unlit,
         list,
         lambda: Sharpener.of([fine]),
-        FIT,
+        fit,
         [],
         judge.calibration.overdispersion,
     )
     ratios = [shadow_ratio(here.ground, here.true_shift)]
-    return stated(sun, confidence, lambda one, sure: judge.lights_of(one, sure, tracked), ratios, scene, LAMP)
+    return stated(sun, confidence, lambda one, sure: judge.lights_of(one, sure, tracked), ratios, scene, kind)
 
 
 def test_a_lamp_is_between_where_its_shadow_and_where_the_ground_puts_it_by_what_the_shadow_is_worth() -> None:
@@ -66,3 +68,14 @@ def test_certainty_of_either_kind_is_finite(confidence: float) -> None:
     assert light.lamp_covariance is not None
     assert (np.linalg.eigvalsh(light.lamp_covariance) > 0).all()
     assert 0 <= (light.confidence or 0.0) <= 1
+
+
+def test_no_sun_is_believed_where_the_ground_is_lit_by_a_lamp_and_no_lamp_fits_the_labels() -> None:
+    def no_fit(several):
+        return [None for _ in several]
+
+    (excluded,) = answer(0.9, lamp_m=(-0.15, -0.05, 0.2), fit=no_fit, kind=AUTO).lights
+    assert excluded.inverse_distance == 0
+    assert excluded.confidence == 0
+    (sun,) = answer(0.9, lamp_m=None, fit=no_fit, kind=AUTO).lights
+    assert (sun.confidence or 0.0) > 0.5
