@@ -93,7 +93,7 @@ def test_emission_above_one_is_white_and_no_more(studio) -> None:
 
 @pytest.mark.parametrize("emission", [0.0, 1e6])
 def test_light_beyond_half_precision_is_white(low_studio, stage, emission: float) -> None:
-    """A lamp's, and the mirror image of the sun. The layers stay finite: some drivers store infinity, others the most."""
+    """A lamp, and the mirror image of the sun. The layers stay finite: some drivers would store infinity."""
     T = low_studio.tracked.marker.T_cam_marker
     _, y, z = -T[:3, :3].T @ T[:3, 3]
     light = stage.light(90, math.degrees(math.atan2(z - HEIGHT_M, -y)), (0.3, 0.3, 0.3))
