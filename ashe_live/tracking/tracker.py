@@ -32,8 +32,6 @@ BRIDGED_FRAMES = 5
 FLOW_SIGMA_PX = 1.0
 # A lost marker is searched thoroughly in its first frames, then in every so many.
 THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
-# So many of a cube's faces are measured in a frame, once their folds are known: a third costs a third of all time.
-FACES_MEASURED = 2
 # How often a frame is searched for a second marker like the one that is followed.
 CENSUS_EVERY_S = 1.0
 

@@ -50,7 +50,9 @@ class Folding:
         self._covariance: Float = np.diag(1 / prior)  # of the folds, by all that was seen
         self._frames = self._seen_in = 0
         self._numbers: tuple[int, ...] = ()  # of the faces whose pose `pose_covariance` is of
-        self._pose_covariance = np.diag(1 / prior[:EACH])
+        # (6, 6) of the turn about and the shift of the cube's middle, rad and m, cube's axes, that folds may have. What
+        # all faces share is the pose itself, as no picture tells them apart.
+        self.pose_covariance: Float = np.diag(1 / prior[:EACH])
         self._wobble: Wobble | None = None
         self._folds = np.zeros((len(FACES), EACH))
         self._shape()
@@ -71,14 +73,6 @@ class Folding:
         """Whether the folds of all faces that are in view are yet to be learned."""
         return self._frames < EVERY_ONE_OF
 
-    @property
-    def pose_covariance(self) -> Float:
-        """(6, 6) of the turn about and the shift of the cube's middle, rad and m, cube's axes, that folds may have.
-
-        For the faces that were seen last. What they share is the pose itself, as no picture tells them apart.
-        """
-        return self._pose_covariance
-
     def stated(self, pose: MarkerPose) -> MarkerPose:
         """`pose` with the cube's body, and as uncertain as the folds make it."""
         if pose.covariance is None:
@@ -92,7 +86,7 @@ class Folding:
         """Learns from a frame's faces by number, seen from `T_cam_cube`; returns whether the shape has changed."""
         self._seen_in += 1
         numbers = tuple(squares)
-        is_due = self._frames < EVERY_ONE_OF or self._seen_in % EVERY == 0
+        is_due = self.wants_all or self._seen_in % EVERY == 0
         is_learned = len(squares) > 1 and self._frames < MOST_FRAMES and is_due
         if not is_learned and numbers == self._numbers:
             return False
@@ -126,7 +120,7 @@ class Folding:
             self._folds = np.asarray(self._covariance @ self._vector).reshape(-1, EACH)
             self._shape()
         self._numbers = numbers
-        self._pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
+        self.pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
         self._wobble = self._wobble_of(np.asarray(pose_by_folds, dtype=np.float64))
         return is_learned
 
