@@ -23,15 +23,15 @@ from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import same_objects
 
-NEARER = 1.5  # times as large, the marker has more detail around it than the cover
-TURNED_COS = np.cos(np.radians(30.0))  # seen from another side, the ground's relief looks different
-RETRIED_S = 1.0  # of the video, after no cover could be made
-GAIN_HELD_S = 0.2  # of the video, between two looks at the exposure
-EASED = 0.4  # of the way to the exposure just measured, each time
-STILL = 0.004  # a smaller change of exposure is none
-GAIN_RANGE = 0.4, 2.5  # of the brightness of one frame over that of another
-OUTLIER = 0.3  # of a point's own change over the median's: something has come there
-FEWEST_POINTS = 30  # of the ground, by which exposures are compared
+NEARER = 1.5  # the cover is made anew once the marker appears this many times as large, as it then lacks detail
+TURNED_COS = np.cos(np.radians(30.0))  # and once the camera has turned by this, as the ground's relief looks different
+RETRIED_S = 1.0  # time of the video after which another attempt follows one that failed
+GAIN_HELD_S = 0.2  # time of the video between two measurements of the exposure
+EASED = 0.4  # share of the way to the measured exposure that each of them moves the cover's
+STILL = 0.004  # a smaller relative change of the exposure is ignored
+GAIN_RANGE = 0.4, 2.5  # limits of the exposure of one frame over that of another
+OUTLIER = 0.3  # points whose brightness changed by more than this beside the median (a logarithm) are left out
+FEWEST_POINTS = 30  # least number of points of the ground by which exposures are compared
 
 
 class HiddenMarker:
