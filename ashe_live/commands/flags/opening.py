@@ -1,4 +1,4 @@
-"""Opens what a window is given later, by a drop or a key, with the flags that it was started with."""
+"""Opens files and cameras that are dropped on a window or asked for by a key, with the flags of its start."""
 
 import argparse
 from pathlib import Path
