@@ -7,7 +7,6 @@
 #include "relief.glsl"
 #ifdef COVERS
 #include "cover.glsl"
-uniform mat3 ground_from_pixel;  // of the pinhole camera's picture, to the marker's plane; homogeneous
 #endif
 
 uniform sampler2D added_light;  // linear RGB; alpha: fraction of the pixel that the model covers, or as in cover.glsl
@@ -111,16 +110,6 @@ vec3 flattened(vec3 seen, vec3 gone, vec2 at) {
 }
 #endif
 
-#ifdef COVERS
-// The cover in a pixel; its alpha is how much of it is visible. `alpha`: of the blurred added light.
-vec4 cover_behind(vec2 middle, float alpha) {
-    vec3 ground = ground_from_pixel * vec3(middle, 1.0);
-    vec4 covering = ground.z > 0.0 ? cover_at(ground.xy / ground.z) : vec4(0.0);
-    covering.a *= min(alpha / COVER_ALPHA, 1.0);
-    return covering;
-}
-#endif
-
 void main() {
     vec2 at = (gl_FragCoord.xy - viewport.xy) / viewport.zw;
     vec2 middle = middle_of_blurs();
@@ -172,7 +161,8 @@ void main() {
     if (max(light.a, max(change.r, max(change.g, change.b))) < 0.0005) discard;
     vec3 seen = linear_from_srgb(texture(video, at).rgb);
 #ifdef COVERS
-    vec4 covering = cover_behind(middle, light.a);
+    vec4 covering = cover_in(middle);
+    covering.a *= min(light.a / COVER_ALPHA, 1.0);  // as much of it as is visible
     seen = mix(seen, covering.rgb, covering.a);
 #endif
 #ifdef RELIEF

@@ -3,6 +3,7 @@
 
 uniform sampler2D cover;  // sRGB, straight alpha
 uniform float cover_half_m;
+uniform mat3 ground_from_pixel;  // of the pinhole camera's picture, to the marker's plane; homogeneous
 uniform vec3 cover_gain;  // exposure of this frame over that of the frame that the cover was made from
 
 // The alpha of covered pixels in the layer of added light. It differs from the model's 1, so that the model's outline is
@@ -14,4 +15,10 @@ const float COVER_ALPHA = 0.45;
 vec4 cover_at(vec2 ground) {
     vec4 covering = texture(cover, 0.5 + 0.5 * ground / cover_half_m);
     return vec4(linear_from_srgb(covering.rgb) * cover_gain, covering.a);
+}
+
+// The same in a pixel of the pinhole camera's picture: empty above the horizon.
+vec4 cover_in(vec2 pixel) {
+    vec3 ground = ground_from_pixel * vec3(pixel, 1.0);
+    return ground.z > 0.0 ? cover_at(ground.xy / ground.z) : vec4(0.0);
 }

@@ -6,7 +6,6 @@
 #include "relief.glsl"
 #ifdef COVERS
 #include "cover.glsl"
-uniform mat3 ground_from_pixel;  // of the pinhole camera's picture, to the marker's plane; homogeneous
 #endif
 
 uniform sampler2D video;
@@ -23,8 +22,7 @@ void main() {
         vec2 at = (gl_FragCoord.xy + within) / means;
         vec3 seen = linear_from_srgb(textureLod(video, at, 0.0).rgb);
 #ifdef COVERS
-        vec3 ground = ground_from_pixel * vec3(layers_at(at), 1.0);
-        vec4 covering = ground.z > 0.0 ? cover_at(ground.xy / ground.z) : vec4(0.0);
+        vec4 covering = cover_in(layers_at(at));
         seen = mix(seen, covering.rgb, covering.a);
 #endif
         sum += log_brightness(seen);

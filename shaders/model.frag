@@ -27,6 +27,7 @@ uniform float alpha_cutoff;
 #include "brdf.glsl"
 #endif
 #include "environment.glsl"
+#include "triangle.glsl"
 
 in vec3 position;
 // Interpolated at the centroid of the covered part of the pixel: beyond the triangle's border they would be extrapolated,
@@ -80,13 +81,6 @@ vec3 surface_normal() {
     }
 #endif
     return n;
-}
-
-// The unit normal of the triangle itself on the visible side; `n` for a triangle that is seen edge-on.
-vec3 triangle_normal(vec3 n) {
-    vec3 across = cross(dFdx(position), dFdy(position));
-    float size2 = dot(across, across);
-    return size2 > 0.0 && size2 < 1e30 ? faceforward(across, position - eye, across) * inversesqrt(size2) : n;
 }
 
 // In heights of the point on the wall: the middle of the nearer two THIRDS together, and how far they reach on both sides.
@@ -157,6 +151,8 @@ float number_of_surface(vec3 facing, float through) {
 const float GLASS = 0.04;  // reflectance of plastic, glass and clear coats at normal incidence
 const float ANYHOW = 0.25;  // mean of the clamped cosine over surfaces that face anywhere
 const float MOST_ALBEDO = 0.9;  // of real surfaces
+// The layers' half precision ends at 65504. Beyond it they would be infinite, and blurring makes 0 * infinity undefined.
+const float MOST_LIGHT = 1e4;
 
 void main() {
     vec4 base = base_colour;
@@ -170,7 +166,7 @@ void main() {
     if (base.a < alpha_cutoff) discard;
 #endif
     vec3 n = surface_normal();
-    vec3 facing = triangle_normal(n);
+    vec3 facing = triangle_normal(position, n);
     vec2 open = gl_FrontFacing ? openness.xy : openness.zw;
     float hidden = 1.0 - mix(open.y, open.x, 0.5 + 0.5 * n.z);
 #ifdef OCCLUSION_MAP
@@ -284,10 +280,10 @@ void main() {
 #ifdef COATED
     cover += (1.0 - cover) * coat * coat_reflectance;
 #endif
-    added_light = vec4((albedo * diffuse * base.a + glow) * exposure, cover);
+    added_light = vec4(min((albedo * diffuse * base.a + glow) * exposure, MOST_LIGHT), cover);
     removed = vec4(cover);
 #else
-    added_light = vec4((albedo * diffuse + glow) * exposure, 1.0);
+    added_light = vec4(min((albedo * diffuse + glow) * exposure, MOST_LIGHT), 1.0);
     removed = vec4(vec3(1.0), number_of_surface(facing, through));
 #endif
 }

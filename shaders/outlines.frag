@@ -12,9 +12,9 @@ uniform ivec2 last;  // its upper right pixel
 #endif
 
 #if defined(FIND)
+#include "srgb.glsl"
 out vec4 steps;  // whether there is a step to the right, above, to the left and below; pixels without any are not chosen
 
-const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 const float SEEN = 0.35;  // the least difference at a step, as a share of the brighter pixel's light
 const float LEAST_SEEN = 0.03;  // and in linear light
 const float OTHER_SURFACE = 0.004;  // difference of the numbers of two surfaces (model.frag): four steps of half precision

@@ -2,6 +2,7 @@
 #version 330 core
 #include "lights.glsl"
 #include "shadow.glsl"
+#include "triangle.glsl"
 
 uniform vec3 sky;
 uniform vec3 ground_bounce;
@@ -14,7 +15,7 @@ layout(location = 0) out vec4 added_light;  // stays empty
 layout(location = 1) out vec4 removed;
 
 void main() {
-    vec3 normal = normalize(cross(dFdx(position), dFdy(position)));
+    vec3 normal = triangle_normal(position, vec3(0.0, 0.0, 1.0));
     float upward = 0.5 + 0.5 * normal.z;
     vec3 before = sky * upward + ground_bounce * bounce_at(position, normal) * (1.0 - upward);
     vec3 after = before;

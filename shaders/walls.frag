@@ -21,7 +21,7 @@ void main() {
     // The direction below which half of the sky hidden by a wall is: its cosine is the mean of 1 and that of the wall's top.
     float away = distance(ground_placed, foot);
     float cosine = 0.5 + 0.5 * away * inversesqrt(max(away * away + model_height * model_height, 1e-12));
-    float height = away * sqrt(1.0 - cosine * cosine) / cosine;
+    float height = away * sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine;
     vec3 light = vec3(0.0);
     for (int third = 0; third < 3; ++third) {
         vec2 before = foot + THIRDS[third] * height * outward;

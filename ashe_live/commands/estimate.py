@@ -81,8 +81,9 @@ def _is_in_folder_to_be(sheet: Path | None, folder: Path | None) -> bool:
 
 def _check_frames(options: argparse.Namespace) -> None:
     first, last = options.frames
-    if options.estimate_at is not None and not first <= options.estimate_at <= (last or options.estimate_at):
-        raise UserError(f"--estimate-at {options.estimate_at} is not within --frames", "choose a frame within them")
+    at = options.estimate_at
+    if at is not None and not first <= at <= (at if last is None else last):
+        raise UserError(f"--estimate-at {at} is not within --frames", "choose a frame within them")
 
 
 def _watched(paths: Sequence[Path]) -> Iterator[Path]:

@@ -26,7 +26,7 @@ def steps_sheet(frozen: TrackedFrame, estimate: LightEstimate, trace: "Trace") -
     from ashe_live.light.pixels.view import View
 
     answer = answer_picture(estimate, frozen, WIDTH_PX)
-    titled = DebugPicture("answer: object blue, shadow yellow", answer)
+    titled = DebugPicture("answer: object blue, shadow orange", answer)
     pictures = [*traced_pictures(View.of(frozen, WIDTH_PX), trace), titled]
     if estimate.lights:
         rose = rose_picture(estimate, frozen, answer.shape[0])

@@ -1,4 +1,4 @@
-"""How much light a model throws back on the whole, and of which colour: for what it is too small to be followed in."""
+"""A model's mean albedo."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What a person has said of their models, and how they left them, kept in the user's configuration folder."""
+"""Remembers a person's settings of their models between runs, in the user's configuration folder."""
 
 import math
 from pathlib import Path

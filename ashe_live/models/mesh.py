@@ -12,6 +12,8 @@ from ashe_live.models.material import Material
 Float32 = NDArray[np.float32]
 Indices = NDArray[np.uint32]
 PLAIN = Material()
+# Steps of the plastic number's sequence in two dimensions, which fills a square evenly (Roberts 2018).
+STEP_U, STEP_V = 0.7548776662, 0.5698402910
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +113,7 @@ class Model:
     name: str
     parts: tuple[Mesh, ...]  # at least one
     notes: tuple[str, ...] = ()  # what is drawn otherwise than the file says, each a part of a sentence about the model
-    up: str = "z"  # which axis of the file is up here: one of UPS (up.py)
+    up: str = "z"  # which axis of the file is up here: one of UPS (models/assembly/up.py)
     is_up_guessed: bool = False  # nobody has said so
 
     def __post_init__(self) -> None:
@@ -132,6 +134,14 @@ class Model:
         """(2, 3) smallest and largest coordinates, in metres, in all of its poses."""
         lower, upper = zip(*(part.bounds for part in self.parts), strict=True)
         return np.array([np.min(lower, axis=0), np.max(upper, axis=0)])
+
+
+def spread_over_triangle(numbers: NDArray[Any]) -> Float:
+    """(n, 3) barycentric coordinates of the points with these `numbers` (n,) in a sequence that fills it evenly."""
+    u, v = (1 / 3 + numbers * STEP_U) % 1.0, (1 / 3 + numbers * STEP_V) % 1.0
+    is_beyond = u + v > 1  # in the other half of the square
+    u, v = np.where(is_beyond, 1 - u, u), np.where(is_beyond, 1 - v, v)
+    return np.column_stack([1 - u - v, u, v])
 
 
 def _checked(array: NDArray[Any], dtype: type, shape: tuple[int, ...], name: str) -> NDArray[Any]:

@@ -74,6 +74,7 @@ class LayerPasses:
             self.model_pass.draw_blended(models, inputs)
 
     def release(self) -> None:
+        self.follow_real_object(None)
         self.catcher.release()
         self.hidden_marker.release()
         self._light_signs.release()

@@ -135,7 +135,6 @@ class ModelsOnVideo:
         return CatchingGround(straight, scene.illumination.ground_rgb, hidden, scene.casts_shadow, border_px)
 
     def release(self) -> None:
-        self.layers.follow_real_object(None)
         for held in (self.layers, self._straight_video, self._outlines, self._composite, self._lens):
             held.release()
         self._release_for_preset()

@@ -1,4 +1,4 @@
-"""The markers that are followed as one rigid thing, and where on it each one's corners are."""
+"""The markers that are followed as one rigid object, and where the corners of each are on it."""
 
 from collections.abc import Container
 
@@ -16,7 +16,8 @@ from ashe_live.tracking.families.layout import Layout, Member, members_of
 from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
 
-# So many of a cube's faces are measured in a frame, once their folds are known: a third costs a third of all time.
+# Once a cube's folds are known, only this many of its faces are measured in a frame: measuring all three takes half as
+# long again.
 FACES_MEASURED = 2
 
 
@@ -35,13 +36,13 @@ class Members:
 
     @property
     def all(self) -> tuple[Member, ...]:
-        """Those of which it is known where they are, by their numbers."""
+        """The members whose place is known, in the order of their numbers."""
         if self.beside is None or self.beside.corners is None:
             return self._given
         return *self._given, Member(self.beside.marker, self.beside.corners / self.side_m)
 
     def corners(self, number: int) -> Float:
-        """(4, 3) metres: those of a member, in the frame whose pose is asked for."""
+        """(4, 3) metres, marker frame: the corners of a member."""
         if self._folding is not None and number < NUMBER:
             return self._folding.corners(number)
         return self.side_m * self.all[number].corners
@@ -60,7 +61,7 @@ class Members:
         return {number: source_from_ideal(camera, each) for number, each in corners if np.isfinite(each).all()}
 
     def in_order_of_worth(self, numbers: list[int]) -> list[int]:
-        """These members, what lies beside a cube first: that is measured whichever of the faces are."""
+        """The same numbers, but the marker beside a cube first, which is measured in addition to the faces."""
         return sorted(numbers, key=lambda number: number != NUMBER) if self.beside is not None else numbers
 
     def most_measured(self, numbers: list[int]) -> int:
@@ -72,10 +73,10 @@ class Members:
     def pose(
         self, squares: dict[int, FittedSquare], camera: Camera, previous: MarkerPose | None, refines: bool
     ) -> tuple[MarkerPose | None, list[Sighting]]:
-        """The pose that explains the squares of a frame, and what was seen of the members for it.
+        """The pose by the squares of a frame, and the sightings that it was computed from.
 
-        previous: that of the frame before. refines: as in `pose_of_squares`. A flat marker that does not lie where it
-        lay is forgotten, and left out of `squares`.
+        previous: the pose of the frame before. refines: as in `pose_of_squares`. If the flat marker beside a cube has
+        moved, its place is forgotten, and it is removed from `squares`.
         """
         seen = [self.sighting(number, square) for number, square in squares.items()]
         if self._folding is None:

@@ -22,14 +22,14 @@ from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import Expected, along_edges, anywhere, refined
 
-# How often those that are not in view are looked for.
+# Markers that are not in view are looked for this often.
 SEARCH_EVERY_S = 0.2
-# RMS of the corners on the plane beside the best square, in its sides: one that stands upright is farther off than a
-# wrong focal length makes one that lies flat.
+# A marker whose corners, projected onto the plane, differ from a square by more than this RMS (in sides of that square)
+# does not lie on it. A wrong focal length makes a marker that lies flat differ by less, an upright one differs by more.
 MOST_BENT = 0.1
-# A marker that is moved by so many of its sides, or turned by so many radians, is not averaged with where it was.
+# Averaging begins anew when a marker has moved by this many of its sides, or turned by this many radians.
 MOVED_SIDES, TURNED_RAD = 0.01, 0.01
-# Frames that are averaged: noise falls by the root of it.
+# The running mean weighs a new frame by at least one over this number.
 AVERAGED = 30
 
 
@@ -39,7 +39,7 @@ class _Held:
 
     centre: complex  # metres
     side: complex  # its length in metres and its angle: the print's x axis, as long as a side
-    frames: int = 1
+    frames: int = 0  # averaged so far
 
     def add(self, centre: complex, side: complex) -> None:
         length = abs(self.side)

@@ -1,6 +1,6 @@
-"""Where in a frame the marker is: along its last edges, around its last place, or anywhere.
+"""Three searches for a marker in a frame: along its last edges, around its last place, and anywhere.
 
-Each costs more than the one before, and finds what that one lost.
+Each costs more than the one before it, and finds markers that that one has lost.
 """
 
 from collections.abc import Container, Mapping, Sequence
@@ -21,29 +21,31 @@ from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square, r
 from ashe_live.tracking.families.dictionary_marker import DictionaryMarker
 from ashe_live.tracking.families.markers import Marker
 
-# How far from where it is expected a marker may be that moves on as it did.
+# A marker that keeps its velocity is at most this far from where it is expected.
 NEAR_PX = 2.0
-# By how much larger another square must be seen to be measured in place of one of the last frame's.
+# A square measured in the last frame is replaced by another one only if that appears this many times as large.
 STAYS = 1.3
 # Fewer sides do not determine the pose.
 MIN_SIDES_SEEN = 3
-# The region searched: the last corners' bounding box, grown on each side by this part of its longer side.
+# "Nearby" is the bounding box of the last corners, grown on each side by this share of its longer side.
 REGION_MARGIN = 0.6
-# The marker's size at which it is searched there: a larger one is scaled down, a smaller one up.
+# It is scaled so that the marker is between these sizes.
 LARGEST_PX, SMALLEST_PX = 96.0, 48.0
 MAX_ENLARGEMENT = 3.0
-# Between two frames the marker does not become smaller or larger than this part of itself.
+# From one frame to the next the marker's size changes by factors between these.
 SMALLEST_NEAR, LARGEST_NEAR = 0.6, 1.7
-# The least side that a thorough search of the frame looks for, and how much wider than a quick one it looks.
+# A thorough search of the frame finds markers down to this size, in a picture this many times as wide as a quick
+# search.
 THOROUGH_SIDE_PX, THOROUGH_RATIO = 8.0, 2
-# At the scale of the search, how far a marker's coarse corners may be off.
+# Coarse corners are off by up to this much, at the scale of the search.
 COARSE_PX = 1.0
 
 
 def in_front(expected_px: Mapping[int, Float], last: Container[int]) -> list[int]:
-    """Which of several squares' corners (4, 2), by number, show their print, those first that are seen largest.
+    """The numbers of those squares (corners (4, 2)) whose printed side is seen, the largest in the picture first.
 
-    Of two alike one of the `last` comes first: with other faces of a folded cube its pose would be another one.
+    Those of the `last` frame have precedence over others of about the same size: from other faces, the pose of a cube
+    that is not folded exactly would be another one.
     """
     areas = {
         number: cv2.contourArea(corners_px.astype(np.float32)) * (STAYS if number in last else 1.0)
@@ -59,7 +61,7 @@ class Expected:
 
     marker: Marker
     corners_px: Float  # (4, 2) picture pixels, good to a tenth of its size
-    aligned_sigma: float = 0.0  # as its square had it in the frame before
+    aligned_sigma: float = 0.0  # of its FittedSquare in the frame before
 
 
 def along_edges(
@@ -92,7 +94,7 @@ def along_edges(
 def first_along_edges(
     expected: Mapping[int, Expected], most: int, image_bgr: Image, camera: Camera, samples: int, is_predictable: bool
 ) -> dict[int, FittedSquare | None]:
-    """As `along_edges`, by number, the first so many that are found; those after them are not looked for."""
+    """As `along_edges`, by number, until `most` of them have been found; the rest is not looked for."""
     squares: dict[int, FittedSquare | None] = {}
     untried = list(expected)
     while untried and most > 0:

@@ -25,16 +25,14 @@ from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import Expected, along_edges, anywhere, first_along_edges, in_front, nearby, refined
 
-# Without the marker for so long, its last pose says nothing about the next one.
+# The last pose is forgotten when the marker has not been seen for this long.
 MEMORY_S = 0.5
-# The most frames in a row that are bridged by optical flow, and the standard deviation of its corners.
+# At most this many frames in a row are bridged by optical flow, whose corners have this standard deviation.
 BRIDGED_FRAMES = 5
 FLOW_SIGMA_PX = 1.0
-# A lost marker is searched thoroughly in its first frames, then in every so many.
+# A lost marker is searched for thoroughly in the first frames without it, then in one frame of so many.
 THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
-# So many of a cube's faces are measured in a frame, once their folds are known: a third costs a third of all time.
-FACES_MEASURED = 2
-# How often a frame is searched for a second marker like the one that is followed.
+# A frame is searched for a second marker like the followed one this often.
 CENSUS_EVERY_S = 1.0
 
 

@@ -1,4 +1,4 @@
-"""What is shown of models and shadows, part by part, so that a person sees what they add to the video."""
+"""The parts of the picture that key B shows in turn, to compare it with the video alone."""
 
 WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
 SPLIT = "the video alone in one half"

@@ -1,5 +1,6 @@
 """The main thread's loop: handles input, takes the latest tracked frame, and draws at the display's own rate."""
 
+import contextlib
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -84,7 +85,11 @@ class LiveViewer:
         self._quality.begin(self._pipeline)
         frames_left = frame_limit
         due_s = time.monotonic()
-        try:
+        with contextlib.ExitStack() as ending:  # the last first, and each also where one before it fails
+            ending.callback(lambda: self._pipeline.close())
+            ending.callback(self._opening.close)
+            ending.callback(self._session.arrangement.keep_places)
+            ending.callback(lambda: self._keeper.finish(time.monotonic()))
             while not (self._quit or self._window.is_closing):
                 end_if_asked()
                 now_s = time.monotonic()
@@ -103,11 +108,6 @@ class LiveViewer:
                     frames_left -= 1
                     self._quit = self._quit or frames_left <= 0
                 self._idle_until(max(due_s, now_s + IDLE_S) if self._is_idle else due_s)
-        finally:
-            self._keeper.finish(time.monotonic())
-            self._session.arrangement.keep_places()
-            self._opening.close()
-            self._pipeline.close()
 
     def _idle_until(self, due_s: float) -> None:
         """Waits until the next picture is due, as `swap` does not wait without vertical sync (a virtual display)."""

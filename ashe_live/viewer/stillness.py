@@ -1,4 +1,4 @@
-"""Whether the pictures still change: an unchanged screen need not be drawn, and has no frame rate."""
+"""Detects that the pictures no longer change: an unchanged screen need not be drawn, and has no frame rate."""
 
 import operator
 import time

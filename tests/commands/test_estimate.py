@@ -225,6 +225,13 @@ def test_a_frame_that_the_clip_does_not_have_is_refused(run, film):
     assert f"from 0 to {film.frame_count - 1}" in outcome.out[0]
 
 
+@pytest.mark.parametrize(("frames", "at"), [("0:0", 5), ("3:6", 2), ("3:6", 7)])
+def test_a_frame_beyond_those_to_look_at_is_refused(run, film, frames, at):
+    outcome = run("estimate", *KNOWN, "--frames", frames, "--estimate-at", at, film.path)
+    assert outcome.status == 2
+    assert f"--estimate-at {at} is not within --frames" in outcome.err[0]
+
+
 def test_a_truncated_clip_is_used_as_far_as_it_goes_or_refused_in_one_line(run, files, schema):
     outcome = run("estimate", "--json", *KNOWN, files["truncated"])
     (record,) = outcome.records

@@ -69,6 +69,11 @@ def studio(make_renderer, stage):
     return _Studio(make_renderer, stage)
 
 
+@pytest.fixture
+def low_studio(make_renderer, stage):
+    return _Studio(make_renderer, stage, elevation_deg=9)
+
+
 def test_factors_and_maps_multiply(studio) -> None:
     material = Material(base_colour=(0.5, 1.0, 0.25, 1.0), base_map=_texels(188, 188, 255, 255))
     colours = np.tile(np.float32((1.0, 0.5, 1.0, 1.0)), (4, 1))
@@ -84,6 +89,18 @@ def test_emission_adds_to_what_is_reflected(studio) -> None:
 
 def test_emission_above_one_is_white_and_no_more(studio) -> None:
     np.testing.assert_allclose(studio.middle(_sheet(Material(emissive=(40.0, 40.0, 40.0)))), 1.0)
+
+
+@pytest.mark.parametrize("emission", [0.0, 1e6])
+def test_light_beyond_half_precision_is_white(low_studio, stage, emission: float) -> None:
+    """A lamp, and the mirror image of the sun. The layers stay finite: some drivers would store infinity."""
+    T = low_studio.tracked.marker.T_cam_marker
+    _, y, z = -T[:3, :3].T @ T[:3, 3]
+    light = stage.light(90, math.degrees(math.atan2(z - HEIGHT_M, -y)), (0.3, 0.3, 0.3))
+    polished = Material(metallic=1.0, roughness=0.0, emissive=(emission,) * 3)
+    np.testing.assert_allclose(low_studio.at(low_studio.picture(_sheet(polished), light), (0.0, 0.0, HEIGHT_M)), 1.0)
+    added_light = np.frombuffer(low_studio.renderer._surface.layers[0].read(), np.float16)
+    assert added_light.max() < 0.5 * np.finfo(np.float16).max
 
 
 def test_occlusion_keeps_the_sky_away_and_not_the_sun(studio, stage) -> None:

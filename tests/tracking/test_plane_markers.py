@@ -58,6 +58,15 @@ def test_it_is_found_where_it_lies(centre_m, turn_deg, share, tilt_deg):
     assert found.side_m == pytest.approx(share * SIDE_M, rel=0.015)
 
 
+def test_a_place_is_the_mean_over_the_frames():
+    first, second = (seen(table((0.15 + moved_m, 0.05), 0), pose(0.7, 20), i) for i, moved_m in enumerate((0, 4e-4)))
+    alone = [tracker().track(one).others[0].centre_m for one in (first, second)]
+    both = tracker()
+    both.track(first)
+    (found,) = both.track(second).others
+    np.testing.assert_allclose(found.centre_m, np.mean(alone, axis=0), atol=2e-5)
+
+
 def test_it_is_held_still_and_follows_when_it_is_moved():
     following, places = tracker(), []
     for index in range(12):

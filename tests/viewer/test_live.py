@@ -233,6 +233,17 @@ def test_whatever_ends_it_a_recording_is_finished(stage, tmp_path, error):
         assert clip.read() is not None
 
 
+def test_whatever_fails_at_the_end_the_source_is_closed(stage, monkeypatch):
+    def fail(*_):
+        raise UserError("cannot write to standard output (No space left)", "choose a place that has space left")
+
+    monkeypatch.setattr(keeping.Keeper, "finish", fail)
+    stage.put(0)
+    with pytest.raises(UserError, match="standard output"):
+        stage.run(None)
+    assert stage.pipeline.frames.is_closed
+
+
 @pytest.mark.parametrize("last", [None, Command.LEAVE])
 def test_closing_the_window_and_esc_finish_a_recording_too(stage, tmp_path, capfd, last):
     stage.put(0)

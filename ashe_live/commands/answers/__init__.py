@@ -1,1 +1,1 @@
-"""What `ashe-live estimate` says of each file."""
+"""The answers of `ashe-live estimate`, file by file."""

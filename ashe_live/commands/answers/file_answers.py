@@ -1,4 +1,4 @@
-"""Where the light is in files: in each by itself, or in several that show one scene."""
+"""Estimates the light in files: in each by itself, or in several that show one scene."""
 
 import argparse
 import dataclasses

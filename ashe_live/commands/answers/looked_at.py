@@ -1,4 +1,4 @@
-"""What the estimator looks at in a photo or clip: the frame that is answered for, and other views of its scene."""
+"""Chooses the frame of a photo or clip that is estimated, and other views of its scene."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

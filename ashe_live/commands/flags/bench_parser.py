@@ -1,4 +1,4 @@
-"""What can be asked of `ashe-live bench`."""
+"""The parser of `ashe-live bench`."""
 
 import argparse
 

@@ -1,4 +1,4 @@
-"""Opens what a window is given later, by a drop or a key, with the flags that it was started with."""
+"""Opens files and cameras that are dropped on a window or asked for by a key, with the flags of its start."""
 
 import argparse
 from pathlib import Path
@@ -26,18 +26,22 @@ class LaterSources:
 
         Its camera model is its own: that of the flags, or else an assumed one.
         """
-        options, memory = self._options, None
-        source: Source
-        if path is None:
-            number = self._next_camera()
-            memory = FocalMemory(name_of(number, connected()))
-            source = WebcamSource(number, options.size)
-            self._camera = str(number)
-        else:
-            source = open_source(path)
-        chosen = with_marker_in(source, options)
-        tracker = make_tracker(chosen, memory=memory, source=source)
-        pipeline = Pipeline(source, tracker, options.loop, tracker_maker(chosen, memory, source))
+        if path is not None:
+            return self._playing(open_source(path), None)
+        number = self._next_camera()
+        memory = FocalMemory(name_of(number, connected()))
+        source = WebcamSource(number, self._options.size)
+        self._camera = str(number)
+        return self._playing(source, memory)
+
+    def _playing(self, source: Source, memory: FocalMemory | None) -> Pipeline:
+        try:
+            chosen = with_marker_in(source, self._options)
+            tracker = make_tracker(chosen, memory=memory, source=source)
+            pipeline = Pipeline(source, tracker, chosen.loop, tracker_maker(chosen, memory, source))
+        except BaseException:
+            source.close()  # a camera would stay busy
+            raise
         pipeline.start()
         return pipeline
 

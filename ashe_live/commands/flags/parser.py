@@ -1,4 +1,4 @@
-"""What can be asked for on the command line. Nothing heavy is loaded, so that --help is instant."""
+"""The command line's parser. Nothing heavy is loaded, so that --help is instant."""
 
 import argparse
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""What several commands make of the same options: the camera, the tracker."""
+"""Makes camera and tracker from the options that several commands share."""
 
 import argparse
 from collections.abc import Callable

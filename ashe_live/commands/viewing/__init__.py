@@ -1,1 +1,1 @@
-"""What all commands share that play a source, in a window or without one."""
+"""Shared by all commands that play a source, in a window or without one."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.models.assembly.shading_normals import unit_rows
-from ashe_live.models.mesh import Mesh
+from ashe_live.models.mesh import Mesh, spread_over_triangle
 
 ITSELF = "its polished metal mirrors ground and sky, and not the model's other parts"
 SKY = "its polished metal mirrors a sky that is made up, as the picture shows the ground alone"
@@ -25,8 +25,6 @@ LOOKED_FROM_RAD, WAYS = np.radians(35.0), 6  # as people look at a table, from a
 LEAST_FACING = 0.1  # cosine to the view
 CLEAR = 1.5  # cells from a surface, to be free of it
 LEAST_SHARE = 0.05  # of the surface that is seen: about what is noticed at a glance
-# Steps of the plastic number's sequence in two dimensions, which fills a square evenly (Roberts 2018).
-STEP_U, STEP_V = 0.7548776662, 0.5698402910
 
 
 def words_on_mirrors(parts: Sequence[Mesh]) -> str | None:
@@ -79,11 +77,7 @@ def _points_on(parts: Sequence[Mesh]) -> tuple[NDArray[np.int64], Float, Float]:
         reached = np.floor((before + np.concatenate([[0.0], np.cumsum(each)])) / total * POINTS).astype(int)
         before += float(each.sum())
         triangle = np.repeat(np.arange(len(each)), np.diff(reached))
-        count = np.arange(len(triangle))
-        u, v = (count * STEP_U) % 1.0, (count * STEP_V) % 1.0
-        folded = u + v > 1
-        u, v = np.where(folded, 1 - u, u), np.where(folded, 1 - v, v)
-        shares = np.column_stack([1 - u - v, u, v])
+        shares = spread_over_triangle(np.arange(len(triangle)))
         corners = part.triangles[triangle]
         numbers.append(np.full(len(triangle), number))
         places.append(np.einsum("ij,ijk->ik", shares, part.vertices[corners]))

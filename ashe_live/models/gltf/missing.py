@@ -1,4 +1,4 @@
-"""What of a glTF file is not drawn as it says: in words, for its notes."""
+"""Notes on features of a glTF file that are not drawn as it says."""
 
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -171,7 +171,7 @@ class _Reader:
         self._arrays = arrays
         self._materials = materials
         self._notes = notes
-        self._decoded: dict[int, DracoPrimitive] = {}
+        self._decoded: dict[tuple[int, tuple[tuple[str, int], ...]], DracoPrimitive] = {}  # by view and attributes
 
     def drawn(self, pose: Pose) -> Iterator[_Drawn]:
         # In the order of nodes, whatever the way in which the scene was walked through.
@@ -213,10 +213,11 @@ class _Reader:
         packed = primitive.get("extensions", {}).get(DRACO)
         if packed is None:
             return None
-        view = packed["bufferView"]
-        if view not in self._decoded:
-            self._decoded[view] = DracoPrimitive(bytes(self._arrays.view(view)), packed["attributes"])
-        return self._decoded[view]
+        view, attributes = packed["bufferView"], packed["attributes"]
+        key = view, tuple(sorted(attributes.items()))
+        if key not in self._decoded:
+            self._decoded[key] = DracoPrimitive(bytes(self._arrays.view(view)), attributes)
+        return self._decoded[key]
 
 
 def _triangles(corners: NDArray[np.int64], mode: int) -> NDArray[np.int64]:

@@ -1,1 +1,1 @@
-"""What all readers of model files need: limits, folders, pictures, and words for what is wrong."""
+"""Shared by all readers of model files: limits, folders, pictures, and messages for errors."""

@@ -1,4 +1,4 @@
-"""What a file really holds, by its first bytes: its suffix may be wrong, or a download was no model at all."""
+"""Recognises a file's format by its first bytes: its suffix may be wrong, or a download may be no model at all."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What of a model is drawn otherwise than its file says: one line each, for the terminal, the window and programs."""
+"""Notes on features of a model file that are drawn differently, one line each: for terminal, window and programs."""
 
 from collections.abc import Iterable
 

@@ -1,1 +1,1 @@
-"""What the video's camera does to a scene, measured in its pictures: exposure, blur, sharpening, colour, noise."""
+"""Properties of the video's camera, measured in its pictures: exposure, blur, sharpening, colour, noise."""

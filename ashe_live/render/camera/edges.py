@@ -1,4 +1,4 @@
-"""How sharp a picture is, measured at edges whose places are known, as those of the marker's square."""
+"""Measures a picture's sharpness at edges whose places are known, such as those of the marker's square."""
 
 import math
 from typing import NamedTuple
@@ -13,24 +13,24 @@ from ashe_live.core.square import along_sides, side_lengths_px
 
 AROUND = 12  # places along each of a polygon's edges
 REACH_PX, STEP_PX = 7.0, 0.25  # of a profile across an edge, to both sides
-MIDDLE_PX = 2.0  # to both sides, within which the edge must be
-BORDER_SIDES = 0.11  # of the square: its black border is no thinner, and its paper's no narrower as a rule
+MIDDLE_PX = 2.0  # the edge must be within this distance of the profile's middle
+BORDER_SIDES = 0.11  # least width of the square's black border, and as a rule of the paper around it, over its side
 LEAST_REACH_PX = 4.0
 BLUR_RANGE_PX = (0.0, 3.0)
-BOX_VARIANCE_PX2 = 1 / 12  # of a pixel, which the model's own pixels have too
+BOX_VARIANCE_PX2 = 1 / 12  # variance of a box of one pixel, by which the model's own pixels are blurred as well
 INTERPOLATION_VARIANCE_PX2 = 1 / 6  # of bilinear sampling, on average
-LEAST_HEIGHT = 0.05  # of an edge, linear
-RATIO_ERROR = 0.35  # the most by which the logarithm of an edge's ratio may be off
+LEAST_HEIGHT = 0.05  # least height of an edge, linear
+RATIO_ERROR = 0.35  # largest error of the logarithm of an edge's ratio
 BLURS_PX = np.arange(0.0, 2.6, 0.1)  # sigmas that are tried on a sharpened edge
-SHARPENING_SIGMA_PX = 1.0  # of the blur by whose difference cameras sharpen: about this one is common
+SHARPENING_SIGMA_PX = 1.0  # sigma assumed of the blur in a camera's unsharp masking
 MOST_SHARPENING = 2.0
-# Share of an edge's height that over- and undershoot must reach together: nothing else tells a soft edge that was
-# sharpened a little from a less soft one. Noise and uneven paper make up to half of it.
+# Least over- and undershoot together, over an edge's height, for sharpening to be measured: a soft edge that was
+# sharpened a little without them looks like a less soft edge. Noise and uneven paper make up to half of it.
 LEAST_OVERSHOOT = 0.05
 
 
 def edge_blur_px(grey: Image, corners_px: Float) -> float:
-    """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2); 0 where untold."""
+    """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2); 0 if unknown."""
     profile = _profile(grey, corners_px, REACH_PX)
     return 0.0 if profile is None else blur_of_step_px(profile.step)
 

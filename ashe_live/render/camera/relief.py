@@ -1,7 +1,7 @@
-"""How much flatter the ground looks in the real object's shadow than in the light.
+"""Measures how much less relief the ground shows in the real object's shadow than in the light.
 
-Bumps and grain are bright and dark under a sun; under the sky alone they hardly are. Print and stains stay
-what they are.
+A sun makes bumps and grain bright on one side and dark on the other; the sky alone hardly does. Print and stains keep
+their contrast.
 """
 
 from typing import NamedTuple
@@ -19,15 +19,15 @@ from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.lighting import Lighting
 
 MEANS_ACROSS = 80  # local means across a picture, as `render/compositing/ground_means.py` draws them
-FLOOR = 0.01  # added to brightness, over its mean, as logarithms of noise about 0 say nothing
-DARKEST = 1e-5  # the least that is added, where all is black
-AROUND = 0.1  # how far from the shadow lit ground counts as its own, over the picture's width
-SHEET = 2.0  # side of what belongs to the marker's sheet, over that of its square
-LEAST_SHARE = 0.001  # of the picture, in which contrast is told from chance
+FLOOR = 0.01  # share of the mean that is added to brightness before its logarithm is taken, as noise may be near 0
+DARKEST = 1e-5  # least value added
+AROUND = 0.1  # the shadow is compared with lit ground within this distance of it, over the picture's width
+SHEET = 2.0  # assumed side of the marker's sheet, over that of its square
+LEAST_SHARE = 0.001  # least share of the picture over which contrast is measured
 MAD_OF_SIGMA = 0.6745  # median of the absolute deviations of a normal distribution of standard deviation 1
 SPLINE = np.array([1.0, 4.0, 1.0]) / 6  # of a cubic B-spline, at the middles of the squares that it weights
-SKY_SHARES = 0.01, 0.99  # within which (2a) of docs/rendering.md has a value: black shadows and none are beside them
-MOST_SIGMAS = 3.0  # contrast in the light beyond which a deviation is no relief
+SKY_SHARES = 0.01, 0.99  # limits of the sky's share: (2a) of docs/rendering.md has no value at 0 and 1
+MOST_SIGMAS = 3.0  # deviations beyond this multiple of the contrast in the light are paint, not relief
 
 
 class Relief(NamedTuple):
@@ -39,9 +39,9 @@ class Relief(NamedTuple):
 
 
 def relief_of(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> Relief | None:
-    """None where too little of the first light's shadow is seen, or none is there, or the ground in it is not flatter.
+    """None if too little of the first light's shadow is seen, if there is none, or if the ground in it is not flatter.
 
-    Contrasts are medians, as marks are few, and include the picture's noise, as what is drawn does.
+    Contrasts are medians, as marks are rare. They include the picture's noise, as the ground that is drawn does.
     """
     regions = _regions(tracked, proxy, lighting)
     if regions is None:
@@ -94,9 +94,9 @@ def _regions(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> _Region
 
 
 def _contrast(brightness: Float, where: Mask, square_px: float) -> float:
-    """Standard deviation of the logarithm about its local mean, a cubic B-spline of means over squares.
+    """Standard deviation of the logarithm about its local mean, which is a cubic B-spline of means over squares.
 
-    Told by the median, and by what is in the mask (h, w) alone.
+    Estimated by the median, within the mask `where` (h, w).
     """
     logarithm = np.log(brightness + max(FLOOR * float(brightness[where].mean()), DARKEST))
     sums, counts = (
@@ -106,7 +106,7 @@ def _contrast(brightness: Float, where: Mask, square_px: float) -> float:
 
 
 def _smoothed(values: Float, square_px: float) -> Float:
-    """(h, w) the B-spline, but for what lies between the middles of its squares, where it is interpolated."""
+    """(h, w) the B-spline at the middles of its squares, interpolated between them."""
     height, width = values.shape
     squares = max(1, round(width / square_px)), max(1, round(height / square_px))
     means = cv2.resize(values, squares, interpolation=cv2.INTER_AREA)

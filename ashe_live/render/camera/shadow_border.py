@@ -27,13 +27,14 @@ from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.lighting import Sun
 
 MOST_PX = 1.5  # in a picture 640 pixels wide
-# How far from where the proxy casts it the border is looked for, over the picture's width: proxies are convex.
+# The border is sought within this distance (over the picture's width) of where the proxy, which is convex, casts it.
 OUTLINE_ERROR = 0.02
-FOUND_OVER_PX = 1.0  # standard deviation of the smoothing by which a border is told from noise
+FOUND_OVER_PX = 1.0  # standard deviation of the smoothing before it is sought
 PLACES = np.linspace(0.15, 0.85, AROUND)  # along each of the outline's edges
-# Of the body's height, below which an outline's border is that of the body itself, and of the sky that it hides.
+# Parts of the outline that are cast from below this share of the body's height are left out: there the border is that
+# of the body itself, and of the sky that it hides.
 FOOT = 0.1
-LEAST_SINE = 0.1  # of a light's elevation, for how long its shadows are
+LEAST_SINE = 0.1  # limit of the sine of a light's elevation
 
 
 def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> float:

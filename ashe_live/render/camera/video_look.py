@@ -1,6 +1,6 @@
-"""The video's exposure, blur and noise, which the model must have to look as if the same camera had filmed it.
+"""Measures the video's exposure, blur and noise, so that the model can look as if the same camera had filmed it.
 
-Everything is measured at the printed marker, of one frame: white paper around a black square with sharp edges.
+All are measured in one frame at the printed marker: a black square with sharp edges on white paper.
 """
 
 import math
@@ -20,9 +20,9 @@ from ashe_live.render.camera.white import OVEREXPOSED, PAPER_ALBEDO, print_corne
 from ashe_live.render.lights.lighting import RGB, Lighting
 
 HALF_RESOLUTION_PX = 1.0  # sigma of colours that are means of two pixels, interpolated: variances of 1/4 and 3/4
-# Encoders round off weak colours more than strong ones: what the variance of the blur on the ground has over that of
-# denoising and half resolution; median of 824 photos whose cameras are known (the quartiles are 1.7 and 4.7), which
-# assets/sources/scenes/weak_colours.py prints of the set `training --every 4`; of `development` it is 2.9.
+# Encoders round off weak colours more than strong ones. This is the variance of the blur of colours on the ground, less
+# that due to denoising and half resolution: the median of 824 photos whose cameras are known (quartiles 1.7 and 4.7),
+# printed by assets/sources/scenes/weak_colours.py for the set `training --every 4`; that of `development` is 2.9.
 WEAK_COLOURS_PX2 = 3.1
 WINDOW_PX = 160  # side of the part of the picture whose noise and colours stand for the whole
 
@@ -32,10 +32,10 @@ class VideoLook:
     """The look of one frame."""
 
     white_rgb: RGB  # linear RGB in the picture of a fully lit, level, perfectly white surface
-    # Of the lens and the processing, beyond the pixel's own area; pixels of the video. None: not asked for.
+    # Blur of lens and processing, without that of a pixel's own area; pixels of the video. None: not asked for.
     blur_sigma_px: float | None
     noise_sigmas: NoiseLevels  # standard deviations of the encoded values in [0, 1], as `noise_levels` has them
-    sharpening: float = 0.0  # how much of what a blur of a pixel would take away the camera has added once more
+    sharpening: float = 0.0  # amount of unsharp masking by the camera, with a blur of a pixel
     chroma_blur_px: float = 0.0  # sigma of the blur that colours have beyond brightness, pixels of the video
 
     @property

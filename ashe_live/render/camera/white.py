@@ -16,30 +16,31 @@ from ashe_live.render.lights.cast_shadows import lit_past
 from ashe_live.render.lights.lighting import RGB, Lighting
 
 PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
-# Of printed black over paper: 0.045 of a laser printer's toner over 0.8, and what a lens scatters, 1 % of the paper.
+# Brightness of printed black over that of paper: a laser printer's toner (0.045 over 0.8), and 1 % that a lens
+# scatters.
 INK_RATIO = 0.07
-# Standard deviations, in logarithms, of black print and of exposure about their usual values; and how likely pale grey
-# print is, over black print, at the likeliest brightness of black.
+# Standard deviations of the logarithms of black print and of exposure about their usual values; and the probability
+# density of pale grey print over that of black print, at the most probable brightness of black.
 INK_SPREAD, EXPOSURE_SPREAD, PALE = 0.3, 0.3, 0.15
-# Standard deviations of logarithms of one channel over another: of paper, whose white a camera has balanced, and of
-# black print over that of paper. Black is warm: its red over green is 1.1 to 1.2 times paper's on six of six photos
-# in sunlight, and more beside terracotta, some of whose light a lens scatters.
+# Standard deviations of the logarithm of the ratio of two channels: of paper after white balancing, and of black print
+# relative to paper. Black is warm: its red over green is 1.1 to 1.2 times that of paper in six of six photos in
+# sunlight, and more beside terracotta, some of whose light a lens scatters.
 WHITE_TINT, INK_TINT = 0.09, 0.15
-# Linear brightness of paper from which, and from which fully, it counts as overexposed: tone curves bend the last bit.
+# Linear brightness from which paper counts as overexposed in part, and fully: tone curves bend near white.
 OVEREXPOSED = (0.88, 0.94)
-MOST_OVER = 1.4  # paper is not overexposed by more: nobody would film on
+MOST_OVER = 1.4  # largest assumed overexposure of paper
 # Assumed where nothing can be measured: paper a little below the display's white, as in a well exposed photo.
 ASSUMED_WHITE = 0.8
-MIN_CONTRAST = 1.6  # of paper over black ink
-RING_SIDES = (0.57, 0.62)  # from the marker's centre, in sides: on the paper's margin
+MIN_CONTRAST = 1.6  # least brightness of paper over that of black ink
+RING_SIDES = (0.57, 0.62)  # distances from the marker's centre, in sides, at which there is paper
 OVERSHOOT_PX = 3.0  # width of the rim beside the square in which sharpening makes paper brighter than it is
-INK_SIDES = 0.45  # likewise, in the middle of the square's black border
-LEAST_LEVEL = 0.05  # least light in a shadow, over full light, in which paper says something about white
-BLACKEST = 1e-3  # least linear brightness of ink, which a picture may show as 0
+INK_SIDES = 0.45  # likewise, of the middle of the square's black border
+LEAST_LEVEL = 0.05  # least light on paper, over full light, for it to be used
+BLACKEST = 1e-3  # least linear brightness assumed of ink, which a picture may show as 0
 MIN_PAPER = 0.02  # least linear brightness of paper in the picture
-LIT_SHARE, BLACK_SHARE = 0.4, 0.6  # brightest places of paper and of ink that count: a shadow may lie on the others
+LIT_SHARE, BLACK_SHARE = 0.4, 0.6  # shares of the places on paper and ink used, the brightest: others may be shaded
 AROUND = 12  # places along each of the square's edges
-BODY_PRINT_SHARE = 0.7  # of a body's edge: the black square on its faces, as `tracking.cube.faces` has it printed
+BODY_PRINT_SHARE = 0.7  # side of the black squares on a body's faces over its edge: TAG_SHARE of tracking/cube/faces.py
 
 
 def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_object: Proxy | None = None) -> RGB:

@@ -4,9 +4,9 @@ import math
 
 import moderngl
 
-from ashe_live.core.camera import Size
 from ashe_live.render.camera.relief import MEANS_ACROSS
 from ashe_live.render.cover.hidden_marker import SeenCover
+from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
@@ -22,7 +22,7 @@ class GroundMeans:
         self._ctx = ctx
         self._programs = programs
         self._rectangle = WholeRectangle(ctx)
-        self._target: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
+        self._canvas = Canvas(ctx, 1, "f2")
 
     def draw(self, within: Rectangle, viewport: Rectangle, cover: SeenCover | None, bends: bool) -> tuple[float, float]:
         """Draws the means that count in `within`, pixels of the framebuffer; returns how many are across and up
@@ -30,7 +30,7 @@ class GroundMeans:
         """
         left, bottom, width, height = viewport
         means = float(MEANS_ACROSS), MEANS_ACROSS * height / width
-        texture, framebuffer = self._target_of((MEANS_ACROSS, math.ceil(means[1])))
+        texture, framebuffer = self._canvas.of_size((MEANS_ACROSS, math.ceil(means[1])))
         constants = {name: 1 for name, is_so in (("covers", cover is not None), ("bends", bends)) if is_so}
         program = self._programs.get("ground_mean", **constants)
         set_uniforms(program, viewport=tuple(map(float, viewport)), means=means)
@@ -50,17 +50,4 @@ class GroundMeans:
 
     def release(self) -> None:
         self._rectangle.release()
-        self._release_target()
-
-    def _target_of(self, size: Size) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
-        if self._target is None or self._target[0].size != size:
-            self._release_target()
-            texture = self._ctx.texture(size, 1, dtype="f2")
-            texture.repeat_x = texture.repeat_y = False
-            self._target = texture, self._ctx.framebuffer([texture])
-        return self._target
-
-    def _release_target(self) -> None:
-        for held in reversed(self._target or ()):
-            held.release()
-        self._target = None
+        self._canvas.release()

@@ -1,7 +1,7 @@
-"""The ground that the marker's sheet hides, made up from the ground around it in the marker's plane.
+"""Makes up the ground that the marker's sheet hides, from the ground around it in the marker's plane.
 
-All of it works on ground without the real object's shadow, which is put back at the end, so that the shadow continues
-where it crosses the sheet.
+The real object's shadow is divided out of the ground at first and multiplied in at the end, so that it continues where
+it crosses the sheet.
 """
 
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from ashe_live.render.cover.inpainting import BESIDE_SIDES, BLEED_SIDES, filled
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import sheet_mask
 
-HALF_SIDES = 2.75  # of the square of the plane that is looked at, in sides of the marker
-MOST_SIDE_PX, LEAST_SIDE_PX = 256.0, 24.0  # of the marker in the rectified picture
-FINER = 1.5  # pixels of that for one of the picture: interpolated twice, fine relief would be lost otherwise
-COARSER = 1.6  # patches in which what a body hides is filled, over those of a sheet: it is some times as much ground
-FEATHER_PX = 2.0  # beyond the sheet, over which the cover ends
-LEAST_SHADE = 0.02  # by which a shadow's ground is divided, to be as if it were lit
-MOST_AROUND = 600  # points by which exposures are compared
+HALF_SIDES = 2.75  # half of the side of the square of ground that is examined, in sides of the marker
+MOST_SIDE_PX, LEAST_SIDE_PX = 256.0, 24.0  # limits of the marker's side in the rectified picture
+FINER = 1.5  # its pixels for one of the video: it is interpolated twice, and fine relief would be lost
+COARSER = 1.6  # factor on the size of patches for a body, which hides several times as much ground as a sheet
+FEATHER_PX = 2.0  # width of the band beyond the sheet in which the cover's alpha falls to 0
+LEAST_SHADE = 0.02  # least factor of a shadow by which ground is divided
+MOST_AROUND = 600  # number of points by which exposures are compared
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,7 @@
-"""The ground that a body with the marker on it hides and shades: the paper cube, in whose place a model is to stand."""
+"""The ground hidden and shaded by the body that the marker is printed on, as the paper cube.
+
+It is covered where a model is to stand in the body's place.
+"""
 
 import math
 
@@ -11,15 +14,15 @@ from ashe_live.core.transforms import angles_from_direction, camera_centre, dire
 from ashe_live.core.types import Illumination, MarkerPose
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 
-# A cover lasts while the camera turns by less than TURNED_RAD, and its edge is hidden from a little farther.
+# A cover is kept while the camera turns by less than TURNED_RAD; it is made to reach far enough for MARGIN_RAD.
 TURNED_RAD = math.radians(8.0)
 MARGIN_RAD = math.radians(10.0)
-NEARER = 0.65  # of the camera's distance, the nearest from which the cover still hides the body
-LOWEST_RAD = math.radians(15.0)  # of the camera above the plane: from lower, the body hides ground without end
-MOST_HALF_SIDES = 6.0  # of the square of the plane that is looked at, in sides of the marker
-AROUND_SIDES = 0.6  # beyond what is hidden and shaded: ground to fill that with, in the same measure
-FOOT_SIDES = 0.5  # beside the body's foot, where it hides so much of the sky that the ground is darker
-BITS = 4  # binary places in which a polygon's corners are drawn
+NEARER = 0.65  # share of the camera's distance at which the cover still hides the body
+LOWEST_RAD = math.radians(15.0)  # least elevation of the camera: from lower, the body hides ground without end
+MOST_HALF_SIDES = 6.0  # limit of half of the side of the square of ground that is examined, in sides of the marker
+AROUND_SIDES = 0.6  # width of the ground around the hidden and shaded part, from which that is filled
+FOOT_SIDES = 0.5  # width of the ground around the body's foot that is darkened, as the body hides much of its sky
+BITS = 4  # fractional bits of the corners of polygons that OpenCV draws
 
 
 def half_of_square(marker: MarkerPose, body: Proxy, illumination: Illumination) -> float:

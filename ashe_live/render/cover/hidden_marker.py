@@ -1,7 +1,8 @@
 """Keeps a cover of the marker's sheet on the graphics card, steady from frame to frame.
 
 The cover is made once and then only drawn in perspective, its brightness following the camera's exposure. It is made
-anew for another light, or when the camera has come so much nearer, or moved so far around, that the old one would show.
+anew for another scene or light, and once the camera has come so much nearer, or moved so far around, that the old one
+would show.
 """
 
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -22,15 +23,15 @@ from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import same_objects
 
-NEARER = 1.5  # times as large, the marker has more detail around it than the cover
-TURNED_COS = np.cos(np.radians(30.0))  # seen from another side, the ground's relief looks different
-RETRIED_S = 1.0  # of the video, after no cover could be made
-GAIN_HELD_S = 0.2  # of the video, between two looks at the exposure
-EASED = 0.4  # of the way to the exposure just measured, each time
-STILL = 0.004  # a smaller change of exposure is none
-GAIN_RANGE = 0.4, 2.5  # of the brightness of one frame over that of another
-OUTLIER = 0.3  # of a point's own change over the median's: something has come there
-FEWEST_POINTS = 30  # of the ground, by which exposures are compared
+NEARER = 1.5  # the cover is made anew once the marker appears this many times as large, as it then lacks detail
+TURNED_COS = np.cos(np.radians(30.0))  # and once the camera has turned by this, as the ground's relief looks different
+RETRIED_S = 1.0  # time of the video after which another attempt follows one that failed
+GAIN_HELD_S = 0.2  # time of the video between two measurements of the exposure
+EASED = 0.4  # share of the way to the measured exposure that each of them moves the cover's
+STILL = 0.004  # a smaller relative change of the exposure is ignored
+GAIN_RANGE = 0.4, 2.5  # limits of the exposure of one frame over that of another
+OUTLIER = 0.3  # points whose brightness changed by more than this beside the median (a logarithm) are left out
+FEWEST_POINTS = 30  # least number of points of the ground by which exposures are compared
 
 
 class HiddenMarker:
@@ -67,7 +68,7 @@ class HiddenMarker:
         `at_once`: waits for it, as a picture without a window does; else another thread makes it.
         """
         self._take()
-        steady = self._seen_lit_by is not None and _same_light(illumination, self._seen_lit_by)
+        steady = self._seen_lit_by is not None and _same_scene(illumination, self._seen_lit_by)
         self._seen_lit_by = illumination
         # While a light eases to another one, each frame has one of its own.
         if self._coming is None and (steady or at_once or self._cover is None) and self._is_due(tracked, illumination):
@@ -87,14 +88,15 @@ class HiddenMarker:
         set_uniforms(program, cover_half_m=self._cover.half_m, cover_gain=tuple(self._gain))
 
     def forget(self) -> None:
-        """Nothing is covered until another cover is made."""
+        """Nothing is covered until another cover is made: one that is still being made is not taken."""
         self._release_texture()
+        self._coming = None
         self._cover = self._made_from = self._seen_lit_by = self._failed_s = None
 
     def release(self) -> None:
         if self._maker is not None:
             self._maker.shutdown(wait=True, cancel_futures=True)
-        self._maker = self._coming = None
+        self._maker = None
         self.forget()
 
     def _take(self) -> None:
@@ -123,7 +125,7 @@ class HiddenMarker:
         was, now = made_from.marker, tracked.marker
         assert was is not None
         assert now is not None
-        if was.side_m != now.side_m or not _same_light(illumination, lit_by):
+        if was.side_m != now.side_m or not _same_scene(illumination, lit_by):
             return True
         is_nearer = side_lengths_px(now.corners_px).max() > NEARER * side_lengths_px(was.corners_px).max()
         least_cos = TURNED_COS if now.body is None else np.cos(TURNED_RAD)
@@ -182,5 +184,8 @@ def _gain(tracked: TrackedFrame, cover: GroundCover) -> Float | None:
     return np.asarray(np.clip(now[same].mean(axis=0) / np.maximum(then[same].mean(axis=0), 1e-4), *GAIN_RANGE))
 
 
-def _same_light(one: Illumination, other: Illumination) -> bool:
-    return one.real_object is other.real_object and same_objects(one.lights, other.lights)
+def _same_scene(one: Illumination, other: Illumination) -> bool:
+    """Whether one cover serves both: the same light on the same things, seen in the same frame, hence of one source."""
+    if one.seen_in is not other.seen_in or one.real_object is not other.real_object:
+        return False
+    return same_objects(one.lights, other.lights)

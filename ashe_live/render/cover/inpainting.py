@@ -1,9 +1,9 @@
-"""A hole in a picture of the ground, filled by what lies around it.
+"""Fills a hole in a picture of the ground from the ground around it.
 
-Ground is shading, straight lines and texture. Lines that both sides show are drawn across (`straight_lines.py`);
-texture is copied in patches of visible ground that continue what is known already (`patches.py`). What difference is
-left at the hole's border is spread over its inside as smoothly as can be (Perez, Gangnet, Blake, "Poisson image
-editing", SIGGRAPH 2003).
+The ground consists of shading, straight lines and texture. Lines that are seen on both sides are drawn across
+(`straight_lines.py`). Texture is copied in patches of visible ground that fit what is known already (`patches.py`); a
+pattern that repeats is continued (`repetition.py`). The difference that remains at the hole's border is spread over its
+inside as smoothly as possible (Perez, Gangnet, Blake, "Poisson image editing", SIGGRAPH 2003).
 """
 
 import cv2
@@ -15,27 +15,30 @@ from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches
 from ashe_live.render.cover.repetition import pattern_of
 from ashe_live.render.cover.straight_lines import straight_lines
 
-COARSE_SIDE_PX = 26.0  # of the marker where patches are looked for
-OVER_TEXTURE = 0.5, 1.5  # contrasts of a straight line over the ground's, from which it is drawn and not only copied
-DIMMEST = 0.03  # root of linear RGB, of ground whose contrast is told
-GUIDES = 0.75  # visibility from which patches continue a line: grain is everywhere, and chooses badly
-# Beside the hole, in the marker's sides: ground that the picture's coarse colours and sharpening have not mixed with
-# what lies in it.
+# "Sides" below is the length of a side of the marker; "roots" are square roots of linear RGB.
+COARSE_SIDE_PX = 26.0  # length of a side in the coarse picture, in which patches are chosen
+OVER_TEXTURE = 0.5, 1.5  # contrast of a line over the ground's, from which it is drawn faintly, and fully
+DIMMEST = 0.03  # least shading, in roots, by which detail is divided
+GUIDES = 0.75  # visibility from which patches are chosen to continue a line: grain, which is everywhere, misleads them
+# Distance from the hole: nearer than the first, the picture's coarse colours and sharpening have mixed the ground with
+# what lies in the hole. Between both, the ground is compared with what was filled in.
 BLEED_SIDES, BESIDE_SIDES = 0.06, 0.16
-SHADING_SIDES = 0.5  # standard deviation of the blur whose result is the ground's shading, and not its texture
-BAND_SIDES = 0.02  # standard deviation of the blur that fine texture is finer than
-GRAIN_SIDES = 0.04  # the same of the grain along a line
-AROUND_SIDES = 0.5  # of the hole: ground that tells which colours ground has
-# Beyond the range of those: of the brightest, and of a channel's share in a colour, both of roots of linear RGB.
+SHADING_SIDES = 0.5  # standard deviation of the blur that separates shading from texture
+BAND_SIDES = 0.02  # standard deviation of the blur that separates fine texture from the rest
+GRAIN_SIDES = 0.04  # the same for the grain of a line
+AROUND_SIDES = 0.5  # ground up to this distance from the hole gives the range of the ground's colours
+# Margins of that range: in roots, over those of the brightest ground, and in a channel's share of the sum of roots.
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
-MOST_GRAIN = 2.0  # contrast of the ground's grain over that of blended patches, up to which it is made up for
-EDGE_OVER_GRAIN = 5.0  # contrast of an edge over the grain's median, beyond which it is not scaled with the grain
-THING, THING_OVER_TEXTURE = 0.08, 5.0  # in roots of linear RGB from the ground's level, or over their median
-THING_PX = 7  # coarse, that a thing is wider than
-MOST_THINGS = 0.25  # of the ground
-FIELD = 128  # cells a side in which the difference at the border is spread
-BORDER_CELLS = 3.0  # standard deviation of what is averaged along the border
-SMOOTH_ROUNDS = 100  # of relaxing it
+MOST_GRAIN = 2.0  # largest factor by which the fine contrast of blended patches is raised to that of the ground
+EDGE_OVER_GRAIN = 5.0  # fine contrast beyond this multiple of its median is an edge, and is not raised further
+# An object or its shadow differs from the ground's level by the first (in roots) and by the second times the median, is
+# wider than this (coarse pixels), and all of them are at most this share of the ground.
+THING, THING_OVER_TEXTURE = 0.08, 5.0
+THING_PX = 7
+MOST_THINGS = 0.25
+FIELD = 128  # cells a side of the grid in which the difference at the border is spread
+BORDER_CELLS = 3.0  # standard deviation of a mean along the border
+SMOOTH_ROUNDS = 100  # iterations of the relaxation
 
 
 def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32 | None:
@@ -110,7 +113,7 @@ def _mean_around(roots: Float32, trusted: Mask, sigma: float) -> Float32:
 
 
 def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask:
-    """(m, m) whose colour occurs beside the unknown part: not objects, whether an estimate knows of them or not.
+    """(m, m) ground whose colour also occurs beside the unknown part. Excludes objects, also those no estimate knows.
 
     coarse: (m, m, 3) roots of linear RGB.
     """
@@ -129,9 +132,10 @@ def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask
 
 
 def _things(coarse: Float32, ground: Mask) -> Mask:
-    """(m, m) what is much darker or brighter than the ground (m, m) around, and wide: objects, and their shadows.
+    """(m, m) objects and their shadows: wide areas much darker or brighter than the ground (m, m) around them.
 
-    Joints and cracks are narrow. Where so much would be such, it is a pattern of the ground. coarse: (m, m, 3) roots.
+    Joints and cracks are narrow. If such areas are more than MOST_THINGS, they are a pattern of the ground. coarse:
+    (m, m, 3) roots.
     """
     plain = ground.copy()
     for _ in range(2):  # first with them, then without
@@ -163,7 +167,7 @@ def _with_grain_of(detail: Float32, plain: Mask, texture: Float32, hole: Mask, s
 
 
 def _spread_difference(roots: Float32, texture: Float32, is_known: Mask, hole: Mask, side_px: float) -> Float32:
-    """(n, n, 3) what is to be added inside the hole: at its border the difference to the ground beside it, harmonic.
+    """(n, n, 3) to be added inside the hole: a harmonic function that at its border is the difference from the ground.
 
     texture: (n, n, 3) what was copied. is_known: (n, n) where ground is seen and something was copied.
     """

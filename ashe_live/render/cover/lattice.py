@@ -1,4 +1,4 @@
-"""The shifts by which the ground repeats: peaks of its autocorrelation, of which a lattice is made."""
+"""Finds the lattice of shifts by which the ground repeats, among the peaks of its autocorrelation."""
 
 from itertools import combinations
 
@@ -8,14 +8,14 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.masked_blur import blurred_within
 
-MOST_CONTRASTS = 3.0  # of the median's, that anything counts as: a glint or a thing would outweigh all ground
-REPEATS = 0.22  # correlation of ground and moved ground, from which it may repeat: a table of white tiles has 0.4
-LEAST_OVERLAP = 0.15  # of the visible ground, by which a shift is judged
-APART_PX = 3  # between two shifts: the correlation about one is no other one
-NOT_ALONG = 0.35  # sine of the angle between two shifts of a lattice; grain and joints repeat along one line alone
-MOST_PEAKS = 16  # among which a lattice is looked for
-AS_CLEAR = 0.8  # of the clearest cell's correlation: the smallest such cell is the lattice's own
-FARTHEST = 4  # steps of the lattice
+MOST_CONTRASTS = 3.0  # contrast is clipped at this multiple of its median, lest a glint outweighs all ground
+REPEATS = 0.22  # least correlation of the ground with itself, shifted; that of a table of white tiles is 0.4
+LEAST_OVERLAP = 0.15  # least share of the visible ground that overlaps itself when shifted
+APART_PX = 3  # least distance between two peaks
+NOT_ALONG = 0.35  # least sine of the angle between a cell's two shifts: grain and joints repeat in one direction only
+MOST_PEAKS = 16  # number of peaks among which a cell is sought
+AS_CLEAR = 0.8  # the smallest cell with at least this share of the best cell's correlation is chosen
+FARTHEST = 4  # steps of the lattice, in both directions
 
 
 def structure_of(contrast: Float32, seen: Mask, level_px: float) -> Float32:

@@ -1,4 +1,4 @@
-"""Patches of visible ground that are copied into a hole in its picture.
+"""Copies patches of visible ground into a hole in its picture.
 
 The hole is filled from the outside inwards by those patches that continue what is known already (Criminisi, Perez,
 Toyama, "Region filling and object removal by exemplar-based image inpainting", IEEE Trans. Image Processing 2004):
@@ -10,11 +10,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 
-PATCH = 15  # coarse pixels a side
-STEP = 7  # coarse pixels between the patches of the hole, which overlap
-SHARPER = 4  # power of the weights by which patches are blended softly: the weights of what is fine
-STANDS_OUT = 3.0  # contrast over the ground's median, from which it is more than texture
-TINY = 1e-9  # weight that counts as none
+PATCH = 15  # side of a patch, in coarse pixels
+STEP = 7  # distance between the patches of the hole, which overlap, in coarse pixels
+SHARPER = 4  # patches are blended by soft weights; their fine detail, by this power of them
+STANDS_OUT = 3.0  # contrast over the ground's median beyond which detail is a line or a speck, and not texture
+TINY = 1e-9  # smaller weights count as 0
 
 
 def chosen_patches(
@@ -22,9 +22,9 @@ def chosen_patches(
 ) -> list[tuple[Float, Float]]:
     """Middles (row, column) of coarse patches to fill and of those to copy, in the order of filling.
 
-    coarse: (m, m, 3) detail. shading: (m, m) what that was taken from: as well lit a patch is wanted, lest the inside
-    of another thing's shadow, whose detail is the ground's, is copied with a piece of its border.
-    known: (m, m) where the coarse picture is that of the ground; in the unknown part where lines were drawn in it.
+    coarse: (m, m, 3) detail, from which the shading (m, m) was subtracted. Patches of the same shading are preferred:
+    otherwise the inside of an object's shadow, whose detail is like the ground's, would be copied with a piece of its
+    border. known: (m, m) where `coarse` shows the ground; in the unknown part, where lines were drawn.
     """
     reach = PATCH // 2
     usual = float(np.median(np.square(coarse[sources]).sum(axis=1)))
@@ -65,7 +65,7 @@ def chosen_patches(
 
 
 def _standing_out(detail: Float32, usual: float) -> Float32:
-    """(m, m) what of the squared detail (m, m, 3) is beyond that of texture, whose median is `usual`: lines, specks."""
+    """(m, m) excess of the squared detail (m, m, 3) over that of texture, whose median is `usual`: lines and specks."""
     return np.maximum(np.square(detail).sum(axis=2) - STANDS_OUT**2 * usual, 0.0).astype(np.float32)
 
 
@@ -78,12 +78,12 @@ def _window(row: int, column: int) -> tuple[slice, slice]:
 class CopiedPatches:
     """Patches of a picture (n, n, 3), copied over one another.
 
-    Their means are blended softly, what is finer than a band hardly at all (Burt, Adelson, "A multiresolution spline
-    with application to image mosaics", ACM Trans. Graphics 1983): means of textures would be smoother than these.
+    Coarse detail is blended softly, fine detail hardly at all (Burt, Adelson, "A multiresolution spline with
+    application to image mosaics", ACM Trans. Graphics 1983): a mean of textures would be smoother than they are.
     """
 
     def __init__(self, picture: Float32, is_known: Mask, scale: float) -> None:
-        """`is_known` (n, n): where patches must fit. `scale`: of the picture, over that in which they were chosen."""
+        """`is_known` (n, n): where patches must fit. `scale`: pixels of the picture for one coarse pixel."""
         self._picture, self._known, self._scale = picture, is_known.astype(np.float32), scale
         self._sum, self._sharp = np.zeros_like(picture), np.zeros_like(picture)
         self._weight, self._sharp_weight = np.zeros(is_known.shape, np.float32), np.zeros(is_known.shape, np.float32)
@@ -123,7 +123,7 @@ class CopiedPatches:
             weights[to] += each
 
     def blended(self, band_px: float) -> Float32:
-        """(n, n, 3) soft means, with what is finer than `band_px` of hardly more than one patch."""
+        """(n, n, 3) all patches blended; detail finer than `band_px` comes from hardly more than one at a place."""
         soft = self._mean((slice(None), slice(None)))
         sharp = self._sharp / np.maximum(self._sharp_weight, TINY)[..., None]
         finer = np.where(self._sharp_weight[..., None] > TINY, sharp - soft, 0)

@@ -1,8 +1,8 @@
-"""Ground that repeats itself: checks, tiles, bricks, weaves and prints continue across a hole as they are beside it.
+"""Continues ground that repeats itself across a hole: checks, tiles, bricks, weaves and prints.
 
-Ground moved into the hole by a shift of the pattern's lattice is the pattern there. The median over several shifts is
-taken, as one place has a stain or a fold that others do not have, with the fine texture of one of them (He and Sun,
-"Statistics of patch offsets for image completion", ECCV 2012, choose one shift for every pixel).
+The pattern inside the hole is the ground beside it, shifted by a vector of the pattern's lattice. The median over
+several shifts is taken, as a single one may bring a stain or a fold, with the fine texture of one of them. (He and Sun,
+"Statistics of patch offsets for image completion", ECCV 2012, choose one shift for every pixel.)
 """
 
 from typing import NamedTuple
@@ -13,23 +13,26 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.lattice import LEAST_OVERLAP, REPEATS, repeated_shifts, structure_of
 
-SIDE_PX = 26.0  # of the marker where shifts are looked for
-LEVEL_SIDES = 0.2  # standard deviation, in the marker's sides, of a blur that leaves sheen and folds, and no pattern
-MOST_SHIFTS = 24  # that are moved into the hole, those that continue best what lies beside it
-BESIDE_SIDES = 0.5  # of the marker: ground beside the hole that a shift must continue
-FEATHER_SIDES, LEAST_WEIGHT = 0.15, 0.1  # over which what is beside a thing begins to count, and from which it does
-ALIKE_SIDES, FINE_SIDES = 0.1, 0.02  # blurs: of the misfit by which fine texture is chosen, and of what is finer
+# "Sides" below is the length of a side of the marker.
+SIDE_PX = 26.0  # length of a side in the coarse picture, in which shifts are found
+LEVEL_SIDES = 0.2  # standard deviation of a blur that removes the pattern, and keeps sheen and folds
+MOST_SHIFTS = 24  # number used: those by which the ground beside the hole continues best
+BESIDE_SIDES = 0.5  # width of that ground
+FEATHER_SIDES = 0.15  # distance from the border of usable ground at which its weight reaches 1
+LEAST_WEIGHT = 0.1  # from which it is used at all
+ALIKE_SIDES = 0.1  # standard deviation of a blur of the misfit by which the shift for fine texture is chosen
+FINE_SIDES = 0.02  # standard deviation of the blur that separates fine texture
 
 
 class Pattern(NamedTuple):
-    """The ground as its pattern has it, in the hole and beside it."""
+    """The ground as its pattern predicts it, in the hole and beside it."""
 
     contrast: Float32  # (n, n, 3) over the ground's level
     is_there: Mask  # (n, n)
 
 
 def pattern_of(contrast: Float32, trusted: Mask, hole: Mask, side_px: float) -> Pattern | None:
-    """What repeats in the ground, or None where nothing does, or along one line alone.
+    """The ground's pattern, or None if it does not repeat, or in one direction only.
 
     contrast: (n, n, 3) detail over the ground's level, so that a pattern in the shade is like that in the light.
     trusted: (n, n) where it is that of the ground. hole: (n, n) where the pattern is wanted. side_px: the marker's
@@ -78,7 +81,7 @@ def _correlation(structure: Float32, seen: Mask, box: tuple[slice, slice], shift
 
 
 def _moved(picture: Float32, shift: Float, box: tuple[slice, slice]) -> Float32:
-    """What a picture has by a shift (x, y) beside each pixel of a box; 0 beyond its border."""
+    """The picture's values at the pixels of a box moved by `shift` (x, y); 0 beyond the picture's border."""
     size = box[1].stop - box[1].start, box[0].stop - box[0].start
     to_source = np.column_stack([np.eye(2), (shift[0] + box[1].start, shift[1] + box[0].start)])
     return np.asarray(

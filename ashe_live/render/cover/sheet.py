@@ -1,4 +1,4 @@
-"""Where the marker's sheet lies in the plane: the paper around the square, whatever its size, and what it throws."""
+"""Finds the marker's sheet in the plane: the paper around the square, whatever its size, and the sheet's shadow."""
 
 from typing import Any
 
@@ -9,19 +9,20 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ashe_live.core.arrays import Float32, Mask
 from ashe_live.core.colour import REC709_LUMINANCE
 
-LEAST_HALF_SIDES = 0.5 + 0.1  # the square and a margin, in sides of the marker: what is taken where paper is not told
-MOST_HALF_SIDES = 1.6  # of a sheet, in the same measure: what is larger is no sheet
-RING_SIDES = (0.55, 0.6)  # from the marker's middle: paper
-SAME_LOG = 0.35  # of paper: largest difference of a logarithm of linear RGB from the ring's
-CONVEX = 0.85  # a sheet's least fraction of its convex hull
-# Where ground that is like paper touches it, each side is looked for by itself, by the lines across that begin so near
-# its middle: paper ends at this difference of logarithms, where that lasts so far; lengths in sides of the marker.
+# Names that end in SIDES are lengths in sides of the marker.
+LEAST_HALF_SIDES = 0.5 + 0.1  # of the square and a margin, used where paper cannot be told from the ground
+MOST_HALF_SIDES = 1.6  # from the marker's middle: anything that reaches farther is no sheet
+RING_SIDES = (0.55, 0.6)  # distances from the marker's middle between which there is paper
+SAME_LOG = 0.35  # largest difference of paper from that ring, in logarithms of linear RGB
+CONVEX = 0.85  # least share of its convex hull that a sheet fills
+# If ground of the colour of paper touches the sheet, each side is sought by itself, along lines that begin within
+# ALONG_SIDES of its middle: paper ends where it differs by OTHER_LOG (a logarithm) over LASTING_SIDES.
 ALONG_SIDES, OTHER_LOG, LASTING_SIDES = 0.45, 0.2, 0.08
-LINE_SIDES = 0.04  # a printed line that parts the paper
-EDGE_SIDES = 0.05  # what a sheet's rim, its curl and the picture's blur take beside the paper
-THROWN_SIDES = 0.22  # how far a curled sheet's own shadow reaches
-WIDE_SIDES = 0.02  # radius of what is no speckle of the ground in it
-DARKER = 0.75  # than the ground around, in that shadow
+LINE_SIDES = 0.04  # width of printed lines, which part the paper
+EDGE_SIDES = 0.05  # width of a sheet's rim with its curl and the picture's blur
+THROWN_SIDES = 0.22  # reach of a curled sheet's own shadow
+WIDE_SIDES = 0.02  # radius of the largest dark speckles of the ground
+DARKER = 0.75  # brightness of that shadow over that of the ground around it, at most
 
 
 def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:

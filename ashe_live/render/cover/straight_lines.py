@@ -1,9 +1,9 @@
-"""Joints, seams and grain that run straight on beneath what is covered: found on both of its sides, drawn across it.
+"""Continues straight joints, seams and grain across a hole in the ground.
 
-Patches that are copied into a hole end such a line at the hole's border, where everybody sees it. Looked at along its
-direction, a line is a profile that stays the same (a row of the Radon transform) on either side of the hole: what both
-sides agree on is continued. They are the structures of Sun, Yuan, Jia, Shum, "Image completion with structure
-propagation", SIGGRAPH 2005, which a person marks there.
+Copied patches would break such a line at the hole's border, where everybody sees it. The ground is turned so that the
+lines of one direction are rows (those of the Radon transform). A row whose mean colour is the same on both sides of the
+hole belongs to a line, and is drawn across. A person marks these structures in Sun, Yuan, Jia, Shum, "Image completion
+with structure propagation", SIGGRAPH 2005.
 """
 
 from functools import cached_property
@@ -18,23 +18,24 @@ from ashe_live.render.cover.masked_blur import blurred_within
 
 Indices = NDArray[np.intp]
 
-SIDE_PX, FINE_SIDE_PX = 26.0, 128.0  # of the marker where lines are looked for, and where they are drawn
-SMOOTH_PX = 0.8  # standard deviation of a blur, so that a line thinner than a row does not alias when it is turned
-STEP_DEG, FINER_STEP_DEG = 1.0, 0.25  # between directions that are tried, and about the best of them
-BESIDE_SIDES = 0.7  # of the marker: how much of a line is looked at on either side of the hole
-LEAST_SEEN = 0.5  # of that, which must be visible
-SURE, LIKELY = 6.0, 2.5  # contrasts over their standard errors, of a line's middle and of what belongs to it
-CORRELATED_SIDES = 0.12  # of the marker, along which texture is so much alike that it counts as one sample
-ALIKE = 0.5  # of the stronger side's contrast, by which the sides may differ
-STEADY = 0.6  # deviation along a line beyond the texture's, over its contrast: more is a line with gaps
-# From a better told direction: grain winds by less, joints and planks cross by more. What lies between is the shading
-# of broad grain, which looks like a band in directions that it does not have.
+# "Sides" below is the length of a side of the marker.
+SIDE_PX, FINE_SIDE_PX = 26.0, 128.0  # length of a side in the pictures in which lines are found, and drawn
+SMOOTH_PX = 0.8  # standard deviation of a blur that keeps lines thinner than a row from aliasing when they are turned
+STEP_DEG, FINER_STEP_DEG = 1.0, 0.25  # between the directions that are tried, and around the best of them
+BESIDE_SIDES = 0.7  # length of a line that is examined on either side of the hole
+LEAST_SEEN = 0.5  # share of that length that must be visible
+SURE, LIKELY = 6.0, 2.5  # least contrast over its standard error, of a line's strongest row and of rows next to it
+CORRELATED_SIDES = 0.12  # correlation length of texture: as much of a line counts as one sample
+ALIKE = 0.5  # largest difference between the two sides' means, over the stronger side's contrast
+STEADY = 0.6  # largest deviation along a line, beyond the texture's, over its contrast: a line with gaps has more
+# Two directions of lines differ by less than the first angle (grain winds) or by more than the second (joints cross).
+# The shading of broad grain resembles bands in the directions between.
 WAVY_DEG, CROSSING_DEG = 4.0, 30.0
-MOST_DIRECTIONS = 16  # that are looked at, one after the other, each without the lines of those before
+MOST_DIRECTIONS = 16  # examined one after the other, each without the lines found before
 
 
 def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float) -> Float32:
-    """(n, n, 3) what lines through the hole (n, n) add to its ground, and to that beside it.
+    """(n, n, 3) contribution of straight lines to the detail in the hole (n, n) and beside it.
 
     detail: (n, n, 3) roots of linear RGB less the ground's shading. is_ground: (n, n) visible ground. side_px: the
     marker's side.
@@ -58,7 +59,7 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
 
 
 class _Ground(NamedTuple):
-    """A picture of it at some resolution."""
+    """The ground's detail at one resolution."""
 
     detail: Float32  # (m, m, 3), 0 where none is visible
     gap: Mask  # (m, m) the hole
@@ -81,7 +82,7 @@ def _scaled(detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted
 
 
 def _telling_directions(ground: _Ground) -> Float:
-    """(k,) degrees: those in which lines are told better than in the neighbouring ones, the best first."""
+    """(k,) degrees: local maxima of the lines' energy over the directions, the largest first."""
     directions = np.arange(0.0, 180.0, STEP_DEG)
     energies = np.array([_Rows(ground, each).energy for each in directions])
     is_peak = (energies > 0) & (energies >= np.roll(energies, 1)) & (energies > np.roll(energies, -1))
@@ -95,7 +96,7 @@ def _telling_directions(ground: _Ground) -> Float:
 
 
 def _stronger(one: Float32, other: Float32) -> Float32:
-    """Where lines cross, their contrasts do not add up."""
+    """The stronger of two lines where they cross, as their contrasts do not add up."""
     return np.where((np.abs(other).sum(axis=2) > np.abs(one).sum(axis=2))[..., None], other, one)
 
 
@@ -112,7 +113,7 @@ class _Side(NamedTuple):
 
 
 class _Rows:
-    """Ground that is turned about its hole, so that the lines of one direction are rows: (k, k)."""
+    """The ground, turned about its hole so that the lines of one direction are rows: (k, k)."""
 
     def __init__(self, ground: _Ground, direction_deg: float) -> None:
         self._ground, self.direction_deg = ground, direction_deg
@@ -151,12 +152,12 @@ class _Rows:
 
     @property
     def energy(self) -> float:
-        """Of what may be drawn: largest where a line is turned into as few rows as it is wide."""
+        """Of the rows that may be lines. It is largest at a line's own direction, where it fills the fewest rows."""
         return float((self._weaker[self.certainty > LIKELY] ** 2).sum())
 
     @property
     def highest(self) -> float:
-        """Contrast of the line that stands out most: largest where that is turned into as few rows as it is wide."""
+        """Contrast of the strongest line. It is largest in that line's own direction, in which it fills fewest rows."""
         return float(self._weaker[self.is_line].max(initial=0.0))
 
     @property
@@ -174,7 +175,7 @@ class _Rows:
         return np.asarray(np.isin(parts[:, 0], sure[sure > 0]))
 
     def those_of(self, others: "_Rows", lines: Mask) -> Mask:
-        """(k,) rows where the same ground in the same direction, at another resolution, has the `lines` of its rows."""
+        """(k,) the rows that correspond to the rows `lines` of `others`, which are at another resolution."""
         *along, offset = self._turning[1]
         *_, others_offset = others._turning[1]
         # Pixel middles are integers: a picture of m pixels extends from -0.5 to m - 0.5.
@@ -184,7 +185,7 @@ class _Rows:
         return np.asarray(lines[np.clip(np.round(at), 0, others._size - 1).astype(int)])
 
     def drawn(self, is_line: Mask) -> Float32:
-        """(m, m, 3) rows (k,) in the hole and as far beside it as they were looked at; 0 elsewhere."""
+        """(m, m, 3) the rows `is_line` (k,), in the hole and as far beside it as they were examined; 0 elsewhere."""
         first, last = self._first[:, None], self._last[:, None]
         column = np.arange(self._size)[None]
         share = np.clip((column - first) / np.maximum(last - first, 1), 0, 1)[..., None]

@@ -24,7 +24,7 @@ PLACES = 6  # columns and rows of places around the shadow, and of pixels around
 FEWEST = 3  # least number of either for a median
 LEAST_FACING = 0.25  # least cosine to the line of sight of surfaces whose colour is read: rims mix with what is behind
 # A third of the ground's light on a wall comes from nearer than 1.1 times the height, another from farther than 2.8
-# times. These are the middles of the three thirds (as in model.frag).
+# times. These are the middles of the three thirds (as in ground_shadow.glsl).
 THIRDS = (0.66, 1.73, 5.92)
 
 

@@ -1,7 +1,7 @@
-"""The shadow's ratio in every channel, also where the ground that it was measured on throws back next to no light.
+"""Steadies the colour of shadows in channels in which the ground that they were measured on is dark.
 
-A ratio belongs to the light and holds on paper as it does on terracotta, but was measured on one of them: in a channel
-in which that ground is dark, shadow and lit ground differ by less than what a lens scatters, and their ratio is noise.
+A shadow's ratio is a property of the light, and is the same on paper and on terracotta. But in a channel in which the
+ground is dark, shadow and lit ground differ by less than the light that a lens scatters, and their ratio is noise.
 """
 
 from dataclasses import replace
@@ -11,9 +11,10 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination, Light
 
-# Linear, of the display's white: what a lens scatters into a shadow, 1 % of a ground of 0.2.
+# Light that a lens scatters into a shadow, linear, over the display's white: 1 % of a ground of 0.2.
 UNCERTAIN = 0.002
-# Of the logarithm of a channel's ratio about the others': shadows under blue sky are bluer by about as much.
+# Standard deviation of the logarithm of a channel's ratio about the others': shadows are about as much bluer under a
+# blue sky.
 SPREAD = 0.3
 
 

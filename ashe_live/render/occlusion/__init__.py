@@ -1,1 +1,1 @@
-"""What a model hides: of the sky from the ground around it, and of sky and ground from its own surface."""
+"""Ambient occlusion by a model: of the ground around it, and of its own surface."""

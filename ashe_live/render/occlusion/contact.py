@@ -1,6 +1,7 @@
-"""Contact: the share of the sky that the model hides from the ground around it, and from which side it does.
+"""Contact: the share of the sky that the model hides from the ground around it, and in which direction.
 
-It is a shadow even without any sun, and where the model's sides are lit it is where their light falls.
+It darkens the ground even without a sun; where the model's sides are lit, it tells how much of their light the ground
+gets.
 """
 
 import math
@@ -18,15 +19,15 @@ from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.adding import draw_added
 
 PATCH_SIZE = 140  # texels a side
-# Standard deviation of a Gaussian that merges the single directions' shadows beside the model, and of one farther away
-# over the distance: half of what lies between neighbouring directions, in radians.
+# Standard deviations of Gaussians that merge the shadows of single directions: beside the model in texels, and farther
+# away over the distance, which is half of the angle between neighbouring directions.
 BLUR_TEXELS, SPREAD = 1.5, 0.2
-LEAST_BLUR_TEXELS = 0.1  # which changes nothing: OpenCV chooses a blur of its own for none
-# How far the darkening goes beyond the model's bounds, in heights of the model: on lit ground, where it costs pixels
-# that are drawn for nothing else; and in the model's own shadow, where nothing outshines what is missing of the sky.
+LEAST_BLUR_TEXELS = 0.1  # changes nothing, while OpenCV takes 0 for a width of its own choice
+# Reach of the darkening beyond the model's bounds, in heights of the model. On lit ground it is limited, as pixels are
+# drawn for its sake alone; in the model's own shadow it shows farther, as no sun outshines it.
 REACH_HEIGHTS, REACH_IN_SHADOW = 1.0, 1.5
-MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
-FADES_FROM = 0.5  # share of a reach from which on the darkening ends: beyond it the video is unchanged
+MIN_HEIGHT_RATIO = 0.1  # least height for that purpose, over the model's width
+FADES_FROM = 0.5  # share of the reach from which the darkening fades to nothing
 
 
 class ContactPatch:

@@ -1,9 +1,9 @@
-"""What a model hides of the sky and of the ground, from the ground around it and from its own surface; once a model.
+"""Ambient occlusion of the ground around a model and of its own surface, computed once for each model.
 
-Ambient occlusion by its definition: the mean of the shadows that many lights spread all around would cast, each with
-the weight of its cosine (Langer and Buelthoff, "Depth discrimination from shading under diffuse lighting", 2000). Drawn
-some directions at a time; of a model that moves in another pose each time, so that it is the mean over them. It depends
-on the model alone: it is moved, turned and scaled with it.
+By its definition it is the mean of the shadows of many lights spread all around, weighted by their cosines (Langer and
+Buelthoff, "Depth discrimination from shading under diffuse lighting", 2000). A few directions are drawn at a time; if
+the model moves, each of them in another pose, so that the result is a mean over its poses. It depends on the model
+alone, and is moved, turned and scaled with it.
 """
 
 from collections.abc import Generator, Iterator
@@ -26,22 +26,22 @@ from ashe_live.render.occlusion.self_occlusion import SelfOcclusion
 from ashe_live.render.occlusion.stand_in import stand_in_for
 
 DIRECTIONS = 80
-# Drawn in one pass: what a pass costs a software rasteriser is mostly waiting for the one before.
+# Directions drawn in one pass: a software rasteriser spends most of a pass on waiting for the one before.
 AT_ONCE = 4
 DEPTHS = replace(FAST, shadow_map_size=192, soft_on_model=False, pcf_radius=1)
 NO_LIGHT = (0.0, 0.0, 0.0)
-GOLDEN_SHARE = 0.618034  # multiples of which are spread evenly
+GOLDEN_SHARE = 0.618034  # the fractional parts of its multiples are spread evenly
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hidden:
-    """What a model hides."""
+    """The occlusion by one model."""
 
     contact: NDArray[np.float16]  # as ContactPatch.smoothed
     openness: tuple[NDArray[np.uint8], ...]  # (n, 4) of each part's vertices, 255 for open
 
 
-# Of models that are still held somewhere: one that is shown again, or in another picture, is not looked at again.
+# Of models that are still referenced somewhere: for one that is shown again nothing is computed again.
 Known = WeakKeyDictionary[PlacedModel, Hidden]
 
 

@@ -1,7 +1,7 @@
-"""A model with fewer triangles that hides as much: what takes many looks at the whole of it need not see every detail.
+"""Simplifies a model for ambient occlusion, which draws it many times and does not need every detail.
 
 Vertex clustering (Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993): of
-all vertices in a cell of a grid one stays, and with it the triangles that are still some.
+all vertices in a cell of a grid one is kept, and with it the triangles that do not collapse.
 """
 
 from dataclasses import dataclass, replace
@@ -13,12 +13,14 @@ from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.placement import PlacedModel
 
-MOST_TRIANGLES = 30_000  # of a model that stands in for itself
+MOST_TRIANGLES = 30_000  # a model of up to this many is not simplified
 CELLS = 64  # along the longest side of a model
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StandIn:
+    """The simplified model, and which of its vertices are whose."""
+
     placed: PlacedModel
     vertices: tuple[NDArray[np.integer] | slice, ...]  # for each part's vertices the one that stands in for them
 

@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.models.mesh import Float32, Mesh
+from ashe_live.models.mesh import Float32, Mesh, spread_over_triangle
 
-# Steps of the plastic number's sequence in two dimensions, which fills a square evenly (Roberts 2018).
-STEP_U, STEP_V = 0.7548776662, 0.5698402910
 STEADINESS = 0.1  # weight of the mean around a vertex, against the errors at the points
 ROUNDS = 6  # of conjugate gradients, after which hardly anything changes
 # Points a vertex from which on the mean around a vertex is improved upon: fewer tell no more than that.
@@ -84,8 +82,5 @@ def samples_on(mesh: Mesh, per_area: float) -> SurfaceSamples:
     counts = 1 + (areas * per_area).astype(int)
     triangle = np.repeat(np.arange(len(counts)), counts)
     number = np.arange(len(triangle)) - np.repeat(np.cumsum(counts) - counts, counts)
-    u, v = (1 / 3 + number * STEP_U) % 1.0, (1 / 3 + number * STEP_V) % 1.0
-    folded = u + v > 1
-    u, v = np.where(folded, 1 - u, u), np.where(folded, 1 - v, v)
-    shares = np.column_stack([1 - u - v, u, v]).astype(np.float32)
+    shares = spread_over_triangle(number).astype(np.float32)
     return SurfaceSamples(mesh, mesh.triangles[triangle], shares, (areas / counts)[triangle])

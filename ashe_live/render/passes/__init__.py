@@ -1,1 +1,1 @@
-"""What one picture is drawn in: each pass a module."""
+"""The passes in which a picture is drawn, each a module."""

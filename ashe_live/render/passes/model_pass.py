@@ -19,7 +19,7 @@ from ashe_live.render.lights.lighting import RGB, Lighting
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.passes.standing import StandingGroup, StandingModel
 
-NOWHERE: Float = np.zeros((4, 4))
+NOWHERE: Float = np.zeros((4, 4))  # as a projection: nothing is drawn, but the shader gets compiled
 # A narrower specular lobe would be a point that flickers between pixels.
 MIN_ROUGHNESS = 0.06
 
@@ -44,6 +44,8 @@ class ShadingInputs:
 
 
 class ModelPass:
+    """Draws opaque parts, and then blended ones, of all models that stand on the table."""
+
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
         self._programs = programs

@@ -1,6 +1,6 @@
-"""Prepares a model for drawing: uploads it, finds out what it hides of the light around and compiles its shaders.
+"""Prepares a model for drawing: uploads it, computes its ambient occlusion, and compiles its shaders.
 
-That takes longer than one picture, so it is done in small steps while the former model is still shown.
+This takes longer than one picture, so it is done in small steps while the former model is still shown.
 """
 
 import itertools
@@ -18,9 +18,10 @@ from ashe_live.render.occlusion.contact import ContactPatch
 from ashe_live.render.occlusion.occlusion import Known, occlusion_steps
 from ashe_live.render.passes.standing import StandingGroup, StandingModel
 
-# Of the time from one picture to the next, which has this very work in it: a slow machine still gets on.
+# Share of the time from one picture to the next that is spent on this. That time includes the work itself, so that a
+# slow machine makes progress too.
 SHARE = 1 / 3
-# A step that has begun is finished, which may take a few milliseconds more.
+# Limits of the time spent for one picture. A step that has begun is finished, for a few milliseconds more.
 LEAST_S, MOST_S = 0.003, 0.05
 
 

@@ -1,8 +1,8 @@
-"""K and distortion from views of a flat board, with how sure they are; refused where the views do not tell.
+"""Calibrates a camera by views of a flat board: K, distortion and their uncertainties; refuses insufficient views.
 
-Zhang, "A flexible new technique for camera calibration", PAMI 2000, as OpenCV has it. Around it: a lens model no richer
-than the views call for, views that contradict the others left out, and uncertainties from leaving views out (grouped
-jackknife): OpenCV's own formula takes the board for flat, and its errors for chance.
+Zhang, "A flexible new technique for camera calibration", PAMI 2000, by OpenCV. Beyond that, the lens model is the
+simplest that explains the views, views that contradict the others are left out, and uncertainties come from a grouped
+jackknife: OpenCV's own formula assumes a perfectly flat board and independent errors.
 """
 
 import math
@@ -29,25 +29,27 @@ LENSES = (
     0,
     cv2.CALIB_RATIONAL_MODEL,
 )
-# What a richer lens must take off the error to be believed: below, it fits the noise, and bends what no view shows.
+# A richer lens model must reduce the error by this factor. With a smaller gain it fits the noise, and distorts the
+# parts of the picture that no view covers.
 NEARLY = 1.05
 MIN_VIEWS = 8
-# A view whose error is so many times the median's, and no less than this, contradicts the others.
+# A view contradicts the others if its error exceeds both this multiple of the median and this many pixels.
 OUTLIER_RATIO = 2.5
 OUTLIER_PX = 0.25
 JACKKNIFE_GROUPS = 10
-# In parts of the focal length: what a print that is never quite square and flat leaves uncertain however many views
-# there are, and what counts as known. (The principal point's matters as the angle that it turns the camera by.)
+# Shares of the focal length. SYSTEMATIC: an uncertainty that no number of views reduces, as a print is never quite
+# square and flat. A calibration is refused above the others: the sigma of the focal length, and that of the principal
+# point (which matters as an angle of the camera).
 SYSTEMATIC = 0.002
 MAX_SIGMA_F = 0.01
 MAX_SIGMA_C = 0.015
-# Of the picture's width, and no less than a pixel: more is no noise but a bent board.
+# Largest RMS over the picture's width, and at least a pixel: a larger one is not noise but a bent board.
 MAX_RMS = 0.0015
 
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """A camera and what is known about how well it is known."""
+    """A camera and its uncertainty."""
 
     camera: Camera
     rms_px: float  # of all corners of the views used
@@ -64,7 +66,7 @@ class Calibration:
             set_frozen(self, **{name: value})
 
     def to_json(self) -> dict[str, Any]:
-        """What --camera-file reads, and beside it what a person wants to know."""
+        """The content of a camera file, with further figures for people to read."""
         return {
             "size": list(self.camera.size),
             "K": self.camera.K.tolist(),

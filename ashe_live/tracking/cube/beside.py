@@ -1,7 +1,7 @@
-"""A flat marker beside the cube: where it lies is learned, and from then on both are one board.
+"""A flat marker on the table beside the cube: once its place is known, both are tracked as one rigid object.
 
-While the cube is seen from too near, or a hand covers it, the flat marker alone tells the pose; both together are surer
-than each.
+The flat marker alone gives the pose while the cube is too near or covered by a hand; both together give a more exact
+pose than either.
 """
 
 from collections.abc import Mapping
@@ -20,16 +20,16 @@ from ashe_live.tracking.plane_markers import MOVED_SIDES, PlaneMarkers
 from ashe_live.tracking.preset import TrackingPreset
 
 NUMBER = len(FACES)  # of this member, after the cube's faces
-# Frames in a row over which its place is averaged before it counts: what is left of the noise is less than that of the
-# frames that it then helps. After as many in which the cube is seen and it is not where it lay, it may lie anywhere.
+# Its place is averaged over this many frames in a row before it is used, so that its error is well below the noise of a
+# frame. It is forgotten after as many frames in which the cube is seen but the marker is not where it was.
 PLACED_AFTER = 12
-# Of its side, by which its corners differ from where it lies once it has been moved, or the cube has: several times
-# what folds and the lens leave unexplained.
+# It or the cube has been moved if the RMS distance of its corners from where they are expected exceeds this share of
+# its side: several times what folds and the lens leave unexplained.
 MOVED = 0.1
 
 
 class FlatBeside:
-    """Where one marker lies on the cube's table. For use by one thread at a time."""
+    """Learns where one marker lies on the cube's table. For use by one thread at a time."""
 
     def __init__(self, marker: Marker) -> None:
         self.marker = marker
@@ -57,9 +57,10 @@ class FlatBeside:
             self.corners = self.placed.on_plane(square_corners(self.placed.side_m))
 
     def has_moved(self, squares: Mapping[int, FittedSquare], pose: MarkerPose | None, camera: Camera) -> bool:
-        """Whether a frame shows it beside faces of the cube, and not where it lay: no pose explains both, or badly.
+        """Whether the marker or the cube has been moved, by a frame that shows faces of the cube.
 
-        Or does not show it where it lay, as frames before did not.
+        It has if no `pose` explains both, if the pose puts the marker elsewhere than it is seen, or if the marker has
+        been missing for PLACED_AFTER frames.
         """
         if self.corners is None or not squares or (NUMBER in squares and len(squares) == 1):
             return False
@@ -75,5 +76,5 @@ class FlatBeside:
 
 
 def _is_near(one: PlaneMarker, other: PlaneMarker) -> bool:
-    """Whether both are where a marker that rests may be seen."""
+    """Whether both may be the place of one marker that rests."""
     return bool(np.linalg.norm(one.centre_m - other.centre_m) < MOVED_SIDES * other.side_m)

@@ -1,9 +1,9 @@
-"""How a paper cube's faces lie off where a perfect cube has them, learned from the frames in which several are seen.
+"""Learns how a paper cube's faces deviate from those of a perfect cube, from frames in which several faces are seen.
 
-Every face has six small numbers, three of a turn and three of a shift, which are known beforehand to be as small as
-careful folding makes them. Each frame is one step of an information filter: its pose is eliminated (by the Schur
-complement), and what it says of the faces is added. What all faces share is no fold but the pose, and makes that
-uncertain (docs/maths.md, "Folds").
+The deviation ("fold") of a face has six small components, three of a rotation and three of a translation, with a prior
+of the accuracy of careful folding. Each frame is one step of an information filter: its pose is eliminated (by the
+Schur complement), and its information about the folds is added. A deviation that all faces share cannot be told from a
+change of the pose, and so makes the pose uncertain (docs/maths.md, "Folds").
 """
 
 import math
@@ -21,19 +21,20 @@ from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
 from ashe_live.tracking.poses.pose import Sighting, corners_information, corners_noise
 from ashe_live.tracking.poses.pose_refinement import pixels_by_points, pixels_by_pose
 
-# Standard deviations of careful folding: of a face's turn about each axis, and of its shift over the edge, which is
-# 0.7 mm of 6 cm.
+# Standard deviations of careful folding: of a face's turn about each axis, and of its shift over the edge length, which
+# is 0.7 mm for 6 cm.
 TURN_SIGMA, SHIFT_SIGMA = math.radians(0.9), 0.011
-# Of a tag's side, what a pose of all faces may leave unexplained of one before their folds are learned: three standard
-# deviations of its shift across the view and of its turn, beside what is left of a flat print.
+# Largest RMS residual of a face's corners in a pose of all faces while their folds are unknown, over the side of its
+# tag: three standard deviations of its shift across the view and of its turn, on top of the residual of a flat print.
 FOLDED_RMS = 0.08
-# Corners err alike in frames that look alike: each after the first counts for so much, and no more than so many.
+# Frames that look alike have the same errors of the corners. So each frame after the first has this weight, and after
+# so many nothing more is learned.
 LATER_FRAMES, MOST_FRAMES = 0.2, 60
-# Learned from every one of the first frames, then from one in so many.
+# Each of the first frames is learned from, then one in so many.
 EVERY_ONE_OF, EVERY = 4, 8
-EACH = 6
-# Cubes are folded better and worse: the scales of these standard deviations, any as likely as another beforehand, and
-# the information about what lies along an axis, in units of the prior, from which on it says something of them.
+EACH = 6  # components of a fold
+# Some cubes are folded better than others: the standard deviations above are scaled by one of these, all equally likely
+# beforehand. Principal axes with less information than LEAST_INFORMATION, in units of the prior, say nothing about it.
 SCALES: Float = np.array([0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4])
 LEAST_INFORMATION = 0.05
 
@@ -50,7 +51,9 @@ class Folding:
         self._covariance: Float = np.diag(1 / prior)  # of the folds, by all that was seen
         self._frames = self._seen_in = 0
         self._numbers: tuple[int, ...] = ()  # of the faces whose pose `pose_covariance` is of
-        self._pose_covariance = np.diag(1 / prior[:EACH])
+        # (6, 6) of the turn about and the shift of the cube's middle, rad and m, cube's axes, that folds may have. What
+        # all faces share is the pose itself, as no picture tells them apart.
+        self.pose_covariance: Float = np.diag(1 / prior[:EACH])
         self._wobble: Wobble | None = None
         self._folds = np.zeros((len(FACES), EACH))
         self._shape()
@@ -71,14 +74,6 @@ class Folding:
         """Whether the folds of all faces that are in view are yet to be learned."""
         return self._frames < EVERY_ONE_OF
 
-    @property
-    def pose_covariance(self) -> Float:
-        """(6, 6) of the turn about and the shift of the cube's middle, rad and m, cube's axes, that folds may have.
-
-        For the faces that were seen last. What they share is the pose itself, as no picture tells them apart.
-        """
-        return self._pose_covariance
-
     def stated(self, pose: MarkerPose) -> MarkerPose:
         """`pose` with the cube's body, and as uncertain as the folds make it."""
         if pose.covariance is None:
@@ -92,7 +87,7 @@ class Folding:
         """Learns from a frame's faces by number, seen from `T_cam_cube`; returns whether the shape has changed."""
         self._seen_in += 1
         numbers = tuple(squares)
-        is_due = self._frames < EVERY_ONE_OF or self._seen_in % EVERY == 0
+        is_due = self.wants_all or self._seen_in % EVERY == 0
         is_learned = len(squares) > 1 and self._frames < MOST_FRAMES and is_due
         if not is_learned and numbers == self._numbers:
             return False
@@ -126,7 +121,7 @@ class Folding:
             self._folds = np.asarray(self._covariance @ self._vector).reshape(-1, EACH)
             self._shape()
         self._numbers = numbers
-        self._pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
+        self.pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
         self._wobble = self._wobble_of(np.asarray(pose_by_folds, dtype=np.float64))
         return is_learned
 

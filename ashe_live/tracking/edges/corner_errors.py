@@ -1,7 +1,7 @@
-"""How far a square's corners may be off beyond the noise of its edges: pixels, curled paper, and the camera's tones.
+"""Systematic errors of a square's corners, beside the noise of its edges: pixels, curled paper, the camera's tones.
 
-A camera that does not follow sRGB's curve, or whose white is cut off, moves all edges towards black or towards white
-alike. The edges inside the print are moved as well, and tell by how much (`PrintAlignment.bleed`).
+"Bleeding": a camera whose tone curve is not sRGB's, or that clips white, displaces all edges alike, towards black or
+towards white. The edges inside the print are displaced as well, and so measure it (`PrintAlignment.bleed_px`).
 """
 
 import math
@@ -13,9 +13,9 @@ from ashe_live.core.arrays import Float
 from ashe_live.tracking.edges.edge_lines import BEFORE, NEXT
 from ashe_live.tracking.edges.squares import FittedSquare
 
-# What the print's inside says of the edges' common displacement is no more than noise below this.
+# A bleed measured below this is noise.
 LEAST_BLEED_PX = 0.03
-# What noise bows a side by.
+# Noise alone gives a side a sagitta of about this.
 BOW_NOISE_PX = 0.1
 
 
@@ -23,13 +23,13 @@ BOW_NOISE_PX = 0.1
 class CornerErrors:
     """Standard deviations, fitted by `ashe-live bench track --scenes` to path-traced pictures with known poses."""
 
-    end_px: float  # of either end of each side, whatever the picture: stated for printers and pixels, not fitted
-    correlated: float  # the same over what the scatter along the sides tells of its correlated part
-    curl: float  # the same over the sagitta of the side that bows most, beyond BOW_NOISE_PX
-    bleed_share: float  # how far the outer edges are displaced, over what the inside says
-    bleed_px: float  # of the displacement that is left when it is large
-    bleed_half_px: float  # the displacement at which half of that is left
-    weight: float  # of the errors stated here against those that the pose leaves, in degrees of freedom
+    end_px: float  # of each end of a side, in every picture: assumed for printers and pixels, not fitted
+    correlated: float  # of each end, as a multiple of FittedSquare.correlated_px
+    curl: float  # of each end, as a multiple of the largest sagitta of a side, beyond BOW_NOISE_PX
+    bleed_share: float  # displacement of the outer edges over the bleed measured inside
+    bleed_px: float  # of the displacement that remains after correction, where the bleed is large
+    bleed_half_px: float  # the bleed at which half of `bleed_px` remains
+    weight: float  # of these errors as a prior for the scale of the pose's residuals, in degrees of freedom
 
 
 FITTED = CornerErrors(
@@ -38,7 +38,7 @@ FITTED = CornerErrors(
 
 
 def corrected(square: FittedSquare, bleed_px: float | None, errors: CornerErrors = FITTED) -> FittedSquare:
-    """`square` with its sides moved back by what the inside says that all of them lie outwards."""
+    """`square` with its sides moved back inwards by the bleed that the inside has measured."""
     moved_px = _moved_px(bleed_px, errors)
     corners = square.corners_px - moved_px * _outwards(square.corners_px) if moved_px else square.corners_px
     return replace(square, corners_px=corners, bleed_px=bleed_px)
@@ -51,14 +51,14 @@ def uncorrected_px(square: FittedSquare, errors: CornerErrors = FITTED) -> Float
 
 
 def _moved_px(bleed_px: float | None, errors: CornerErrors) -> float:
-    """How far outwards the sides are taken to lie where the inside says `bleed_px`."""
+    """How far the sides are displaced outwards, for a measured bleed."""
     if bleed_px is None:
         return 0.0
     return errors.bleed_share * math.copysign(max(abs(bleed_px) - LEAST_BLEED_PX, 0.0), bleed_px)
 
 
 def systematic(square: FittedSquare, errors: CornerErrors = FITTED) -> Float:
-    """(8, 8) covariance of corners_px.ravel(), px^2, beside the noise; none where edges were not looked at."""
+    """(8, 8) covariance of corners_px.ravel(), px^2, without noise; zero where edges were not measured."""
     if square.bows is None:
         return np.zeros((8, 8))
     by_normals = np.linalg.inv(_normals(square.corners_px))

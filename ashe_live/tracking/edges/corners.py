@@ -19,22 +19,24 @@ from ashe_live.tracking.edges.edge_lines import NEXT, information_by_side, meeti
 from ashe_live.tracking.edges.edge_profiles import FROM_INSIDE, Light, LightView, edge_offsets, linear_light
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square, region_around
 
-# The part of a side along which its edge is sampled.
+# An edge is sampled between these fractions of its side.
 ALONG_FROM, ALONG_TO = 0.06, 0.94
-# How far across the edge, over the square's extent in that direction: within a border or margin of an eighth.
+# It is sampled to this distance on both sides, as a share of the square's extent across it: less than the width of a
+# border or margin, which is an eighth.
 REACH_RATIO = 0.08
 MIN_REACH_PX, LAST_REACH_PX = 2.0, 4.0
 MORE_SEARCHES = 3
 LEAST_SAMPLES = 8
-# Each search has a reach smaller by this factor: a few of the last one's sampling steps.
+# Each search reaches less far than the one before by this factor, to a few of its sampling steps.
 NARROWING = 5.0
-# Fraction of a side's samples that must show an edge.
+# A side counts as seen if at least this fraction of its samples shows an edge.
 MIN_SEEN = 0.4
-# How far one edge extends to each side of its steepest place: for a sharp edge, within limits in pixels, and a fraction
-# of the square's extent where a small marker's cells lie close; for a blurred one, standard deviations of its rise.
+# Half width of the window around an edge's steepest place in which its position is measured. For a sharp edge it is a
+# share SPREAD_RATIO of the square's extent, so that a small marker's cells stay outside, within limits in pixels; for a
+# blurred edge it is WIDTHS standard deviations of the rise.
 SHARP_SPREADS_PX, SPREAD_RATIO = (1.0, 2.0), 1 / 12
 WIDTHS = 2.2
-# How much wider an edge may be than its window before it is measured again.
+# An edge is measured again if the window that it needs is wider by more than this factor.
 SLACK = 1.25
 
 
@@ -105,12 +107,12 @@ def fitted_squares(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Windows:
-    """Where the edges of a square are looked for."""
+    """The windows in which the edges of a square are searched for and measured."""
 
     corners_px: Float  # (4, 2) ideal pixels
     reaches_px: Float  # (4,) to either side
-    spreads_px: Float  # (4,) what counts as one edge
-    sharp_px: Float  # (4,) the same of a sharp one
+    spreads_px: Float  # (4,) half widths in which an edge's position is measured
+    sharp_px: Float  # (4,) the least such half widths, for sharp edges
 
     @classmethod
     def around(cls, corners_px: Float, off_by_px: float, most_reach_px: float) -> "_Windows":
@@ -144,7 +146,7 @@ def _narrowed(
 
 
 def _fitted(views: Sequence[LightView], squares: Sequence[_Windows], samples: int) -> list[tuple[FittedSquare, Float]]:
-    """Of each square the lines through the edges found near its sides, where they meet, and the edges' blur (4,)."""
+    """Each square by lines fitted to the edges near its sides, and the standard deviations (4,) of the edges' blur."""
     corners_px = np.array([square.corners_px for square in squares])
     reaches_px = np.concatenate([square.reaches_px for square in squares])
     spreads_px = np.concatenate([square.spreads_px for square in squares])

@@ -1,6 +1,7 @@
-"""Whether a square's four sides are the print's own: what lies over an edge, as a finger, has a straight side as well.
+"""Checks that the four sides measured are the print's own, as a finger along an edge shows a straight edge too.
 
-A finger along a side moves that side alone. The three others and the print inside still agree, and give the pose.
+A finger moves the side that it covers and no other. The remaining sides and the print's inside still agree, and give
+the pose.
 """
 
 import dataclasses
@@ -17,19 +18,23 @@ from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.tracking.edges.print_alignment import Aligned, Alignment, PrintAlignment, in_units
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 
-# Correlation of the print's inside with what is seen, where a side is covered.
+# Least correlation between the print's inside and the picture for the inside to be trusted while a side is covered.
 MIN_INSIDE = 0.85
-# What a side may lie off where the inside has it: of the square's side, and in standard deviations of the alignment.
+# A side counts as covered if it differs from where the inside puts it by more than TOLERANCE (a share of the side
+# length) plus SIGMAS standard deviations of the alignment.
 TOLERANCE, SIGMAS = 0.008, 3.0
-SURE_SIGMA = 0.004  # of the side
-# One step says where the print is if it leaves no more unexplained than the whole way left in an earlier frame, which
-# is what the view's slant and blur leave: an increase by so much of the deviation is noise.
+# A single alignment step is trusted if its standard deviation is below SURE_SIGMA (a share of the side length). It is
+# also trusted if it exceeds that of the last full alignment by no more than the factor AS_ALIGNED: what it leaves
+# unexplained is then due to the view's slant and blur, as it was there.
+SURE_SIGMA = 0.004
 AS_ALIGNED = 1.1
-# So many sides may be covered; so many must be seen where the rest is beyond the picture: they just determine the pose.
+# Up to MOST_COVERED sides may be covered. If a corner is outside the picture, LEAST_SEEN sides must be seen, which just
+# determine the pose.
 MOST_COVERED, LEAST_SEEN = 2, 3
-# And so far may more than these lie off, over the side: a finger covers no three sides.
+# A finger cannot cover three sides: if more than MOST_COVERED are off, the paper is bent or a shadow misleads the
+# inside. The square is kept, with a larger uncertainty, if no corner is off by more than this share of the side length.
 MOST_BENT = 0.12
-# Of the corners' coordinates, x and y in turn, those across each side at its two ends.
+# For each side, the indices of its two ends in corners.ravel() (x, y, x, y, ...), of the coordinate across the side.
 ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
 
 
@@ -58,7 +63,7 @@ def checked(
         return corrected(square, alignment.bleed_px(seen_print, side_px))
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
     seen = alignment.look(seen_print, side_px)
-    # A print that lies elsewhere explains the samples badly: then one step says little, and is as unsure.
+    # Where the print is elsewhere, it explains the samples badly, and a single step is uncertain.
     is_sure = seen is not None and seen.sigma <= SURE_SIGMA
     is_as_aligned = seen is not None and seen.sigma <= AS_ALIGNED * aligned_sigma and seen.inside >= MIN_INSIDE
     if seen is not None and square.sides_seen == 4 and (is_sure or is_as_aligned):
@@ -71,7 +76,8 @@ def checked(
         return None
     square, off = _compared(square, found, tolerance)
     if off.sum() > MOST_COVERED:
-        # Other edges than the print's were taken, as of its paper on a bright floor: the inside says where to look.
+        # Edges other than the print's were measured, as those of its paper on a bright floor. Measure again where the
+        # inside puts them.
         again = fitted_square(light, found.corners_px, samples, 1.0, camera, origin_px, LAST_REACH_PX)
         if again is not None:
             square, off = _compared(again, found, tolerance)
@@ -79,7 +85,7 @@ def checked(
     if not off.any():
         return dataclasses.replace(square, aligned_sigma=found.seen.sigma) if is_print else None
     if off.sum() > MOST_COVERED:
-        # No finger does that, but paper that bends does, or a shadow's edge that misleads the inside.
+        # See MOST_BENT.
         astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())
         is_whole = is_print and square.sides_seen == 4 and astray_px <= MOST_BENT * side_px
         return dataclasses.replace(square, by_side=_no_surer(square.by_side, astray_px)) if is_whole else None
@@ -87,13 +93,13 @@ def checked(
 
 
 def _compared(square: FittedSquare, found: Alignment, tolerance: float) -> tuple[FittedSquare, Mask]:
-    """The square by the light that bleeds into the print; and (4,) which of its sides are not seen where that is."""
+    """The square corrected for bleeding; and (4,) which of its sides are unseen, or not where the inside puts them."""
     even = corrected(square, found.seen.bleed_px)
     return even, _off(in_units(found.corners_px, even.corners_px), found.seen, tolerance) | ~even.seen
 
 
 def _without_covered(square: FittedSquare, found: Alignment, off: Mask) -> FittedSquare | None:
-    """The square by its other sides and the print inside; None where no square follows. off: (4,) sides left out."""
+    """The square by its inside and the sides that are not `off` (4,); None if the result is no square."""
     sides = square.by_side[~off].sum(axis=0)
     total = sides + found.information
     corners = np.linalg.solve(
@@ -107,7 +113,7 @@ def _without_covered(square: FittedSquare, found: Alignment, off: Mask) -> Fitte
 
 
 def _no_surer(by_side: Float, sigma_px: float) -> Float:
-    """(4, 8, 8) of corners whose coordinates have `sigma_px` more, all of them by themselves."""
+    """(4, 8, 8) as `by_side`, with independent noise of `sigma_px` added to each coordinate of the corners."""
     total = by_side.sum(axis=0)
     shared = np.linalg.solve(np.eye(8) + sigma_px**2 * total, total)
     return np.asarray(np.tile(0.125 * (shared + shared.T), (4, 1, 1)))
@@ -120,7 +126,7 @@ def leaves_frame(square: FittedSquare, camera: Camera) -> bool:
 
 
 def _off(step: Float, seen: Aligned, tolerance: float) -> Mask:
-    """(4,) whether each side lies off by more than is explained."""
+    """(4,) whether a `step` of the corners moves each side by more than its tolerance."""
     sigmas = np.sqrt(np.diag(seen.covariance))
     allowed = tolerance + SIGMAS * sigmas
     return np.asarray((np.abs(step.ravel()) > allowed)[ACROSS_SIDES].any(axis=1))

@@ -1,4 +1,4 @@
-"""The four sides of a square as straight lines through measured points, and what these say of its corners."""
+"""Fits straight lines to the points measured along a square's sides, and intersects them in its corners."""
 
 from functools import lru_cache
 
@@ -7,15 +7,15 @@ from numpy.polynomial import legendre
 
 from ashe_live.core.arrays import Float, Mask
 
-# Points farther than this from the line do not count (Tukey's biweight).
+# Points farther than this from the line have no weight (Tukey's biweight).
 OUTLIER_PX = 1.5
-# Of which the first windows are so many: what is far from the first guess of the line may be right all the same.
+# The window is this many times as wide in each iteration: good points may be far from the first guess of the line.
 SCALES = 8.0, 4.0, 2.0, 1.0
-# An edge's points are never taken to be more certain than this.
+# Least standard deviation assumed of a point.
 MIN_SIGMA_PX = 0.01
 
-# Polynomials along an edge whose amplitudes tell the slow part of its scatter: above the line's own orders and the
-# bow's, and of as long a wave as a few pixels of a small marker.
+# The amplitudes of these Legendre polynomials along an edge measure its slowly varying scatter. Orders 0 and 1 are the
+# line and 2 is the bow; at order 6 a wave is still a few pixels long on a small marker.
 SLOW_ORDERS = 3, 4, 5, 6
 
 # Each corner's neighbours along the outline; np.roll would take ten times as long, and this runs in every frame.
@@ -27,9 +27,9 @@ def robust_lines(
 ) -> tuple[Float, Float, Float, Float]:
     """Each side's offset at places 0 and 1 (n, 2), the covariances (n, 2, 2) of these, and bows (n,), in px and px^2.
 
-    Least squares reweighted with Tukey's biweight. A side that is not `seen` stays, with no certainty. The last result
-    (n,) is the variance of an offset at either place by what of the scatter is correlated along the side, less than
-    nothing where noise would have it so: the covariances take each pixel's noise for independent of the next one's.
+    Least squares reweighted with Tukey's biweight. A side that is not `seen` stays where it is, with a huge covariance.
+    The covariances assume that the noise of pixels is independent. The last result (n,) is the variance of an offset at
+    either place that scatter correlated along the side adds; as an unbiased estimate it may be negative.
     """
     # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
     at_start, slope = _medians(offsets, weights > 0), np.zeros(len(offsets))
@@ -79,9 +79,9 @@ def _slow_polynomials(count: int) -> Float:
 
 
 def information_by_side(outwards: Float, covariances: Float) -> Float:
-    """(n, 4, 8, 8) of n squares' corners: each side measures its two ends along its normal (n, 4, 2).
+    """(n, 4, 8, 8) information that each side gives about the corners of n squares.
 
-    covariances: (n, 4, 2, 2) of the two ends.
+    A side measures its two ends along its normal `outwards` (n, 4, 2), with covariances (n, 4, 2, 2).
     """
     by_corners = np.zeros((len(outwards), 4, 2, 8))
     for side in range(4):

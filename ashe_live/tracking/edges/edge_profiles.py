@@ -1,4 +1,4 @@
-"""The light across each side of a square, and where in it the rise from black to white lies."""
+"""Samples the light across each side of a square, and locates the rise from black to white in it."""
 
 from dataclasses import dataclass
 
@@ -13,17 +13,18 @@ from ashe_live.tracking.edges.lens import source_from_ideal
 
 Light = NDArray[np.float32]
 
-# In how many places across an edge is sampled.
+# Number of samples across an edge.
 ACROSS = 25
 FROM_INSIDE = np.linspace(-1, 1, ACROSS)
 MIDDLES = ((FROM_INSIDE[1:] + FROM_INSIDE[:-1]) / 2).astype(np.float32)
 HALF, TINY = np.float32(0.5), np.float32(1e-9)
-# What an edge must rise from black to white, of the encoded picture's range (its curve taken for a square root).
+# Least rise of an edge from black to white, over the encoded picture's range (whose curve is taken for a square root).
 MIN_RISE = 12 / 255
-# The rises, over an edge's steepest one, that are noise beside it, and how often the window is moved to its middle.
+# Smaller rises than this share of an edge's steepest one are noise.
 NOISE_RISE = 0.15
+# The window is centred on the edge this many times.
 SHIFTS = 4
-# Light where there is no picture.
+# Stands for light where there is no picture.
 OUTSIDE = -1e3
 LINEAR: Light = LINEAR_FROM_SRGB_8BIT.astype(np.float32)
 

@@ -1,9 +1,9 @@
-"""Where a marker's print says that its corners are, by what is printed inside, whatever lies over its outer edges.
+"""Locates a marker's corners by what is printed inside it, for sides that something lies over.
 
 Lucas and Kanade's alignment in its inverse compositional form (Baker and Matthews, "Lucas-Kanade 20 years on", IJCV
-2004): the picture, sampled in the print's own frame, is explained by the print, its gain, an offset, a slope of the
-light, edges that all give way to one side, and the displacements of the four corners. All but the picture is known
-beforehand, so that one step is one product of a matrix with the samples.
+2004). The picture, sampled in the print's own frame, is a linear combination of the print (its gain), an offset, a
+gradient of the light, a common displacement of all edges (bleeding, see corner_errors.py) and the displacements of the
+four corners. All of these are known beforehand, so that a step is the product of a constant matrix and the samples.
 """
 
 import math
@@ -20,35 +20,36 @@ from ashe_live.tracking.edges.edge_profiles import Light
 from ashe_live.tracking.edges.print_likeness import AVERAGED, MIN_LIKENESS, UNIT, PrintLikeness, normalised
 from ashe_live.tracking.edges.squares import is_front_of_square
 
-# Of the border, how much belongs to the print's inside: the edge within the border is half of what tells the place, and
-# a finger may lie over the rest.
-RING = 0.3  # over the border's width
-# A print with next to nothing inside (4x4_50:17 is a single white block) does not tell its corners' place: one sample
-# wrong by its whole contrast moves them by so much of the side. It is known by its likeness alone, which must be sure.
+# The inside includes this share of the border's width: the border's inner edge carries half of the information about
+# the corners, and a finger may lie over the rest.
+RING = 0.3
+# A print with almost nothing inside (4x4_50:17 is a single white block) does not locate its corners: it is used to
+# recognise the marker alone, and must then match by SURE_LIKENESS. A print counts as such if a single sample that is
+# wrong by its whole contrast would move a corner by more than MOST_SPREAD of the side length.
 MOST_SPREAD, SURE_LIKENESS = 0.2, 0.96
-# Seen whole, the inside tells how far its edges bleed to a few hundredths of a pixel. A strip that lies over it, or a
-# reflection in the glass before it, looks like a large bleed, and leaves far more unexplained.
+# A measured bleed of a larger standard deviation is discarded. A print seen whole gives a few hundredths of a pixel; a
+# strip over it, or a reflection in the glass before it, resembles a large bleed but leaves far more unexplained.
 MOST_BLEED_SIGMA_PX = 0.07
-STEPS = 12
-SMALL_STEP = 1e-3  # of the side
+STEPS = 12  # at most
+SMALL_STEP = 1e-3  # of the side length: the alignment has converged
 MIN_SIGMA_PX = 0.05
-LARGE_STEP = 0.08  # beyond which the linearised print means nothing
+LARGE_STEP = 0.08  # of the side length: the linearisation does not hold farther than this
 OUTWARDS = np.sign(UNIT - 0.5)
 
 
 @dataclass(frozen=True, slots=True)
 class Aligned:
-    """What one look at the samples within a square says of where the print is."""
+    """One alignment step, from the samples within a square."""
 
     step: Float  # (4, 2) by which the corners are wrong, in units of the print's side, x right, y down
     covariance: Float  # (8, 8) of step.ravel()
     sigma: float  # the largest standard deviation in it
     inside: float  # correlation in [-1, 1] of the samples inside the border with the print
-    bleed_px: float | None  # how far all edges lie towards white; None where that is not to be told
+    bleed_px: float | None  # displacement of all edges towards white; None where it cannot be measured
 
 
 class Alignment(NamedTuple):
-    """Where the inside of the print has the corners."""
+    """The corners as the print's inside locates them."""
 
     corners_px: Float  # (4, 2) ideal pixels
     information: Float  # (8, 8) inverse covariance of corners_px.ravel(), 1 / px^2
@@ -68,8 +69,8 @@ class PrintAlignment(PrintLikeness):
     ) -> None:
         """`print_grey` (n, n): the whole black square, from which every sample is taken; `border` over its side.
 
-        `tells_place`: whether the inside lies exactly where `print_grey` has it within the border. `edge_error`: how
-        far off its edges may be in `print_grey`, over the side.
+        `tells_place`: whether the inside was printed exactly where `print_grey` has it. `edge_error`: how far edges may
+        be off in `print_grey`, over the side.
         """
         super().__init__(print_grey, border, least_likeness)
         self._edge_error = edge_error
@@ -81,7 +82,7 @@ class PrintAlignment(PrintLikeness):
         within = (np.minimum(x, y) > ring) & (np.maximum(x, y) < 1 - ring)
         self._inside = np.flatnonzero(within)
         dy, dx = n * np.gradient(sharp, axis=0), n * np.gradient(sharp, axis=1)
-        # A homography's derivatives by its entries at the identity, and these by the corners' displacements.
+        # Derivatives of a homography by its entries, at the identity; and of the entries by the corners' displacements.
         nothing, one = np.zeros_like(x), np.ones_like(x)
         by_entries_x = np.stack([x, y, one, nothing, nothing, nothing, -x * x, -x * y], axis=-1)
         by_entries_y = np.stack([nothing, nothing, nothing, x, y, one, -x * y, -y * y], axis=-1)
@@ -113,10 +114,10 @@ class PrintAlignment(PrintLikeness):
             self._least_likeness = SURE_LIKENESS
 
     def bleed_px(self, samples: Light, side_px: float) -> float | None:
-        """How far outwards all four sides of a square lie, from samples within it; None where that is not to be told.
+        """How far outwards all four sides of a square are displaced; None where it cannot be measured.
 
-        The edges inside lie as far towards white: a tone curve other than sRGB's, white that is cut off, or ink that
-        has spread moves all of them alike.
+        Measured by the edges inside, from samples within the square: a tone curve other than sRGB's, clipped white, or
+        ink that has spread displaces all edges towards white alike.
         """
         inside = samples.ravel()[self._inside]
         coefficients = self._bleed_solver @ inside
@@ -145,14 +146,14 @@ class PrintAlignment(PrintLikeness):
         )
 
     def _variance(self, left: Light, unknowns: int, side_px: float) -> float:
-        """Of what a fit leaves unexplained of the samples inside, counted as that of independent ones."""
+        """Variance of a sample by the residuals of a fit, as if samples were independent."""
         # Neighbouring samples see the same pixels.
         per_sample_px = side_px / (self._side - 2 * self._margin)
         alike = max(AVERAGED, 2 / per_sample_px) ** 2
         return float(left @ left) / max(1, len(left) - unknowns) * alike
 
     def _believed_px(self, bleed: float, variance: float, side_px: float) -> float | None:
-        """A bleed in units of the side, as of its variance, beyond what the print's own edges may be off."""
+        """A bleed (over the side, with its variance) in pixels, less the error of the print's own edges; or None."""
         if math.sqrt(variance) * side_px > MOST_BLEED_SIGMA_PX:
             return None
         return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed) * side_px

@@ -1,4 +1,4 @@
-"""Whether what lies at a place in the picture is a marker's print, seen whole with the paper around it."""
+"""Tells whether a quadrilateral of the picture shows a marker's whole print and the paper around it."""
 
 import cv2
 import numpy as np
@@ -9,17 +9,18 @@ from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.edge_profiles import Light
 from ashe_live.tracking.edges.lens import source_from_ideal
 
-# Of the paper around the square, how much belongs to the print.
-PAPER = 0.5  # over the border's width
-MOST_PAPER = 1 / 12  # over the side
-# The picture is averaged over so many samples: a sharp edge between two samples would tell nothing of its place.
+# Width of the paper around the square that is compared as well: a share of the border's width, and at most a share of
+# the side length.
+PAPER = 0.5
+MOST_PAPER = 1 / 12
+# The picture is averaged over this many samples: a sharp edge between two samples would not show where it is.
 AVERAGED = 1.5
-# Standard deviations of the blur, in samples, with which the print is compared.
+# The print is compared at several blurs of these standard deviations, in samples.
 BLURS = (0.0, 1.5, 3.0, 4.5)
-# The print seen whole correlates with itself by so much, blurred as it may be; the likest other things by less.
+# Least correlation of a print: whole prints reach it however they are blurred, the most similar other things do not.
 MIN_LIKENESS = 0.83
-# No cell of it differs from its print by more than this part of the contrast: a shadow's edge leaves half, another
-# number's cell all of it.
+# Largest difference of a cell from its print, as a share of the contrast: a shadow's edge makes half, a cell of another
+# marker all of it.
 MOST_AMISS = 0.75
 UNIT = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 
@@ -35,7 +36,7 @@ class PrintLikeness:
         self._margin = max(1, round(min(PAPER * border, MOST_PAPER) * n))
         self._side = n + 2 * self._margin
         padded = np.pad(print_grey.astype(np.float64) / 255, self._margin, constant_values=1.0)
-        # As the picture's samples are, where it is sharp.
+        # As the samples of a sharp picture are.
         self._sharp = _averaged(padded)
         blurred = [self._sharp if sigma == 0 else cv2.GaussianBlur(self._sharp, (0, 0), sigma) for sigma in BLURS]
         self._prints = np.stack([normalised(np.asarray(one, dtype=np.float64).ravel()) for one in blurred])
@@ -43,7 +44,7 @@ class PrintLikeness:
     def sampled(self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]) -> Light:
         """(n, n) of `light` in the print's frame, of the square at ideal `corners_px` (4, 2); see fitted_square."""
         n = self._side - 2 * self._margin
-        # Of the samples' indices, not their places.
+        # In indices of the samples.
         ends = (UNIT * n + self._margin - 0.5).astype(np.float32)
         H = cv2.getPerspectiveTransform(ends, (corners_px - origin_px).astype(np.float32))
         if camera is None or not camera.is_distorted:
@@ -71,9 +72,9 @@ class PrintLikeness:
         return np.asarray(cv2.blur(light, (width, width)), dtype=np.float32) if width > 1 else light
 
     def likeness(self, samples: Light) -> float:
-        """Correlation in [-1, 1] of samples with the whole print and the paper around it, blurred as suits best.
+        """Correlation in [-1, 1] of samples with the print and the paper around it, at the blur that fits best.
 
-        In a curve like the eye's, in which a shadow over a part of the print changes less.
+        Of the square roots of both: as in an encoded picture, a shadow over a part of the print then counts less.
         """
         return float((self._prints @ normalised(np.sqrt(samples.ravel()))).max())
 

@@ -1,4 +1,4 @@
-"""Dark quadrilaterals on a lighter surrounding: where a black square may be."""
+"""Finds dark quadrilaterals on lighter surroundings, which may be black squares in perspective."""
 
 from typing import Any
 
@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import side_lengths_px
 
-# Found on photos and renders: one threshold of this window and contrast finds all of their squares; the smaller window
-# finds small ones beside a shadow.
+# Window and offset of the adaptive threshold. Chosen by photos and renders, all of whose squares one threshold finds;
+# the small window is for small squares beside a shadow.
 WINDOW_PX, SMALL_WINDOW_PX = 51, 15
 DARKER_BY = 10
 MIN_SIDE_PX = 12
-# Where paper is surely outside a square and ink inside, from its centre, over the outline; and how their grey levels
-# differ at least.
+# Scaled about its centre by the first factor, a square's outline runs on paper; by the second, on ink.
 PAPER_AT, RIM_AT = 1.2, 0.82
+# The paper's grey level is more than MIN_RATIO times the ink's plus MIN_DIFFERENCE.
 MIN_RATIO, MIN_DIFFERENCE = 1.15, 5.0
-# Of the perimeter: what a side may bulge before it counts as two.
+# A side may bulge by this share of the perimeter before it counts as two.
 MAX_BULGE = 0.04
 
 
@@ -27,8 +27,7 @@ def dark_quads(grey: Image, min_side_px: float = MIN_SIDE_PX, window_px: int = W
 
     Its longer extent in x or y is at least `min_side_px`, its shortest side half of that.
 
-    Only outer outlines count: the local threshold turns a large black square into a ring, and the ring's hole is
-    nothing that was printed.
+    Only outer outlines count, as the local threshold turns a large black square into a ring, whose hole is no square.
     """
     if min(grey.shape) < min_side_px / 2:
         return []
@@ -57,7 +56,7 @@ def _quad(outline: NDArray[Any], min_side_px: float) -> Float | None:
 
 
 def on_lighter(grey: Image, quads: list[Float]) -> list[Float]:
-    """Those of `quads` whose rim is much darker than what surrounds them, as ink is on paper."""
+    """Those of `quads` whose rim is much darker than their surroundings, as ink on paper is."""
     if not quads:
         return []
     corners = np.array(quads)

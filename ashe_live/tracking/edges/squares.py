@@ -1,4 +1,4 @@
-"""A square in the picture as it was measured: its corners, how sure they are, and whether they can be a square's."""
+"""A square as measured in the picture: its corners, their uncertainty, and whether they can be those of a square."""
 
 import math
 from dataclasses import dataclass, field
@@ -8,24 +8,24 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 
 MIN_SIDE_PX = 4.0
-# Of the two sides' product: the sine of the sharpest angle that still counts as a corner.
+# Sine of the sharpest angle that counts as a corner.
 MIN_SINE = 0.05
-# Curled paper moves corners by up to so much of its side; how much of that is likely tells the bow of its edges. On a
-# real clip edges bow by 0.012 of their length where the corners miss the pose by 0.02 to 0.03.
+# Curled paper may move a corner by FLAT plus CURL_PER_BOW times the bow of the edges, and by at most CURL: all over the
+# side length. In a real clip edges bow by 0.012 where corners are 0.02 to 0.03 off the pose.
 CURL, FLAT, CURL_PER_BOW = 0.03, 0.004, 2.4
 
 
 @dataclass(frozen=True, slots=True)
 class FittedSquare:
-    """A square's corners and how sure they are."""
+    """A square's corners and their uncertainty."""
 
     corners_px: Float  # (4, 2) ideal pixels, in the order that was asked for
-    by_side: Float  # (4, 8, 8) what each side tells: summed, the inverse covariance of corners_px.ravel(), 1 / px^2
+    by_side: Float  # (4, 8, 8) 1 / px^2, whose sum over the sides is the inverse covariance of corners_px.ravel()
     seen: Mask = field(default_factory=lambda: np.ones(4, dtype=bool))  # (4,) an unseen side is where it was guessed
-    bows: Float | None = None  # (4,) of the sides, over their lengths; None: edges were not looked at
-    correlated_px: float = 0.0  # standard deviation of a side's ends by scatter that is correlated along it
-    bleed_px: float | None = None  # by how much all sides lay outwards; corners_px allow for it. None: not known
-    aligned_sigma: float = 0.0  # `Aligned.sigma` when the print was last aligned, with no side off; 0: it was not
+    bows: Float | None = None  # (4,) sagittas of the sides over their lengths; None: edges were not measured
+    correlated_px: float = 0.0  # standard deviation of a side's ends due to scatter that is correlated along it
+    bleed_px: float | None = None  # outward displacement of all sides, taken out of corners_px; None: unknown
+    aligned_sigma: float = 0.0  # `Aligned.sigma` when the print was last aligned and no side was off; 0: never
 
     @classmethod
     def guessed(cls, corners_px: Float, sigma_px: float) -> "FittedSquare":
@@ -43,12 +43,12 @@ class FittedSquare:
 
     @property
     def curl(self) -> float:
-        """What the paper's curl may move a corner by, over the side."""
+        """How far curled paper may move a corner, over the side."""
         return CURL if self.bows is None else _curl(float(self.bows.max()))
 
     @property
     def curl_of_two_sides(self) -> float:
-        """As far as two sides show it: what bows a single one may be something that lies over it."""
+        """The same by the second largest bow: a single side may be bowed by something that lies over it."""
         return CURL if self.bows is None else _curl(float(np.sort(self.bows)[-2]))
 
 

@@ -1,5 +1,6 @@
 """Reads the pictures of pattern markers: ARToolKit pattern files, and pictures of the print itself."""
 
+import io
 import warnings
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import PIL.Image
 
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
+from ashe_live.files.reading import read_bytes
 
 # An ARToolKit pattern file: for each of 4 rotations the blue, green and red channel, 16 rows of 16 numbers each.
 ROTATIONS, CHANNELS, ROWS = 4, 3, 16
@@ -33,11 +35,9 @@ def read_pattern_content(path: Path) -> Image:
     """The (16, 16) grey values of the upright rotation; raises UserError when it is not such a file."""
     wanted = ROTATIONS * CHANNELS * ROWS * ROWS
     remedy = f"an ARToolKit pattern file holds {wanted} numbers from 0 to 255"
-    _check_file(path, MAX_PATTERN_BYTES, "pattern file")
+    content = read_bytes(path, MAX_PATTERN_BYTES)
     try:
-        numbers = np.array([int(word) for word in path.read_text(encoding="ascii").split()])
-    except OSError as error:
-        raise UserError(f"cannot read the pattern file {path}", error.strerror or str(error)) from error
+        numbers = np.array([int(word) for word in content.decode("ascii").split()])
     except (ValueError, OverflowError) as error:
         raise UserError(f"the pattern file {path} holds something else than whole numbers", remedy) from error
     if len(numbers) != wanted:
@@ -53,12 +53,12 @@ def read_marker_picture(path: Path) -> Image:
 
     Raises UserError when it cannot be read or is not a square.
     """
-    _check_file(path, MAX_PICTURE_BYTES, "picture")
+    content = read_bytes(path, MAX_PICTURE_BYTES)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", PIL.Image.DecompressionBombWarning)
             # Opening reads the header only, so the size is known before memory is spent on it.
-            with PIL.Image.open(path, formats=PICTURE_FORMATS) as picture:
+            with PIL.Image.open(io.BytesIO(content), formats=PICTURE_FORMATS) as picture:
                 _check_picture_size(path, picture.size)
                 rgba = picture.convert("RGBA")
     except (PIL.Image.DecompressionBombError, PIL.Image.DecompressionBombWarning) as error:
@@ -82,17 +82,6 @@ def _with_border(content: Image) -> Image:
     middle = slice(half // 2, half // 2 + half)
     whole[middle, middle] = cv2.resize(np.round(stretched).astype(np.uint8), (half, half))
     return whole
-
-
-def _check_file(path: Path, max_bytes: int, what: str) -> None:
-    try:
-        size = path.stat().st_size
-    except (OSError, ValueError) as error:
-        raise UserError(f"cannot read the {what} {path}", getattr(error, "strerror", None) or str(error)) from error
-    if not path.is_file():
-        raise UserError(f"the {what} {path} is not a file", "name a file")
-    if size > max_bytes:
-        raise UserError(f"the {what} {path} has {size} bytes", f"it may have at most {max_bytes}")
 
 
 def _check_picture_size(path: Path, size: tuple[int, int]) -> None:

@@ -1,4 +1,4 @@
-"""Learns the focal length while a marker is tracked, where no calibration gave it."""
+"""Estimates the focal length while a marker is tracked, if no calibration is given."""
 
 import math
 from dataclasses import dataclass
@@ -13,25 +13,26 @@ from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.tracking.focal.focal_fit import fit_focal
 
-# As many views as a fit in a few milliseconds can bear, and as few as it can be trusted with.
+# A fit of this many views takes a few milliseconds; one of fewer than the second number cannot be trusted.
 MOST_VIEWS = 64
 MIN_VIEWS = 10
-# A fit is made when the views have become so many times more, or, once they are thinned out, newer.
+# A fit is made each time the number of different views seen so far has grown by this factor.
 GROWTH = 1.4
-# What makes a view differ from another by 1: its way over the marker's diagonal, the logarithm of its growth, its turn.
+# Two views are 1 apart if the marker has moved by this share of its diagonal, if the logarithm of its size has changed
+# by this, or if it has turned by this.
 PLACE_SCALE = 0.1
 SIZE_SCALE = 0.05
 TURN_SCALE_RAD = math.radians(2.0)
-# When all places are taken, views must differ by so much more, and those that no longer do are dropped.
+# Views are kept if they are 1 apart. Once there are too many, that distance grows by this factor.
 THINNING = 1.3
-# What has been measured never fits a pose so well.
+# Corners that fit a pose better than this were computed from it, and not measured.
 LEAST_RESIDUAL_PX = 1e-4
-# Over the fit's own sigma: models are never the whole truth.
+# The stated sigma is the fit's own times CAUTION, with a systematic part (relative to the focal length) added.
 CAUTION = 1.3
 SYSTEMATIC = 0.005
-# Relative sigmas: from here on several views are believed before an assumed focal length (of corners of no square they
-# say up to 0.13); so much smaller a sigma is worth another change of the camera; and from here on nothing more is to
-# be learned.
+# Bounds of the relative sigma. Below KNOWN_SIGMA an estimate replaces an assumed focal length (corners of something
+# that is no square are seen to give up to 0.13). A later estimate replaces it if its sigma is below MUCH_SURER times
+# that of the one in use. Below FOUND_SIGMA the search ends.
 KNOWN_SIGMA = 0.1
 MUCH_SURER = 0.7
 FOUND_SIGMA = 0.012
@@ -39,11 +40,11 @@ FOUND_SIGMA = 0.012
 
 @dataclass(frozen=True, slots=True)
 class FocalEstimate:
-    """A focal length with how sure it is."""
+    """A focal length and its uncertainty."""
 
     size: Size
     focal_px: float
-    sigma_px: float  # standard deviation, with what is systematic
+    sigma_px: float  # standard deviation, systematic errors included
     views: int
 
     @property
@@ -63,26 +64,26 @@ class _View:
         diagonals_px = [float(np.linalg.norm(one.corners_px[0] - one.corners_px[2])) for one in (self, other)]
         moved = np.linalg.norm(self.corners_px.mean(axis=0) - other.corners_px.mean(axis=0)) / max(diagonals_px)
         resized = abs(math.log(diagonals_px[0] / diagonals_px[1]))
-        # Normals: a turn in the marker's own plane tells nothing new, but costs nothing either.
+        # Of the normals: a turn within the marker's own plane adds no information.
         turned = math.acos(float(np.clip(self.R[:, 2] @ other.R[:, 2], -1, 1)))
         return math.hypot(moved / PLACE_SCALE, resized / SIZE_SCALE, turned / TURN_SCALE_RAD)
 
 
 def _is_measured(marker: MarkerPose, camera: Camera) -> bool:
-    """False where the pose told the corners, as for a marker that is half out of the picture, or one of several."""
+    """False if the corners follow from the pose, as for a marker half outside the picture, or one of several."""
     told = source_from_ideal(camera, project(camera, marker.measured_T_cam_marker, square_corners(marker.side_m)))
     return bool(np.abs(told - marker.corners_px).max() > LEAST_RESIDUAL_PX)
 
 
 class FocalEstimator:
-    """Collects views of one marker that differ, and fits the focal length to them now and then."""
+    """Collects views of one marker that differ from each other, and fits the focal length to them from time to time."""
 
     def __init__(self, size: Size) -> None:
-        self.estimate: FocalEstimate | None = None  # of the last fit, however unsure
+        self.estimate: FocalEstimate | None = None  # of the last fit, however uncertain
         self._size = size
         self._views: list[_View] = []
         self._spacing = 1.0
-        self._seen = 0  # different views, with those that were dropped
+        self._seen = 0  # different views, including those dropped since
         self._next_fit = MIN_VIEWS
 
     def add(self, tracked: TrackedFrame) -> FocalEstimate | None:

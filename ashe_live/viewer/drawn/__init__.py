@@ -1,1 +1,1 @@
-"""What is drawn over the picture beside text: the time bar, and what the estimator saw."""
+"""Overlays other than text: the time bar, and the inset with the estimate."""

@@ -82,6 +82,7 @@ class TimeBar:
         line = max(1, round(LINE_PT * content_scale))
         top = size[1] - bar.height
         middle = top + bar.height // 2
+        line_top = middle - line // 2
         share = min(1.0, max(0.0, moment.time_s / moment.duration_s)) if moment.duration_s > 0 else 0.0
         at = round(bar.left + share * (bar.right - bar.left))
         text = self._written(text_of(moment, size[0] >= WIDE_PT * content_scale), content_scale)
@@ -89,9 +90,9 @@ class TimeBar:
         return (
             Overlay(self._plate, 0, top, (size[0], bar.height)),
             Overlay(text, round(GAP_PT * content_scale), middle - text.shape[0] // 2),
-            Overlay(self._rest, bar.left, middle - line // 2, (bar.right - bar.left, line)),
-            Overlay(self._played, bar.left, middle - line // 2, (max(1, at - bar.left), line)),
-            Overlay(knob, at - knob.shape[1] // 2, middle - line // 2 + line // 2 - knob.shape[0] // 2),
+            Overlay(self._rest, bar.left, line_top, (bar.right - bar.left, line)),
+            Overlay(self._played, bar.left, line_top, (max(1, at - bar.left), line)),
+            Overlay(knob, at - knob.shape[1] // 2, middle - knob.shape[0] // 2),
         )
 
     def _written(self, text: str, content_scale: float) -> Image:

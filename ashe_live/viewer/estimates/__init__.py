@@ -1,1 +1,1 @@
-"""The light as it is asked for, sharpened, followed and eased, and where the model stands in it."""
+"""Requests for estimates of the light: when they are made, refined and followed, and how the light eases to them."""

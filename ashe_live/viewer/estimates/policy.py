@@ -1,4 +1,4 @@
-"""When the light is estimated without a request."""
+"""Decides when the light is estimated without a request."""
 
 from dataclasses import dataclass
 

@@ -1,1 +1,1 @@
-"""What keys and mouse ask for, and what they do to light and model."""
+"""Keys, mouse and menu: the requests that they make, and their effect on light and model."""

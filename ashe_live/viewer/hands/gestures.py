@@ -45,7 +45,7 @@ class Gestures:
 
     def _move(self, event: MouseEvent) -> Request | None:
         begin = self._pressed
-        if begin is None or not (self._drags or not self._is_near(begin, event)):
+        if begin is None or (not self._drags and self._is_near(begin, event)):
             return None
         is_first, self._drags = not self._drags, True
         gesture = Gesture.SHIFT_DRAG if begin.shift else Gesture.DRAG

@@ -32,7 +32,7 @@ FAINTEST = 0.03
 # Factor of one notch on a lamp's distance; its limits, in sides of the marker: beyond the farthest it is a sun.
 FARTHER_STEP = 1.1
 NEAREST_LAMP_SIDES, FARTHEST_LAMP_SIDES = 1.0, 40.0
-LEAST_ABOVE_MODEL = 1.05  # of the model's height: where a lamp is lower, the end of its shadow cannot be dragged
+LEAST_ABOVE_MODEL = 1.05  # height of a lamp over the model's from which the end of the model's shadow can be dragged
 LEAST_HEIGHT_SIDES = 0.25  # a lower model's shadow is dragged as if the model had this height
 NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 

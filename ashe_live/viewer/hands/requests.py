@@ -1,4 +1,4 @@
-"""What a person can ask the viewer for, and what the mouse says."""
+"""The requests that a person can make of the viewer, and the mouse events."""
 
 from dataclasses import dataclass
 from enum import Enum, auto

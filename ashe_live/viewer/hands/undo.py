@@ -40,9 +40,8 @@ class Undo:
         continues = command is request.command and now_s - last_s < ONE_GESTURE_S
         if isinstance(request.argument, Drag):
             continues = not request.argument.is_first
-        state = _State(hand.light, hand.placement)
         if not continues:
-            self._before.append(state)
+            self._before.append(_State(hand.light, hand.placement))
 
     def note_change(self, take_back: Callable[[], str]) -> None:
         """Keeps that there is one model more, or one fewer; `take_back` ends that, and says so."""

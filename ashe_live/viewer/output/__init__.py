@@ -1,1 +1,1 @@
-"""What leaves the viewer: snapshots, recordings, reports."""
+"""The viewer's output: snapshots, recordings, reports."""

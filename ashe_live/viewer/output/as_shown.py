@@ -1,4 +1,4 @@
-"""What a person did while a clip was recorded, frame by frame, so that it can be shown again without a window."""
+"""Replays what a person did while a clip was recorded, frame by frame, without a window."""
 
 import math
 from bisect import bisect_right

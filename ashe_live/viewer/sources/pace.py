@@ -1,4 +1,4 @@
-"""When the frames of a clip are due, and which of them are skipped."""
+"""Decides when the frames of a clip are due, and which of them are skipped."""
 
 import math
 from typing import NamedTuple

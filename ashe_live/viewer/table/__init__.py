@@ -1,1 +1,1 @@
-"""What stands on the table: which models there are, where, and what hand and keys do to them."""
+"""The models on the table: which there are, where they stand, and how keys and mouse change them."""

@@ -7,9 +7,9 @@ from pathlib import Path
 from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, seat_beside
-from ashe_live.viewer.estimates.beside import first_placement
 from ashe_live.viewer.hands.hand import Hand
 from ashe_live.viewer.hands.pointing import Pixel
+from ashe_live.viewer.table.beside import first_placement
 from ashe_live.viewer.table.pointed_at import model_at
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import LeftPlaces, Stand

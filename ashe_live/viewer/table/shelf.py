@@ -33,7 +33,8 @@ class Shelf:
     ) -> None:
         """Loads `first_choice` and `others`, shipped names or files, at once. Raises UserError when one is neither.
 
-        `up`: which axis of its file is up (models/up.py), in this run. `memory`: of the axes chosen by a key before.
+        `up`: which axis of its file is up (models/assembly/up.py), in this run. `memory`: the axes that were chosen by
+        a key before.
         """
         self.marker_side_m = marker_side_m
         self._memory = memory

@@ -116,8 +116,9 @@ class GlfwWindow:
         if glfw.get_window_monitor(self._window):
             glfw.set_window_monitor(self._window, windowed, *self._windowed, 0)
             return
+        if not (monitor := self._monitor()):
+            return  # unplugged: GLFW would end the process
         self._windowed = (*glfw.get_window_pos(self._window), *glfw.get_window_size(self._window))
-        monitor = self._monitor()
         mode = glfw.get_video_mode(monitor)
         glfw.set_window_monitor(self._window, monitor, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
 

@@ -61,6 +61,17 @@ def test_from_a_clip_the_first_camera_comes(monkeypatch: pytest.MonkeyPatch, ope
     assert opened == [1]
 
 
+@pytest.mark.usefixtures("opened")
+def test_a_camera_that_cannot_be_followed_is_free_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    cameras = [FakeSource(is_live=True)]
+    attached(monkeypatch, 0)
+    monkeypatch.setattr(opening, "WebcamSource", lambda *_: cameras[0])
+    missing = options_of("play", "clip.mp4", "--camera-file", "gone.json")
+    with pytest.raises(UserError, match=r"gone\.json"):
+        LaterSources(missing)(None)
+    assert cameras[0].closed.is_set()
+
+
 @pytest.mark.parametrize("numbers", [(), (0,)])
 def test_that_there_is_no_other_is_said(monkeypatch: pytest.MonkeyPatch, opened: list[int], numbers) -> None:
     attached(monkeypatch, *numbers)

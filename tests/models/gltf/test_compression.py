@@ -1,6 +1,7 @@
 """Geometry as web pages bring it: compressed by Draco or by meshoptimizer, to the same places."""
 
 import base64
+import json
 from pathlib import Path
 
 import DracoPy
@@ -136,14 +137,14 @@ def test_another_stream_is_refused(stream: bytes) -> None:
         decompressed(stream, attributes(4, 8))
 
 
-def of_draco(content: bytes | None = None) -> Document:
+def of_draco(content: bytes | None = None, normals: np.ndarray = NORMALS) -> Document:
     document = Document()
     document.quad(TEXCOORD_0=document.accessor(UVS))
     whole = DracoPy.encode(
         CORNERS,
         TRIANGLES.astype(np.uint32),
         quantization_bits=14,
-        normals=NORMALS.astype(float),
+        normals=normals.astype(float),
         tex_coord=UVS.astype(float),
         preserve_order=True,
     )
@@ -164,6 +165,18 @@ def test_what_draco_wrote_is_read(tmp_path: Path) -> None:
     given = CORNERS[TRIANGLES].reshape(-1, 3)[:, [0, 2, 1]] * np.float32((1, -1, 1))
     np.testing.assert_allclose(sorted(corners.round(3).tolist()), sorted(given.round(3).tolist()), atol=2e-3)
     np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-2)
+
+
+def test_two_parts_may_name_other_attributes_of_the_same_draco_data(tmp_path: Path) -> None:
+    """The normals are others than those of the triangles, which the part without any has."""
+    document = of_draco(normals=np.tile((1.0, 0.0, 0.0), (len(CORNERS), 1)))
+    (whole,) = primitives = document.json["meshes"][0]["primitives"]
+    bare = json.loads(json.dumps(whole))
+    del bare["attributes"]["NORMAL"], bare["extensions"]["KHR_draco_mesh_compression"]["attributes"]["NORMAL"]
+    primitives[:] = [bare, whole]
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    normals = {tuple(normal) for part in model.parts for normal in part.normals.round(2)}
+    assert normals == {(0, -1, 0), (1, 0, 0)}
 
 
 @pytest.mark.parametrize("content", [b"DRACO" + bytes(40), b"", bytes(100)])

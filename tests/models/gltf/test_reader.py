@@ -1,6 +1,8 @@
 """Everything that glTF's metallic-roughness materials say arrives, from wherever its textures lie."""
 
 import base64
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -224,8 +226,10 @@ def test_more_than_the_limits_is_refused_before_it_is_allocated(tmp_path: Path, 
 
 def test_too_many_texels_are_refused(tmp_path: Path, monkeypatch) -> None:
     document = Document()
+    header = b"IHDR" + struct.pack(">II", 9000, 9000) + png(RED)[24:29]  # what is said before anything is decoded
+    large = png(RED)[:12] + header + struct.pack(">I", zlib.crc32(header)) + png(RED)[33:]
     document.quad(
-        material={"pbrMetallicRoughness": {"baseColorTexture": document.embedded(png(RED, (9000, 9000)))}},
+        material={"pbrMetallicRoughness": {"baseColorTexture": document.embedded(large)}},
         TEXCOORD_0=document.accessor(UVS),
     )
     with pytest.raises(UserError, match="9000 x 9000 texels"):

@@ -211,6 +211,28 @@ def test_another_thread_makes_the_cover_where_pictures_cannot_wait(ctx, stage) -
     hidden.release()
 
 
+def test_another_source_is_covered_by_its_own_ground(make_renderer, stage) -> None:
+    """The marker lies alike in both, and no light has been estimated in either."""
+    dim = 0.15  # beyond what passes for a change of exposure
+    renderer = make_renderer(FAST.render)
+    for tracked in (_view(stage), _view(stage, gain=dim)):
+        renderer.render(Scene(tracked, _aside(stage), Illumination(seen_in=tracked), hides_marker=True))
+    bare = _view(stage, has_sheet=False, gain=dim)
+    assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
+
+
+def test_a_cover_that_was_given_up_meanwhile_is_not_taken(ctx, stage) -> None:
+    hidden = HiddenMarker(ctx)
+    tracked = _view(stage)
+    hidden.follow(tracked, Illumination(), at_once=False)
+    coming = hidden._coming
+    hidden.forget()
+    coming.result()
+    hidden.follow(tracked, Illumination(), at_once=False)
+    assert len(hidden.corners) == 0
+    hidden.release()
+
+
 @pytest.mark.parametrize("half_sides", [0.62, 0.75, 1.1])
 def test_sheet_is_found_whatever_its_size(half_sides: float) -> None:
     size, side_px = 330, 60.0

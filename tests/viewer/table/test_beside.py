@@ -10,7 +10,7 @@ from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
 from ashe_live.models.placement import UNMOVED
 from ashe_live.tracking.cube.faces import CORNERS
-from ashe_live.viewer.estimates.beside import first_placement
+from ashe_live.viewer.table.beside import first_placement
 from tests.painted_cubes import CAMERA, EDGE_M, looking
 
 BODY = Proxy("box", np.column_stack([EDGE_M * CORNERS, np.zeros((8, 2))]))
