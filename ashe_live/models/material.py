@@ -174,6 +174,6 @@ def _texel(texels: Image, layout: MapLayout, is_srgb: bool) -> Float:
     return np.asarray(np.einsum("i,j,ijk->k", down, across, four))
 
 
-# What formats without materials look like, and glTF meshes that name none: matt plastic. Many of their files have
-# holes, so both sides are seen.
+# Material of formats without materials, and of glTF meshes that name none: matt plastic, seen from both sides, as many
+# of their files have holes.
 UNKNOWN = Material(roughness=0.7)

@@ -23,7 +23,7 @@ FONT_PT = 15
 GAP_PT = 8  # around plates
 MIN_FONT_PX = 6.0
 SMALLER = 0.95
-# So many pixels high a picture is looked at as a whole, however many pixels there are.
+# Text is sized as if the picture were at most this high: a larger picture is seen as a whole, on a display or in print.
 FULL_HEIGHT_PX = 1080
 PLATE_SRGBA = (12, 14, 18, 175)
 TEXT_SRGBA = (246, 246, 242, 255)

@@ -13,7 +13,7 @@ Y_UP, Z_UP = UPS[:2]
 # Log odds of y over z. Programs write OBJ with y up unless asked otherwise; STL is for printers, whose bed is z = 0;
 # PLY comes from scanners of both kinds.
 OF_FORMAT = {".obj": 1.5, ".ply": 0.3, ".stl": -1.5}
-# Of what `evidence` has, in its order, as log odds of each: assets/sources/odd_models/compare_up.py --fit, seed 1.
+# Log odds for each of the features of `evidence`, in its order: assets/sources/odd_models/compare_up.py --fit, seed 1.
 WEIGHTS = (2.3, 1.0, 4.7, 1.4)
 NEAR = 0.02  # of the extent
 LEVEL = 0.99  # of a base's normals, along up

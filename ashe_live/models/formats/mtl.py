@@ -29,7 +29,7 @@ OPTIONS = {
     "-mm": 2,
     **dict.fromkeys(("-o", "-s", "-t"), 3),
 }
-# In what order the files beside the diffuse one would be looked for; none of them is drawn.
+# Maps other than the diffuse one, of which none is drawn, with words for the notes.
 NOT_DRAWN = {
     "map_bump": "bump maps",
     "bump": "bump maps",

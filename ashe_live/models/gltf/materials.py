@@ -30,7 +30,7 @@ from ashe_live.models.parsing.pictures import Pictures
 NEAREST = 9728
 ALPHAS = {"OPAQUE": Alpha.OPAQUE, "MASK": Alpha.CUT_OUT, "BLEND": Alpha.BLEND}
 OLD = "KHR_materials_pbrSpecularGlossiness"
-# What a pane that transmits everything still shows of itself.
+# Coverage with which a pane that transmits everything is still drawn.
 LEAST_COVER = 0.15
 
 

@@ -22,7 +22,8 @@ from ashe_live.render.lights.lighting import Lighting, Sun
 
 # No side of a map is shorter than this share of the longest, so that a flat model seen edge on still has one.
 MIN_EXTENT_RATIO = 1e-3
-# Share of a model's width from which on a penumbra on it is noticed (5 pixels of 150; the fixed filter makes 2 to 3).
+# Penumbrae on a model that are wider than this share of its width are filtered by their width (5 pixels of 150);
+# narrower ones by a fixed filter, which makes 2 to 3 pixels.
 SEEN_PENUMBRA = 0.03
 CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
 UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))

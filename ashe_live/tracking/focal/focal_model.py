@@ -14,9 +14,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
 from ashe_live.core.square import square_corners
 
-# In sides.
-SQUARE = square_corners(1.0)
-# How a printed square is wrong without being moved, turned or scaled: (mode, corner, xyz).
+SQUARE = square_corners(1.0)  # in sides
+# Deformations of a printed square, other than motions and scalings: (mode, corner, xyz).
 SADDLE = np.array([1.0, -1.0, 1.0, -1.0])
 SHAPE_MODES = np.array(
     [

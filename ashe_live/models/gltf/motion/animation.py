@@ -11,7 +11,7 @@ from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.parsing.malformed import MalformedError
 
 PATHS = {"translation": 3, "rotation": 4, "scale": 3}
-# Of the poses that an animation is kept as, and drawn between. Below the least, limbs would cut corners.
+# An animation is kept as poses, and drawn by interpolation. At fewer than the least, limbs would cut corners.
 POSES_PER_S, LEAST_POSES_PER_S = 30.0, 6.0
 MOST_POSED_VERTICES = 3_000_000  # of all poses together, 24 bytes each
 MOST_POSED_NODES = 300_000  # nodes and channels of all poses together; of each the processor takes some 20 us
