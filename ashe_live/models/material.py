@@ -100,7 +100,7 @@ class Material:
         return {name: texels for name in MAPS if (texels := getattr(self, name)) is not None}
 
     def layout(self, name: str) -> MapLayout:
-        """Of the map in the field of that name."""
+        """Layout of the map in the field of that name."""
         return self.layouts.get(name, PLAIN_LAYOUT)
 
     @property

@@ -127,7 +127,7 @@ def _wrapped(line: str, font_px: float, width: int) -> list[str]:
 
 
 def _pieces(word: str, font_px: float, width: int) -> list[str]:
-    """Of a word, each no wider than a plate of `width` holds, or a single letter."""
+    """A word in pieces, each no wider than fits on a plate of `width`, or a single letter."""
     pieces, count = [], max(len(word), 1)
     while word:
         while count > 1 and _extent(((word[:count],),), font_px)[0] > width:

@@ -105,7 +105,7 @@ def copy_whole_fragments(broken: BinaryIO, copy: BinaryIO) -> None:
 
 
 def _whole_packets(clip: InputContainer) -> "Iterator[Packet[VideoStream]]":
-    """Of its pictures. The last one of a file that breaks off may be cut; and one that is empty follows it."""
+    """The whole packets: where a file breaks off, the last may be cut, and an empty one follows it."""
     for packet in clip.demux(video=0):
         if packet.size and not packet.is_corrupt:
             yield packet

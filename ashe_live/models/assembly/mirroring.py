@@ -69,7 +69,7 @@ def _roughness_of_metal(part: Mesh) -> float:
 
 
 def _points_on(parts: Sequence[Mesh]) -> tuple[NDArray[np.int64], Float, Float]:
-    """Of points spread over the surface by area: (n,) their parts, (n, 3) their places and unit normals."""
+    """Points spread evenly over the surface: (n,) their parts, (n, 3) their places and unit normals."""
     areas = [part.areas for part in parts]
     before, total = 0.0, sum(float(each.sum()) for each in areas)
     numbers, places, normals = [], [], []

@@ -197,7 +197,7 @@ def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool
 
 
 def _roughness(shininess: float, is_blenders: bool) -> float:
-    """Of a material with that exponent `Ns`."""
+    """Roughness of a material with the exponent `Ns`."""
     if shininess <= 0 and not is_blenders:
         return UNKNOWN.roughness
     if is_blenders:

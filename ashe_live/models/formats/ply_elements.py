@@ -57,7 +57,7 @@ class Element:
 
 
 def elements_of(content: bytes) -> dict[str, Element]:
-    """Of a whole file, by name. Raises MalformedError."""
+    """The elements of a whole file, by name. Raises MalformedError."""
     order, elements, begin = _header(content)
     if order == "":
         _fill_from_text(elements, content[begin:])

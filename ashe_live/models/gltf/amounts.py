@@ -147,7 +147,7 @@ def _triangles(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> in
 
 
 def _tree(header: dict[str, Any], nodes: list[dict[str, Any]]) -> tuple[int, int]:
-    """Of the scene: how many nodes, and how many stand one within another, at most.
+    """Number of the scene's nodes, and depth of their tree.
 
     Raises MalformedError when one stands in two places.
     """

@@ -93,7 +93,7 @@ class Attributes:
         return self._arrays.floats(target[name]) if name in target else None
 
     def _influences(self) -> list[tuple[NDArray[np.int64], Float]]:
-        """Of joints: which (n, 4), and how much of each (n, 4)."""
+        """The joints of each vertex (n, 4) and their weights (n, 4), set by set."""
         found = []
         for number in range(2):
             joints, weights = f"JOINTS_{number}", f"WEIGHTS_{number}"

@@ -35,7 +35,7 @@ LEAST_COVER = 0.15
 
 
 class Materials:
-    """Of one file. Their pictures are read as they are asked for."""
+    """The materials of one file. Their pictures are read when they are asked for."""
 
     def __init__(self, header: dict[str, Any], arrays: Arrays, folder: Folder, notes: Notes) -> None:
         self._header = header

@@ -99,7 +99,7 @@ class Photometry:
         return look
 
     def _known_chroma_blur(self, tracked: TrackedFrame) -> float | None:
-        """What was found in another frame of the same camera not long ago; None where it was not looked for."""
+        """The chroma blur found not long ago in another frame of the same camera; None if it was not measured."""
         if self._chroma is None or self._chroma[0].camera is not tracked.camera:
             return None
         is_fresh = abs(tracked.frame.time_s - self._chroma[0].frame.time_s) < CHROMA_HELD_S

@@ -215,7 +215,7 @@ def tile_corners(count: int) -> Float:
 
 
 def _fitted(view: LightView | None, points: Float, size: int, margin: int) -> LightBox:
-    """Of a view of points (n, 3), marker frame, as tight as the margin (in texels) allows.
+    """The box around points (n, 3), marker frame, in a light's view, as tight as the margin (in texels) allows.
 
     The extent is in whole multiples of a sixteenth of itself's power of two, and the box's corner on the texels' grid:
     a caster that changes a little keeps its texels where they were.

@@ -27,7 +27,7 @@ LEAST_LIGHT = 0.01  # least light of an even sky or ground by which the hidden p
 
 
 class SelfOcclusion:
-    """Of meshes that stand together; what else hides anything from them is in the depth maps."""
+    """Measures how much of sky and ground is hidden from meshes that stand together, by what the depth maps show."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs, meshes: Sequence[Mesh]) -> None:
         self._ctx = ctx

@@ -169,7 +169,7 @@ class ModelSwitches:
         return changed
 
     def standing(self, placements: Sequence[Placement | None], time_s: float) -> StandingGroup | None:
-        """Those that can be drawn and have a placement; the same object while each of them is. None: there are none."""
+        """The models that can be drawn and have a placement, or None; the same object while they are the same."""
         pairs = zip(self._switches, placements, strict=True)
         standing = (switch.standing(placement, time_s) for switch, placement in pairs)
         members = tuple(each for each in standing if each is not None)

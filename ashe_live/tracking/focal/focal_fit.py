@@ -119,7 +119,7 @@ class _Problem:
         return found if flipped is None else self.solve(flipped)
 
     def misfit(self, state: FocalState) -> float:
-        """By which solutions are compared."""
+        """The measure by which solutions are compared."""
         return self._cost(state, COMPARED_AT_PX)
 
     def solve(self, state: FocalState, iterations: int = ITERATIONS) -> _Solution:

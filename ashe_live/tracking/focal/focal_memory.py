@@ -11,7 +11,7 @@ SIGMA = Range(1e-6, FOCAL.high, "px")
 
 
 class FocalMemory:
-    """Of one camera. What cannot be read or written is as if it were not there: it is but a start for the next time."""
+    """One camera's focal length. Errors of reading and writing are ignored, as it is only a start for the next time."""
 
     def __init__(self, camera_name: str, path: Path | None = None) -> None:
         self._name = camera_name

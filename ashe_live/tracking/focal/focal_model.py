@@ -64,7 +64,7 @@ class FocalModel:
         return predicted - self.measured_px, depth
 
     def derivatives(self, state: FocalState) -> tuple[Float, Float]:
-        """Of the residuals by the poses (n, 8, 6) and by the globals (n, 8, 10)."""
+        """Derivatives of the residuals by the poses (n, 8, 6) and by the globals (n, 8, 10)."""
         g, count = state.g, len(state.R)
         turned, depth, ideal = _projected(state)
         radius2 = (ideal**2).sum(axis=-1) / self._half_diagonal_px**2

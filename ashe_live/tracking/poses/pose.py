@@ -218,7 +218,7 @@ def _ippe(sighting: Sighting, K: Float) -> list[tuple[Float, Float]]:
 
 
 def _rms_px(offsets_px: Float) -> float:
-    """Of (n, 2) offsets."""
+    """RMS length of offsets (n, 2)."""
     return math.sqrt(float((offsets_px**2).sum()) / len(offsets_px))
 
 

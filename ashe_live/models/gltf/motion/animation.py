@@ -21,10 +21,10 @@ Changes = dict[tuple[int, str], Float]  # by node and path
 
 
 class Animation:
-    """Of a header that `checked` has passed; begins at its first keyframe.
+    """What a file's nodes do over time, from the first keyframe on; its header has passed `checked`.
 
-    Of a file's animations the first, and the others that move nothing that one before them moves: exporters write one
-    for each object, or one for each thing that a figure can do.
+    It combines the first of a file's animations with those that move nothing that one before them moves. (Exporters
+    write an animation for each object, or one for each action of a figure.)
     """
 
     def __init__(self, header: dict[str, Any], arrays: Arrays) -> None:
@@ -90,7 +90,7 @@ class _Track:
 
 
 def _tracks(animation: dict[str, Any], arrays: Arrays) -> tuple[dict[tuple[int, str], _Track], bool]:
-    """By node and path, and whether that is all."""
+    """Tracks by node and path, and whether these are all channels."""
     found: dict[tuple[int, str], _Track] = {}
     sampled: dict[tuple[int, str], _Track | None] = {}
     for channel in animation["channels"]:
