@@ -24,7 +24,7 @@ MIRROR_ROUGHNESS = 0.5
 
 
 class Alpha(Enum):
-    """What the base colour's alpha does."""
+    """The meaning of the base colour's alpha."""
 
     OPAQUE = "opaque"  # nothing
     CUT_OUT = "mask"  # below the cut-off there is no surface
@@ -116,7 +116,7 @@ class Material:
 
     @property
     def is_mirror(self) -> bool:
-        """What surrounds it is seen in it."""
+        """Whether its surroundings are seen in it."""
         smoothest = min(self.roughness, self.coat_roughness) if self.coat > 0 else self.roughness
         return self.metallic > 0 or smoothest < MIRROR_ROUGHNESS or self.metallic_roughness_map is not None
 

@@ -108,7 +108,7 @@ class Mesh:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """What a person chooses by name: one or more meshes in one frame, z up."""
+    """A model that a person chooses by name: one or more meshes in one frame, z up."""
 
     name: str
     parts: tuple[Mesh, ...]  # at least one

@@ -31,7 +31,7 @@ TEXT_SRGBA = (246, 246, 242, 255)
 
 @dataclass(frozen=True, slots=True)
 class HudText:
-    """What the display says. Empty parts are not drawn."""
+    """The text of the heads-up display. Empty parts are not drawn."""
 
     status: tuple[str, ...] = ()  # lines, top left
     hint: tuple[str, ...] = ()  # lines, bottom left

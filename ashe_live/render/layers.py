@@ -17,7 +17,7 @@ from ashe_live.render.scene import Scene
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LayerContent:
-    """What is drawn into the layers of one picture."""
+    """The content of one picture's layers."""
 
     models: StandingGroup
     inputs: ShadingInputs

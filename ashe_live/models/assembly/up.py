@@ -90,5 +90,5 @@ def _corners(meshes: Sequence[RawMesh]) -> tuple[Float, int]:
 
 
 def _is_whole(mesh: RawMesh) -> bool:
-    """What names vertices that are not there is refused later."""
+    """Whether all vertices that the triangles name exist; else the mesh is refused later."""
     return bool(len(mesh.triangles) and mesh.triangles.min() >= 0 and mesh.triangles.max() < len(mesh.vertices))

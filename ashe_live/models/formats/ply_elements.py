@@ -46,7 +46,7 @@ class Lists:
 
 @dataclass(slots=True)
 class Element:
-    """What the header says of one kind of items, and what then was read."""
+    """One kind of items: its description in the header, and the values read."""
 
     name: str
     count: int

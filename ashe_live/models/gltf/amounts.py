@@ -57,7 +57,7 @@ def instances(node: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
 
 
 def compression_of(view: dict[str, Any]) -> dict[str, Any] | None:
-    """What says how a view is compressed, where it is."""
+    """The extension that describes how a view is compressed; None if it is not."""
     extensions: dict[str, Any] = view.get("extensions", {})
     return next((extensions[name] for name in COMPRESSED_VIEWS if name in extensions), None)
 

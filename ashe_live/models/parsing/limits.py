@@ -39,7 +39,7 @@ HEADER_BYTES = 65536
 
 
 def check_text(path: Path, content: bytes) -> None:
-    """What the content of an .obj, .ply or .stl says of its amounts. Raises UserError when they are too large."""
+    """Raises UserError if an .obj, .ply or .stl is too large by its own numbers."""
     suffix = path.suffix.lower()
     header = content[:HEADER_BYTES]
     if suffix == ".ply":

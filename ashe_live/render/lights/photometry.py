@@ -76,7 +76,7 @@ class Photometry:
         return self._relief[2]
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
-        """What the preset matches of the video. Exposure and white balance follow the camera's a few times a second."""
+        """The look of the video that the preset matches. Exposure and white balance are measured a few times a second."""
         lighting = self.lighting(of)
         if self._look is not None:
             measured_in, measured_by, look = self._look

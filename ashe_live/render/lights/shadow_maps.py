@@ -40,7 +40,7 @@ class Caster(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LightBox:
-    """What one map shows of one light's view."""
+    """The part of a light's view that one map shows."""
 
     unit_from_marker: Float  # (4, 4) projective, to the map's coordinates and depth, all in [0, 1]
     extent: Float  # (3,) metres in the light's view, across and along the light
@@ -78,7 +78,7 @@ class ShadowMaps:
 
     @property
     def constants(self) -> dict[str, float]:
-        """What a shader that includes shadow.glsl is built with, to be drawn on the model or the real object."""
+        """Macros for a shader that includes shadow.glsl, and is drawn on the model or the real object."""
         preset = self._preset
         return {
             **self._lights,

@@ -106,7 +106,7 @@ class CalibrationGuide:
         return have / (ENOUGH_VIEWS + 9 + VIEWS_PER_TILT * len(TILTS))
 
     def wanted(self) -> str | None:
-        """What to show next, for a person; None when nothing is missing."""
+        """A hint which view to show next; None when nothing is missing."""
         for name, count in self.tilted().items():
             if count < VIEWS_PER_TILT:
                 again = ", once more, elsewhere in the picture" if count else ""

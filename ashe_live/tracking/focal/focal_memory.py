@@ -18,7 +18,7 @@ class FocalMemory:
         self._kept = KeptObject(path or configuration_file("focal_lengths.json"))
 
     def recall(self, size: Size) -> FocalEstimate | None:
-        """What was estimated from pictures of `size`: another size may show another part of what the lens sees."""
+        """The estimate from pictures of `size`, as another size may show another part of what the lens sees."""
         kept = self._kept.read().get(self._key(size), {})
         try:
             focal_px = FOCAL.checked(kept["focal_px"], "focal_px")

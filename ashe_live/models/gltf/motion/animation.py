@@ -60,7 +60,7 @@ class Animation:
 
 @dataclass(frozen=True, slots=True)
 class _Track:
-    """What one channel does to its node."""
+    """The keyframes of one channel."""
 
     times: Float  # (k,) seconds, increasing
     values: Float  # (k, n)
