@@ -76,7 +76,7 @@ class Photometry:
         return self._relief[2]
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
-        """The look of the video that the preset matches. Exposure and white balance are measured a few times a second."""
+        """The look that the preset matches of the video. Exposure and white balance are measured every LOOK_HELD_S."""
         lighting = self.lighting(of)
         if self._look is not None:
             measured_in, measured_by, look = self._look
