@@ -70,7 +70,7 @@ def modes_of(camera: int | str, open_capture: OpenCapture = open_opencv_capture)
 
 
 def mode_of(capture: Capture) -> Mode:
-    """What an open camera says it will give."""
+    """The mode that an open camera says it will give."""
     size = round(capture.get(cv2.CAP_PROP_FRAME_WIDTH)), round(capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
     code = max(0, int(capture.get(cv2.CAP_PROP_FOURCC)))
     codec = code.to_bytes(4, "little").decode("ascii", "replace") if 0 < code < 1 << 32 else ""

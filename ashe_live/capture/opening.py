@@ -22,7 +22,7 @@ def open_source(path: str | Path) -> Source:
 
 
 def openable(paths: Sequence[Path]) -> Iterator[Source]:
-    """Those of the photos and clips that can be opened, each open until the next one is asked for."""
+    """The photos and clips that can be opened, each open until the next one is asked for."""
     for path in paths:
         if path.is_dir():
             continue

@@ -69,7 +69,7 @@ class Source(Protocol):
 
 @runtime_checkable
 class Seekable(Protocol):
-    """What a clip can beyond a source."""
+    """A source that can seek: a clip."""
 
     path: Path  # of the file, as it was named
     duration_s: float | None  # from the first frame to the last; None: not known

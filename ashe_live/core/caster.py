@@ -12,7 +12,7 @@ from ashe_live.errors import UserError
 Spheroid = tuple[float, float, float, float, float]  # centre x, y, z, horizontal radius, half height
 SIZES = {"box": 3, "cylinder": 2, "sphere": 1}  # the number of sizes that each kind has
 FORMS = "box:WxDxH, cylinder:RxH or sphere:R"
-# Of a box: x and y of the corners of its foot as multiples of half its sides, counter-clockwise.
+# x and y of the corners of a box's foot, as multiples of half its sides, counter-clockwise.
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 

@@ -171,7 +171,7 @@ class Light:
 
 @dataclass(frozen=True, slots=True)
 class Illumination:
-    """What lights a scene, whether it was estimated, set by hand or made up by a program."""
+    """The light of a scene, whether it was estimated, set by hand or made up by a program."""
 
     # Strongest first (but last, a light whose shadow a known body hides). Empty: the sky alone, no shadows.
     lights: tuple[Light, ...] = ()

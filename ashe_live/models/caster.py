@@ -10,8 +10,8 @@ from ashe_live.models.loading import SUFFIXES, load_model_file
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_apart
 
-# In so many directions a hull may reach less far than the model by this part of its extent: a third of what sizes that
-# are measured with a ruler err by.
+# A hull of fewer points may fall short of the model by MOST_MISSED of its extent in any of these directions: a third of
+# the error of sizes measured with a ruler.
 DIRECTIONS, MOST_MISSED = 400, 0.005
 
 

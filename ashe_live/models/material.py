@@ -24,7 +24,7 @@ MIRROR_ROUGHNESS = 0.5
 
 
 class Alpha(Enum):
-    """What the base colour's alpha does."""
+    """The meaning of the base colour's alpha."""
 
     OPAQUE = "opaque"  # nothing
     CUT_OUT = "mask"  # below the cut-off there is no surface
@@ -100,7 +100,7 @@ class Material:
         return {name: texels for name in MAPS if (texels := getattr(self, name)) is not None}
 
     def layout(self, name: str) -> MapLayout:
-        """Of the map in the field of that name."""
+        """Layout of the map in the field of that name."""
         return self.layouts.get(name, PLAIN_LAYOUT)
 
     @property
@@ -116,7 +116,7 @@ class Material:
 
     @property
     def is_mirror(self) -> bool:
-        """What surrounds it is seen in it."""
+        """Whether its surroundings are seen in it."""
         smoothest = min(self.roughness, self.coat_roughness) if self.coat > 0 else self.roughness
         return self.metallic > 0 or smoothest < MIRROR_ROUGHNESS or self.metallic_roughness_map is not None
 
@@ -174,6 +174,6 @@ def _texel(texels: Image, layout: MapLayout, is_srgb: bool) -> Float:
     return np.asarray(np.einsum("i,j,ijk->k", down, across, four))
 
 
-# What formats without materials look like, and glTF meshes that name none: matt plastic. Many of their files have
-# holes, so both sides are seen.
+# Material of formats without materials, and of glTF meshes that name none: matt plastic, seen from both sides, as many
+# of their files have holes.
 UNKNOWN = Material(roughness=0.7)

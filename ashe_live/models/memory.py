@@ -39,7 +39,7 @@ class ModelMemory:
             return None
 
     def keep_placement(self, model: str, where: str, placement: Placement, side_m: float) -> None:
-        """Of an unmoved one nothing is kept."""
+        """Keeps where a model was left on a marker of `side_m`; forgets one that is not moved."""
         entry = self._entry(model)
         places = dict(entry["places"]) if isinstance(entry.get("places"), dict) else {}
         before = dict(places)
@@ -64,5 +64,5 @@ class ModelMemory:
 
 
 def _key(model: str) -> str:
-    """Of a shipped one its name, of a file where it is."""
+    """The name of a shipped model, the path of a file."""
     return model if model in model_names() else str(Path(model).absolute())

@@ -108,7 +108,7 @@ class Mesh:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """What a person chooses by name: one or more meshes in one frame, z up."""
+    """A model that a person chooses by name: one or more meshes in one frame, z up."""
 
     name: str
     parts: tuple[Mesh, ...]  # at least one
@@ -126,7 +126,7 @@ class Model:
 
     @property
     def duration_s(self) -> float:
-        """Of its motion, which is looped; 0 where it stands still."""
+        """Duration of its motion, which is looped; 0 if it stands still."""
         return max(0.0 if part.motion is None else part.motion.duration_s for part in self.parts)
 
     @property

@@ -13,10 +13,11 @@ from ashe_live.models.mesh import Float32, Model
 
 FOOTPRINT_SIDES = 1.0  # largest horizontal extent, in sides of the marker
 HEIGHT_SIDES = 1.2  # largest vertical extent, in sides of the marker
-# From the middle of a model to that of the next: half of each, which are a marker's side wide at most, and a gap.
+# Distance between the middles of neighbouring models, in sides of the marker: half of each (at most a side wide) and a
+# gap.
 BESIDE_SIDES = 1.25
 
-# A larger cloud is enclosed by what of it is extreme in so many directions, widened by what a sphere loses by that.
+# A larger cloud of points is replaced by its extreme points in this many directions, widened by the loss of a sphere.
 MAX_OUTLINE_POINTS = 1000
 WIDENED = 1.005
 POINTS_AT_ONCE = 16384

@@ -31,7 +31,7 @@ def read_model(name: str, marker_side_m: float, up: str | None = None) -> Placed
 
 
 def read_apart(read: Callable[..., Result], arguments: tuple[object, ...], file: str) -> Result:
-    """What `read(*arguments)` makes of a model's file, in a process of its own: functions and values as `called_apart`.
+    """The result of `read(*arguments)` for a model's file, in a process of its own; functions as for `called_apart`.
 
     Raises the UserError that it raises, and one for a file that no process has read to its end.
     """

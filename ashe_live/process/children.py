@@ -31,7 +31,7 @@ PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a child may take, as far as the system can enforce it."""
+    """Limits of a child process, as far as the system can enforce them."""
 
     niceness: int  # added to the parent's
     memory_bytes: int | None = None  # of address space: beyond that the child gets a MemoryError

@@ -18,6 +18,6 @@ def send_value(connection: Connection, value: object) -> None:
 
 
 def receive_value(connection: Connection) -> Any:
-    """What `send_value` sent, its arrays read-only; raises EOFError when the other side has gone."""
+    """The value that `send_value` sent, its arrays read-only; raises EOFError when the other side has gone."""
     count, head = connection.recv()
     return pickle.loads(head, buffers=[connection.recv_bytes() for _ in range(count)])

@@ -23,7 +23,7 @@ FONT_PT = 15
 GAP_PT = 8  # around plates
 MIN_FONT_PX = 6.0
 SMALLER = 0.95
-# So many pixels high a picture is looked at as a whole, however many pixels there are.
+# Text is sized as if the picture were at most this high: a larger picture is seen as a whole, on a display or in print.
 FULL_HEIGHT_PX = 1080
 PLATE_SRGBA = (12, 14, 18, 175)
 TEXT_SRGBA = (246, 246, 242, 255)
@@ -31,7 +31,7 @@ TEXT_SRGBA = (246, 246, 242, 255)
 
 @dataclass(frozen=True, slots=True)
 class HudText:
-    """What the display says. Empty parts are not drawn."""
+    """The text of the heads-up display. Empty parts are not drawn."""
 
     status: tuple[str, ...] = ()  # lines, top left
     hint: tuple[str, ...] = ()  # lines, bottom left
@@ -127,7 +127,7 @@ def _wrapped(line: str, font_px: float, width: int) -> list[str]:
 
 
 def _pieces(word: str, font_px: float, width: int) -> list[str]:
-    """Of a word, each no wider than a plate of `width` holds, or a single letter."""
+    """A word in pieces, each no wider than fits on a plate of `width`, or a single letter."""
     pieces, count = [], max(len(word), 1)
     while word:
         while count > 1 and _extent(((word[:count],),), font_px)[0] > width:

@@ -17,7 +17,7 @@ from ashe_live.render.scene import Scene
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LayerContent:
-    """What is drawn into the layers of one picture."""
+    """The content of one picture's layers."""
 
     models: StandingGroup
     inputs: ShadingInputs
@@ -49,7 +49,7 @@ class LayerPasses:
         return was_other
 
     def follow_sheet(self, scene: Scene, at_once: bool) -> HiddenMarker | None:
-        """What covers the marker's sheet in a scene with a marker, once there is something; `at_once` as it has it."""
+        """The cover of the marker's sheet, once there is one. `at_once`: as in `HiddenMarker.follow`."""
         if not scene.hides_marker or scene.tracked is None:
             self.hidden_marker.forget()
             return None

@@ -60,7 +60,7 @@ class Scene:
 
     @property
     def real_object(self) -> Proxy | None:
-        """What stands beside the model; a body that the marker is on does not where that is covered."""
+        """The real object beside the model; None for a body with the marker on it that is covered."""
         marker = None if self.tracked is None else self.tracked.marker
         if self.hides_marker and marker is not None and marker.body is not None:
             return None

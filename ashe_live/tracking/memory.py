@@ -11,7 +11,7 @@ from ashe_live.tracking.search import NEAR_PX
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """What the next frame is compared with."""
+    """The last frame in which the marker was seen, for the next one."""
 
     time_s: float
     image_bgr: Image
@@ -38,7 +38,7 @@ def remembered(
     bridged: int,
     last: Memory | None,
 ) -> Memory:
-    """What is known after `frame`, in which members were seen at `corners_px` (4, 2), and after the `last` one.
+    """The memory of `frame`, in which members were seen at `corners_px` (4, 2), and of the `last` one.
 
     `bridged`: how many frames in a row have been bridged, with this one.
     """

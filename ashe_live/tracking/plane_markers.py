@@ -66,7 +66,7 @@ class PlaneMarkers:
     def found(
         self, frame: Frame, camera: Camera, pose: MarkerPose | None, preset: TrackingPreset
     ) -> tuple[PlaneMarker, ...]:
-        """Those that lie flat in a frame whose marker has that pose; none where that is not in view."""
+        """The markers that lie flat in a frame, given the pose of the followed one; none if that is not in view."""
         if pose is None or not self._markers:
             return ()
         seen = self._where_they_were(frame, camera, pose, preset)
@@ -91,7 +91,7 @@ class PlaneMarkers:
     def _where_they_were(
         self, frame: Frame, camera: Camera, pose: MarkerPose, preset: TrackingPreset
     ) -> dict[int, FittedSquare]:
-        """By their numbers; a marker that has been lifted or covered is forgotten."""
+        """The squares found where they were, by number; a marker that has been lifted or covered is forgotten."""
         seen = {}
         for number, held in list(self._held.items()):
             corners = held.centre + _complex(square_corners(1.0)) * held.side
@@ -110,7 +110,7 @@ class PlaneMarkers:
     def _searched(
         self, numbers: Sequence[int], frame: Frame, camera: Camera, preset: TrackingPreset
     ) -> dict[int, FittedSquare]:
-        """Those of `numbers` that are anywhere in the frame."""
+        """The squares of the markers `numbers` that are found anywhere in the frame."""
         markers = [self._markers[number] for number in numbers]
         several = anywhere(markers, frame.image_bgr, preset.detection_width_px, thorough=False)
         seen = {}

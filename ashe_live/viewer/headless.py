@@ -19,7 +19,7 @@ LONGEST_ESTIMATE_S = 300.0
 
 @dataclass(frozen=True, slots=True)
 class HeadlessRun:
-    """What a run shows, how long it is, and who gets the pictures."""
+    """The content of a run, its length, and who gets the pictures."""
 
     scene: Callable[[Session], Scene]  # what of the session is shown
     frame_limit: int | None = None

@@ -81,7 +81,7 @@ class Playback:
         return True
 
     def moment(self, shown: TrackedFrame | None, now_s: float) -> Moment | None:
-        """What the bar shows now; None when there is none to show."""
+        """The content of the time bar now; None while it is hidden."""
         duration_s = self._pipeline.duration_s
         if duration_s is None or shown is None:
             return None

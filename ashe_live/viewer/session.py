@@ -149,7 +149,7 @@ class Session:
 
     @property
     def _draw(self) -> Draw | None:
-        """What draws the steps of an estimate, if they are shown."""
+        """The function that draws the steps of an estimate; None if they are not shown."""
         return steps_sheet if self.show_masks else None
 
     def poll(self, now_s: float) -> LightEstimate | None:

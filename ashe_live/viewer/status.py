@@ -69,7 +69,7 @@ def marker_line(tracked: TrackedFrame | None) -> str:
 
 
 def camera_line(tracked: TrackedFrame | None) -> str | None:
-    """What is known of an uncalibrated camera; None for a calibrated one."""
+    """A line on the focal length of an uncalibrated camera; None for a calibrated one."""
     if tracked is None or tracked.camera.source not in ("assumed", "estimated"):
         return None
     camera = tracked.camera
@@ -138,7 +138,7 @@ def _is_moved_out_of_picture(session: Session) -> bool:
 
 
 def guidance(session: Session) -> tuple[str, ...]:
-    """What to do when no marker or no light has been found yet, or a lamp or the model stands where it is of no use."""
+    """Hints while no marker or no light has been found, or while a lamp or the model stands where it is of no use."""
     if (note := lamp_note(session)) is not None:
         return (note,)
     if _is_moved_out_of_picture(session):

@@ -133,7 +133,7 @@ class ClipSource(Source):
         return passed
 
     def _back_to(self, index: int) -> None:
-        """As far as pictures are kept."""
+        """Steps back over the pictures that are kept, to `index` or as near as they reach."""
         while self._behind and self._behind[-1].index >= index:
             self._ahead.appendleft(self._behind.pop())
 

@@ -9,7 +9,7 @@ import av
 
 from ashe_live.capture.container import opened_container
 
-# Of a time that was computed from one of a frame; no two frames are that close.
+# Rounding error of a time that was computed from a frame's; no two frames are that close.
 ROUNDING_S = 1e-6
 
 

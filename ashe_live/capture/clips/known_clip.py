@@ -41,5 +41,5 @@ def read_known_clip(truth_path: Path) -> KnownClip:
 
 
 def shipped_clip() -> KnownClip:
-    """What the demo plays."""
+    """The clip that the demo plays."""
     return read_known_clip(resource("assets", "clips", "table.json"))

@@ -26,9 +26,9 @@ from ashe_live.files.reading import opened
 FALLBACK_FPS = 30.0
 # A second decoding thread is taken from the renderer, so only frames too large for one get it.
 ONE_THREAD_PIXELS = 1_000_000
-# By how much the duration that a whole clip states may exceed its frames.
+# The duration that an undamaged clip states may exceed its frames by this many.
 TOLERATED_GAP_FRAMES = 2
-# Of a pixel: nearer to a square is an encoder's rounding, farther from it damage.
+# A pixel's aspect ratio counts as 1 within the first (an encoder's rounding), and as damage beyond the second.
 SAME_ASPECT, MOST_ASPECT = 0.005, 4
 SAME_SHAPE = 0.02  # of pictures' sides' ratio: nearer is an encoder's rounding to whole blocks
 

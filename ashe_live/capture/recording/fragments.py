@@ -21,10 +21,10 @@ from ashe_live.files.new_file import NewFile
 IN_THE_MAKING = "ashe-live: a recording in the making"
 HEADER_BYTES = 4096  # of a recording: the boxes ftyp and moov, with the comment in the latter
 BOX_HEADER = struct.Struct(">I4s")  # of what MP4 files consist of: length in bytes with this header, kind
-# Of the index (box moov): what does not depend on the number of pictures, and for each at most its size (4 bytes),
-# place (8), time (8), shift (8), share in a chunk (12) and whether decoding can begin at it (4).
+# Size of the index (box moov): a part that does not depend on the number of pictures, and for each picture at most its
+# size (4 bytes), place (8), time (8), shift (8), share in a chunk (12) and whether decoding can begin at it (4).
 INDEX_BYTES, INDEX_BYTES_PER_PICTURE = 4096, 44
-COPIED_BYTES = 1 << 20  # at a time
+COPIED_BYTES = 1 << 20  # copied at a time
 
 
 def is_in_the_making(stream: BinaryIO) -> bool:
@@ -105,7 +105,7 @@ def copy_whole_fragments(broken: BinaryIO, copy: BinaryIO) -> None:
 
 
 def _whole_packets(clip: InputContainer) -> "Iterator[Packet[VideoStream]]":
-    """Of its pictures. The last one of a file that breaks off may be cut; and one that is empty follows it."""
+    """The whole packets: where a file breaks off, the last may be cut, and an empty one follows it."""
     for packet in clip.demux(video=0):
         if packet.size and not packet.is_corrupt:
             yield packet

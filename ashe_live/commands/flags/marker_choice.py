@@ -76,7 +76,7 @@ def marker_in(source: Source, options: argparse.Namespace, told_of: set[str]) ->
 
 
 def others_said(in_view: tuple[str, ...], marker: str) -> str:
-    """What to do about markers in view where none was found that looks like `marker` through the camera."""
+    """A hint on the markers in view, if none that looks like `marker` was found through the camera."""
     if marker in in_view:
         return f"{marker} is in view, but not as this camera would see it: check --hfov, --focal-px or --camera-file"
     return f"{' and '.join(in_view)} {'is' if len(in_view) == 1 else 'are'} in view: --marker {in_view[0]}"

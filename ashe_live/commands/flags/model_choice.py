@@ -37,7 +37,7 @@ def with_markers_spelled(options: argparse.Namespace) -> argparse.Namespace:
 
 
 def without_model(options: argparse.Namespace, in_view: Sequence[str]) -> list[str]:
-    """Those of the markers `in_view` that have no model of their own; a number is one of any family."""
+    """The markers `in_view` that have no model of their own; a number is one of any family."""
     own = [marker for marker, _ in _given(options) if marker is not None]
     numbers = [int(marker) for marker in own if marker.isdecimal()]
     return [spec for spec in in_view if spec not in own and spec.rpartition(":")[2] not in map(str, numbers)]

@@ -32,7 +32,7 @@ def _of(name: Path) -> list[Path]:
 
 
 def _matching(pattern: Path) -> Iterator[Path]:
-    """What a shell would match: nothing hidden unless the pattern says so, and no links to folders followed.
+    """The paths that a shell would match: none hidden unless the pattern says so, and no links to folders followed.
 
     (glob.iglob follows links to folders; a few that lead back to their own folder make it go on for ever.)
     """

@@ -104,7 +104,7 @@ def _moved(raw: RawMesh, T: Float) -> tuple[Float32, Indices] | None:
 
 
 def _attributes(raw: RawMesh) -> dict[str, Float32]:
-    """What the file gives of texture coordinates and colours, one a vertex, by their names in a Mesh."""
+    """The file's texture coordinates and colours, one a vertex, by their names in a Mesh."""
     given = {"uvs": raw.uvs, "more_uvs": raw.more_uvs, "colours": raw.colours}
     attributes = {name: values.astype(np.float32) for name, values in given.items() if values is not None}
     for name, values in attributes.items():

@@ -1,4 +1,4 @@
-"""What does polished metal mirror? The ground is seen, the model's own parts are left out, and the sky is made up.
+"""Notes what a model's polished metal mirrors: the ground is seen, but not its own parts, and the sky is made up.
 
 The model is a grid of cells, a point on its surface in each that it fills; rays are looked up in it in steps.
 """
@@ -15,16 +15,16 @@ from ashe_live.models.mesh import Mesh, spread_over_triangle
 ITSELF = "its polished metal mirrors ground and sky, and not the model's other parts"
 SKY = "its polished metal mirrors a sky that is made up, as the picture shows the ground alone"
 BOTH = "its polished metal mirrors the ground and a sky that is made up, and not the model's other parts"
-POLISHED = 0.6  # roughness, above which what is mirrored is a mere tone
-# And above which the made-up sky's pattern is none any more: half of what is mirrored comes from within 2 roughness^2,
-# and a texel of the pattern is 15 degrees wide (render/lights/surroundings.py).
+POLISHED = 0.6  # above this roughness, a reflection is a mere tone
+# Above this roughness the pattern of the made-up sky is blurred away: half of the reflected light comes from within an
+# angle of 2 roughness^2, and a texel of the pattern is 15 degrees wide (render/lights/surroundings.py).
 CLEAR_AS_MIRRORS = 0.36
 CELLS = 48  # along the longest side
-POINTS, LOOKED_AT = 20_000, 1_000  # on the surface; of these so many are looked at
-LOOKED_FROM_RAD, WAYS = np.radians(35.0), 6  # as people look at a table, from all around
-LEAST_FACING = 0.1  # cosine to the view
-CLEAR = 1.5  # cells from a surface, to be free of it
-LEAST_SHARE = 0.05  # of the surface that is seen: about what is noticed at a glance
+POINTS, LOOKED_AT = 20_000, 1_000  # points on the surface that fill the cells; points of these that are examined
+LOOKED_FROM_RAD, WAYS = np.radians(35.0), 6  # elevation of the views, as on a table, and their number all around
+LEAST_FACING = 0.1  # least cosine between a normal and the view
+CLEAR = 1.5  # distance from its own surface, in cells, at which a ray begins
+LEAST_SHARE = 0.05  # least share of the surface that is seen for a note: about what is noticed at a glance
 
 
 def words_on_mirrors(parts: Sequence[Mesh]) -> str | None:
@@ -69,7 +69,7 @@ def _roughness_of_metal(part: Mesh) -> float:
 
 
 def _points_on(parts: Sequence[Mesh]) -> tuple[NDArray[np.int64], Float, Float]:
-    """Of points spread over the surface by area: (n,) their parts, (n, 3) their places and unit normals."""
+    """Points spread evenly over the surface: (n,) their parts, (n, 3) their places and unit normals."""
     areas = [part.areas for part in parts]
     before, total = 0.0, sum(float(each.sum()) for each in areas)
     numbers, places, normals = [], [], []

@@ -1,4 +1,4 @@
-"""Surfaces in one place that differ in colour or in their normals: which is seen is chance, here as elsewhere.
+"""Detects surfaces that coincide but look different: which of them is seen is left to chance, here as elsewhere.
 
 Two triangles that share an edge, lie in one plane and on one side of the edge overlap for certain. So copies are found
 even if their polygons were cut along other diagonals.
@@ -19,7 +19,7 @@ ONE_PLACE = 1e-5  # of the model's size
 ONE_PLANE = 0.9999  # the cosine between two directions in it
 ALIKE = 0.1  # difference of colours, normals, or texture coordinates that is hard to see
 LEAST_SHARE = 0.01  # of the model's surface
-NEXT = 3  # triangles that share an edge are compared with so many others
+NEXT = 3  # number of others that a triangle is compared with, of those at the same edge
 
 
 def overlap_visibly(parts: Sequence[Mesh]) -> bool:

@@ -13,7 +13,7 @@ Y_UP, Z_UP = UPS[:2]
 # Log odds of y over z. Programs write OBJ with y up unless asked otherwise; STL is for printers, whose bed is z = 0;
 # PLY comes from scanners of both kinds.
 OF_FORMAT = {".obj": 1.5, ".ply": 0.3, ".stl": -1.5}
-# Of what `evidence` has, in its order, as log odds of each: assets/sources/odd_models/compare_up.py --fit, seed 1.
+# Log odds for each of the features of `evidence`, in its order: assets/sources/odd_models/compare_up.py --fit, seed 1.
 WEIGHTS = (2.3, 1.0, 4.7, 1.4)
 NEAR = 0.02  # of the extent
 LEVEL = 0.99  # of a base's normals, along up
@@ -90,5 +90,5 @@ def _corners(meshes: Sequence[RawMesh]) -> tuple[Float, int]:
 
 
 def _is_whole(mesh: RawMesh) -> bool:
-    """What names vertices that are not there is refused later."""
+    """Whether all vertices that the triangles name exist; else the mesh is refused later."""
     return bool(len(mesh.triangles) and mesh.triangles.min() >= 0 and mesh.triangles.max() < len(mesh.vertices))

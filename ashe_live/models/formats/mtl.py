@@ -29,7 +29,7 @@ OPTIONS = {
     "-mm": 2,
     **dict.fromkeys(("-o", "-s", "-t"), 3),
 }
-# In what order the files beside the diffuse one would be looked for; none of them is drawn.
+# Maps other than the diffuse one, of which none is drawn, with words for the notes.
 NOT_DRAWN = {
     "map_bump": "bump maps",
     "bump": "bump maps",
@@ -197,7 +197,7 @@ def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool
 
 
 def _roughness(shininess: float, is_blenders: bool) -> float:
-    """Of a material with that exponent `Ns`."""
+    """Roughness of a material with the exponent `Ns`."""
     if shininess <= 0 and not is_blenders:
         return UNKNOWN.roughness
     if is_blenders:

@@ -96,7 +96,7 @@ def _sorted(content: bytes) -> _Lines:
 
 
 def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Material]:
-    """By the names that the OBJ gives them; the first of several libraries that has one."""
+    """The materials by the names that the OBJ uses; of several libraries with one name the first counts."""
     pictures = Pictures(folder.model)
     found: dict[str, Material] = {}
 
@@ -203,7 +203,7 @@ def _whole(numbers: Float) -> Indices:
 def _mesh(
     corners: Indices, triangles: Indices, tables: tuple[Float, Float, Float], colours: Float | None, material: Material
 ) -> RawMesh:
-    """Of the corners (k, 3) of one material's faces; each combination that there is becomes a vertex."""
+    """A mesh of the corners (k, 3) of one material's faces; each combination of indices becomes a vertex."""
     places, uvs, normals = tables
     _, first, vertex = np.unique(_keys(corners), return_index=True, return_inverse=True)
     used = corners[first]

@@ -114,6 +114,6 @@ def _colours(element: Element) -> Float | None:
 
 
 def _whole(element: Element, name: str) -> float:
-    """What stands for all of a colour: 1 for fractions, else the largest number of its kind."""
+    """The value of full intensity: 1 for fractions, else the largest number of the type."""
     kind = element.kinds[name]
     return 1.0 if kind[0] == "f" else float(np.iinfo(np.dtype(kind)).max)

@@ -46,7 +46,7 @@ class Lists:
 
 @dataclass(slots=True)
 class Element:
-    """What the header says of one kind of items, and what then was read."""
+    """One kind of items: its description in the header, and the values read."""
 
     name: str
     count: int
@@ -57,7 +57,7 @@ class Element:
 
 
 def elements_of(content: bytes) -> dict[str, Element]:
-    """Of a whole file, by name. Raises MalformedError."""
+    """The elements of a whole file, by name. Raises MalformedError."""
     order, elements, begin = _header(content)
     if order == "":
         _fill_from_text(elements, content[begin:])

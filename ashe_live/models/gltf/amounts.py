@@ -57,7 +57,7 @@ def instances(node: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
 
 
 def compression_of(view: dict[str, Any]) -> dict[str, Any] | None:
-    """What says how a view is compressed, where it is."""
+    """The extension that describes how a view is compressed; None if it is not."""
     extensions: dict[str, Any] = view.get("extensions", {})
     return next((extensions[name] for name in COMPRESSED_VIEWS if name in extensions), None)
 
@@ -147,7 +147,7 @@ def _triangles(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> in
 
 
 def _tree(header: dict[str, Any], nodes: list[dict[str, Any]]) -> tuple[int, int]:
-    """Of the scene: how many nodes, and how many stand one within another, at most.
+    """Number of the scene's nodes, and depth of their tree.
 
     Raises MalformedError when one stands in two places.
     """

@@ -17,7 +17,7 @@ DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126:
 
 
 class Arrays:
-    """Of a header that `check_layout` has passed. Raises MalformedError where a buffer does not hold what it says."""
+    """Accessors of a header that `check_layout` has passed. Raises MalformedError for buffers that are too short."""
 
     def __init__(self, header: dict[str, Any], buffers: Buffers) -> None:
         self._accessors: list[dict[str, Any]] = header.get("accessors", [])

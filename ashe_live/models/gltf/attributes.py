@@ -12,7 +12,7 @@ from ashe_live.models.parsing.malformed import MalformedError
 
 
 class DracoPrimitive:
-    """What the compressed bytes of a primitive hold. Raises MalformedError for what is no Draco mesh."""
+    """The decompressed content of a primitive. Raises MalformedError if it is no Draco mesh."""
 
     def __init__(self, content: bytes, attributes: dict[str, int]) -> None:
         """`attributes`: the unique ids of Draco's, by glTF's names."""
@@ -47,7 +47,7 @@ class DracoPrimitive:
 
 
 class Attributes:
-    """What a primitive says of its vertices, compressed by Draco or not."""
+    """The vertex attributes of a primitive, compressed by Draco or not."""
 
     def __init__(self, primitive: dict[str, Any], arrays: Arrays, unpacked: DracoPrimitive | None) -> None:
         self._primitive = primitive
@@ -93,7 +93,7 @@ class Attributes:
         return self._arrays.floats(target[name]) if name in target else None
 
     def _influences(self) -> list[tuple[NDArray[np.int64], Float]]:
-        """Of joints: which (n, 4), and how much of each (n, 4)."""
+        """The joints of each vertex (n, 4) and their weights (n, 4), set by set."""
         found = []
         for number in range(2):
             joints, weights = f"JOINTS_{number}", f"WEIGHTS_{number}"

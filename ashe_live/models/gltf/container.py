@@ -106,7 +106,7 @@ class Buffers:
 
 
 def named_content(uri: str, folder: Folder) -> bytes:
-    """What a URI names: the data within it, or a file of the model's folder."""
+    """The content that a URI names: the data within it, or a file of the model's folder."""
     if not uri.startswith("data:"):
         return folder.get(uri)
     kind, comma, data = uri.partition(",")

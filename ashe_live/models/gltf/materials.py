@@ -30,12 +30,12 @@ from ashe_live.models.parsing.pictures import Pictures
 NEAREST = 9728
 ALPHAS = {"OPAQUE": Alpha.OPAQUE, "MASK": Alpha.CUT_OUT, "BLEND": Alpha.BLEND}
 OLD = "KHR_materials_pbrSpecularGlossiness"
-# What a pane that transmits everything still shows of itself.
+# Coverage with which a pane that transmits everything is still drawn.
 LEAST_COVER = 0.15
 
 
 class Materials:
-    """Of one file. Their pictures are read as they are asked for."""
+    """The materials of one file. Their pictures are read when they are asked for."""
 
     def __init__(self, header: dict[str, Any], arrays: Arrays, folder: Folder, notes: Notes) -> None:
         self._header = header

@@ -11,7 +11,8 @@ PLAIN = {
     "KHR_materials_anisotropy": "anisotropy",
     "KHR_materials_diffuse_transmission": "diffuse transmission",
 }
-# Of what every surface reflects straight on: as much as glass does, in all that is drawn.
+# Reflectance at normal incidence: every dielectric is drawn with that of glass; a note is made of this difference or
+# more.
 USUAL_REFLECTANCE, VISIBLE_REFLECTANCE = 0.04, 0.02
 VISIBLE_SHARE, VISIBLE_TINT = 0.5, 0.1
 

@@ -137,7 +137,7 @@ def _played(
 
 
 class _Poses:
-    """Of one mesh that moves, in the scene."""
+    """The poses of one moving mesh, in the scene."""
 
     def __init__(self, mesh: RawMesh, count: int) -> None:
         shape = count, len(mesh.vertices), 3
@@ -152,7 +152,7 @@ class _Poses:
             self._normals[number] = normals
 
     def mesh(self, duration_s: float) -> RawMesh:
-        """As it first is where it is not small: things that are to grow begin as nothing."""
+        """The mesh in its first pose that is not small (things that are to grow begin as nothing), with its motion."""
         extents = np.nan_to_num(np.ptp(self._vertices, axis=1).sum(axis=1))
         first = int(np.argmax(extents >= SMALL * extents.max()))
         triangles = self._mesh.triangles
@@ -166,6 +166,8 @@ class _Poses:
 
 
 class _Reader:
+    """Walks the scene's nodes, and makes a RawMesh of each primitive."""
+
     def __init__(self, header: dict[str, Any], arrays: Arrays, materials: Materials, notes: Notes) -> None:
         self._header = header
         self._arrays = arrays

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ashe_live.errors import UserError
 
-# What begins a file, and what that is. Of formats that are read the suffix that they should have.
+# First bytes of files and the kinds that they tell; for formats that are read, the suffix that belongs to them.
 SIGNATURES = {
     b"glTF": ".glb",
     b"ply\n": ".ply",

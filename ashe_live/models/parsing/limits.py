@@ -39,7 +39,7 @@ HEADER_BYTES = 65536
 
 
 def check_text(path: Path, content: bytes) -> None:
-    """What the content of an .obj, .ply or .stl says of its amounts. Raises UserError when they are too large."""
+    """Raises UserError if an .obj, .ply or .stl is too large by its own numbers."""
     suffix = path.suffix.lower()
     header = content[:HEADER_BYTES]
     if suffix == ".ply":
@@ -60,7 +60,7 @@ def check_text(path: Path, content: bytes) -> None:
 
 
 def _obj_triangles(content: bytes) -> int:
-    """Of polygons; looked at one by one only when there could be too many of them."""
+    """Number of triangles of an OBJ's polygons, which are counted one by one only if there could be too many."""
     if len(content) - len(content.translate(None, SPACES)) <= MAX_TRIANGLES:
         return content.count(b"\nf ")
     faces = (found[0] for found in OBJ_FACES.finditer(content))
@@ -92,7 +92,7 @@ def _check(path: Path, count: int, most: int, what: str) -> None:
 
 
 def check_materials(path: Path, materials: int) -> None:
-    """Of one file that the model names."""
+    """Raises UserError for more materials than one file may define."""
     if materials > MAX_MATERIALS:
         raise UserError(
             f"a material file of the model file {path} holds more than {MAX_MATERIALS:,} materials",
@@ -101,7 +101,7 @@ def check_materials(path: Path, materials: int) -> None:
 
 
 def check_picture(path: Path, picture: PillowImage.Image) -> None:
-    """Of a picture whose header is read and whose texels are not."""
+    """Raises UserError for a picture that is too large, by its header, before it is decoded."""
     if picture.format not in PICTURE_FORMATS:
         raise UserError(
             f"a texture of the model file {path} is in the format {picture.format}", "save it as PNG or JPEG"
@@ -110,7 +110,7 @@ def check_picture(path: Path, picture: PillowImage.Image) -> None:
 
 
 def check_size(path: Path, width: int, height: int) -> None:
-    """Of a picture in the file. Raises UserError when it is too large."""
+    """Raises UserError for a picture of these many texels if it is too large."""
     if width * height > MAX_PICTURE_TEXELS:
         raise too_large(path, f"of {width} x {height}")
 

@@ -19,7 +19,7 @@ DEEP_MODES = ("I;16", "I;16B", "I;16L", "I;16N", "I", "F")  # one channel of mor
 
 
 class Pictures:
-    """Of one model's file; what is used several times is one value."""
+    """The pictures of one model's file; one that is used several times is a single value."""
 
     def __init__(self, model: Path) -> None:
         self._model = model
@@ -79,7 +79,7 @@ def _reduced(picture: PillowImage.Image) -> Image:
 
 
 def _in_8_bits(picture: PillowImage.Image) -> PillowImage.Image:
-    """Of deeper pictures Pillow would cut off what is above 255: all of 16 bits but the darkest would be white."""
+    """Scales deeper pictures to 8 bits. Pillow would clip values at 255, which makes nearly all of 16 bits white."""
     if picture.mode not in DEEP_MODES:
         return picture
     given: NDArray[np.float32] = np.asarray(picture).astype(np.float32)

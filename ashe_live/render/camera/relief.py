@@ -31,7 +31,7 @@ MOST_SIGMAS = 3.0  # deviations beyond this multiple of the contrast in the ligh
 
 
 class Relief(NamedTuple):
-    """Of the ground, in deviations of the logarithm of its brightness from the local mean."""
+    """The ground's relief, in deviations of the logarithm of its brightness from the local mean."""
 
     contrast: float  # in the real shadow over that in the light, at most 1
     most: float  # largest deviation in the light that is relief

@@ -32,7 +32,7 @@ class CoarseBlur(NamedTuple):
 
     @classmethod
     def of(cls, variance_px2: float) -> "CoarseBlur":
-        """That whose result has the variance, in pixels of the framebuffer; at least LEAST_VARIANCE."""
+        """The blur whose result has this variance, in pixels of the framebuffer; at least LEAST_VARIANCE."""
         variance = max(variance_px2 - LEAST_VARIANCE, 0.0) / 4
         return cls(variance, min(MOST_TAPS, max(1, math.ceil(KERNEL_SIGMAS * math.sqrt(variance)))))
 
@@ -53,7 +53,7 @@ class _Target(NamedTuple):
 
 
 class CoarseLayers:
-    """Of a surface, read by programs as `coarse_light` and `coarse_gone`."""
+    """A surface's layers, blurred at half the resolution; read by programs as `coarse_light` and `coarse_gone`."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx

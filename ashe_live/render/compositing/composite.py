@@ -122,7 +122,7 @@ class Composite:
         surface.colour.use()
 
     def _programs_for(self, onto: Footage, is_cut_out: bool) -> tuple[moderngl.Program, moderngl.Program]:
-        """That which chooses the pixels, and that which composes them."""
+        """The program that chooses the pixels, and the one that composes them."""
         blurs = onto.blurs
         bends = {"bends": 1} if onto.lens is not None else {}
         switches = {

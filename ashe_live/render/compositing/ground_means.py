@@ -16,7 +16,7 @@ SPLINE_REACH = 2  # texels to either side of a place that count there
 
 
 class GroundMeans:
-    """Of what the composite is about to darken; read by programs as `ground_mean`."""
+    """Means of the ground before it is darkened; read by programs as `ground_mean`."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx

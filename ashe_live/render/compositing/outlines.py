@@ -15,7 +15,7 @@ from ashe_live.render.passes.surface import Surface
 
 
 class Outlines:
-    """Of what is drawn into a surface's layers."""
+    """Smooths outlines in a surface's layers."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx

@@ -35,7 +35,7 @@ FEWEST_POINTS = 30  # least number of points of the ground by which exposures ar
 
 
 class HiddenMarker:
-    """What covers the sheet, once there is something."""
+    """The cover of the marker's sheet, which is made, replaced and adapted to the exposure."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx

@@ -71,7 +71,7 @@ def _box(mask: Mask, beside: int) -> tuple[slice, slice]:
 
 
 def _correlation(structure: Float32, seen: Mask, box: tuple[slice, slice], shift: Float) -> float:
-    """That of ground and moved ground in a box; 0 where too little of both is seen to tell."""
+    """Correlation of ground and shifted ground in a box; 0 if too little of both is seen."""
     moved, there = (_moved(each, shift, box) for each in (structure, seen.astype(np.float32)))
     both = seen[box] & (there > 0.99)
     if both.sum() < LEAST_OVERLAP * seen[box].sum():

@@ -152,7 +152,7 @@ class _Rows:
 
     @property
     def energy(self) -> float:
-        """Of the rows that may be lines. It is largest at a line's own direction, where it fills the fewest rows."""
+        """Squared contrasts of the rows that may be lines, summed: largest if a line fills as few rows as it can."""
         return float((self._weaker[self.certainty > LIKELY] ** 2).sum())
 
     @property
@@ -208,7 +208,7 @@ class _Rows:
 
 
 def _side(sums: Float32, begin: Indices, end: Indices) -> _Side:
-    """Of the columns from `begin` to before `end`, (k,) each, by sums along the rows (k, k + 1, 5)."""
+    """The columns from `begin` to before `end`, (k,) each, by cumulative sums along the rows (k, k + 1, 5)."""
     rows, k = np.arange(len(sums)), len(sums)
     total = sums[rows, np.clip(end, 0, k)] - sums[rows, np.clip(begin, 0, k)]
     pixels = total[:, 4]

@@ -4,6 +4,6 @@ SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software")  # in what rasterisers
 
 
 def is_software(info: dict[str, str]) -> bool:
-    """Of a context's `info`: whether no GPU is used, so that every sample of a pixel costs the processor's time."""
+    """Whether a context with this `info` uses no GPU, so that every sample of a pixel costs the processor's time."""
     renderer = info["GL_RENDERER"].lower()
     return any(word in renderer for word in SOFTWARE)

@@ -123,7 +123,7 @@ class _Piece(NamedTuple):
 
 
 class TextureKey(NamedTuple):
-    """What maps must have in common to share one texture."""
+    """Maps with the same key share one texture."""
 
     texels: int  # id of the array: a picture that several parts use is one array
     is_srgb: bool

@@ -76,7 +76,7 @@ class Photometry:
         return self._relief[2]
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
-        """What the preset matches of the video. Exposure and white balance follow the camera's a few times a second."""
+        """The look that the preset matches of the video. Exposure and white balance are measured every LOOK_HELD_S."""
         lighting = self.lighting(of)
         if self._look is not None:
             measured_in, measured_by, look = self._look
@@ -99,7 +99,7 @@ class Photometry:
         return look
 
     def _known_chroma_blur(self, tracked: TrackedFrame) -> float | None:
-        """What was found in another frame of the same camera not long ago; None where it was not looked for."""
+        """The chroma blur found not long ago in another frame of the same camera; None if it was not measured."""
         if self._chroma is None or self._chroma[0].camera is not tracked.camera:
             return None
         is_fresh = abs(tracked.frame.time_s - self._chroma[0].frame.time_s) < CHROMA_HELD_S

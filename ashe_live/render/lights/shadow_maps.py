@@ -22,7 +22,8 @@ from ashe_live.render.lights.lighting import Lighting, Sun
 
 # No side of a map is shorter than this share of the longest, so that a flat model seen edge on still has one.
 MIN_EXTENT_RATIO = 1e-3
-# Share of a model's width from which on a penumbra on it is noticed (5 pixels of 150; the fixed filter makes 2 to 3).
+# Penumbrae on a model that are wider than this share of its width are filtered by their width (5 pixels of 150);
+# narrower ones by a fixed filter, which makes 2 to 3 pixels.
 SEEN_PENUMBRA = 0.03
 CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
 UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))
@@ -39,7 +40,7 @@ class Caster(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LightBox:
-    """What one map shows of one light's view."""
+    """The part of a light's view that one map shows."""
 
     unit_from_marker: Float  # (4, 4) projective, to the map's coordinates and depth, all in [0, 1]
     extent: Float  # (3,) metres in the light's view, across and along the light
@@ -77,7 +78,7 @@ class ShadowMaps:
 
     @property
     def constants(self) -> dict[str, float]:
-        """What a shader that includes shadow.glsl is built with, to be drawn on the model or the real object."""
+        """Macros for a shader that includes shadow.glsl, and is drawn on the model or the real object."""
         preset = self._preset
         return {
             **self._lights,
@@ -214,7 +215,7 @@ def tile_corners(count: int) -> Float:
 
 
 def _fitted(view: LightView | None, points: Float, size: int, margin: int) -> LightBox:
-    """Of a view of points (n, 3), marker frame, as tight as the margin (in texels) allows.
+    """The box around points (n, 3), marker frame, in a light's view, as tight as the margin (in texels) allows.
 
     The extent is in whole multiples of a sixteenth of itself's power of two, and the box's corner on the texels' grid:
     a caster that changes a little keeps its texels where they were.

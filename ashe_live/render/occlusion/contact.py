@@ -94,7 +94,7 @@ class ContactPatch:
         return smooth.astype(np.float16)
 
     def _left(self, away: Float, reach: float) -> Float:
-        """Of the darkening at a distance from the model's bounds where it ends at `reach`, in heights of the model."""
+        """Share of the darkening left `away` from the model's bounds if it ends at `reach`, in heights of the model."""
         left = np.clip((1 - away / (reach * self._height)) / (1 - FADES_FROM), 0.0, 1.0)
         return np.asarray(left**2 * (3 - 2 * left))
 

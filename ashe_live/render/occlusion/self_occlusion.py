@@ -21,13 +21,13 @@ from ashe_live.render.occlusion.surface_samples import SurfaceSamples, samples_o
 SAMPLES = 8_000  # points on a model, besides one on each triangle
 LEAST_AREA = 1e-12  # square metres
 ROW = 1024  # texels
-# Of a point that nothing around can see, because it lies within another part: what counts is what is seen.
+# Weight of a point inside another part, from where nothing is seen: points that are seen count far more.
 LEAST_WEIGHT = 0.01
-LEAST_LIGHT = 0.01  # of an even sky or ground, that there is something to hide
+LEAST_LIGHT = 0.01  # least light of an even sky or ground by which the hidden part of it is divided
 
 
 class SelfOcclusion:
-    """Of meshes that stand together; what else hides anything from them is in the depth maps."""
+    """Measures how much of sky and ground is hidden from meshes that stand together, by what the depth maps show."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs, meshes: Sequence[Mesh]) -> None:
         self._ctx = ctx

@@ -14,7 +14,7 @@ from ashe_live.render.occlusion.contact import PATCH_SIZE, ContactPatch
 
 
 class WallLight:
-    """Of one model, in a texture over its contact patch; drawn again when model, shadow or light changes."""
+    """The light on one model's walls, in a texture over its contact patch; drawn again when anything of it changes."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx

@@ -35,7 +35,7 @@ class LookedUp:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShadingInputs:
-    """What the shading of every part depends on besides its material."""
+    """The inputs to the shading of every part, besides its material."""
 
     framing: Framing
     lighting: Lighting
@@ -139,7 +139,7 @@ def gl_flags(material: Material) -> int:
 
 
 def shading_constants(part: GpuPart) -> dict[str, int]:
-    """What the part's shader variant computes, as macros."""
+    """Macros of the part's shader variant."""
     material, mesh = part.material, part.mesh
     found = dict.fromkeys(part.maps, 1)
     if material.alpha is not Alpha.OPAQUE:

@@ -90,7 +90,7 @@ class ModelSwitch:
         return self._coming is None
 
     def standing(self, placement: Placement | None, time_s: float) -> StandingModel | None:
-        """What is shown, where the wanted one is to be; where it stood last, as long as that one is not ready."""
+        """The model that is shown, at the place of the wanted one; at its own last place while that is not ready."""
         if self.shown is None or placement is None:
             return None
         if self._coming is None or self._placement is None:
@@ -149,7 +149,7 @@ class ModelSwitches:
 
     @property
     def shown(self) -> tuple[PlacedModel, ...]:
-        """What can be drawn, place by place."""
+        """The models that can be drawn, place by place."""
         return tuple(switch.shown.placed for switch in self._switches if switch.shown is not None)
 
     def follow(self, wanted: Sequence[PlacedModel]) -> bool:
@@ -169,7 +169,7 @@ class ModelSwitches:
         return changed
 
     def standing(self, placements: Sequence[Placement | None], time_s: float) -> StandingGroup | None:
-        """Those that can be drawn and have a placement; the same object while each of them is. None: there are none."""
+        """The models that can be drawn and have a placement, or None; the same object while they are the same."""
         pairs = zip(self._switches, placements, strict=True)
         standing = (switch.standing(placement, time_s) for switch, placement in pairs)
         members = tuple(each for each in standing if each is not None)

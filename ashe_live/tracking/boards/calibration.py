@@ -203,7 +203,7 @@ def _percent(part: float) -> str:
 
 
 def _view_rms(view: BoardView, camera: Camera) -> float:
-    """Of the corners, at the pose that explains this view best."""
+    """RMS error of the corners, in pixels, at the pose that explains this view best."""
     _, rvec, tvec = cv2.solvePnP(view.points, view.corners_px, camera.K, camera.dist)
     projected, _ = cv2.projectPoints(view.points, rvec, tvec, camera.K, camera.dist)
     return math.sqrt(float(((projected.reshape(-1, 2) - view.corners_px) ** 2).sum(axis=1).mean()))

@@ -7,8 +7,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image, frozen_floats, set_frozen
 
-# As large as A4 with its foot has room for, with squares of 25 mm. The dictionary is not the default marker's, which
-# may lie in the same picture.
+# As many squares of 25 mm as fit onto A4 with the line of text. The dictionary is not that of the default marker, which
+# may be in the same picture.
 SQUARES = (7, 8)
 MARKER_OVER_SQUARE = 0.72
 DICTIONARY = cv2.aruco.DICT_5X5_50

@@ -12,7 +12,8 @@ from ashe_live.errors import UserError
 from ashe_live.tracking.boards.calibration import MIN_VIEWS, Calibration, calibrate
 from ashe_live.tracking.boards.calibration_board import BoardView
 
-# The picture is cut here, in parts of its sides, into nine cells; the outer ones are narrower, as lenses bend there.
+# The picture is divided into nine cells at these shares of its sides. The outer cells are narrower, as lenses distort
+# more there.
 CUTS = (0.0, 0.28, 0.72, 1.0)
 PLACES = (
     ("upper left", "upper middle", "upper right"),
@@ -20,15 +21,16 @@ PLACES = (
     ("lower left", "lower middle", "lower right"),
 )
 CORNERS_IN_CELL = 4
-# The least part of the cells with which distortion is not mostly made up.
+# With fewer cells covered, distortion would mostly be extrapolated.
 MIN_COVERED = 6
-# An edge nearer to the camera than the opposite one, by at least this turn of the board, in so many views.
+# In VIEWS_PER_TILT views each, the board is turned by TILT_RAD or more, with one of its four edges towards the camera.
 TILT_RAD = math.radians(17)
 VIEWS_PER_TILT = 2
 TILTS = (("right", (1, 0)), ("left", (-1, 0)), ("lower", (0, 1)), ("upper", (0, -1)))
 ENOUGH_VIEWS = 14
 MOST_VIEWS = 60
-# What makes a view a new one: moved by a part of the picture's diagonal, larger or smaller by a part, or turned.
+# A view is new if the board has moved by this share of the picture's diagonal, if the logarithm of its size has changed
+# by this, or if it has been turned by this.
 NEW_PLACE = 0.1
 NEW_SCALE = 0.2
 NEW_TURN_RAD = math.radians(9)
@@ -104,7 +106,7 @@ class CalibrationGuide:
         return have / (ENOUGH_VIEWS + 9 + VIEWS_PER_TILT * len(TILTS))
 
     def wanted(self) -> str | None:
-        """What to show next, for a person; None when nothing is missing."""
+        """A hint which view to show next; None when nothing is missing."""
         for name, count in self.tilted().items():
             if count < VIEWS_PER_TILT:
                 again = ", once more, elsewhere in the picture" if count else ""

@@ -11,8 +11,8 @@ import numpy as np
 from ashe_live.core.arrays import Float
 
 USUAL_EDGE_M = 0.06
-# The black square of each face over the edge. What is white around it is what shading is measured on, and wide enough
-# for the square to be found on a dark table.
+# Side of the black square on each face, over the edge. The white around it is where shading is measured, and is wide
+# enough for the square to be found on a dark table.
 TAG_SHARE = 0.7
 CUBE = "cube"  # as it is named where other markers are named by dictionary and number
 DICTIONARY, FIRST_ID = "aruco:4x4_50", 18
@@ -46,8 +46,8 @@ class Face:
         return np.asarray(self.centre + np.array(corners))
 
 
-# In the order of their numbers: the first is on top, all others hang on it in the net, so that each of them is where
-# the top has it whatever becomes of the other folds.
+# In the order of their numbers. In the net all others adjoin the first, the top, so that the error of each depends on
+# one fold alone.
 FACES = (
     Face("top", (1, 0, 0), (0, 1, 0), 1, 1, 0),
     Face("front", (1, 0, 0), (0, 0, 1), 2, 1, 0),

@@ -60,7 +60,7 @@ def write_cube_sheet(path: Path, cube: Layout, edge_m: float, paper: str = "a4",
 
 
 def largest_edge_mm(paper: str) -> int:
-    """Of a cube whose net fits on the paper, whole millimetres."""
+    """The largest edge of a cube whose net fits on the paper, in whole millimetres."""
     width, height = (side - 2 * PRINTER_EDGE_MM for side in PAPERS_MM[paper][0])
     return int(min(width / COLUMNS, (height - FLAP_MM) / ROWS))
 

@@ -11,16 +11,16 @@ from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.squares import is_front_of_square, region_around
 
 MARGIN_RATIO = 0.5
-# A marker larger than this is looked at smaller.
+# A larger marker is scaled down to this size.
 WORKING_PX = 160.0
 MAX_POINTS, MIN_POINTS = 40, 5
 WINDOW, LEVELS = (15, 15), 3
 MAX_RETURN_PX = 0.7
-# Of the points, how many must agree on one motion: less than half, as a reflection may hide the rest.
+# Least share of the points that agree on one motion. It is below a half, as a reflection may hide the rest.
 MIN_AGREEING = 0.25
-# How much a side may grow or shrink between two frames, as a logarithm.
+# Largest change of a side between two frames, as a logarithm.
 MAX_GROWTH = 0.15
-# The paper around the square moves with it; its size over the square's.
+# Points on the paper around the square are used as well, up to this size over the square's.
 PAPER = 1.4
 
 

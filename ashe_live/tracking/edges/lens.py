@@ -6,7 +6,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 
-# Of the iteration that inverts OpenCV's distortion, and how well its answer must map back.
+# Termination of the iteration that inverts OpenCV's distortion, and how exactly its result must map back.
 CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-9)
 MAX_MISS_PX = 0.01
 

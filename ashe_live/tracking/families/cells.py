@@ -1,7 +1,7 @@
-"""Which marker of a dictionary a square shows: its cells' light, correlated with every print in every rotation.
+"""Recognises the marker that a square shows: all cells together are correlated with every print in every rotation.
 
-OpenCV decides cell by cell and gives up where blur or a shadow makes a single cell doubtful; all cells together still
-tell the marker from its dictionary's others.
+OpenCV decides cell by cell, and gives up if blur or a shadow makes a single cell doubtful. All cells together still
+distinguish the marker from the others of its dictionary.
 """
 
 import cv2
@@ -9,14 +9,15 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 
-# The right marker correlates with 0.7 and more under blur as wide as its cells; how far it must lead before others.
+# Least correlation, at fine and at coarse corners (the right marker reaches 0.7 under a blur as wide as its cells); and
+# least lead over the second best.
 MIN_CORRELATION, MIN_COARSE_CORRELATION = 0.6, 0.3
 MIN_LEAD = 0.12
-# How far the border may be from the cells' black, over their range from black to white.
+# Largest brightness of the border, from 0 (the cells' black) to 1 (their white).
 BORDER_LEVEL = 0.4
-# Encoded grey levels from the cells' black to their white.
+# Least difference of encoded grey levels between the cells' black and white.
 MIN_CONTRAST = 10.0
-# Places in a cell, from 0 to 1, at which it is sampled.
+# Positions in a cell, from 0 to 1, at which it is sampled.
 PLACES = (0.3, 0.7)
 
 

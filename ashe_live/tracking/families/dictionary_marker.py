@@ -14,12 +14,13 @@ from ashe_live.tracking.edges.quads import MIN_SIDE_PX, dark_quads, on_lighter, 
 from ashe_live.tracking.edges.squares import is_front_of_square
 from ashe_live.tracking.families.cells import CellReader
 
-# Of the detector's adaptive threshold: one window finds most of what three find, in a third of the time.
+# Least and largest window of the detector's adaptive threshold: one window finds most of the markers that three find,
+# in a third of the time.
 QUICK_WINDOWS_PX, THOROUGH_WINDOWS_PX = (23, 23), (3, 23)
 EDGE_SAMPLES = 12
-# At which the print is compared with the picture.
+# Samples along a cell's side at which the print is compared with the picture.
 SAMPLES_A_CELL = 6
-# From here on coarse corners suffice for a first look.
+# Coarse corners suffice for a first look at markers of at least this size.
 SURE_SIDE_PX = 25.0
 
 # OpenCV has some names twice, in upper and in lower case, for one dictionary.

@@ -13,9 +13,9 @@ FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "original", "5x5_1000", "4
 SIZES = (50, 100, 250, 1000)  # of each ArUco family; the smaller ones are the beginning of the larger
 MIN_SIDE_PX = 20.0
 MOST_PX = 1280  # of the longer side: what is larger is looked at reduced
-# Of the black border's cells: a photo of anything square has darker and lighter ones.
+# Largest share of the black border's cells that may be white: photos of other square things have more.
 WRONG_IN_BORDER = 0.1
-# So many of the cube's tags are no chance: any of them may lie flat on a table by itself.
+# Least number of the cube's tags that count as a cube: a single one may lie flat on a table.
 FACES_OF_CUBE = 2
 
 

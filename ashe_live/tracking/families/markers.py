@@ -19,11 +19,11 @@ class Marker(Protocol):
 
     @property
     def spec(self) -> str:
-        """What `parse_marker` made it from."""
+        """The text from which `parse_marker` makes it."""
 
     @property
     def alignment(self) -> PrintAlignment:
-        """What tells whether a square in the picture is this print, and where its inside has the corners."""
+        """Decides whether a square in the picture is this print, and locates its corners by its inside."""
 
     def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
         """Corners (4, 2) in pixels of `grey` (h, w), good to a pixel or two, of every one in it, the likeliest first.

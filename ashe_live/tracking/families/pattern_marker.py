@@ -17,16 +17,16 @@ SAMPLES = 32
 # Photos and clips of the right pattern give 0.69 to 0.98, another pattern 0.35, the likest ArUco marker 0.65.
 MIN_CORRELATION = 0.66
 MAX_SELF_CORRELATION = 0.9
-# How light a border may be, from the content's dark to its light; coarse corners let some of the paper in.
+# Largest brightness of the border, from 0 (the content's dark) to 1 (its light); coarse corners include some paper.
 BORDER_LEVEL, COARSE_BORDER_LEVEL = 0.35, 0.5
-# Grey levels between the dark and the light of the content.
+# Least difference of grey levels between the dark and the light of the content.
 MIN_CONTRAST = 10
 EDGE_SAMPLES = 16
-# Of what is followed with the whole print.
+# Least correlation of a tracked square with the whole print.
 MIN_LIKENESS = 0.8
-# Side of the square at which the print is aligned: two of them in the narrowest border.
+# Samples along the side at which the print is aligned: two are in the narrowest border.
 ALIGNED_SAMPLES = 48
-# Of the side: what scaling a picture to so few samples leaves unknown of its edges, a tenth of one.
+# Error of the print's edges after it has been scaled to so few samples, over the side: a tenth of a sample.
 EDGE_ERROR = 0.1 / ALIGNED_SAMPLES
 
 

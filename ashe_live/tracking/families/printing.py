@@ -69,7 +69,7 @@ def _blank_page(size_mm: Millimetres, quiet_mm: float, paper: str) -> Page | Non
 
 
 def _middle_mm(page: Page) -> Millimetres:
-    """Of the part above the foot."""
+    """The middle of the page above the foot."""
     return page.width_mm / 2, (page.height_mm - FOOT_MM) / 2
 
 

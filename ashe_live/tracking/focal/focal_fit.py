@@ -15,16 +15,17 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
 from ashe_live.tracking.focal.focal_model import SQUARE, UNKNOWNS, FocalModel, FocalState, Q, prior_information
 
-# Corners are not measured better than this, however well few views happen to fit.
+# Least noise assumed of corners, however well a few views happen to fit.
 MIN_NOISE_PX = 0.04
-# Student's t: views that fit badly count less.
+# Degrees of freedom of Student's t-distribution, by which views that fit badly count less.
 FREEDOM = 4.0
 ITERATIONS = 12
-# Errors that last (a stabiliser that shifts the picture, a shutter that rolls, a lens that focuses) show when a part of
-# the time is left out.
+# Number of parts of the time that the jackknife leaves out, one after the other. It reveals errors that last for a
+# while (a stabiliser that shifts the picture, a rolling shutter, a lens that focuses).
 BLOCKS = 6
 JACKKNIFE_ITERATIONS = 4
-# Of q: poses tracked with a much shorter focal length may be mirrored, and then hold the fit in a wrong valley.
+# Start values of q. Poses that were tracked with a much shorter focal length may be mirrored, and hold the fit in a
+# wrong minimum.
 STARTS = (1.0, 0.2)
 COMPARED_AT_PX = 0.1
 HALVINGS = 6
@@ -34,10 +35,10 @@ FLIP_GAIN = 9.0  # in squared sigmas: by how much a view must prefer the mirrore
 
 
 class FocalFit(NamedTuple):
-    """What the views together say."""
+    """The focal length by all views."""
 
     focal_px: float  # infinite when no perspective was seen
-    relative_sigma: float  # of it, with what is systematic
+    relative_sigma: float  # systematic errors included
 
 
 class _Step(NamedTuple):
@@ -118,7 +119,7 @@ class _Problem:
         return found if flipped is None else self.solve(flipped)
 
     def misfit(self, state: FocalState) -> float:
-        """By which solutions are compared."""
+        """The measure by which solutions are compared."""
         return self._cost(state, COMPARED_AT_PX)
 
     def solve(self, state: FocalState, iterations: int = ITERATIONS) -> _Solution:

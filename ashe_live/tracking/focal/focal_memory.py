@@ -11,14 +11,14 @@ SIGMA = Range(1e-6, FOCAL.high, "px")
 
 
 class FocalMemory:
-    """Of one camera. What cannot be read or written is as if it were not there: it is but a start for the next time."""
+    """One camera's focal length. Errors of reading and writing are ignored, as it is only a start for the next time."""
 
     def __init__(self, camera_name: str, path: Path | None = None) -> None:
         self._name = camera_name
         self._kept = KeptObject(path or configuration_file("focal_lengths.json"))
 
     def recall(self, size: Size) -> FocalEstimate | None:
-        """What was estimated from pictures of `size`: another size may show another part of what the lens sees."""
+        """The estimate from pictures of `size`, as another size may show another part of what the lens sees."""
         kept = self._kept.read().get(self._key(size), {})
         try:
             focal_px = FOCAL.checked(kept["focal_px"], "focal_px")

@@ -14,9 +14,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
 from ashe_live.core.square import square_corners
 
-# In sides.
-SQUARE = square_corners(1.0)
-# How a printed square is wrong without being moved, turned or scaled: (mode, corner, xyz).
+SQUARE = square_corners(1.0)  # in sides
+# Deformations of a printed square, other than motions and scalings: (mode, corner, xyz).
 SADDLE = np.array([1.0, -1.0, 1.0, -1.0])
 SHAPE_MODES = np.array(
     [
@@ -65,7 +64,7 @@ class FocalModel:
         return predicted - self.measured_px, depth
 
     def derivatives(self, state: FocalState) -> tuple[Float, Float]:
-        """Of the residuals by the poses (n, 8, 6) and by the globals (n, 8, 10)."""
+        """Derivatives of the residuals by the poses (n, 8, 6) and by the globals (n, 8, 10)."""
         g, count = state.g, len(state.R)
         turned, depth, ideal = _projected(state)
         radius2 = (ideal**2).sum(axis=-1) / self._half_diagonal_px**2

@@ -27,7 +27,8 @@ from ashe_live.tracking.poses.pose_refinement import (
     solution_of,
 )
 
-# What noise may add to the right solution's error: this many standard deviations of a corner, at least so much.
+# Noise may raise the error of the right one of two poses by NOISE_SIGMAS standard deviations of a corner, and at least
+# by MIN_NOISE_PX.
 NOISE_SIGMAS, MIN_NOISE_PX = 1.4, 0.1
 # The largest error of a right pose: in pixels, or as a fraction of the square's side, for curled paper.
 MOST_RMS_PX, MOST_RMS = 2.0, 0.04
@@ -217,7 +218,7 @@ def _ippe(sighting: Sighting, K: Float) -> list[tuple[Float, Float]]:
 
 
 def _rms_px(offsets_px: Float) -> float:
-    """Of (n, 2) offsets."""
+    """RMS length of offsets (n, 2)."""
     return math.sqrt(float((offsets_px**2).sum()) / len(offsets_px))
 
 

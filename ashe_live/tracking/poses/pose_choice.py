@@ -63,5 +63,5 @@ def is_from_below(solution: Solution) -> bool:
 
 
 def turn_from(T_previous: Float) -> Unlikeliness:
-    """What grows with the angle between a solution's rotation and the previous one."""
+    """A measure that grows with the angle between a solution's rotation and the previous one."""
     return lambda solution: float(np.linalg.norm(solution.R - T_previous[:3, :3]))

@@ -1,9 +1,9 @@
-"""Holds the pose still while the marker is, and lets it go at once when it moves.
+"""Smooths the pose: holds it still while the marker rests, and follows at once when it moves.
 
-A one-euro filter on SE(3) (Casiez, Roussel and Vogel, CHI 2012: the cutoff rises with the motion), whose measure of
-motion is each pose's own covariance. The difference between measured and held pose is split along the covariance's
-principal axes; a part within `gate` standard deviations is noise and gets through slowly, the more of it lies beyond,
-the faster. So the held pose is never wrong by much more than the gate, which is what bounds its lag.
+A one-euro filter on SE(3) (Casiez, Roussel and Vogel, CHI 2012: the cutoff rises with the motion), in which motion is
+measured in units of each pose's own covariance. The difference between measured and held pose is split along the
+covariance's principal axes. A component within `gate` standard deviations is noise, and is followed slowly; the farther
+it is beyond, the faster it is followed. So the held pose lags by little more than the gate.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Whether the marker has stood still enough, for long enough, to trust a frame with an estimate."""
+"""Decides whether the marker has been still for long enough for a frame to be estimated."""
 
 import numpy as np
 

@@ -24,7 +24,7 @@ SUPERSAMPLING = 4
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """What the bar shows."""
+    """The content of the bar."""
 
     time_s: float
     duration_s: float

@@ -24,7 +24,7 @@ class LightEasing:
         self._begun_s = -math.inf
 
     def at(self, target: Illumination, now_s: float) -> Illumination:
-        """What to show at `now_s`; from the end on `target` itself, so that the renderer sees no more changes."""
+        """The light to show at `now_s`; from the end on `target` itself, so that the renderer sees no more changes."""
         if target is not self._target:
             self._target, self._from, self._begun_s = target, self._shown, now_s
         share = (now_s - self._begun_s) / EASED_OVER_S

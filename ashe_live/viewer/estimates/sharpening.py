@@ -8,7 +8,8 @@ from ashe_live.light.live.key_views import RENEWED_AFTER_S, span_of
 
 EVERY_S = 0.4  # least time between two estimates
 CHECKED_EVERY_S = 1.5  # time between two checks of whether a watched scene has changed
-# After so many estimates in a row that were no sharper, no more are made until the views span this much more.
+# After FUTILE estimates in a row that were no sharper, no more are made until the views' span has grown by this factor
+# and this angle.
 FUTILE = 3
 MUCH_WIDER, MUCH_WIDER_BY_RAD = 1.5, math.radians(2)
 # The views show more if their span is larger by this factor and this angle...

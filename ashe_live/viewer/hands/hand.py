@@ -39,7 +39,7 @@ NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 
 @dataclass(frozen=True, slots=True)
 class HandContext:
-    """What a request by hand refers to: the frame that is shown, the estimated light and the model."""
+    """The context of a request by hand: the frame that is shown, the estimated light and the model."""
 
     tracked: TrackedFrame | None
     illumination: Illumination  # as estimated

@@ -5,7 +5,7 @@ from enum import Enum, auto
 
 
 class Command(Enum):
-    """What a person can ask the viewer for."""
+    """The requests that a person can make of the viewer."""
 
     CHOOSE_MODEL = auto()
     PREVIOUS_MODEL = auto()
@@ -89,7 +89,7 @@ class Request:
 
 
 class Gesture(Enum):
-    """What the mouse does; a drag or click is one of its left button."""
+    """Gestures of the mouse; drags and clicks are those of its left button."""
 
     DRAG = auto()
     SHIFT_DRAG = auto()
@@ -101,7 +101,7 @@ class Gesture(Enum):
 
 
 class MouseAction(Enum):
-    """What the mouse did."""
+    """Kinds of mouse events."""
 
     MOVED = auto()
     PRESSED = auto()

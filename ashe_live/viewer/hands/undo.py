@@ -27,7 +27,7 @@ class _OtherTakenUp:
 
 
 class Undo:
-    """What was done to light and models; what was done to a model is forgotten when it is switched."""
+    """The changes made to light and models by hand; those of a model are forgotten when it is switched."""
 
     def __init__(self) -> None:
         self._before: deque[_State | _OtherTakenUp | Callable[[], str]] = deque(maxlen=MOST_STEPS)

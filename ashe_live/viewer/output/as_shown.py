@@ -58,7 +58,7 @@ def shown_now(session: Session) -> Shown:
 
 
 class AsShown:
-    """What was shown in each frame of the clip, by its index; where a frame was shown twice, the last time."""
+    """The state shown with each frame of the clip, by its index; if a frame was shown twice, the last one."""
 
     def __init__(self, by_frame: dict[int, Shown] | None = None) -> None:
         self._by_frame = by_frame or {}

@@ -11,7 +11,7 @@ Result = TypeVar("Result")
 
 
 def begun(name: str, work: Callable[[], Result], failed: Callable[[str], UserError]) -> "Future[Result]":
-    """What `work` returns, or a UserError: its own, or `failed` of the reason for anything else that it raises.
+    """The future result of `work`, or a UserError: its own, or `failed` of the reason for anything else that it raises.
 
     `name` is the thread's. Whatever a file does to its reader, it does not end the viewer.
     """

@@ -57,7 +57,7 @@ class Wish:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """What the capture thread reports; only that thread replaces it."""
+    """The state that the capture thread reports; only that thread replaces it."""
 
     shown: Place = FIRST_FRAME  # the last frame that was handed over
     at: Place = FIRST_FRAME  # the same, or the frame that a jump leads to

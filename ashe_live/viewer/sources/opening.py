@@ -55,7 +55,7 @@ class Opening:
         return True
 
     def take(self) -> Opened | None:
-        """What has been opened, returned once; None until then. Raises UserError, once, when it cannot be opened."""
+        """The source that has been opened, returned once; None until then. Raises UserError, once, if there is none."""
         if self._coming is None or not self._coming.done():
             return None
         coming, self._coming = self._coming, None

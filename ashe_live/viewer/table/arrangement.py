@@ -231,8 +231,7 @@ class Arrangement:
     def _anchor(self, stand: Stand, tracked: TrackedFrame | None) -> Placement | None:
         place = self._place_of(stand.marker, tracked)
         seat = stand.seat
-        if stand.marker is not None and stand.marker == self.followed:
-            # After those that stand on whichever marker is followed.
+        if stand.marker is not None and stand.marker == self.followed:  # after those of whichever marker is followed
             seat += max((other.seat + 1 for other in self._stands if other.marker is None), default=0)
         return None if place is None else place @ seat_beside(seat, self._shelf.marker_side_m)
 

@@ -7,9 +7,10 @@ from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.viewer.hands.pointing import picture_axes
 
-# Distance from the body's middle to the model's: half of each, and a gap between them that lets light through.
+# Distance between the middles of body and model: half of each, and a gap between them that lets light through.
 AWAY_SIDES = 1.7
-# Directions about the body, and how much nearer to the camera counts beside a place to its side and one in its shadow.
+# Number of directions that are compared, and weights of a place nearer to the camera, to the side, and out of the
+# shadow.
 DIRECTIONS = 16
 NEARER, ASIDE, OUT_OF_SHADOW = 0.25, 0.5, 1.0
 

@@ -119,7 +119,7 @@ class Shelf:
             self._memory.keep_placement(name, where, placement, self.marker_side_m)
 
     def take_words(self) -> list[str]:
-        """What the user should know about the models that were shown, each line once."""
+        """Notes on the models that were shown, each line once."""
         words, self._words = self._words, []
         return words
 

@@ -44,11 +44,11 @@ class Window(Protocol):
         ...
 
     def take_requests(self, wait_s: float) -> list[Request]:
-        """What the keys have asked for; waits up to `wait_s` for a first event."""
+        """The requests made by keys; waits up to `wait_s` for a first event."""
         ...
 
     def take_mouse(self) -> list[MouseEvent]:
-        """What the mouse did between the last two `take_requests`; of several moves in a row only the last."""
+        """The mouse events between the last two `take_requests`; of several moves in a row only the last."""
         ...
 
     def set_title(self, title: str) -> None:

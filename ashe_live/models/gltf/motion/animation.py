@@ -11,7 +11,7 @@ from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.parsing.malformed import MalformedError
 
 PATHS = {"translation": 3, "rotation": 4, "scale": 3}
-# Of the poses that an animation is kept as, and drawn between. Below the least, limbs would cut corners.
+# An animation is kept as poses, and drawn by interpolation. At fewer than the least, limbs would cut corners.
 POSES_PER_S, LEAST_POSES_PER_S = 30.0, 6.0
 MOST_POSED_VERTICES = 3_000_000  # of all poses together, 24 bytes each
 MOST_POSED_NODES = 300_000  # nodes and channels of all poses together; of each the processor takes some 20 us
@@ -21,10 +21,10 @@ Changes = dict[tuple[int, str], Float]  # by node and path
 
 
 class Animation:
-    """Of a header that `checked` has passed; begins at its first keyframe.
+    """What a file's nodes do over time, from the first keyframe on; its header has passed `checked`.
 
-    Of a file's animations the first, and the others that move nothing that one before them moves: exporters write one
-    for each object, or one for each thing that a figure can do.
+    It combines the first of a file's animations with those that move nothing that one before them moves. (Exporters
+    write an animation for each object, or one for each action of a figure.)
     """
 
     def __init__(self, header: dict[str, Any], arrays: Arrays) -> None:
@@ -60,7 +60,7 @@ class Animation:
 
 @dataclass(frozen=True, slots=True)
 class _Track:
-    """What one channel does to its node."""
+    """The keyframes of one channel."""
 
     times: Float  # (k,) seconds, increasing
     values: Float  # (k, n)
@@ -90,7 +90,7 @@ class _Track:
 
 
 def _tracks(animation: dict[str, Any], arrays: Arrays) -> tuple[dict[tuple[int, str], _Track], bool]:
-    """By node and path, and whether that is all."""
+    """Tracks by node and path, and whether these are all channels."""
     found: dict[tuple[int, str], _Track] = {}
     sampled: dict[tuple[int, str], _Track | None] = {}
     for channel in animation["channels"]:

@@ -17,7 +17,7 @@ VERTICES_AT_ONCE = 1 << 16
 
 
 class Pose:
-    """Of a header that `checked` has passed and whose scene is a tree."""
+    """Places of nodes and joints, for a header that `checked` has passed and whose scene is a tree."""
 
     def __init__(self, header: dict[str, Any], arrays: Arrays, changes: Changes) -> None:
         """`changes`: what an animation does to nodes at that moment."""
@@ -47,7 +47,7 @@ class Pose:
         return matrix_of(moved["translation"], moved["rotation"], moved["scale"])
 
     def weights(self, place: int, mesh: dict[str, Any]) -> Float:
-        """Of the mesh's morph targets, at the node."""
+        """Weights of the mesh's morph targets, at the node."""
         changed = self._changes.get((place, "weights"))
         given = self._nodes[place].get("weights", mesh.get("weights", ()))
         return np.asarray(given if changed is None else changed, dtype=np.float64)
