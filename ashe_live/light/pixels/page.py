@@ -187,7 +187,7 @@ def _commonest(changes: Float) -> Float:
     return np.asarray(changes[alike[int(alike.sum(axis=1).argmax())]].mean(axis=0), dtype=np.float64)
 
 
-def with_page_as_ground(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float, page: Page) -> Image:
+def shown_as_ground(page: Page, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Image:
     """The picture (h, w, 3) without distortion as if the page had the colour of the ground that it lies on.
 
     Beside the marker it stays paper, by which the exposure is judged.

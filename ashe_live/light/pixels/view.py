@@ -12,7 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.pixels.page import Page, page_around, with_page_as_ground
+from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
 from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
 
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
@@ -33,7 +33,7 @@ class View:
     sheet: Sheet = USUAL_SHEET
     body: Proxy | None = None  # that the marker is printed on, if it is no sheet
     beside: tuple[PlaneMarker, ...] = ()  # other printed sheets on the plane
-    page: Page | None = None  # that the marker is printed on, shown in the ground's colour beyond the sheet
+    page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -44,14 +44,18 @@ class View:
             image = np.asarray(cv2.undistort(image, camera.K, camera.dist), dtype=np.uint8)
             camera = camera.without_distortion()
         T_cam_marker, side_m, body = tracked.marker.T_cam_marker, tracked.marker.side_m, tracked.marker.body
-        if body is not None:
-            return _made(image, camera, T_cam_marker, side_m, USUAL_SHEET, body, tracked.others)
-        page = page_around(image, camera, T_cam_marker, side_m)
+        sheet = measured_sheet(image, camera, T_cam_marker, side_m) if body is None else USUAL_SHEET
+        return _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
+
+    def with_page_as_ground(self) -> "View":
+        """This view, in which a whole page that the marker is printed on is ground, and shown in its colour."""
+        if self.body is not None:
+            return self
+        page = page_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
         if page is None:
-            sheet = measured_sheet(image, camera, T_cam_marker, side_m)
-            return _made(image, camera, T_cam_marker, side_m, sheet, None, tracked.others)
-        image = with_page_as_ground(image, camera, T_cam_marker, side_m, page)
-        return _made(image, camera, T_cam_marker, side_m, USUAL_SHEET, None, tracked.others, page)
+            return self
+        image = shown_as_ground(page, self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
+        return _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page)
 
     @property
     def size(self) -> tuple[int, int]:

@@ -48,7 +48,7 @@ def test_a_marker_that_is_cut_out_lies_on_no_page(ground: str, margin_m: float) 
 
 def test_lit_and_in_shadow_a_page_looks_like_the_ground_around_it() -> None:
     scene = paint(Caster(at=(0.075, 0.05)), azimuth_deg=170, elevation_deg=30, T_cam_marker=ABOVE, page_m=A4)
-    view = View.of(scene.tracked, 640)
+    view = View.of(scene.tracked, 640).with_page_as_ground()
     inside = cv2.erode(scene.shadow.astype(np.uint8), np.ones((5, 5))) > 0
     for these in (inside, ~scene.shadow & ~scene.body):
         on_page, beside = these & view.is_ground & scene.sheet, these & view.is_ground & ~scene.sheet
