@@ -114,15 +114,17 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
         for side, end in enumerate(ends)
         if end is not None
     ]
-    ground_over_paper = np.exp(FROM_OPPONENT @ _commonest(np.concatenate(changes)))
+    ground = _commonest(np.concatenate(changes))
     reaches[seen] = first[seen]
     lines = _Lines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
     found = [
-        _farthest_paper(lines, side) if end is None else (float(lines.outwards[end]), True)
+        _farthest_paper(lines, side, ground) if end is None else (float(lines.outwards[end]), True)
         for side, end in enumerate(ends)
     ]
     return Page(
-        tuple(end for end, _ in found), tuple(is_seen for _, is_seen in found), tuple(ground_over_paper.tolist())
+        tuple(end for end, _ in found),
+        tuple(is_seen for _, is_seen in found),
+        tuple(np.exp(FROM_OPPONENT @ ground).tolist()),
     )
 
 
@@ -149,19 +151,22 @@ def _common_end(is_end: Mask, seen: Mask) -> int | None:
     return _middle(is_end, int((share >= SHARE).argmax()) + TOGETHER)
 
 
-def _farthest_paper(lines: _Lines, side: int) -> tuple[float, bool]:
+def _farthest_paper(lines: _Lines, side: int, ground: Float) -> tuple[float, bool]:
     """Where the paper ends on a side where things hide its end, in sides, and whether that is seen there.
 
     If it is not, that is where the second farthest of the lines leaves it, as one may go on along something white.
+    ground: (3,) log-opponent colour of the ground less the paper's.
     """
-    is_paper, seen = lines.is_paper[side], lines.seen[side]
-    lasting = is_paper.sum(axis=1)
-    if np.count_nonzero((lasting > 0) & (lasting == seen.sum(axis=1))) >= SHARE * len(lasting):
+    seen = lines.seen[side]
+    from_paper = lines.before[side] - np.median(lines.before[side, :, 0], axis=0)
+    is_lit = np.linalg.norm(from_paper, axis=2) < np.linalg.norm(from_paper - ground, axis=2)
+    farthest = np.where(lines.is_paper[side] & is_lit, np.arange(1, seen.shape[1] + 1), 0).max(axis=1)
+    if np.count_nonzero((farthest > 0) & (farthest == seen.sum(axis=1))) >= SHARE * len(farthest):
         return FARTHEST, True  # the page leaves the picture
     together = _ending_together(lines.is_end[side], 1) >= SHARE_ALONG * np.count_nonzero(seen[:, 0])
     if together.any():
         return float(lines.outwards[_middle(lines.is_end[side], int(np.flatnonzero(together)[-1]))]), True
-    return float(lines.outwards[np.sort(lasting)[-2]]), False
+    return float(lines.outwards[max(int(np.sort(farthest)[-2]) - 1, 0)]), False
 
 
 def _around(place: int) -> slice:
