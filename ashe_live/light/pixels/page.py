@@ -22,7 +22,7 @@ from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 PAPER, FARTHEST = 0.555, 3.6
 LEAST = 1.1  # of a page: a smaller sheet is a marker with its margin, on which nothing stands
 STEP = 0.02  # between samples
-LINES = 16  # of samples across a side
+LINES = 24  # of samples across a side
 BESIDE = 0.45  # reach of these lines from a side's middle; where a side's end is not seen, all along the page
 WINDOW = 4  # samples on either side of an end, whose medians are compared: print is thinner than half of them
 CHANGE = 0.2  # log-opponent distance between these medians from which on something ends
@@ -31,8 +31,10 @@ SAME_CHROMA, BRIGHTER, DARKER = 0.25, 0.5, 1.6
 BLUER = 0.6  # and how much bluer, for each unit that it is darker
 TOGETHER = 2  # samples within which lines end together
 # Of a side's lines, those that do so where the paper ends, as shadows and objects end others; of those all along it.
-SHARE, SHARE_ALONG, FEWEST = 0.4, 0.25, 6
+SHARE, FEWEST = 0.4, 6
+SHARE_ALONG, FEWEST_ALONG = 0.25, 3
 SIDES = 2  # of a page whose ends are seen, at least
+HALF = 0.5  # of the change of colour that ends the paper elsewhere
 ALIKE = 0.2  # log-opponent distance within which two changes of colour are alike
 
 
@@ -138,9 +140,9 @@ def _is_paper(colours: Float, paper: Float) -> Mask:
 
 
 def _largest_beside(size: Float) -> Float:
-    """(4, lines, n) the largest of the sizes within a window on either side."""
-    padded = np.pad(size, ((0, 0), (0, 0), (WINDOW, WINDOW)))
-    return np.asarray(sliding_window_view(padded, 2 * WINDOW + 1, axis=2).max(axis=-1))
+    """(..., n) the largest of the sizes within a window on either side."""
+    padded = np.pad(size, [*[(0, 0)] * (size.ndim - 1), (WINDOW, WINDOW)])
+    return np.asarray(sliding_window_view(padded, 2 * WINDOW + 1, axis=-1).max(axis=-1))
 
 
 def _common_end(is_end: Mask, seen: Mask) -> int | None:
@@ -160,12 +162,15 @@ def _farthest_paper(lines: _Lines, side: int, ground: Float) -> tuple[float, boo
     seen = lines.seen[side]
     from_paper = lines.before[side] - np.median(lines.before[side, :, 0], axis=0)
     is_lit = np.linalg.norm(from_paper, axis=2) < np.linalg.norm(from_paper - ground, axis=2)
+    part = np.where(lines.is_paper[side], (lines.after[side] - lines.before[side]) @ ground / (ground @ ground), 0.0)
+    is_end = (part > HALF) & (part >= _largest_beside(part))
     farthest = np.where(lines.is_paper[side] & is_lit, np.arange(1, seen.shape[1] + 1), 0).max(axis=1)
+    # Of those lines that are seen as far out, as others leave the picture on the paper.
+    together = _ending_together(is_end, 1) / np.maximum(SHARE_ALONG * seen.sum(axis=0), FEWEST_ALONG)
+    if together.max() >= 1:
+        return float(lines.outwards[_middle(is_end, int(together.argmax()))]), True
     if np.count_nonzero((farthest > 0) & (farthest == seen.sum(axis=1))) >= SHARE * len(farthest):
-        return FARTHEST, True  # the page leaves the picture
-    together = _ending_together(lines.is_end[side], 1) >= SHARE_ALONG * np.count_nonzero(seen[:, 0])
-    if together.any():
-        return float(lines.outwards[_middle(lines.is_end[side], int(np.flatnonzero(together)[-1]))]), True
+        return FARTHEST, True
     return float(lines.outwards[max(int(np.sort(farthest)[-2]) - 1, 0)]), False
 
 
