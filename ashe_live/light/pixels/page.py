@@ -4,6 +4,7 @@ Things stand on such a page and shadows fall onto it, so that it is ground, but 
 along its edges, in light as in shadow, the same ratio of linear light parts ground from paper, whatever lies there.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -14,7 +15,7 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import image_from_plane, project
-from ashe_live.light.pixels.log_colour import FROM_OPPONENT, log_opponent
+from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 
 # Distances from the marker's centre, in its sides: from where on there is paper, and how far its end is looked for. The
@@ -29,6 +30,7 @@ CHANGE = 0.2  # log-opponent distance between these medians from which on someth
 # Of paper, from the margin's colour: largest difference of chroma, and of log brightness, lit unevenly or in a shadow.
 SAME_CHROMA, BRIGHTER, DARKER = 0.25, 0.5, 1.6
 BLUER = 0.6  # and how much bluer, for each unit that it is darker
+CLEAR = 3  # samples from an end, beyond which blur mixes no colours
 TOGETHER = 2  # samples within which lines end together
 # Of a side's lines, those that do so where the paper ends, as shadows and objects end others; of those all along it.
 SHARE, FEWEST = 0.4, 6
@@ -97,6 +99,14 @@ class _Lines:
         is_end = (size > CHANGE) & (size >= _largest_beside(size))
         return _Lines(outwards[1:last] - STEP / 2, before, after, seen, is_paper, is_end)
 
+    def colours_beside(self, ends: Sequence[int | None]) -> Iterator[tuple[Float, Float]]:
+        """Of each side whose end is known, on the lines that end there: (n, 3) of the paper and of what follows it."""
+        for side, end in enumerate(ends):
+            if end is not None:
+                these = self.is_end[side][:, _around(end)].any(axis=1)
+                beyond = min(end + CLEAR, len(self.outwards) - 1)
+                yield self.before[side, these, end - CLEAR], self.after[side, these, beyond]
+
 
 def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Page | None:
     """The page that the marker is printed on, in a picture (h, w, 3) without distortion; None if it is a small sheet.
@@ -106,27 +116,24 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
     """
     reaches = np.full(4, BESIDE)
     lines = _Lines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
-    is_end, ends = lines.is_end, [_common_end(*side) for side in zip(lines.is_end, lines.seen, strict=True)]
+    ends = [_common_end(*side) for side in zip(lines.is_end, lines.seen, strict=True)]
     seen = np.array([end is not None for end in ends])
     first = lines.outwards[[end or 0 for end in ends]]
     if np.count_nonzero(seen) < SIDES or (first[seen] < LEAST).any():
         return None
-    changes = [
-        (lines.after - lines.before)[side, is_end[side][:, _around(end)].any(axis=1), end]
-        for side, end in enumerate(ends)
-        if end is not None
-    ]
-    ground = _commonest(np.concatenate(changes))
+    paper, ground = (np.concatenate(each) for each in zip(*lines.colours_beside(ends), strict=True))
+    change = _commonest(ground - paper)
+    lit = np.median(paper, axis=0)
     reaches[seen] = first[seen]
     lines = _Lines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
     found = [
-        _farthest_paper(lines, side, ground) if end is None else (float(lines.outwards[end]), True)
+        _farthest_paper(lines, side, change) if end is None else (float(lines.outwards[end]), True)
         for side, end in enumerate(ends)
     ]
     return Page(
         tuple(end for end, _ in found),
         tuple(is_seen for _, is_seen in found),
-        tuple(np.exp(FROM_OPPONENT @ ground).tolist()),
+        tuple((linear_rgb(lit + change) / linear_rgb(lit)).tolist()),
     )
 
 
