@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import image_from_plane, project
@@ -65,8 +65,8 @@ class _Lines:
     """Colours along lines that run outwards across the four sides."""
 
     outwards: Float  # (n,) distances from the centre
-    before: Float  # (4, lines, n, 3) log-opponent: medians of what lies just before these places
-    after: Float  # (4, lines, n, 3) and from there on
+    before: Float32  # (4, lines, n, 3) log-opponent: medians of what lies just before these places
+    after: Float32  # (4, lines, n, 3) and from there on
     seen: Mask  # (4, lines, n) whether all of that lies in the picture
     is_paper: Mask  # (4, lines, n) whether there is paper up to here
     is_end: Mask  # (4, lines, n) whether something ends the paper here, or the light on it
@@ -90,7 +90,7 @@ class _Lines:
         colours = log_opponent(np.asarray(samples, dtype=np.uint8), 0).reshape(*x.shape, 3)
         margin = np.median(colours[:, :, : WINDOW - 1], axis=2, keepdims=True)
         padded = np.concatenate([np.repeat(margin, WINDOW - 1, axis=2), colours], axis=2)
-        medians = np.median(sliding_window_view(padded, WINDOW, axis=2), axis=-1)
+        medians = _medians(padded)
         last = len(outwards) - WINDOW + 1
         before, after, seen = medians[:, :, : last - 1], medians[:, :, WINDOW:], seen[:, :, WINDOW:]
         paper = np.median(before[:, :, 0], axis=1)[:, None, None]
@@ -99,7 +99,7 @@ class _Lines:
         is_end = (size > CHANGE) & (size >= _largest_beside(size))
         return _Lines(outwards[1:last] - STEP / 2, before, after, seen, is_paper, is_end)
 
-    def colours_beside(self, ends: Sequence[int | None]) -> Iterator[tuple[Float, Float]]:
+    def colours_beside(self, ends: Sequence[int | None]) -> Iterator[tuple[Float32, Float32]]:
         """Of each side whose end is known, on the lines that end there: (n, 3) of the paper and of what follows it."""
         for side, end in enumerate(ends):
             if end is not None:
@@ -137,7 +137,14 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
     )
 
 
-def _is_paper(colours: Float, paper: Float) -> Mask:
+def _medians(colours: Float32) -> Float32:
+    """(4, lines, n, 3) of each WINDOW = 4 colours in a row, which are half of what their largest and smallest leave."""
+    count = colours.shape[2] - WINDOW + 1
+    several = [colours[:, :, i : i + count] for i in range(WINDOW)]
+    return np.asarray((sum(several) - np.maximum.reduce(several) - np.minimum.reduce(several)) / 2, dtype=np.float32)
+
+
+def _is_paper(colours: Float32, paper: Float32) -> Mask:
     """Whether colours (..., 3) are those of the paper, lit more or less than the margin is, or in a shadow."""
     brighter, redder, purpler = np.moveaxis(colours - paper, -1, 0)
     # A shadow is lit by the sky, which is bluer, and green in proportion.
