@@ -21,7 +21,8 @@ from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 # Distances from the marker's centre, in its sides: from where on there is paper, and how far its end is looked for. The
 # lower end of an A4 page with a marker of 50 mm, the smallest that is printed, lies 3.4 sides below the marker.
 PAPER, FARTHEST = 0.555, 3.6
-LEAST = 1.1  # of a page: a smaller sheet is a marker with its margin, on which nothing stands
+LEAST = 1.1  # of a page's longest side: a smaller sheet is a marker with its margin, on which nothing stands
+EVEN = 0.1  # largest difference between a page's right and left, in whose middle markers are printed
 STEP = 0.02  # between samples
 LINES = 24  # of samples across a side
 BESIDE = 0.45  # reach of these lines from a side's middle; where a side's end is not seen, all along the page
@@ -119,7 +120,7 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
     ends = [_common_end(*side) for side in zip(lines.is_end, lines.seen, strict=True)]
     seen = np.array([end is not None for end in ends])
     first = lines.outwards[[end or 0 for end in ends]]
-    if np.count_nonzero(seen) < SIDES or (first[seen] < LEAST).any():
+    if not _is_page(first, seen):
         return None
     paper, ground = (np.concatenate(each) for each in zip(*lines.colours_beside(ends), strict=True))
     change = _commonest(ground - paper)
@@ -135,6 +136,17 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
         tuple(is_seen for _, is_seen in found),
         tuple((linear_rgb(lit + change) / linear_rgb(lit)).tolist()),
     )
+
+
+def _is_page(ends: Float, seen: Mask) -> bool:
+    """Whether sides that end there (4,), where that is seen (4,), are a page's, and not a marker's that was cut out.
+
+    A large marker leaves a page hardly any margin on either side, but more below.
+    """
+    right, _, left, _ = ends
+    upright = bool(seen[[0, 2]].all() and abs(right - left) < EVEN)
+    large = seen & (ends >= LEAST)
+    return int(np.count_nonzero(seen)) >= SIDES and bool(large.any() if upright else (large == seen).all())
 
 
 def _medians(colours: Float32) -> Float32:

@@ -33,6 +33,18 @@ def test_a_page_is_found_whatever_stands_on_it_and_around(ground: str, at: tuple
     assert (ends[~seen] < true[~seen] + 0.1).all()
 
 
+@pytest.mark.parametrize("marker_mm", [60, 100, 150])
+def test_the_marker_may_be_small_or_large_on_its_page(marker_mm: float) -> None:
+    true = np.array(A4) / (1e-3 * marker_mm)
+    page_m = (true * SIDE_M).tolist()
+    away = Caster(at=(0.06 + page_m[0], 0.02))
+    page = page_in(
+        paint(away, azimuth_deg=30, T_cam_marker=camera_towards((0.0, -0.02), 0.75, 55.0), page_m=page_m).tracked
+    )
+    assert page is not None
+    np.testing.assert_allclose(np.array(page.ends)[[0, 1, 2]], true[[0, 1, 2]], atol=0.03)
+
+
 def test_the_ground_beside_a_page_has_the_colour_that_is_seen_there() -> None:
     page = page_in(paint(CYLINDER, T_cam_marker=ABOVE, page_m=A4).tracked)
     assert page is not None
