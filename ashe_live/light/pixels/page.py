@@ -22,7 +22,7 @@ from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 # lower end of an A4 page with a marker of 50 mm, the smallest that is printed, lies 3.4 sides below the marker.
 PAPER, FARTHEST = 0.555, 3.6
 LEAST = 1.1  # of a page's longest side: a smaller sheet is a marker with its margin, on which nothing stands
-EVEN = 0.1  # largest difference between a page's right and left, in whose middle markers are printed
+EVEN = 0.1  # largest difference between a page's right and left
 STEP = 0.02  # between samples
 LINES = 24  # of samples across a side
 BESIDE = 0.45  # reach of these lines from a side's middle; where a side's end is not seen, all along the page
@@ -35,6 +35,7 @@ CLEAR = 3  # samples from an end, beyond which blur mixes no colours
 TOGETHER = 2  # samples within which lines end together
 # Of a side's lines, those that do so where the paper ends, as shadows and objects end others; of those all along it.
 SHARE, FEWEST = 0.4, 6
+MOST = 0.75  # of the lines of both sides: each then ends where it does
 SHARE_ALONG, FEWEST_ALONG = 0.25, 3
 SIDES = 2  # of a page whose ends are seen, at least
 HALF = 0.5  # of the change of colour that ends the paper elsewhere
@@ -127,6 +128,7 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
     lit = np.median(paper, axis=0)
     reaches[seen] = first[seen]
     lines = _Lines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
+    ends[0], ends[2] = _in_the_middle(lines, ends[0], ends[2])
     found = [
         _farthest_paper(lines, side, change) if end is None else (float(lines.outwards[end]), True)
         for side, end in enumerate(ends)
@@ -177,6 +179,20 @@ def _common_end(is_end: Mask, seen: Mask) -> int | None:
     if share.max() < SHARE:
         return None
     return _middle(is_end, int((share >= SHARE).argmax()) + TOGETHER)
+
+
+def _in_the_middle(lines: _Lines, right: int | None, left: int | None) -> tuple[int | None, int | None]:
+    """The ends on the right and on the left, where the one that fewer lines show gives way to the other.
+
+    Markers are printed in the middle of a page's width; a white object beside the page, or a shadow, shifts one end.
+    """
+    if right is None or left is None:
+        return right or left, left or right
+    shares = [_ending_together(lines.is_end[side], TOGETHER)[end] / LINES for side, end in ((0, right), (2, left))]
+    if abs(lines.outwards[right] - lines.outwards[left]) < EVEN or min(shares) > MOST:
+        return right, left
+    clearer = right if shares[0] > shares[1] else left
+    return clearer, clearer
 
 
 def _farthest_paper(lines: _Lines, side: int, ground: Float) -> tuple[float, bool]:
