@@ -15,7 +15,7 @@ from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import image_from_plane, project
-from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
+from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 
 # Distances from the marker's centre, in its sides: from where on there is paper, and how far its end is looked for. The
@@ -136,7 +136,7 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
     return Page(
         tuple(end for end, _ in found),
         tuple(is_seen for _, is_seen in found),
-        tuple((linear_rgb(lit + change) / linear_rgb(lit)).tolist()),
+        tuple((np.maximum(linear_rgb(lit + change), 0) / np.maximum(linear_rgb(lit), DARKEST)).tolist()),
     )
 
 
@@ -178,7 +178,8 @@ def _common_end(is_end: Mask, seen: Mask) -> int | None:
     share = _ending_together(is_end, TOGETHER) / np.maximum(seen.sum(axis=0), FEWEST)
     if share.max() < SHARE:
         return None
-    return _middle(is_end, int((share >= SHARE).argmax()) + TOGETHER)
+    first = int((share >= SHARE).argmax())
+    return _middle(is_end, first + int(share[first : first + 2 * TOGETHER + 1].argmax()))
 
 
 def _in_the_middle(lines: _Lines, right: int | None, left: int | None) -> tuple[int | None, int | None]:

@@ -1,19 +1,30 @@
 """A whole page is found where it ends, whatever stands or falls on it, and nothing else is taken for one."""
 
+import math
+
 import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 from ashe_live.light.pixels.view import View
-from tests.light.painted_scenes import CYLINDER, SIDE_M, Caster, paint
+from tests.light.painted_scenes import CYLINDER, HFOV_DEG, SIDE_M, Caster, paint, tracked_frame
 from tests.light.synthetic_masks import camera_towards
 
 A4 = (0.105, 0.126, 0.105, 0.171)  # right, above, left and below of the marker, as `ashe-live marker` prints it
 ABOVE = camera_towards((0.0, -0.02), 0.62, 55.0)
 ON_PAGE, BESIDE_PAGE, BEFORE_PAGE = (0.02, -0.11), (0.15, 0.03), (0.0, -0.19)
+
+
+def turned(radians: float) -> Float:
+    """(4, 4) of the marker's frame about z."""
+    T = np.eye(4)
+    T[:2, :2] = [[math.cos(radians), -math.sin(radians)], [math.sin(radians), math.cos(radians)]]
+    return T
 
 
 def page_in(tracked: TrackedFrame) -> Page | None:
@@ -31,6 +42,25 @@ def test_a_page_is_found_whatever_stands_on_it_and_around(ground: str, at: tuple
     assert seen.sum() >= 3
     np.testing.assert_allclose(ends[seen], true[seen], atol=0.03)
     assert (ends[~seen] < true[~seen] + 0.1).all()
+
+
+@pytest.mark.parametrize("height_m", [0.07, 0.12])
+def test_an_end_that_something_white_hides_is_that_of_the_opposite_side(height_m: float) -> None:
+    camera = camera_towards((0.0, 0.0), 0.6, 50.0) @ turned(math.pi / 2)
+    white = Caster(at=(0.14, 0.0), width_m=0.08, height_m=height_m, rgb=(0.7, 0.7, 0.7))
+    page = page_in(paint(white, azimuth_deg=100, T_cam_marker=camera, page_m=A4).tracked)
+    assert page is not None
+    np.testing.assert_allclose((page.ends[0], page.ends[2]), 0.105 / SIDE_M, atol=0.03)
+
+
+def test_every_picture_has_a_page_or_none() -> None:
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        image = random.integers(0, 256, (30, 40, 3)).astype(np.uint8)
+        noise = cv2.resize(image, (640, 480), interpolation=(cv2.INTER_NEAREST, cv2.INTER_CUBIC)[seed % 2])
+        camera = camera_towards((0.0, 0.0), 0.5, 10.0 + 4 * seed)
+        page = page_in(tracked_frame(noise, Camera.from_hfov((640, 480), HFOV_DEG), camera))
+        assert page is None or np.isfinite((*page.ends, *page.ground_over_paper)).all()
 
 
 @pytest.mark.parametrize("marker_mm", [60, 100, 150])
