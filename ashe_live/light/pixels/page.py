@@ -19,7 +19,7 @@ from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 
 # Distances from the marker's centre, in its sides: from where on there is paper, and how far its end is looked for. The
-# lower end of an A4 page with a marker of 50 mm, the smallest that is printed, lies 3.4 sides below the marker.
+# lower end of an A4 page lies 3.4 sides below a marker of 50 mm.
 PAPER, FARTHEST = 0.555, 3.6
 LEAST = 1.1  # of a page's longest side: a smaller sheet is a marker with its margin, on which nothing stands
 EVEN = 0.1  # largest difference between a page's right and left
