@@ -9,7 +9,7 @@ from PIL import ImageDraw, ImageFont
 from ashe_live.core.arrays import Image
 
 GAP_PX = 8
-LABEL_HEIGHT_PX = 24
+LABEL_HEIGHT_PX, INDENT_PX = 24, 2
 FONT_SIZE_PX = 16
 PAPER = (24, 24, 24)
 INK = (235, 235, 235)
@@ -18,23 +18,42 @@ INK = (235, 235, 235)
 def contact_sheet(
     images_bgr: Sequence[Image], labels: Sequence[str], columns: int = 4, thumbnail_width_px: int = 320
 ) -> Image:
-    """(h, w, 3) uint8 BGR: each (h, w, 3) uint8 image over its label, row by row. Raises ValueError without images."""
+    """(h, w, 3) uint8 BGR: each (h, w, 3) uint8 image over its label, row by row. Raises ValueError without images.
+
+    A label wider than its thumbnail goes on below.
+    """
     if not images_bgr or len(images_bgr) != len(labels) or columns < 1:
         raise ValueError(f"{len(images_bgr)} images with {len(labels)} labels make no sheet of {columns} columns")
     thumbnails = [_thumbnail(image, thumbnail_width_px) for image in images_bgr]
+    font = ImageFont.load_default(FONT_SIZE_PX)
+    wrapped = [_wrapped(label, font, thumbnail_width_px - 2 * INDENT_PX) for label in labels]
+    label_height = LABEL_HEIGHT_PX * max(map(len, wrapped))
     columns = min(columns, len(thumbnails))
     rows = -(-len(thumbnails) // columns)
     cell_width = thumbnail_width_px + GAP_PX
-    cell_height = max(thumbnail.height for thumbnail in thumbnails) + LABEL_HEIGHT_PX + GAP_PX
+    cell_height = max(thumbnail.height for thumbnail in thumbnails) + label_height + GAP_PX
     sheet = PIL.Image.new("RGB", (columns * cell_width + GAP_PX, rows * cell_height + GAP_PX), PAPER)
     draw = ImageDraw.Draw(sheet)
-    font = ImageFont.load_default(FONT_SIZE_PX)
-    for number, (thumbnail, label) in enumerate(zip(thumbnails, labels, strict=True)):
+    for number, (thumbnail, lines) in enumerate(zip(thumbnails, wrapped, strict=True)):
         row, column = divmod(number, columns)
         left, top = GAP_PX + column * cell_width, GAP_PX + row * cell_height
         sheet.paste(thumbnail, (left, top))
-        draw.text((left + 2, top + thumbnail.height + LABEL_HEIGHT_PX / 2), label, INK, font, anchor="lm")
+        for below, line in enumerate(lines):
+            middle = top + thumbnail.height + LABEL_HEIGHT_PX * (below + 0.5)
+            draw.text((left + INDENT_PX, middle), line, INK, font, anchor="lm")
     return np.ascontiguousarray(np.asarray(sheet)[:, :, ::-1])
+
+
+def _wrapped(label: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, width_px: int) -> list[str]:
+    """The lines of a label, one at least, each no wider than `width_px` unless a single word is."""
+    lines = [""]
+    for word in label.split():
+        longer = f"{lines[-1]} {word}".lstrip()
+        if lines[-1] and font.getlength(longer) > width_px:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines
 
 
 def _thumbnail(image_bgr: Image, width_px: int) -> PIL.Image.Image:

@@ -18,6 +18,17 @@ def test_every_picture_is_in_its_cell_over_its_label() -> None:
     assert sheet[8 + cell_height :, 8 + 2 * cell_width :].max() < 50, "the sixth cell is empty"
 
 
+def test_a_long_label_is_read_to_its_end_below_its_picture() -> None:
+    images = [np.full((48, 200, 3), 90, np.uint8)] * 2
+    short, long = "regions 2", "none: the shadow seems to leave the picture: show its far end"
+    sheet = contact_sheet(images, [long, short], columns=2, thumbnail_width_px=200)
+    of_long, of_short = (sheet[8 + 48 : -8, left : left + 200] for left in (8, 8 + 208))
+    assert len(of_long) > 2 * 24
+    assert of_long[24:48].max() > 200, "the label goes on"
+    assert sheet[:, 208 : 208 + 8].max() < 50, "and not into the next cell"
+    assert of_short[24:].max() < 50
+
+
 def test_contact_sheet_of_nothing_is_wrong_use() -> None:
     with pytest.raises(ValueError, match="no sheet"):
         contact_sheet([], [])

@@ -109,12 +109,14 @@ def paint(
     other: OtherLight | None = None,
     lamp_m: Float | None = None,
     gloss: float = 0.0,
+    page_m: Sequence[float] | None = None,
 ) -> Painted:
     """The casters in one directional light, or two; no casters: the empty ground.
 
     Focal length: by HFOV_DEG if not given. The shadow of what is returned is the first light's. lamp_m: (3,) place of a
     lamp, in place of the first light; the shadow ratio is then that at the marker's centre. gloss: fraction of the
-    light of what the ground mirrors that it adds to its own; of the sky it does everywhere.
+    light of what the ground mirrors that it adds to its own; of the sky it does everywhere. page_m: how far the paper
+    reaches right, above, left and below of the marker's centre, in place of a small sheet.
     """
     camera = Camera.from_hfov(size, HFOV_DEG) if focal_px is None else Camera.from_focal(size, focal_px)
     fine = camera.resized((size[0] * SUPERSAMPLING, size[1] * SUPERSAMPLING))
@@ -122,9 +124,10 @@ def paint(
     light = np.append(to_light, 0.0 if lamp_m is None else 1 / np.linalg.norm(lamp_m))
     linear = _lit_ground(fine, T_cam_marker, ground)
     sheet, shadow, body = (np.zeros(linear.shape[:2], np.uint8) for _ in range(3))
-    _fill(sheet, fine, T_cam_marker, _square(1.3 * SIDE_M), 1)
-    for side, level in ((1.3, 0.8), (1.0, 0.03), (0.4, 0.8)):
-        _fill(linear, fine, T_cam_marker, _square(side * SIDE_M), (level,) * 3)
+    paper = _square(1.3 * SIDE_M) if page_m is None else _rectangle(*page_m)
+    _fill(sheet, fine, T_cam_marker, paper, 1)
+    for printed, level in ((paper, 0.8), (_square(SIDE_M), 0.03), (_square(0.4 * SIDE_M), 0.8)):
+        _fill(linear, fine, T_cam_marker, printed, (level,) * 3)
     _cast(shadow, casters, light, fine, T_cam_marker)
     ratio = SHADOW_RATIO.astype(np.float32)
     if penumbra_px == 0 and other is None and lamp_m is None:
@@ -254,8 +257,11 @@ def _plane_by_pixel(K: Float, T_cam_marker: Float) -> Float:
 
 
 def _square(side_m: float) -> Float:
-    half = side_m / 2
-    return np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
+    return _rectangle(*[side_m / 2] * 4)
+
+
+def _rectangle(right: float, above: float, left: float, below: float) -> Float:
+    return np.array([(-left, above, 0), (right, above, 0), (right, -below, 0), (-left, -below, 0)])
 
 
 def _fill(

@@ -11,6 +11,7 @@ from ashe_live.light.pixels.view import View
 TOO_LITTLE_GROUND = "too little lit ground around the marker"
 NOTHING_THERE = "nothing stands on the ground: put something that casts a shadow beside the marker"
 NO_SHADOW = "no shadow found: the light may be diffuse, or the shadow out of view"
+HARDLY_A_SHADOW = "hardly any shadow is seen: the light may be behind you, or diffuse: look from another side"
 DOES_NOT_FIT = "what stands out from the ground does not fit an object and its shadow in one directional light"
 OTHER_SIZE = "the object does not look like the given caster: measure it again, stand it upright, or give none"
 NEAR_OR_FAR = "how far away the light is stays open, and so its direction at the marker: move the object to the marker"
@@ -26,6 +27,7 @@ DARK, CLIPPED = 28, 250
 MOST_CLIPPED = 0.5  # fraction of the ground
 # Paper as light as this shows that the exposure is right; the marker's margin is the lightest twentieth of its sheet.
 PAPER, PAPER_PERCENTILE = 4 * DARK, 95
+HARDLY = 0.1  # of its object's area: a shadow that is smaller is hidden behind the object, or none
 # Least confidence of an explanation for it to say why there is no answer.
 LEAST_CUT_OFF = 0.1
 
@@ -54,7 +56,11 @@ def _is_paper_light(view: View) -> bool:
 
 def fault_of_scene(explanation: Explanation, confidence: float) -> str:
     """Why the likeliest explanation of a scene, of some `confidence`, is not likely enough, for the user."""
-    return CUT_OFF if confidence >= LEAST_CUT_OFF and _is_cut_off(explanation) else DOES_NOT_FIT
+    if confidence >= LEAST_CUT_OFF and _is_cut_off(explanation):
+        return CUT_OFF
+    predicted = explanation.predicted
+    hidden = np.count_nonzero(predicted.shadow) < HARDLY * np.count_nonzero(predicted.body)
+    return HARDLY_A_SHADOW if hidden else DOES_NOT_FIT
 
 
 def fault_of_distance(explanation: Explanation) -> str:

@@ -66,8 +66,8 @@ class SheetShadow:
 
 
 def sheet_shadow_in(view: View) -> SheetShadow | None:
-    """The shadow beside the sheet of `view`; None where its edges are not seen, or the marker is on no sheet."""
-    if view.body is not None:
+    """The shadow beside the sheet of `view`; None where its edges are not seen, or the marker is on no small sheet."""
+    if view.body is not None or view.page is not None:
         return None
     luminance = (LINEAR_FROM_SRGB_8BIT[view.image_bgr] @ LUMINANCE_BGR).astype(np.float32)
     lines = _Lines(luminance, image_from_plane(view.camera, view.T_cam_marker), view.side_m)

@@ -12,6 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
 from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
 
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
@@ -32,6 +33,7 @@ class View:
     sheet: Sheet = USUAL_SHEET
     body: Proxy | None = None  # that the marker is printed on, if it is no sheet
     beside: tuple[PlaneMarker, ...] = ()  # other printed sheets on the plane
+    page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -45,6 +47,16 @@ class View:
         sheet = measured_sheet(image, camera, T_cam_marker, side_m) if body is None else USUAL_SHEET
         return _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
 
+    def with_page_as_ground(self) -> "View":
+        """This view, in which a whole page that the marker is printed on is ground, and shown in its colour."""
+        if self.body is not None:
+            return self
+        page = page_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
+        if page is None:
+            return self
+        image = shown_as_ground(page, self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
+        return _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page)
+
     @property
     def size(self) -> tuple[int, int]:
         return self.camera.size
@@ -54,7 +66,7 @@ class View:
         if width_px >= self.size[0]:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
-        return _made(image, camera, self.T_cam_marker, self.side_m, self.sheet, self.body, self.beside)
+        return _made(image, camera, self.T_cam_marker, self.side_m, self.sheet, self.body, self.beside, self.page)
 
     def cut(self, window: Window) -> "View":
         """The part of the frame in `window`, seen by a camera whose principal point moves along."""
@@ -83,11 +95,13 @@ def _made(
     sheet: Sheet,
     body: Proxy | None,
     beside: tuple[PlaneMarker, ...],
+    page: Page | None = None,
 ) -> View:
     printed = [sheet.corners(side_m) if body is None else body.points_marker()]
     printed += [one.on_plane(USUAL_SHEET.corners(one.side_m)) for one in beside]
+    printed += [] if page is None else page.between(side_m)
     is_ground = _ground_mask(camera, T_cam_marker, printed)
-    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside)
+    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside, page)
 
 
 def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[Float]) -> Mask:

@@ -174,6 +174,15 @@ def test_an_object_may_touch_the_sheet() -> None:
     assert apart_deg(towards(scene.tracked), scene.to_light) < 3
 
 
+@pytest.mark.parametrize("at", [(0.14, 0.06), (0.03, -0.14)], ids=["beside the page", "on it"])
+def test_the_whole_page_may_lie_on_the_table(at: tuple[float, float]) -> None:
+    """An A4 page with a marker of 80 mm, as `ashe-live marker` prints it."""
+    page_m = (0.105, 0.126, 0.105, 0.171)  # right, above, left and below of the marker's centre
+    caster, camera = replace(CYLINDER, at=at), camera_towards((0.0, -0.02), 0.62, 55.0)
+    scene = paint(caster, azimuth_deg=30, T_cam_marker=camera, page_m=page_m)
+    assert apart_deg(towards(scene.tracked), scene.to_light) < 2
+
+
 def test_a_grey_picture_can_tell_enough() -> None:
     scene = paint(CYLINDER)
     assert apart_deg(towards(grey(scene)), scene.to_light) < 4

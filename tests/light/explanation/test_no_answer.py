@@ -6,13 +6,14 @@ import pytest
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import camera_centre, project
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.explanation.no_answer import (
     BLACK_GROUND,
     CUT_OFF,
     DARK,
     DOES_NOT_FIT,
+    HARDLY_A_SHADOW,
     NOTHING_THERE,
     TOO_BRIGHT,
     TOO_DARK,
@@ -22,7 +23,7 @@ from ashe_live.light.explanation.no_answer import (
 from ashe_live.light.pixels.view import View
 from tests.light.painted_bodies import alignment_of, explanation_of
 from tests.light.painted_regions import painted_region
-from tests.light.painted_scenes import BOX, HFOV_DEG, Painted, paint, tracked_frame
+from tests.light.painted_scenes import BOX, CYLINDER, HFOV_DEG, VIEW, Caster, Painted, paint, tracked_frame
 
 SMALL = (320, 240)
 
@@ -84,6 +85,14 @@ def test_what_is_hardly_taken_for_a_shadow_is_not_said_to_leave_the_picture() ->
     here = painted_region(BOX, elevation_deg=8.0)
     told = explanation_of(here, alignment=alignment_of(here, ends_in_view=(0.0,)))
     assert fault_of_scene(told, 0.02) == DOES_NOT_FIT
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("aside_deg", [0.0, 4.0])
+def test_a_shadow_that_the_object_hides_is_said_to_be_hidden(caster: Caster, aside_deg: float) -> None:
+    x, y, z = camera_centre(VIEW) - (*caster.at, 0)
+    azimuth_deg, elevation_deg = np.degrees([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))])
+    assert reason(paint(caster, azimuth_deg=azimuth_deg + aside_deg, elevation_deg=elevation_deg)) == HARDLY_A_SHADOW
 
 
 def test_black_ground_around_white_paper_is_not_blamed_on_the_exposure() -> None:

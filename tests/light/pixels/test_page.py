@@ -1,0 +1,109 @@
+"""A whole page is found where it ends, whatever stands or falls on it, and nothing else is taken for one."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.pixels.page import Page, page_around
+from ashe_live.light.pixels.sheet import ADDED, Sheet
+from ashe_live.light.pixels.view import View
+from tests.light.painted_scenes import CYLINDER, HFOV_DEG, SIDE_M, Caster, paint, tracked_frame
+from tests.light.synthetic_masks import camera_towards
+
+A4 = (0.105, 0.126, 0.105, 0.171)  # right, above, left and below of the marker, as `ashe-live marker` prints it
+ABOVE = camera_towards((0.0, -0.02), 0.62, 55.0)
+ON_PAGE, BESIDE_PAGE, BEFORE_PAGE = (0.02, -0.11), (0.15, 0.03), (0.0, -0.19)
+
+
+def turned(radians: float) -> Float:
+    """(4, 4) of the marker's frame about z."""
+    T = np.eye(4)
+    T[:2, :2] = [[math.cos(radians), -math.sin(radians)], [math.sin(radians), math.cos(radians)]]
+    return T
+
+
+def page_in(tracked: TrackedFrame) -> Page | None:
+    assert tracked.marker is not None
+    image = np.asarray(tracked.frame.image_bgr)
+    return page_around(image, tracked.camera, tracked.marker.T_cam_marker, SIDE_M)
+
+
+@pytest.mark.parametrize("ground", ["plain", "checkered", "striped", "bricks"])
+@pytest.mark.parametrize("at", [ON_PAGE, BESIDE_PAGE, BEFORE_PAGE])
+def test_a_page_is_found_whatever_stands_on_it_and_around(ground: str, at: tuple[float, float]) -> None:
+    page = page_in(paint(Caster(at=at), ground=ground, azimuth_deg=30, T_cam_marker=ABOVE, page_m=A4).tracked)
+    assert page is not None
+    ends, seen, true = np.array(page.ends), np.array(page.is_seen), np.array(A4) / SIDE_M
+    assert seen.sum() >= 3
+    np.testing.assert_allclose(ends[seen], true[seen], atol=0.03)
+    assert (ends[~seen] < true[~seen] + 0.1).all()
+
+
+@pytest.mark.parametrize("height_m", [0.07, 0.12])
+def test_an_end_that_something_white_hides_is_that_of_the_opposite_side(height_m: float) -> None:
+    camera = camera_towards((0.0, 0.0), 0.6, 50.0) @ turned(math.pi / 2)
+    white = Caster(at=(0.14, 0.0), width_m=0.08, height_m=height_m, rgb=(0.7, 0.7, 0.7))
+    page = page_in(paint(white, azimuth_deg=100, T_cam_marker=camera, page_m=A4).tracked)
+    assert page is not None
+    np.testing.assert_allclose((page.ends[0], page.ends[2]), 0.105 / SIDE_M, atol=0.03)
+
+
+def test_every_picture_has_a_page_or_none() -> None:
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        image = random.integers(0, 256, (30, 40, 3)).astype(np.uint8)
+        noise = cv2.resize(image, (640, 480), interpolation=(cv2.INTER_NEAREST, cv2.INTER_CUBIC)[seed % 2])
+        camera = camera_towards((0.0, 0.0), 0.5, 10.0 + 4 * seed)
+        page = page_in(tracked_frame(noise, Camera.from_hfov((640, 480), HFOV_DEG), camera))
+        assert page is None or np.isfinite((*page.ends, *page.ground_over_paper)).all()
+
+
+@pytest.mark.parametrize("marker_mm", [60, 100, 150])
+def test_the_marker_may_be_small_or_large_on_its_page(marker_mm: float) -> None:
+    true = np.array(A4) / (1e-3 * marker_mm)
+    page_m = (true * SIDE_M).tolist()
+    away = Caster(at=(0.06 + page_m[0], 0.02))
+    page = page_in(
+        paint(away, azimuth_deg=30, T_cam_marker=camera_towards((0.0, -0.02), 0.75, 55.0), page_m=page_m).tracked
+    )
+    assert page is not None
+    np.testing.assert_allclose(np.array(page.ends)[[0, 1, 2]], true[[0, 1, 2]], atol=0.03)
+
+
+def test_the_ground_beside_a_page_has_the_colour_that_is_seen_there() -> None:
+    page = page_in(paint(CYLINDER, T_cam_marker=ABOVE, page_m=A4).tracked)
+    assert page is not None
+    np.testing.assert_allclose(page.ground_over_paper, np.array([0.42, 0.38, 0.33]) / 0.8, rtol=0.06)
+
+
+@pytest.mark.parametrize("ground", ["plain", "checkered", "striped", "bricks"])
+@pytest.mark.parametrize("margin_m", [0.01, 0.02, 0.04])
+def test_a_marker_that_is_cut_out_lies_on_no_page(ground: str, margin_m: float) -> None:
+    cut = [SIDE_M / 2 + margin_m] * 4
+    assert page_in(paint(CYLINDER, ground=ground, T_cam_marker=ABOVE, page_m=cut).tracked) is None
+
+
+def test_lit_and_in_shadow_a_page_looks_like_the_ground_around_it() -> None:
+    scene = paint(Caster(at=(0.075, 0.05)), azimuth_deg=170, elevation_deg=30, T_cam_marker=ABOVE, page_m=A4)
+    view = View.of(scene.tracked, 640).with_page_as_ground()
+    inside = cv2.erode(scene.shadow.astype(np.uint8), np.ones((5, 5))) > 0
+    for these in (inside, ~scene.shadow & ~scene.body):
+        on_page, beside = these & view.is_ground & scene.sheet, these & view.is_ground & ~scene.sheet
+        assert min(on_page.sum(), beside.sum()) > 100
+        paper, ground = (np.median(view.image_bgr[mask], axis=0) for mask in (on_page, beside))
+        np.testing.assert_allclose(paper, ground, atol=8)
+
+
+def test_what_may_be_paper_or_ground_is_not_used() -> None:
+    page = Page((1.3, 1.6, 1.3, 2.1), (True, True, True, False), (0.5, 0.5, 0.5))
+    right, above, left, below = (corners[:, :2] / SIDE_M for corners in page.between(SIDE_M))
+    np.testing.assert_allclose((right[:, 0].min(), right[:, 0].max()), (1.3 - ADDED, 1.3 + ADDED))
+    np.testing.assert_allclose((above[:, 1].min(), above[:, 1].max()), (1.6 - ADDED, 1.6 + ADDED))
+    np.testing.assert_allclose((left[:, 0].min(), left[:, 0].max()), (-1.3 - ADDED, -1.3 + ADDED))
+    np.testing.assert_allclose((below[:, 1].min(), below[:, 1].max()), (-2.1 - ADDED, -1.1 + ADDED))
+    assert Sheet(*page.ends).corners(SIDE_M)[:, 1].min() == pytest.approx(-2.1 * SIDE_M)
