@@ -4,13 +4,14 @@ Coarse, but of many lights at once: it says which of them are worth moving onto 
 would be seen.
 """
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, upper_median
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.outline.edges import POINTS
 from ashe_live.light.known_body.outline.profiles import BY_NONE, BY_STEP, LEAST_STEP, POINTS_A_SAMPLE
@@ -22,7 +23,23 @@ PLACES = 40  # of an outline, evenly along it
 # body hides what is nearer to its own middle; in cells no less than blur takes, and no more than there is room for in
 # a long one.
 BESIDE_LENGTHS, LEAST_CELLS, MOST_CELLS = 0.4, 0.3, 1.5
+# Of the table's light: least scatter of what is no step, and what takes less is no light; and log odds that one place may
+# gain or lose, as a stain may lie there.
+LEAST_SCATTER, LEAST_DEPTH, MOST_OF_PLACE = 0.02, 0.06, math.log(0.85 / 0.15)
 NOWHERE = -1e6  # coordinate of what is not in the picture
+
+
+class Steps(NamedTuple):
+    """What is seen at the outlines of m shadows."""
+
+    in_view: Float  # (m,) part of each outline both sides of which are seen
+    log_odds: Float  # (m,) of a shadow by how many places show a step as deep as map and sides want it
+    by_depth: Float  # (m,) the same by how deep steps are, over how much the table differs anywhere
+
+    @property
+    def cautious(self) -> Float:
+        """(m,) log odds by steps, of which those for a shadow count half, as other things have edges, too."""
+        return np.where(self.log_odds > 0, 0.5 * self.log_odds, self.log_odds)
 
 
 class Ground(NamedTuple):
@@ -77,8 +94,8 @@ class Rims:
             np.concatenate([self.hidden, np.zeros((count, PLACES), np.float32)]),
         )
 
-    def seen(self, ground: Ground, darkenings: Float, sky: Float, least: float) -> tuple[Float, Float]:
-        """(m,) part of each outline both sides of which are seen, and the log odds of a shadow by steps there.
+    def seen(self, ground: Ground, darkenings: Float, sky: Float, least: float) -> Steps:
+        """What is seen of steps at each outline.
 
         darkenings: (m,) part of the table's light that each light gives, at least `least`. sky: (m,) that of the sky
         beside it, of which the body hides more on the inner side.
@@ -92,7 +109,8 @@ class Rims:
         steps = visible & (lost > LEAST_STEP * np.maximum(darkenings, least)[:, None])
         shown, count = steps.sum(axis=1), visible.sum(axis=1)
         samples = POINTS / POINTS_A_SAMPLE / PLACES
-        return count / PLACES, np.asarray(samples * (shown * BY_STEP + (count - shown) * BY_NONE))
+        log_odds = np.asarray(samples * (shown * BY_STEP + (count - shown) * BY_NONE))
+        return Steps(count / PLACES, log_odds, samples * _by_depth(lost, visible))
 
     def hidden_step(self, seen: Mask) -> float:
         """How much more of the sky is hidden inside of the first outline, in the median of where both sides are `seen`.
@@ -101,6 +119,20 @@ class Rims:
         """
         is_seen = _all_on(seen, _split(self.inside[:1]), _split(self.outside[:1]))
         return float(np.median(self.hidden[:1][is_seen])) if is_seen.any() else 0.0
+
+
+def _by_depth(lost: Float, visible: Mask) -> Float:
+    """(m,) log odds of steps as deep as those of each outline are on average, over none.
+
+    lost: (m, k) light at each place, `visible` ones count. Nearly all outlines are no shadow's, so that the scatter of
+    all is that of the table.
+    """
+    if not visible.any():
+        return np.zeros(len(lost))
+    scatter = max(1.48 * upper_median(np.abs(lost[visible])), LEAST_SCATTER)
+    depth = np.maximum((lost * visible).sum(axis=1) / np.maximum(visible.sum(axis=1), 1), LEAST_DEPTH)[:, None]
+    odds = ((lost - depth / 2) * (depth / scatter**2)).clip(-MOST_OF_PLACE, MOST_OF_PLACE)
+    return np.asarray((odds * visible).sum(axis=1), dtype=np.float64)
 
 
 def _all_on(mask: Mask, *places: tuple[Float32, Float32]) -> Mask:

@@ -12,7 +12,7 @@ from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.rims import Ground
+from ashe_live.light.known_body.rims import Ground, Steps
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
 from ashe_live.light.known_body.sides.facets import Facets, facets_of
@@ -82,7 +82,7 @@ class Seen:
     wobble: Wobble | None = None  # how the body and its frame may be off
     # What was asked for, by the known lights.
     _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
-    _rims: dict[bytes, tuple[Float, Float]] = field(default_factory=dict, init=False)
+    _rims: dict[bytes, Steps] = field(default_factory=dict, init=False)
     _edges: dict[bytes, ShadowEdges | None] = field(default_factory=dict, init=False)  # of lights
 
     @staticmethod
@@ -155,11 +155,8 @@ class Seen:
             self._beside[key] = Evidence(observed, lit)
         return self._beside[key]
 
-    def rims(self, known: Float) -> tuple[Float, Float]:
-        """Of the shadow of each light that is looked for, beside `known` ones (l, 4).
-
-        (m,) part of its outline both sides of which are seen, and (m,) log odds of there being one by the steps there.
-        """
+    def rims(self, known: Float) -> Steps:
+        """At the outlines of the shadows of all lights that are looked for, beside `known` ones (l, 4)."""
         key = np.ascontiguousarray(known).tobytes()
         if key not in self._rims:
             darkenings = self.beside(known).everywhere.darkenings
