@@ -23,8 +23,8 @@ PLACES = 40  # of an outline, evenly along it
 # body hides what is nearer to its own middle; in cells no less than blur takes, and no more than there is room for in
 # a long one.
 BESIDE_LENGTHS, LEAST_CELLS, MOST_CELLS = 0.4, 0.3, 1.5
-# Of the table's light: least scatter of what is no step, and what takes less is no light; and log odds that one place may
-# gain or lose, as a stain may lie there.
+# Of the table's light: least scatter of what is no step, and what takes less is no light; and log odds that one place
+# may gain or lose, as a stain may lie there.
 LEAST_SCATTER, LEAST_DEPTH, MOST_OF_PLACE = 0.02, 0.06, math.log(0.85 / 0.15)
 NOWHERE = -1e6  # coordinate of what is not in the picture
 
