@@ -66,6 +66,7 @@ def refined(
         template, by_template = lights[index], float(beside.everywhere.darkenings[index, -1])
         left[lights[:, :3] @ template[:3] > math.cos(APART_RAD)] = -np.inf
         if score[index] < least and not _edges_in_view(seen, template, by_template, room)[1] > LEAST_CLEAR:
+            tried += 1
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
         if score[index] < 0:
@@ -76,7 +77,7 @@ def refined(
         if any(_finds_again(seen, start, other) for other in clear):
             continue
         fit = _moved_onto_edges(seen, start, darkening, room)
-        if fit is None and start is not template:
+        if fit is None and steps[index] >= 0 and start is not template:
             # The map is misled by its stains, and may have led away from what is there.
             again = _moved_onto_edges(seen, template, by_template, room)
             if again is not None and again.clear > CLEAR:

@@ -108,7 +108,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
         return None
     best, likeliest = LEAST_MORE, None
     rims = seen.rims(points_of(known))
-    for one in refined(seen, score, beside, room_beside(seen, known), rims.by_depth, LEAST_MORE - WORTH, AGAINST):
+    for one in refined(seen, score, beside, room_beside(seen, known), rims.by_depth(), LEAST_MORE - WORTH, AGAINST):
         if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)

@@ -19,6 +19,8 @@ from ashe_live.light.known_body.shadows import cells_of
 from ashe_live.light.known_body.table import CELLS_A_HEIGHT, SIDE
 
 PLACES = 40  # of an outline, evenly along it
+SAMPLES = POINTS / POINTS_A_SAMPLE / PLACES  # independent ones in each
+EVERY = 7  # of all places, by which their scatter is told well enough
 # From the outline to where it is dark and lit: of the shadow's length, as templates lie apart by a part of it and the
 # body hides what is nearer to its own middle; in cells no less than blur takes, and no more than there is room for in
 # a long one.
@@ -34,12 +36,29 @@ class Steps(NamedTuple):
 
     in_view: Float  # (m,) part of each outline both sides of which are seen
     log_odds: Float  # (m,) of a shadow by how many places show a step as deep as map and sides want it
-    by_depth: Float  # (m,) the same by how deep steps are, over how much the table differs anywhere
+    lost: Float32  # (m, PLACES) light from outside to inside
+    visible: Mask  # (m, PLACES) where both sides are seen
 
     @property
     def cautious(self) -> Float:
         """(m,) log odds by steps, of which those for a shadow count half, as other things have edges, too."""
         return np.where(self.log_odds > 0, 0.5 * self.log_odds, self.log_odds)
+
+    def by_depth(self) -> Float:
+        """(m,) log odds of steps as deep as those of each outline are on average, over none.
+
+        Nearly all outlines are no shadow's, so that the scatter of all is that of the table.
+        """
+        some = self.lost[self.visible][::EVERY]
+        if not len(some):
+            return np.zeros(len(self.lost))
+        scatter = max(1.48 * upper_median(np.abs(some)), LEAST_SCATTER)
+        lost = self.lost * self.visible
+        depth = np.maximum(lost.sum(axis=1) / np.maximum(self.visible.sum(axis=1), 1), LEAST_DEPTH)
+        depth = depth.astype(np.float32)[:, None]
+        odds = (lost - depth / 2) * (depth / np.float32(scatter**2))
+        odds = odds.clip(-MOST_OF_PLACE, MOST_OF_PLACE) * self.visible
+        return np.asarray(SAMPLES * odds.sum(axis=1), dtype=np.float64)
 
 
 class Ground(NamedTuple):
@@ -105,12 +124,11 @@ class Rims:
         # Between both lies no other edge that is known, either.
         between = 0.5 * (inside[0] + outside[0]), 0.5 * (inside[1] + outside[1])
         visible = _all_on(ground.is_table, inside, outside, between)
-        lost = lit - dark - sky[:, None] * self.hidden
+        lost = lit - dark - sky.astype(np.float32)[:, None] * self.hidden
         steps = visible & (lost > LEAST_STEP * np.maximum(darkenings, least)[:, None])
         shown, count = steps.sum(axis=1), visible.sum(axis=1)
-        samples = POINTS / POINTS_A_SAMPLE / PLACES
-        log_odds = np.asarray(samples * (shown * BY_STEP + (count - shown) * BY_NONE))
-        return Steps(count / PLACES, log_odds, samples * _by_depth(lost, visible))
+        log_odds = np.asarray(SAMPLES * (shown * BY_STEP + (count - shown) * BY_NONE))
+        return Steps(count / PLACES, log_odds, lost, visible)
 
     def hidden_step(self, seen: Mask) -> float:
         """How much more of the sky is hidden inside of the first outline, in the median of where both sides are `seen`.
@@ -119,20 +137,6 @@ class Rims:
         """
         is_seen = _all_on(seen, _split(self.inside[:1]), _split(self.outside[:1]))
         return float(np.median(self.hidden[:1][is_seen])) if is_seen.any() else 0.0
-
-
-def _by_depth(lost: Float, visible: Mask) -> Float:
-    """(m,) log odds of steps as deep as those of each outline are on average, over none.
-
-    lost: (m, k) light at each place, `visible` ones count. Nearly all outlines are no shadow's, so that the scatter of
-    all is that of the table.
-    """
-    if not visible.any():
-        return np.zeros(len(lost))
-    scatter = max(1.48 * upper_median(np.abs(lost[visible])), LEAST_SCATTER)
-    depth = np.maximum((lost * visible).sum(axis=1) / np.maximum(visible.sum(axis=1), 1), LEAST_DEPTH)[:, None]
-    odds = ((lost - depth / 2) * (depth / scatter**2)).clip(-MOST_OF_PLACE, MOST_OF_PLACE)
-    return np.asarray((odds * visible).sum(axis=1), dtype=np.float64)
 
 
 def _all_on(mask: Mask, *places: tuple[Float32, Float32]) -> Mask:

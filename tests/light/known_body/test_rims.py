@@ -60,9 +60,10 @@ def test_on_a_rough_table_a_shadow_has_deeper_steps_than_stains(
     for _ in range(4):
         stained = 1 - DARKENING / 2 * shadows_of(body, LIGHT).one(0) + rng.normal(0, rough, (SIDE, SIDE))
         ground, count = from_above(stained.astype(np.float32)), len(templates.lights)
-        visible, _, by_depth = templates.rims.seen(ground, np.zeros(count), np.zeros(count), 0.1)
+        steps = templates.rims.seen(ground, np.zeros(count), np.zeros(count), 0.1)
+        by_depth = steps.by_depth()
         assert templates.lights[int(by_depth.argmax()), :3] @ own > np.cos(np.radians(12))
-        elsewhere = (templates.lights[:, :3] @ own < 0.3) & (visible > 0.5)
+        elsewhere = (templates.lights[:, :3] @ own < 0.3) & (steps.in_view > 0.5)
         assert by_depth[elsewhere].max() < by_depth.max() - 3
 
 
@@ -86,11 +87,11 @@ def test_the_sky_that_the_body_hides_is_no_shadow(templates: Templates) -> None:
 
 def test_unseen_ones_are_added_at_the_end(body: Proxy) -> None:
     rims = Rims.of(body, LIGHT, np.zeros(SIDE * SIDE, np.float32)).and_unseen(2)
-    visible, odds, by_depth = rims.seen(from_above(np.ones((SIDE, SIDE), np.float32)), np.ones(3), np.zeros(3), 0.1)
+    visible, odds, *_ = steps = rims.seen(from_above(np.ones((SIDE, SIDE), np.float32)), np.ones(3), np.zeros(3), 0.1)
     assert visible[0] > 0.5
     assert not visible[1:].any()
     assert not odds[1:].any()
-    assert not by_depth[1:].any()
+    assert not steps.by_depth()[1:].any()
 
 
 def test_a_shadow_narrower_than_two_cells_is_seen_in_a_finer_picture(body: Proxy, templates: Templates) -> None:
@@ -104,7 +105,7 @@ def test_a_shadow_narrower_than_two_cells_is_seen_in_a_finer_picture(body: Proxy
     cv2.fillConvexPoly(seen, cv2.convexHull(np.round(FINER * on_table[0]).astype(np.int32)), 0)
     ground = Ground(finer, seen.view(bool), np.diag([FINER, FINER, 1.0]))
     count = len(templates.lights)
-    visible, odds, _ = templates.rims.seen(ground, np.full(count, DARKENING), np.zeros(count), 0.1)
+    visible, odds, *_ = templates.rims.seen(ground, np.full(count, DARKENING), np.zeros(count), 0.1)
     own = (templates.lights[:, :3] @ light[:3]).argmax()
     assert visible[own] > 0.2
     assert odds[own] > 4
