@@ -117,9 +117,9 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
         # Nor do map and sides against edges that are in view: some other thing is dark, or throws a shadow.
         is_edged = one.fit.clear > LEAST_CLEAR or (more > by_table and one.fit.misfit_px < MOST_MISFIT_PX)
         is_told = by_table > LEAST_MORE and (one.fit.seen <= MOST_IN_VIEW or is_edged)
-        # One that no edges told will be found anew beside this, and may be made up of both.
-        by_edges = LEAST_MORE if known[0].fit is None else LEAST_BY_EDGES
-        is_told |= by_table > AGAINST and more > by_edges and _is_clear(one.fit)
+        is_told |= by_table > AGAINST and more > LEAST_BY_EDGES and _is_clear(one.fit)
+        # A known one that no edges told may be made up of this and others, and is found anew beside it.
+        is_told |= known[0].fit is None and by_table > 0 and _is_clear(one.fit)
         if is_told and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
