@@ -22,7 +22,6 @@ from ashe_live.light.shape.light_points import at_infinity
 # much log likelihood of the best.
 TRIED, MOST_TRIED, APART_RAD, TRIED_WITHIN = 3, 8, math.radians(12), 12.0
 MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found other edges
-STEPS_COUNT = 0.5  # of log odds that steps in the map give, as other things have edges, too
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
 # Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
 LEAST_CLEAR, CLEAR = 0.5, 0.8
@@ -54,7 +53,7 @@ def refined(
     scan has it; told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights
     (4,) whose shadow should be seen, and is not: some other thing is dark.
     """
-    lights, order = seen.templates.lights, score + np.where(steps > 0, STEPS_COUNT * steps, steps)
+    lights, order = seen.templates.lights, score + steps
     left, worst = order.copy(), -np.inf
     clear: list[FoundLight] = []
     tried = 0
@@ -64,9 +63,9 @@ def refined(
         index = int(left.argmax())
         if left[index] == -np.inf or left[index] < worst:
             break
-        template, darkening = lights[index], float(beside.everywhere.darkenings[index, -1])
+        template, by_template = lights[index], float(beside.everywhere.darkenings[index, -1])
         left[lights[:, :3] @ template[:3] > math.cos(APART_RAD)] = -np.inf
-        if score[index] < least and not _edges_in_view(seen, template, darkening, room)[1] > LEAST_CLEAR:
+        if score[index] < least and not _edges_in_view(seen, template, by_template, room)[1] > LEAST_CLEAR:
             tried += 1
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
@@ -78,6 +77,11 @@ def refined(
         if any(_finds_again(seen, start, other) for other in clear):
             continue
         fit = _moved_onto_edges(seen, start, darkening, room)
+        if fit is None and steps[index] >= 0 and start is not template:
+            # The map is misled by its stains, and may have led away from what is there.
+            again = _moved_onto_edges(seen, template, by_template, room)
+            if again is not None and again.clear > CLEAR:
+                fit, darkening = again, by_template
         if fit is not None:
             one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
             tried += 1

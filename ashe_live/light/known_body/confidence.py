@@ -52,7 +52,7 @@ def with_confidence(
     own = beside.scanned(seen.lit(one.casting[None]))
     lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
     to_sun = one.sun_alike(height_of(seen.body))
-    _, steps = seen.rims(known)
+    steps = seen.rims(known).log_odds
     near, around, none = _posterior(seen.templates, beside.everywhere, steps, to_sun, lamp, log_none, ruled_out)
     # Beside the foot the hidden sky's gradient looks like a step.
     step = float(dark_rgb.mean()) - (1 - float(dark_rgb.mean())) * hidden_step(seen, one)

@@ -28,6 +28,7 @@ LEAST_SCORE, LEAST_MORE, LEAST_BY_EDGES = -1.5, 4.5, 6.5
 AGAINST = -1.0  # log likelihood of map and sides, from which down they speak against it: less is what its freedom costs
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
 LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if they are what tells it: so many are steps, and so near
+LEAST_TOLD = 0.5  # probability that a light is where it was found, from which on its direction is known
 LEAST_EXISTS = 0.5  # probability that the body hides another light's shadow, from which on one is stated
 
 
@@ -36,7 +37,7 @@ class Found:
     """What a picture of a known body says of its lights."""
 
     seen: Seen  # the picture as these lights explain it
-    lights: tuple[FoundLight, ...]  # the strongest first, but those whose shadow is hidden last
+    lights: tuple[FoundLight, ...]  # the strongest of those whose direction is known first
     dark_rgb: Float  # (l, 3) part of the table's light that each gives, R, G, B
     is_dark_elsewhere: bool  # the table is darkened as if by a shadow, of whatever
 
@@ -45,7 +46,7 @@ def lights_of(seen: Seen) -> Found:
     """No lights where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
     ruled_out: list[Float] = []
-    _, steps = seen.rims(NO_LIGHTS)
+    steps = seen.rims(NO_LIGHTS).cautious
     candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room, steps, ruled_out=ruled_out)
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     # Also that of a shadow which cannot be the body's, as its edges should be seen and are not.
@@ -72,6 +73,9 @@ def lights_of(seen: Seen) -> Found:
     found.sort(key=lambda each: (each.exists is not None, -each.darkening))
     dark = darkenings_rgb(seen, found)
     found = [with_confidence(seen, *each, found, alone, ruled_out) for each in zip(found, dark, strict=True)]
+    # One that surely is there, but may be anywhere, comes after those that are known, however strong it is.
+    order = sorted(range(len(found)), key=lambda number: found[number].confidence < LEAST_TOLD)
+    found, dark = [found[number] for number in order], dark[order]
     return Found(seen, tuple(found), dark, likelihood > DARK_ELSEWHERE)
 
 
@@ -103,8 +107,8 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    in_view, steps = seen.rims(points_of(known))
-    for one in refined(seen, score, beside, room_beside(seen, known), steps, LEAST_MORE - WORTH, AGAINST):
+    rims = seen.rims(points_of(known))
+    for one in refined(seen, score, beside, room_beside(seen, known), rims.by_depth(), LEAST_MORE - WORTH, AGAINST):
         if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)
@@ -114,11 +118,13 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
         is_edged = one.fit.clear > LEAST_CLEAR or (more > by_table and one.fit.misfit_px < MOST_MISFIT_PX)
         is_told = by_table > LEAST_MORE and (one.fit.seen <= MOST_IN_VIEW or is_edged)
         is_told |= by_table > AGAINST and more > LEAST_BY_EDGES and _is_clear(one.fit)
+        # A known one that no edges told may be made up of this and others, and is found anew beside it.
+        is_told |= known[0].fit is None and by_table > 0 and _is_clear(one.fit)
         if is_told and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
     if likeliest is None and len(known) == 1 and _is_surely_sun(known[0]):
-        return _hidden(seen, np.where(in_view > MOST_IN_VIEW, -np.inf, score), beside)
+        return _hidden(seen, np.where(rims.in_view > MOST_IN_VIEW, -np.inf, score), beside)
     return likeliest
 
 

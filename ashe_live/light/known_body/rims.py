@@ -4,13 +4,14 @@ Coarse, but of many lights at once: it says which of them are worth moving onto 
 would be seen.
 """
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, upper_median
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.outline.edges import POINTS
 from ashe_live.light.known_body.outline.profiles import BY_NONE, BY_STEP, LEAST_STEP, POINTS_A_SAMPLE
@@ -18,11 +19,46 @@ from ashe_live.light.known_body.shadows import cells_of
 from ashe_live.light.known_body.table import CELLS_A_HEIGHT, SIDE
 
 PLACES = 40  # of an outline, evenly along it
+SAMPLES = POINTS / POINTS_A_SAMPLE / PLACES  # independent ones in each
+EVERY = 7  # of all places, by which their scatter is told well enough
 # From the outline to where it is dark and lit: of the shadow's length, as templates lie apart by a part of it and the
 # body hides what is nearer to its own middle; in cells no less than blur takes, and no more than there is room for in
 # a long one.
 BESIDE_LENGTHS, LEAST_CELLS, MOST_CELLS = 0.4, 0.3, 1.5
+# Of the table's light: least scatter of what is no step, and what takes less is no light; and log odds that one place
+# may gain or lose, as a stain may lie there.
+LEAST_SCATTER, LEAST_DEPTH, MOST_OF_PLACE = 0.02, 0.06, math.log(0.85 / 0.15)
 NOWHERE = -1e6  # coordinate of what is not in the picture
+
+
+class Steps(NamedTuple):
+    """What is seen at the outlines of m shadows."""
+
+    in_view: Float  # (m,) part of each outline both sides of which are seen
+    log_odds: Float  # (m,) of a shadow by how many places show a step as deep as map and sides want it
+    lost: Float32  # (m, PLACES) light from outside to inside
+    visible: Mask  # (m, PLACES) where both sides are seen
+
+    @property
+    def cautious(self) -> Float:
+        """(m,) log odds by steps, of which those for a shadow count half, as other things have edges, too."""
+        return np.where(self.log_odds > 0, 0.5 * self.log_odds, self.log_odds)
+
+    def by_depth(self) -> Float:
+        """(m,) log odds of steps as deep as those of each outline are on average, over none.
+
+        Nearly all outlines are no shadow's, so that the scatter of all is that of the table.
+        """
+        some = self.lost[self.visible][::EVERY]
+        if not len(some):
+            return np.zeros(len(self.lost))
+        scatter = max(1.48 * upper_median(np.abs(some)), LEAST_SCATTER)
+        lost = self.lost * self.visible
+        depth = np.maximum(lost.sum(axis=1) / np.maximum(self.visible.sum(axis=1), 1), LEAST_DEPTH)
+        depth = depth.astype(np.float32)[:, None]
+        odds = (lost - depth / 2) * (depth / np.float32(scatter**2))
+        odds = odds.clip(-MOST_OF_PLACE, MOST_OF_PLACE) * self.visible
+        return np.asarray(SAMPLES * odds.sum(axis=1), dtype=np.float64)
 
 
 class Ground(NamedTuple):
@@ -77,8 +113,8 @@ class Rims:
             np.concatenate([self.hidden, np.zeros((count, PLACES), np.float32)]),
         )
 
-    def seen(self, ground: Ground, darkenings: Float, sky: Float, least: float) -> tuple[Float, Float]:
-        """(m,) part of each outline both sides of which are seen, and the log odds of a shadow by steps there.
+    def seen(self, ground: Ground, darkenings: Float, sky: Float, least: float) -> Steps:
+        """What is seen of steps at each outline.
 
         darkenings: (m,) part of the table's light that each light gives, at least `least`. sky: (m,) that of the sky
         beside it, of which the body hides more on the inner side.
@@ -88,11 +124,11 @@ class Rims:
         # Between both lies no other edge that is known, either.
         between = 0.5 * (inside[0] + outside[0]), 0.5 * (inside[1] + outside[1])
         visible = _all_on(ground.is_table, inside, outside, between)
-        lost = lit - dark - sky[:, None] * self.hidden
+        lost = lit - dark - sky.astype(np.float32)[:, None] * self.hidden
         steps = visible & (lost > LEAST_STEP * np.maximum(darkenings, least)[:, None])
         shown, count = steps.sum(axis=1), visible.sum(axis=1)
-        samples = POINTS / POINTS_A_SAMPLE / PLACES
-        return count / PLACES, np.asarray(samples * (shown * BY_STEP + (count - shown) * BY_NONE))
+        log_odds = np.asarray(SAMPLES * (shown * BY_STEP + (count - shown) * BY_NONE))
+        return Steps(count / PLACES, log_odds, lost, visible)
 
     def hidden_step(self, seen: Mask) -> float:
         """How much more of the sky is hidden inside of the first outline, in the median of where both sides are `seen`.

@@ -12,7 +12,7 @@ from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.rims import Ground
+from ashe_live.light.known_body.rims import Ground, Steps
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
 from ashe_live.light.known_body.sides.facets import Facets, facets_of
@@ -82,8 +82,9 @@ class Seen:
     wobble: Wobble | None = None  # how the body and its frame may be off
     # What was asked for, by the known lights.
     _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
-    _rims: dict[bytes, tuple[Float, Float]] = field(default_factory=dict, init=False)
+    _rims: dict[bytes, Steps] = field(default_factory=dict, init=False)
     _edges: dict[bytes, ShadowEdges | None] = field(default_factory=dict, init=False)  # of lights
+    _open: list[Ground] = field(default_factory=list, init=False)  # the table beside no known light, once made
 
     @staticmethod
     def of(view: View, body: Proxy, wobble: Wobble | None = None) -> "Seen | None":
@@ -155,11 +156,8 @@ class Seen:
             self._beside[key] = Evidence(observed, lit)
         return self._beside[key]
 
-    def rims(self, known: Float) -> tuple[Float, Float]:
-        """Of the shadow of each light that is looked for, beside `known` ones (l, 4).
-
-        (m,) part of its outline both sides of which are seen, and (m,) log odds of there being one by the steps there.
-        """
+    def rims(self, known: Float) -> Steps:
+        """At the outlines of the shadows of all lights that are looked for, beside `known` ones (l, 4)."""
         key = np.ascontiguousarray(known).tobytes()
         if key not in self._rims:
             darkenings = self.beside(known).everywhere.darkenings
@@ -169,14 +167,18 @@ class Seen:
 
     def _ground(self, known: Float) -> Ground:
         """The picture of the table, away from the body and from the edges of the shadows in `known` lights (l, 4)."""
-        light = self.light / np.float32(self.lit_rgb.mean())
-        is_table = cv2.erode((self.view.is_ground & (light < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
+        if not self._open:
+            light = self.light / np.float32(self.lit_rgb.mean())
+            is_table = cv2.erode((self.view.is_ground & (light < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
+            self._open.append(Ground(light, is_table.view(bool), pixel_from_cell(self.view, self.body)))
+        ground = self._open[0]
+        is_table = ground.is_table.view(np.uint8).copy()
         for one in known:
             edges = self.shadow_edges(one)
             if edges is not None:
                 outline = np.round(edges.corners_px.clip(-FARTHEST_PX, FARTHEST_PX)).astype(np.int32)
                 cv2.polylines(is_table, [outline], True, 0, EDGE_BROAD_PX)
-        return Ground(light, is_table.view(bool), pixel_from_cell(self.view, self.body))
+        return ground._replace(is_table=is_table.view(bool))
 
     def shadow_edges(self, light: Float) -> ShadowEdges | None:
         """The outline of the body's shadow in a light (4,); None where it has none in the picture."""

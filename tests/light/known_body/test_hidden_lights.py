@@ -5,9 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.core.transforms import angle_between
+from ashe_live.bench.cube.scenes import SETS
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import angle_between, direction_from_angles
 from ashe_live.core.types import LightEstimate
 from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.light.known_body import candidates
+from ashe_live.light.known_body.evidence import Evidence
+from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
@@ -68,6 +74,35 @@ def test_a_second_light_too_weak_to_be_told_by_any_one_direction_is_told_by_all_
     assert error < 2 * second.sigma_rad
     assert second.confidence is not None
     assert second.confidence < 0.9  # it says that nothing tells its direction well
+
+
+def test_one_that_may_be_anywhere_is_stated_after_one_that_is_known() -> None:
+    """Though it is the stronger one, and some of its shadow's edges are seen beside the cube's foot."""
+    scene = list(next(one for one in SETS if one.name == "two suns").scenes(24, 90210))[23]
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    first, second = make_estimator("proxy").estimate(tracked).lights
+    assert min(angle_between(first.to_light_marker, each.point[:3]) for each in scene.lights) < math.radians(2)
+    assert first.sigma_rad is not None
+    assert second.sigma_rad is not None
+    assert second.sigma_rad > 4 * first.sigma_rad
+
+
+def test_a_second_shadow_is_found_though_stains_lead_the_map_away_from_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    lights = sun(FROM_DEG + 110, 35, on_table=0.4), sun(FROM_DEG - 100, 40, on_table=0.15)
+    nearby, calls = candidates._nearby, []
+
+    def led_away(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float, float]:
+        light, darkening, likelihood = nearby(seen, template, beside)
+        calls.append(template)
+        # Towards the camera, where the cube hides the shadow.
+        behind = at_infinity(direction_from_angles(math.radians(FROM_DEG), math.radians(60))[None])[0]
+        return (light if len(beside.darkenings) == 0 else behind), darkening, likelihood
+
+    monkeypatch.setattr(candidates, "_nearby", led_away)
+    answer = estimate(*lights)
+    assert calls
+    errors = [[angle_between(f.to_light_marker, t.point[:3]) for f in answer.lights] for t in lights]
+    assert np.max(np.min(errors, axis=1)) < math.radians(1)
 
 
 @pytest.mark.parametrize("slope", [(0.0, 0.0), (0.3, 0.0), (0.0, -0.3), (-0.2, -0.2)])

@@ -33,7 +33,7 @@ def log_odds(
 ) -> tuple[np.ndarray, np.ndarray]:
     count = len(templates.lights)
     darkenings, skies = np.full(count, DARKENING), np.full(count, sky)
-    return templates.rims.seen(from_above(values, seen), darkenings, skies, 0.1)
+    return templates.rims.seen(from_above(values, seen), darkenings, skies, 0.1)[:2]
 
 
 def from_above(values: Float32, seen: Mask = ALL) -> Ground:
@@ -49,6 +49,22 @@ def test_the_light_whose_shadow_it_is_has_the_best_odds(body: Proxy, templates: 
     assert best @ LIGHT[0, :3] / np.linalg.norm(LIGHT[0, :3]) > np.cos(np.radians(8))
     elsewhere = templates.lights[:, :3] @ LIGHT[0, :3] < 0.3
     assert odds[elsewhere & (visible > 0.5)].max() < 0
+
+
+@pytest.mark.parametrize("rough", [0.01, 0.12])
+def test_on_a_rough_table_a_shadow_has_deeper_steps_than_stains(
+    body: Proxy, templates: Templates, rough: float
+) -> None:
+    """Whatever the map takes the light for: there it says next to nothing."""
+    rng, own = np.random.default_rng(3), LIGHT[0, :3] / np.linalg.norm(LIGHT)
+    for _ in range(4):
+        stained = 1 - DARKENING / 2 * shadows_of(body, LIGHT).one(0) + rng.normal(0, rough, (SIDE, SIDE))
+        ground, count = from_above(stained.astype(np.float32)), len(templates.lights)
+        steps = templates.rims.seen(ground, np.zeros(count), np.zeros(count), 0.1)
+        by_depth = steps.by_depth()
+        assert templates.lights[int(by_depth.argmax()), :3] @ own > np.cos(np.radians(12))
+        elsewhere = (templates.lights[:, :3] @ own < 0.3) & (steps.in_view > 0.5)
+        assert by_depth[elsewhere].max() < by_depth.max() - 3
 
 
 def test_an_open_table_speaks_against_all_whose_shadow_would_be_seen(templates: Templates) -> None:
@@ -71,10 +87,11 @@ def test_the_sky_that_the_body_hides_is_no_shadow(templates: Templates) -> None:
 
 def test_unseen_ones_are_added_at_the_end(body: Proxy) -> None:
     rims = Rims.of(body, LIGHT, np.zeros(SIDE * SIDE, np.float32)).and_unseen(2)
-    visible, odds = rims.seen(from_above(np.ones((SIDE, SIDE), np.float32)), np.ones(3), np.zeros(3), 0.1)
+    visible, odds, *_ = steps = rims.seen(from_above(np.ones((SIDE, SIDE), np.float32)), np.ones(3), np.zeros(3), 0.1)
     assert visible[0] > 0.5
     assert not visible[1:].any()
     assert not odds[1:].any()
+    assert not steps.by_depth()[1:].any()
 
 
 def test_a_shadow_narrower_than_two_cells_is_seen_in_a_finer_picture(body: Proxy, templates: Templates) -> None:
@@ -88,7 +105,7 @@ def test_a_shadow_narrower_than_two_cells_is_seen_in_a_finer_picture(body: Proxy
     cv2.fillConvexPoly(seen, cv2.convexHull(np.round(FINER * on_table[0]).astype(np.int32)), 0)
     ground = Ground(finer, seen.view(bool), np.diag([FINER, FINER, 1.0]))
     count = len(templates.lights)
-    visible, odds = templates.rims.seen(ground, np.full(count, DARKENING), np.zeros(count), 0.1)
+    visible, odds, *_ = templates.rims.seen(ground, np.full(count, DARKENING), np.zeros(count), 0.1)
     own = (templates.lights[:, :3] @ light[:3]).argmax()
     assert visible[own] > 0.2
     assert odds[own] > 4
