@@ -17,6 +17,7 @@ from ashe_live.light.labels.associate import (
     are_like_areas,
     areas_of_one_colour,
     distinct,
+    flat_areas,
     shadow_like,
     splits,
     with_near_shadow_undecided,
@@ -43,6 +44,7 @@ def proposals_of(
     region: Region, ground: LitGround, shifts: Sequence[Float], paired: Sequence[Float]
 ) -> Iterator[Proposal]:
     """The region's splits for each of `shifts` (3,), and for two lights whose shifts are among `paired` (3,)."""
+    flat = flat_areas(region)
     alone = [materials_of(region, ground, shift) for shift in shifts]
     tried = [(materials, shadow_like(region, ground, materials.shifts)) for materials in alone]
     likely = tried[:LIKELY_SHIFTS]
@@ -56,7 +58,7 @@ def proposals_of(
     both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
     tried += [(each, shadow_like(region, ground, each.shifts)) for each in both if each is not None]
     for materials, look in tried:
-        yield from _proposed(region, materials, splits(region, materials, look, SHADOWS_PER_SHIFT))
+        yield from _proposed(region, materials, splits(region, materials, look, SHADOWS_PER_SHIFT, flat))
 
 
 def _beside_paler_shadows(

@@ -9,7 +9,6 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask, set_frozen
 from ashe_live.core.transforms import raycast_to_plane
-from ashe_live.light.ground.flat_areas import flat_areas
 from ashe_live.light.ground.lit_ground import LitGround, ground_colours
 from ashe_live.light.pixels.areas import distance_to, grown, majority, shrunk
 from ashe_live.light.pixels.mixtures import nearest_squared_distance
@@ -42,14 +41,11 @@ class Region:
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
     faint: Mask | None = None  # (h, w) of `unlit`, those that the lit ground nearly explains; None: not known
     quantised: Quantised = field(init=False)  # its colours, quantised to the size of the noise
-    flat: Mask | None = field(init=False)  # (h, w) unlit areas that lie on the plane; None: one view
     unreliable: Mask = field(init=False)  # (h, w) pixels off the ground, and those near enough to see that border
 
     def __post_init__(self) -> None:
         unreliable = grown(~self.view.is_ground, UNRELIABLE_PX)
-        quantised = Quantised.of(self.colours)
-        flat = None if self.on_plane is None else flat_areas(quantised, self.unlit, self.on_plane)
-        set_frozen(self, quantised=quantised, flat=flat, unreliable=unreliable)
+        set_frozen(self, quantised=Quantised.of(self.colours), unreliable=unreliable)
 
     @property
     def is_ground(self) -> Mask:

@@ -39,6 +39,9 @@ DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
 SHADOW_LIKE = 0.3  # least likeness of a pixel, smoothed, to shadowed ground
 # Numbers of clusters that unlit colours are parted into, and of each one's areas that are tried as a shadow.
 COLOUR_COUNTS, AREAS_PER_COLOUR = (2, 3), 2
+# An area is flat by log odds of FLAT_ODDS, of pixels of which so many count as one sample, where hardly any pixel has
+# log odds below ABOVE.
+FLAT_COLOURS, FLAT_ODDS, PIXELS_PER_SAMPLE, ABOVE, FLAT_ABOVE = 6, 1.5, 40.0, -0.7, 0.03
 # Fraction of the shadow's largest distance from the object beyond which a pixel that looks like shadow cannot be the
 # object's own dark side.
 SURELY_SHADOW = 0.6
@@ -77,13 +80,15 @@ class Split:
         return bool(np.count_nonzero(differing) < SAME_SHARE * np.count_nonzero(self.whole))
 
 
-def splits(region: Region, materials: Materials, like_shadow: Mask, shadows_tried: int) -> list[Split]:
+def splits(
+    region: Region, materials: Materials, like_shadow: Mask, shadows_tried: int, flat: Mask | None = None
+) -> list[Split]:
     """The candidate divisions of the region's unlit areas into object and shadow, given the shift of `materials`.
 
     like_shadow: (h, w) the pixels that may be shadow, as `shadow_like` finds them. shadows_tried: number of areas, the
-    largest first, that are each taken for the shadow. What lies on the plane is no object.
+    largest first, that are each taken for the shadow. flat: (h, w) what lies on the plane, and is no object.
     """
-    unlit = region.unlit if region.flat is None else region.unlit & ~region.flat
+    unlit = region.unlit if flat is None else region.unlit & ~flat
     if materials.other_ground is not None:
         unlit = unlit & ~materials.other_ground
     shadows = areas_by_size(like_shadow, LEAST_PX)[:shadows_tried]
@@ -137,6 +142,24 @@ def areas_of_one_colour(region: Region) -> list[Mask]:
 def are_like_areas(one: Mask, other: Mask) -> bool:
     """Whether two areas (h, w) differ in few of their pixels."""
     return bool(np.count_nonzero(one ^ other) < SAME_SHARE * np.count_nonzero(one | other))
+
+
+def flat_areas(region: Region) -> Mask | None:
+    """(h, w) unlit areas of one colour that other views confirm to lie on the plane: paint, paper, or shadow.
+
+    Only the border of an area tells whether it moves, its inside looks the same wherever it is; so areas are judged
+    whole. None where there are no other views.
+    """
+    if region.on_plane is None:
+        return None
+    labels = clusters(region.quantised.colours, FLAT_COLOURS)[0].astype(np.uint8)[region.quantised.cell]
+    flat = np.zeros_like(region.unlit)
+    for colour in range(FLAT_COLOURS):
+        for area in areas_by_size(majority((labels == colour) & region.unlit), LEAST_AREA_PX):
+            odds = region.on_plane[grown(area, 1)]
+            if odds.sum() > FLAT_ODDS * PIXELS_PER_SAMPLE and (odds < ABOVE).mean() < FLAT_ABOVE:
+                flat |= area
+    return flat
 
 
 def shadow_like(region: Region, ground: LitGround, shifts: Sequence[Float]) -> Mask:

@@ -94,11 +94,8 @@ def shifts_of_shares(shift: Float, shares: Float) -> Float:
 def object_cost(region: Region, mask: Mask, materials: Materials | None = None) -> Float32:
     """(h, w) cost under a mixture fitted to the colours well within `mask`, where no edge mixes them with others.
 
-    UNEXPLAINED everywhere where `mask` holds too few pixels, and on what lies flat on the plane, which is no object.
-    materials: those by which some of it is ground.
+    UNEXPLAINED everywhere where `mask` holds too few pixels. materials: those by which some of it is ground.
     """
-    if region.flat is not None:
-        mask = mask & ~region.flat
     if materials is not None and materials.other_ground is not None:
         mask = mask & ~materials.other_ground
     for margin in (2, 1):
@@ -113,8 +110,7 @@ def object_cost(region: Region, mask: Mask, materials: Materials | None = None) 
     mixture = mixture_of(samples, OBJECT_COLOURS, 1.2)
     if mixture is None:
         return np.full(mask.shape, UNEXPLAINED, np.float32)
-    costs = smoothed(region.quantised.as_picture(cost(region.quantised.colours, mixture)))
-    return costs if region.flat is None else np.where(region.flat, np.float32(UNEXPLAINED), costs)
+    return smoothed(region.quantised.as_picture(cost(region.quantised.colours, mixture)))
 
 
 def share_of_light_lost(region: Region, ground: LitGround, shift: Float) -> Float32:
