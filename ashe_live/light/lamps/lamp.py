@@ -131,7 +131,8 @@ def stated(
             lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
             return Answer(best, (lamp, *others_lights), believed.mean)
     alone, *others_lights = lights
-    deviance, by_outlines = deviance_of_sun(seen, place), explanation.sun_by_outlines
+    # What the outlines say for a lamp, their borders' place has said already.
+    deviance, by_outlines = deviance_of_sun(seen, place), min(explanation.sun_by_outlines, 0.0)
     unsure = with_doubt(alone, place, from_sun, deviance, by_outlines)
     if deviance + by_outlines > EXCLUDED_DEVIANCE:
         unsure = replace(unsure, confidence=0.0)
