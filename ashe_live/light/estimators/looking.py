@@ -32,6 +32,7 @@ from ashe_live.light.ground.sheet_shadow import sheet_shadow_in
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.evidence import no_less_sure
 from ashe_live.light.views.joint import JointExplanation
+from ashe_live.light.views.same_silhouettes import counted_once
 from ashe_live.light.views.seen import without_plane
 
 # Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
@@ -62,7 +63,8 @@ def looked(
     if len(views) > 1:
         together = _explained_together((views[0], candidates), views, trace, steps, judge, lamps, clock)
         alone, alone_log_odds = _directions(candidates), log_odds
-        candidates, log_odds = [each.joint for each, _ in together], [odds for _, odds in together]
+        once = counted_once(together)
+        candidates, log_odds = [each.joint for each, _ in once], [odds for _, odds in once]
         log_odds = no_less_sure(_directions(candidates), log_odds, alone, alone_log_odds)
         clock.end("views")
     trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()

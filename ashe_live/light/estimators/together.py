@@ -1,6 +1,7 @@
 """Explanations of several views together: each view's candidates, placed and aligned in all of them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache, partial
 from operator import itemgetter
 
@@ -111,7 +112,9 @@ def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tup
 
 def _decided(explanation: JointExplanation, decided: Explanation) -> JointExplanation:
     """The explanation, or in each view what it was decided to be instead: a lamp's, or a sun's."""
-    return explanation if decided is explanation.joint else in_each_view(decided)
+    if decided.alignment is explanation.joint.alignment:
+        return replace(explanation, joint=decided)
+    return in_each_view(decided)
 
 
 def _aligned_or_as_started(starts: Sequence[JointStart]) -> list[JointExplanation]:

@@ -2,14 +2,8 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from ashe_live.core.arrays import Mask
-from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.views.joint import JointExplanation
-
-# Of the pixels that either of two explanations takes for the object, those that both do; of shadows too.
-SAME_SHARE = 0.5
+from ashe_live.light.views.same_silhouettes import show_the_same
 
 
 def without_replaced(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
@@ -22,20 +16,7 @@ def without_replaced(several: Sequence[tuple[JointExplanation, float]]) -> list[
     return [
         (each, odds)
         for each, odds in several
-        if each.joint.hull is not None or not any(_is_replaced(each, hull) for hull in hulls)
+        if each.joint.hull is not None
+        or len(each.joint.lights) > 1
+        or not any(show_the_same(hull, each) for hull in hulls)
     ]
-
-
-def _is_replaced(family: JointExplanation, hull: JointExplanation) -> bool:
-    """Whether in the hull's region both have mostly the same object and the same shadow."""
-    region, split, lit = hull.joint.region, hull.joint.split, family.joint.alignment.placed.lit
-    if len(lit.lights) != 1:
-        return False
-    seen = predicted(lit.body.proxy, lit.lights, region.view)
-    pairs = ((seen.body, split.object_mask), (seen.shadow, split.shadow_mask))
-    return all(_shared(mask & region.is_ground, other) > SAME_SHARE for mask, other in pairs)
-
-
-def _shared(one: Mask, other: Mask) -> float:
-    """The intersection of two masks over their union; 0 for none."""
-    return int(np.count_nonzero(one & other)) / max(int(np.count_nonzero(one | other)), 1)

@@ -30,14 +30,16 @@ MOST_LOG_ODDS = 20.0  # of a lamp against a sun, either way
 FAR_TAIL = -5.0  # argument of erf, below which its asymptote is used
 
 
-def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float) -> Light:
+def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float, by_outlines: float = 0.0) -> Light:
     """The direction at the marker's centre, expected over a sun and a lamp, of which neither is certain.
 
     light: as a sun's. place: the light's, if it is a lamp; from_sun: to first order about a light at infinity, by which
-    the two are weighed. deviance: of a sun beside that lamp, if unevenness is at its worst.
+    the two are weighed. deviance: of a sun beside that lamp, if unevenness is at its worst. by_outlines: the same by
+    the outlines in several views, where bodies were fitted to both.
     """
     assert light.covariance_rad2 is not None
-    log_odds = min(_log_ratio(from_sun), _log_ratio_at(place, deviance)) + math.log(LAMPS_SHARE / (1 - LAMPS_SHARE))
+    by_ground = min(_log_ratio(from_sun), _log_ratio_at(place, deviance))
+    log_odds = by_ground + 0.5 * by_outlines + math.log(LAMPS_SHARE / (1 - LAMPS_SHARE))
     probability = 1 / (1 + math.exp(-min(max(log_odds, -MOST_LOG_ODDS), MOST_LOG_ODDS)))
     nearness, variance = _positive(*_with_prior(place))
     line = place.covariance[:2, 2] / place.covariance[2, 2]
@@ -45,7 +47,7 @@ def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float) -> 
     of_lamp = place.covariance[:2, :2] - (place.nearness_sigma**2 - variance) * np.outer(line, line)
     sun = FittedLight(np.append(light.to_light_marker, 0.0), light.covariance_rad2)
     as_sun, of_sun = displacement_of(light.to_light_marker), np.linalg.inv(information_on_displacement(sun))
-    moved = probability if deviance > CHANCE_DEVIANCE else 0.0
+    moved = probability if deviance + by_outlines > CHANCE_DEVIANCE else 0.0
     expected = as_sun + moved * (as_lamp - as_sun)
     slope = direction_by_displacement(expected)
     shares = np.array([1 - probability, probability])

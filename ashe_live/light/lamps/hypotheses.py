@@ -7,7 +7,7 @@ the outlines, fitted anew by either light, and the fall of light over the ground
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import attrgetter
 
@@ -163,7 +163,9 @@ class LampHypotheses:
 
 
 def _decided(sun: Explanation, evidence: LampEvidence) -> Explanation:
-    return evidence.lamp if evidence.lamp is not None and evidence.is_lamp else sun
+    if evidence.lamp is not None and evidence.is_lamp:
+        return evidence.lamp
+    return replace(sun, sun_by_outlines=evidence.by_outlines) if evidence.in_views else sun
 
 
 def is_held_near(explanation: Explanation) -> bool:

@@ -131,9 +131,10 @@ def stated(
             lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
             return Answer(best, (lamp, *others_lights), believed.mean)
     alone, *others_lights = lights
-    deviance = deviance_of_sun(seen, place)
-    unsure = with_doubt(alone, place, from_sun, deviance)
-    if deviance > EXCLUDED_DEVIANCE:
+    # What the outlines say for a lamp, their borders' place has said already.
+    deviance, by_outlines = deviance_of_sun(seen, place), min(explanation.sun_by_outlines, 0.0)
+    unsure = with_doubt(alone, place, from_sun, deviance, by_outlines)
+    if deviance + by_outlines > EXCLUDED_DEVIANCE:
         unsure = replace(unsure, confidence=0.0)
     return Answer(explanation, (unsure, *others_lights), place)
 

@@ -67,6 +67,22 @@ def test_a_lamp_far_from_where_a_sun_would_be_takes_its_share_of_the_confidence(
     assert 0.8 * SUN.confidence < found.confidence < 0.95 * SUN.confidence
 
 
+def test_outlines_of_several_views_that_show_a_suns_shadow_outweigh_glossy_ground() -> None:
+    lamp = place(1.0, 0.1)
+    assert off_deg(with_doubt(SUN, lamp, place(0.5, 0.2), 40.0), SUN.to_light_marker) > 4
+    found = with_doubt(SUN, lamp, place(0.5, 0.2), 40.0, by_outlines=-30.0)
+    assert off_deg(found, SUN.to_light_marker) < 0.05
+    assert found.confidence == pytest.approx(SUN.confidence, rel=0.01)
+
+
+def test_outlines_count_as_the_ground_does() -> None:
+    """A deviance of 2 ln 4 less is four times the odds of a sun, whichever witness it comes from."""
+    lamp = place(1.0, 0.1)
+    by_outlines = with_doubt(SUN, lamp, place(1.0, 0.1), EVEN, by_outlines=-2 * math.log(4))
+    by_ground = with_doubt(SUN, lamp, place(1.0, 0.1), EVEN - 2 * math.log(4))
+    assert off_deg(by_outlines, by_ground.to_light_marker) < 0.01
+
+
 def test_a_low_sun_is_as_sure_by_itself_as_it_was_measured() -> None:
     low = Light(np.array([math.cos(0.35), 0.0, math.sin(0.35)]), np.diag([0.02, 0.1]) ** 2, 0.1, 0.9)
     higher = Place(np.array([1.2, 0.0, 1.0]), np.diag([1e4, 1e4, 1e2]))

@@ -1,0 +1,52 @@
+"""Explanations of several views that are of one object and one shadow."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ashe_live.core.arrays import Mask
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.shape.predicted import Predicted, predicted
+from ashe_live.light.views.joint import JointExplanation, towards_light
+
+# Of the pixels that either of two explanations takes for the object, those that both do; of shadows too.
+SAME_SHARE = 0.5
+
+
+def show_the_same(one: JointExplanation, other: JointExplanation) -> bool:
+    """Whether the bodies and their shadows, in the first view's picture around `one`, are mostly the same pixels."""
+    region = one.joint.region
+    pairs = zip(_silhouettes(one), _silhouettes(other, one), strict=True)
+    return all(_shared(a & region.is_ground, b & region.is_ground) > SAME_SHARE for a, b in pairs)
+
+
+def counted_once(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
+    """Explanations with their log odds, the likeliest first, without those that repeat a likelier one.
+
+    From several labels, of any view, alignment comes to much the same body with much the same light. To be found more
+    than once makes an answer no likelier: the evidence for it is in the same pixels.
+    """
+    kept: list[tuple[JointExplanation, float]] = []
+    for each, odds in sorted(several, key=lambda pair: pair[1], reverse=True):
+        near = (one for one, _ in kept if towards_light(one) @ towards_light(each) > math.cos(GOOD_RAD))
+        if not any(show_the_same(one, each) for one in near):
+            kept.append((each, odds))
+    return kept
+
+
+def _silhouettes(explanation: JointExplanation, where: JointExplanation | None = None) -> tuple[Mask, Mask]:
+    """(h, w) each: body and shadow in the region of the explanation, or of another one."""
+    joint = explanation.joint
+    if where is None and joint.hull is not None:
+        return joint.split.object_mask, joint.split.shadow_mask
+    lit = joint.alignment.placed.lit
+    seen: Predicted = (
+        joint.predicted if where is None else predicted(lit.body.proxy, lit.lights, where.joint.region.view)
+    )
+    return seen.body, seen.shadow
+
+
+def _shared(one: Mask, other: Mask) -> float:
+    """The intersection of two masks over their union; 0 for none."""
+    return int(np.count_nonzero(one & other)) / max(int(np.count_nonzero(one | other)), 1)
