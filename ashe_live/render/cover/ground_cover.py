@@ -51,7 +51,8 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCov
     lit = np.asarray(plane.linear / np.maximum(plane.shade, LEAST_SHADE), np.float32)
     known, shade = plane.is_seen & ~plane.border, plane.shade
     if body is None:
-        hole = covered = sheet_mask(lit, known, side_px)
+        hole = sheet_mask(lit, known, side_px)
+        covered = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < BLEED_SIDES * side_px
     else:
         hole, covered = hidden_and_shaded(tracked.marker, body, illumination, half_m, len(lit))
         hole |= plane.border | (covered & ~plane.is_seen)

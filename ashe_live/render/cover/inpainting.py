@@ -11,7 +11,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.masked_blur import blurred_within
-from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches
+from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches, standing_out
 from ashe_live.render.cover.repetition import pattern_of
 from ashe_live.render.cover.straight_lines import straight_lines
 
@@ -19,13 +19,13 @@ from ashe_live.render.cover.straight_lines import straight_lines
 COARSE_SIDE_PX = 26.0  # length of a side in the coarse picture, in which patches are chosen
 OVER_TEXTURE = 0.5, 1.5  # contrast of a line over the ground's, from which it is drawn faintly, and fully
 DIMMEST = 0.03  # least shading, in roots, by which detail is divided
-GUIDES = 0.75  # visibility from which patches are chosen to continue a line: grain, which is everywhere, misleads them
+DARKEST_LINE = 0.2  # least root of light on a line over that beside it
 # Distance from the hole: nearer than the first, the picture's coarse colours and sharpening have mixed the ground with
 # what lies in the hole. Between both, the ground is compared with what was filled in.
-BLEED_SIDES, BESIDE_SIDES = 0.06, 0.16
+BLEED_SIDES, BESIDE_SIDES = 0.06, 0.1
 SHADING_SIDES = 0.5  # standard deviation of the blur that separates shading from texture
 BAND_SIDES = 0.02  # standard deviation of the blur that separates fine texture from the rest
-GRAIN_SIDES = 0.04  # the same for the grain of a line
+COARSER_SIDES = 0.05  # size of detail from which on patches are blended softly
 AROUND_SIDES = 0.5  # ground up to this distance from the hole gives the range of the ground's colours
 # Margins of that range: in roots, over those of the brightest ground, and in a channel's share of the sum of roots.
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
@@ -64,29 +64,33 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     detail = np.where(trusted[..., None], roots - shading, 0)
     plain = trusted & (_scaled(ground, len(hole)) > 0.5)
     pattern = pattern_of(np.where(plain[..., None], detail / np.maximum(shading, DIMMEST), 0), plain, bleeds, side_px)
+    lines, told = np.zeros_like(detail), np.zeros_like(bleeds)
     if pattern is None:
         lines = straight_lines(detail, bleeds, trusted, side_px)
-        drawn = np.where(bleeds, _visibility(lines, detail[trusted]), 0)
+        lines *= _visibility(lines, detail[trusted])[..., None]
     else:  # its joints are part of it, and its checks, which touch at their corners, are no lines
-        lines, drawn = pattern.contrast * shading, pattern.is_there.astype(np.float64)
-    guides = bleeds & (drawn > GUIDES)
-    detail = np.where(guides[..., None], lines, detail)
-    copied = CopiedPatches(detail, trusted | guides, len(hole) / size)
-    is_told = _scaled(guides, size) > 0.5
-    if pattern is not None:
-        unknown &= ~is_told
-    brightness = _scaled(shading.mean(axis=2), size)
-    for place, source in chosen_patches(_scaled(detail, size), brightness, unknown, ground | is_told, sources):
+        told = bleeds & pattern.is_there
+        continued = pattern.contrast * shading
+        continued += _spread_difference(detail, continued, pattern.is_there & trusted, bleeds, side_px)
+        detail = np.where(told[..., None], continued, detail)
+    # Lines are drawn, and not copied with patches: those would add to them. The ground on them is darker or brighter.
+    on_line = np.maximum(1 + lines / np.maximum(shading, DIMMEST), DARKEST_LINE)
+    plainer = np.asarray(np.where((trusted | told)[..., None], (detail - lines) / on_line, 0), np.float32)
+    copied = CopiedPatches(plainer, trusted | told, len(hole) / size)
+    is_told = _scaled(told, size) > 0.5
+    unknown &= ~is_told
+    brightness, outstanding = _scaled(shading.mean(axis=2), size), _scaled(standing_out(plainer, trusted), size)
+    for place, source in chosen_patches(
+        _scaled(plainer, size), brightness, outstanding, unknown, ground | is_told, sources
+    ):
         copied.paste(place, source)
-    patches = copied.blended(BAND_SIDES * side_px)
-    # A line is the same all along, but for the grain that patches of it have. A pattern has its own.
-    coarser = cv2.GaussianBlur(patches, (0, 0), GRAIN_SIDES * side_px) if pattern is None else patches
-    texture = np.asarray(patches + drawn[..., None] * (lines - coarser), np.float32)
+    copied.lay(plainer, told)
+    texture = copied.blended(bleeds, COARSER_SIDES * side_px)
     if pattern is None:
-        texture = _with_grain_of(detail, plain, texture, hole, side_px)
-    is_there = copied.is_there if pattern is None else copied.is_there | pattern.is_there
-    level = _spread_difference(roots, texture, is_there & trusted, hole, side_px)
-    return np.asarray(np.where(hole[..., None], np.square(np.maximum(texture + level, 0)), lit), np.float32)
+        texture = _with_grain_of(plainer, plain, texture, bleeds, side_px)
+    texture = np.asarray(texture * on_line + lines, np.float32)
+    found = np.square(np.maximum(texture + _spread_difference(roots, texture, trusted, bleeds, side_px), 0))
+    return np.asarray(np.where(bleeds[..., None], found, lit), np.float32)
 
 
 def _scaled(picture: Float32 | Mask, size: int) -> Float32:
@@ -174,7 +178,7 @@ def _spread_difference(roots: Float32, texture: Float32, is_known: Mask, hole: M
     size = FIELD
     near = hole.astype(np.uint8)
     beside = cv2.distanceTransform(1 - near, cv2.DIST_L2, 5) / side_px
-    ring = (beside > BLEED_SIDES) & (beside < BESIDE_SIDES) & is_known
+    ring = ~hole & (beside < BESIDE_SIDES) & is_known
     difference = np.where(ring[..., None], roots - texture, 0).astype(np.float32)
     share = cv2.resize(ring.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA)
     sums = cv2.resize(difference, (size, size), interpolation=cv2.INTER_AREA)

@@ -14,22 +14,23 @@ PATCH = 15  # side of a patch, in coarse pixels
 STEP = 7  # distance between the patches of the hole, which overlap, in coarse pixels
 SHARPER = 4  # patches are blended by soft weights; their fine detail, by this power of them
 STANDS_OUT = 3.0  # contrast over the ground's median beyond which detail is a line or a speck, and not texture
-TINY = 1e-9  # smaller weights count as 0
+LEAST_SHARE = 1e-3  # weight of a patch at its border, where it may be the only one
+TINY = 1e-20  # smaller weights count as 0
 
 
 def chosen_patches(
-    coarse: Float32, shading: Float32, unknown: Mask, known: Mask, sources: Mask
+    coarse: Float32, shading: Float32, outstanding: Float32, unknown: Mask, known: Mask, sources: Mask
 ) -> list[tuple[Float, Float]]:
     """Middles (row, column) of coarse patches to fill and of those to copy, in the order of filling.
 
     coarse: (m, m, 3) detail, from which the shading (m, m) was subtracted. Patches of the same shading are preferred:
     otherwise the inside of an object's shadow, whose detail is like the ground's, would be copied with a piece of its
-    border. known: (m, m) where `coarse` shows the ground; in the unknown part, where lines were drawn.
+    border. outstanding: (m, m) means of `standing_out` of the fine picture. known: (m, m) where `coarse` shows the
+    ground; in the unknown part, where a pattern was drawn.
     """
     reach = PATCH // 2
-    usual = float(np.median(np.square(coarse[sources]).sum(axis=1)))
-    standing_out = _standing_out(coarse, usual)
-    picture, known, left = coarse.copy(), known.copy(), unknown.copy()
+    picture, outstanding_here = coarse.copy(), outstanding.copy()
+    known, left = known.copy(), unknown.copy()
     found: list[tuple[Float, Float]] = []
     size = len(unknown)
     places = [
@@ -48,8 +49,8 @@ def chosen_patches(
             misfit = cv2.matchTemplate(picture, picture[window], cv2.TM_SQDIFF, mask=masked)
             misfit += masked.sum() * np.square(shading[reach:-reach, reach:-reach] - shading[place])
             # A piece of a joint would be cut off at its ends: no more lines are copied than the known ground here has.
-            brought = cv2.matchTemplate(standing_out, (~mask).astype(np.float32), cv2.TM_CCORR)
-            misfit = misfit + np.maximum(brought - _standing_out(picture[window], usual)[mask].sum(), 0.0)
+            brought = cv2.matchTemplate(outstanding, (~mask).astype(np.float32), cv2.TM_CCORR)
+            misfit = misfit + np.maximum(brought - outstanding_here[window][mask].sum(), 0.0)
             misfit = np.where(sources[reach:-reach, reach:-reach], misfit, np.inf)
             at = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
             source = (int(at[0]) + reach, int(at[1]) + reach)
@@ -57,16 +58,19 @@ def chosen_patches(
             rows, columns = np.nonzero(sources)
             source = int(rows[len(rows) // 2]), int(columns[len(rows) // 2])
         new = ~mask
-        picture[window][new] = coarse[_window(*source)][new]
+        for copy, original in ((picture, coarse), (outstanding_here, outstanding)):
+            copy[window][new] = original[_window(*source)][new]
         known[window] = True
         left[window] = False
         found.append((np.array(place, float), np.array(source, float)))
     return found
 
 
-def _standing_out(detail: Float32, usual: float) -> Float32:
-    """(m, m) excess of the squared detail (m, m, 3) over that of texture, whose median is `usual`: lines and specks."""
-    return np.maximum(np.square(detail).sum(axis=2) - STANDS_OUT**2 * usual, 0.0).astype(np.float32)
+def standing_out(detail: Float32, is_ground: Mask) -> Float32:
+    """(n, n) excess of the squared detail (n, n, 3) of visible ground over that of texture: lines and specks."""
+    squares = np.square(detail).sum(axis=2)
+    usual = float(np.median(squares[is_ground]))
+    return np.where(is_ground, np.maximum(squares - STANDS_OUT**2 * usual, 0.0), 0.0).astype(np.float32)
 
 
 def _window(row: int, column: int) -> tuple[slice, slice]:
@@ -76,16 +80,19 @@ def _window(row: int, column: int) -> tuple[slice, slice]:
 
 
 class CopiedPatches:
-    """Patches of a picture (n, n, 3), copied over one another.
+    """Patches of a picture (n, n, 3), copied over one another and beside known ground, without seams between them.
 
-    Coarse detail is blended softly, fine detail hardly at all (Burt, Adelson, "A multiresolution spline with
-    application to image mosaics", ACM Trans. Graphics 1983): a mean of textures would be smoother than they are.
+    Their gradients are blended by sharp weights, as a mean of textures would be smoother than they are, and the picture
+    with these gradients is found whose coarse shape is that of softly blended patches (Perez, Gangnet, Blake, "Poisson
+    image editing", SIGGRAPH 2003; screened as in Bhat, Curless, Cohen, Zitnick, "Fourier analysis of the 2D screened
+    Poisson equation for gradient domain problems", ECCV 2008).
     """
 
     def __init__(self, picture: Float32, is_known: Mask, scale: float) -> None:
         """`is_known` (n, n): where patches must fit. `scale`: pixels of the picture for one coarse pixel."""
         self._picture, self._known, self._scale = picture, is_known.astype(np.float32), scale
-        self._sum, self._sharp = np.zeros_like(picture), np.zeros_like(picture)
+        self._gradients = _gradients(picture)
+        self._sum, self._gradient_sum = np.zeros_like(picture), np.zeros_like(self._gradients)
         self._weight, self._sharp_weight = np.zeros(is_known.shape, np.float32), np.zeros(is_known.shape, np.float32)
 
     @property
@@ -113,21 +120,65 @@ class CopiedPatches:
         rows, columns = (
             np.cos((np.arange(low[k], high[k]) - middle[k] + 0.5) / reach * (np.pi / 2) * 0.98) ** 4 for k in (0, 1)
         )
-        share = np.outer(rows, columns).astype(np.float32)
-        patch = region[at[0] : at[0] + size[0], at[1] : at[1] + size[1]]
-        for sums, weights, each in (
-            (self._sum, self._weight, share),
-            (self._sharp, self._sharp_weight, share**SHARPER),
+        share = np.maximum(np.outer(rows, columns), LEAST_SHARE).astype(np.float32)
+        first = begin + at
+        copied = (slice(first[0], first[0] + size[0]), slice(first[1], first[1] + size[1]))
+        for sums, weights, each, values in (
+            (self._sum, self._weight, share, self._picture),
+            (self._gradient_sum, self._sharp_weight, share**SHARPER, self._gradients),
         ):
-            sums[to] += each[..., None] * patch
+            sums[to] += each[..., None] * values[copied]
             weights[to] += each
 
-    def blended(self, band_px: float) -> Float32:
-        """(n, n, 3) all patches blended; detail finer than `band_px` comes from hardly more than one at a place."""
-        soft = self._mean((slice(None), slice(None)))
-        sharp = self._sharp / np.maximum(self._sharp_weight, TINY)[..., None]
-        finer = np.where(self._sharp_weight[..., None] > TINY, sharp - soft, 0)
-        return np.asarray(soft + finer - cv2.GaussianBlur(finer, (0, 0), band_px), np.float32)
+    def lay(self, picture: Float32, where: Mask) -> None:
+        """Replaces the patches by a picture (n, n, 3), where one (n, n) is known."""
+        within = cv2.erode(where.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        self._sum[within], self._gradient_sum[within] = picture[within], _gradients(picture)[within]
+        self._weight[within] = self._sharp_weight[within] = 1
+
+    def blended(self, hole: Mask, coarser_px: float) -> Float32:
+        """(n, n, 3) the picture with patches in the hole (n, n). Detail coarser than `coarser_px` is blended softly."""
+        reach = round(4 * coarser_px)
+        left, top, width, height = cv2.boundingRect(hole.astype(np.uint8))
+        n = len(hole)
+        window = (slice(max(top - reach, 0), min(top + height + reach, n)),
+                  slice(max(left - reach, 0), min(left + width + reach, n)))
+        inside = hole[window]
+        soft = np.where(inside[..., None], self._mean(window), self._picture[window])
+        sharp = self._gradient_sum[window] / np.maximum(self._sharp_weight[window], TINY)[..., None]
+        # Also those of ground beside the hole, whose neighbour lies in it.
+        inside = cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        found = self._picture.copy()
+        found[window] = _with_gradients(soft, np.where(inside[..., None], sharp, self._gradients[window]), coarser_px)
+        return found
 
     def _mean(self, of: tuple[slice, slice]) -> Float32:
         return np.asarray(self._sum[of] / np.maximum(self._weight[of], TINY)[..., None], np.float32)
+
+
+def _gradients(picture: Float32) -> Float32:
+    """(h, w, 6) the differences of each pixel of a picture (h, w, 3) from its left and from its upper neighbour."""
+    return np.concatenate(
+        [np.diff(picture, axis=axis, prepend=picture.take([0], axis=axis)) for axis in (1, 0)], axis=2
+    )
+
+
+def _with_gradients(soft: Float32, gradients: Float32, coarser_px: float) -> Float32:
+    """(h, w, 3) the picture that has the gradients (h, w, 6) in fine detail, and in coarse is like `soft` (h, w, 3).
+
+    It minimises the squares of the gradients' errors and, over coarser_px², of its differences from `soft`, by cosine
+    transforms.
+    """
+    across, down = gradients[..., :3].copy(), gradients[..., 3:].copy()
+    across[:, 0], down[0] = 0, 0
+    padded = [(0, size % 2) for size in soft.shape[:2]]
+    screen = 1 / coarser_px**2
+    right = screen * soft - np.diff(across, axis=1, append=0) - np.diff(down, axis=0, append=0)
+    height, width = (size + more for size, (_, more) in zip(soft.shape, padded, strict=False))
+    y, x = (2 - 2 * np.cos(np.pi * np.arange(size) / size) for size in (height, width))
+    stiffness = (screen + y[:, None] + x).astype(np.float32)
+    found = [
+        cv2.idct(cv2.dct(np.pad(right[..., k], padded, mode="edge")) / stiffness)[: soft.shape[0], : soft.shape[1]]
+        for k in range(3)
+    ]
+    return np.dstack(found)

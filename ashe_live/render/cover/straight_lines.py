@@ -19,9 +19,10 @@ from ashe_live.render.cover.masked_blur import blurred_within
 Indices = NDArray[np.intp]
 
 # "Sides" below is the length of a side of the marker.
-SIDE_PX, FINE_SIDE_PX = 26.0, 128.0  # length of a side in the pictures in which lines are found, and drawn
+SIDE_PX, FINE_SIDE_PX = 26.0, 256.0  # length of a side in the pictures in which lines are found, and drawn
 SMOOTH_PX = 0.8  # standard deviation of a blur that keeps lines thinner than a row from aliasing when they are turned
-STEP_DEG, FINER_STEP_DEG = 1.0, 0.25  # between the directions that are tried, and around the best of them
+# Between the directions that are tried, around the best of them, and around that of a seam, which is drawn to a pixel.
+STEP_DEG, FINER_STEP_DEG, FINEST_STEP_DEG = 1.0, 0.25, 0.1
 BESIDE_SIDES = 0.7  # length of a line that is examined on either side of the hole
 LEAST_SEEN = 0.5  # share of that length that must be visible
 SURE, LIKELY = 6.0, 2.5  # least contrast over its standard error, of a line's strongest row and of rows next to it
@@ -31,7 +32,9 @@ STEADY = 0.6  # largest deviation along a line, beyond the texture's, over its c
 # Two directions of lines differ by less than the first angle (grain winds) or by more than the second (joints cross).
 # The shading of broad grain resembles bands in the directions between.
 WAVY_DEG, CROSSING_DEG = 4.0, 30.0
+NEAR_ROWS = 2  # rows of the coarse picture by which a line that is found there may be elsewhere
 MOST_DIRECTIONS = 16  # examined one after the other, each without the lines found before
+SEAMS = 2  # number of these whose strongest line is drawn in its own direction to FINEST_STEP_DEG
 
 
 def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float) -> Float32:
@@ -40,9 +43,10 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
     detail: (n, n, 3) roots of linear RGB less the ground's shading. is_ground: (n, n) visible ground. side_px: the
     marker's side.
     """
-    coarse, fine = (_scaled(detail, hole, is_ground, side_px, px) for px in (SIDE_PX, FINE_SIDE_PX))
+    coarse = _scaled(detail, hole, is_ground, side_px, SIDE_PX, SMOOTH_PX)
+    fine = _scaled(detail, hole, is_ground, side_px, FINE_SIDE_PX, 0.0)
     lines, drawn = np.zeros_like(coarse.detail), np.zeros_like(fine.detail)
-    for direction in _telling_directions(coarse):
+    for number, direction in enumerate(_telling_directions(coarse)):
         nearby = direction + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINER_STEP_DEG)
         # A seam may run a degree beside the grain, whose many lines would have it turned into their direction.
         for alone in (True, False):
@@ -53,8 +57,13 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
             if not chosen.any():
                 break
             lines = _stronger(lines, rows.drawn(chosen))
-            finer = _Rows(fine.without(drawn), rows.direction_deg)
-            drawn = _stronger(drawn, finer.drawn(finer.those_of(rows, chosen)))
+            rest = fine.without(drawn)
+            if alone and number < SEAMS:
+                finer, chosen = _along(rest, rows, chosen)
+            else:
+                finer = _Rows(rest, rows.direction_deg)
+                chosen = finer.those_of(rows, chosen)
+            drawn = _stronger(drawn, finer.drawn(chosen))
     return np.asarray(cv2.resize(drawn, hole.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
@@ -70,15 +79,28 @@ class _Ground(NamedTuple):
         return self._replace(detail=np.where(self.seen[..., None], self.detail - lines, 0))
 
 
-def _scaled(detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted_px: float) -> _Ground:
+def _scaled(
+    detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted_px: float, smooth_px: float
+) -> _Ground:
     n = len(hole)
     m = min(n, round(n * wanted_px / side_px))
     shown, gap, seen = (
         cv2.resize(each.astype(np.float32), (m, m), interpolation=cv2.INTER_AREA) for each in (detail, hole, is_ground)
     )
     visible = np.asarray(seen > 0.98)
-    smooth = blurred_within(np.asarray(shown, np.float32), visible.astype(np.float32), SMOOTH_PX)
+    smooth = np.asarray(shown, np.float32)
+    if smooth_px > 0:
+        smooth = blurred_within(smooth, visible.astype(np.float32), smooth_px)
     return _Ground(np.where(visible[..., None], smooth, np.float32(0)), gap > 0.02, visible, side_px * m / n)
+
+
+def _along(fine: _Ground, coarse: "_Rows", chosen: Mask) -> tuple["_Rows", Mask]:
+    """The ground turned to the direction of a line that lies in the rows `chosen` of a coarser one; and its rows."""
+    beside = cv2.dilate(chosen.astype(np.uint8)[:, None], np.ones((2 * NEAR_ROWS + 1, 1), np.uint8))[:, 0] > 0
+    nearby = coarse.direction_deg + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINEST_STEP_DEG)
+    tried = [(rows, rows.those_of(coarse, beside)) for rows in (_Rows(fine, each) for each in nearby)]
+    rows, near = max(tried, key=lambda each: each[0].energy_of(each[1]))
+    return rows, rows.lines_at(near) | rows.those_of(coarse, chosen)
 
 
 def _telling_directions(ground: _Ground) -> Float:
@@ -153,7 +175,11 @@ class _Rows:
     @property
     def energy(self) -> float:
         """Squared contrasts of the rows that may be lines, summed: largest if a line fills as few rows as it can."""
-        return float((self._weaker[self.certainty > LIKELY] ** 2).sum())
+        return self.energy_of(np.ones(self._size, np.bool_))
+
+    def energy_of(self, rows: Mask) -> float:
+        """As `energy`, of some rows (k,)."""
+        return float((self._weaker[rows & (self.certainty > LIKELY)] ** 2).sum())
 
     @property
     def highest(self) -> float:
@@ -163,9 +189,14 @@ class _Rows:
     @property
     def strongest(self) -> Mask:
         """(k,) rows of that line."""
+        at = np.arange(self._size) == np.where(self.is_line, self._weaker, 0).argmax()
+        return self.lines_at(at)
+
+    def lines_at(self, rows: Mask) -> Mask:
+        """(k,) all rows of the lines that some rows (k,) belong to."""
         is_line = self.is_line
         _, parts = cv2.connectedComponents(is_line.astype(np.uint8)[:, None])
-        return is_line & (parts[:, 0] == parts[np.where(is_line, self._weaker, 0).argmax(), 0])
+        return is_line & np.isin(parts[:, 0], parts[rows & is_line, 0])
 
     @property
     def is_line(self) -> Mask:
