@@ -141,8 +141,10 @@ class CopiedPatches:
         reach = round(4 * coarser_px)
         left, top, width, height = cv2.boundingRect(hole.astype(np.uint8))
         n = len(hole)
-        window = (slice(max(top - reach, 0), min(top + height + reach, n)),
-                  slice(max(left - reach, 0), min(left + width + reach, n)))
+        window = (
+            slice(max(top - reach, 0), min(top + height + reach, n)),
+            slice(max(left - reach, 0), min(left + width + reach, n)),
+        )
         inside = hole[window]
         soft = np.where(inside[..., None], self._mean(window), self._picture[window])
         sharp = self._gradient_sum[window] / np.maximum(self._sharp_weight[window], TINY)[..., None]
