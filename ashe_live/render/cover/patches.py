@@ -149,9 +149,9 @@ class CopiedPatches:
         soft = np.where(inside[..., None], self._mean(window), self._picture[window])
         sharp = self._gradient_sum[window] / np.maximum(self._sharp_weight[window], TINY)[..., None]
         # Also those of ground beside the hole, whose neighbour lies in it.
-        inside = cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+        beside = cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
         found = self._picture.copy()
-        found[window] = _with_gradients(soft, np.where(inside[..., None], sharp, self._gradients[window]), coarser_px)
+        found[window] = _with_gradients(soft, np.where(beside[..., None], sharp, self._gradients[window]), coarser_px)
         return found
 
     def _mean(self, of: tuple[slice, slice]) -> Float32:

@@ -11,7 +11,7 @@ from ashe_live.core.colour import REC709_LUMINANCE
 
 # Names that end in SIDES are lengths in sides of the marker.
 LEAST_HALF_SIDES = 0.5 + 0.1  # of the square and a margin, used where paper cannot be told from the ground
-MOST_HALF_SIDES = 1.6  # from the marker's middle: anything that reaches farther is no sheet
+MOST_HALF_SIDES = 2.3  # from the marker's middle, as far as a whole A4 page of 8 cm reaches: what is longer is no sheet
 RING_SIDES = (0.55, 0.6)  # distances from the marker's middle between which there is paper
 SAME_LOG = 0.35  # largest difference of paper from that ring, in logarithms of linear RGB
 CONVEX = 0.85  # least share of its convex hull that a sheet fills

@@ -75,6 +75,16 @@ class _Ground(NamedTuple):
     seen: Mask  # (m, m) visible ground
     side: float  # of the marker, pixels
 
+    def halved(self) -> "_Ground":
+        """At half the resolution."""
+        m = max(1, len(self.gap) // 2)
+        detail, gap, seen = (
+            cv2.resize(each.astype(np.float32), (m, m), interpolation=cv2.INTER_AREA)
+            for each in (self.detail, self.gap, self.seen)
+        )
+        visible = np.asarray(seen > 0.98)
+        return _Ground(np.where(visible[..., None], detail, np.float32(0)), gap > 0.02, visible, self.side / 2)
+
     def without(self, lines: Float32) -> "_Ground":
         return self._replace(detail=np.where(self.seen[..., None], self.detail - lines, 0))
 
@@ -98,9 +108,11 @@ def _along(fine: _Ground, coarse: "_Rows", chosen: Mask) -> tuple["_Rows", Mask]
     """The ground turned to the direction of a line that lies in the rows `chosen` of a coarser one; and its rows."""
     beside = cv2.dilate(chosen.astype(np.uint8)[:, None], np.ones((2 * NEAR_ROWS + 1, 1), np.uint8))[:, 0] > 0
     nearby = coarse.direction_deg + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINEST_STEP_DEG)
-    tried = [(rows, rows.those_of(coarse, beside)) for rows in (_Rows(fine, each) for each in nearby)]
-    rows, near = max(tried, key=lambda each: each[0].energy_of(each[1]))
-    return rows, rows.lines_at(near) | rows.those_of(coarse, chosen)
+    half = fine.halved()
+    turned = (_Rows(half, each) for each in nearby)
+    best = max(turned, key=lambda each: each.energy_of(each.those_of(coarse, beside)))
+    rows = _Rows(fine, best.direction_deg)
+    return rows, rows.lines_at(rows.those_of(coarse, beside)) | rows.those_of(coarse, chosen)
 
 
 def _telling_directions(ground: _Ground) -> Float:

@@ -79,6 +79,16 @@ def test_a_joint_has_the_grain_that_it_has_beside_the_hole() -> None:
     assert fine[HOLE & middle].std() == pytest.approx(fine[beside].std(), rel=0.3)
 
 
+@pytest.mark.parametrize("seed", [7, 8, 9])
+def test_patches_of_grain_have_no_seams_between_them(seed: int) -> None:
+    noise = np.random.default_rng(seed).normal(size=(SIZE, SIZE))
+    streaks = cv2.GaussianBlur(noise, (0, 0), 12.0, sigmaY=1.5)
+    ground = np.repeat(np.clip(0.4 + 0.05 * streaks[..., None] / streaks.std(), 0.05, 0.9), 3, axis=2)
+    along_grain = np.abs(np.diff(_filled(ground.astype(np.float32)).mean(axis=2), axis=1))
+    far_inside, beside = np.abs(AXIS) < 0.5 * SIDE_PX, AXIS < -SIDE_PX
+    assert along_grain[np.ix_(far_inside, far_inside[:-1])].mean(axis=0).max() < 3 * along_grain[:, beside[:-1]].mean()
+
+
 def test_no_piece_of_a_joint_that_passes_by_is_copied() -> None:
     """It would lie in the hole's texture, cut off at both ends."""
     across = Y + 0.2 * X + 0.95 * SIDE_PX
