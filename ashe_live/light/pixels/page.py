@@ -188,7 +188,8 @@ def _in_the_middle(lines: _Lines, right: int | None, left: int | None) -> tuple[
     Markers are printed in the middle of a page's width; a white object beside the page, or a shadow, shifts one end.
     """
     if right is None or left is None:
-        return right or left, left or right
+        either = left if right is None else right
+        return either, either
     shares = [_ending_together(lines.is_end[side], TOGETHER)[end] / LINES for side, end in ((0, right), (2, left))]
     if abs(lines.outwards[right] - lines.outwards[left]) < EVEN or min(shares) > MOST:
         return right, left

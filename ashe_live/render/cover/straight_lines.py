@@ -6,29 +6,18 @@ hole belongs to a line, and is drawn across. A person marks these structures in 
 with structure propagation", SIGGRAPH 2005.
 """
 
-from functools import cached_property
-from typing import NamedTuple
-
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.masked_blur import blurred_within
-
-Indices = NDArray[np.intp]
+from ashe_live.render.cover.turned_rows import Ground, TurnedRows
 
 # "Sides" below is the length of a side of the marker.
 SIDE_PX, FINE_SIDE_PX = 26.0, 256.0  # length of a side in the pictures in which lines are found, and drawn
 SMOOTH_PX = 0.8  # standard deviation of a blur that keeps lines thinner than a row from aliasing when they are turned
 # Between the directions that are tried, around the best of them, and around that of a seam, which is drawn to a pixel.
 STEP_DEG, FINER_STEP_DEG, FINEST_STEP_DEG = 1.0, 0.25, 0.1
-BESIDE_SIDES = 0.7  # length of a line that is examined on either side of the hole
-LEAST_SEEN = 0.5  # share of that length that must be visible
-SURE, LIKELY = 6.0, 2.5  # least contrast over its standard error, of a line's strongest row and of rows next to it
-CORRELATED_SIDES = 0.12  # correlation length of texture: as much of a line counts as one sample
-ALIKE = 0.5  # largest difference between the two sides' means, over the stronger side's contrast
-STEADY = 0.6  # largest deviation along a line, beyond the texture's, over its contrast: a line with gaps has more
 # Two directions of lines differ by less than the first angle (grain winds) or by more than the second (joints cross).
 # The shading of broad grain resembles bands in the directions between.
 WAVY_DEG, CROSSING_DEG = 4.0, 30.0
@@ -51,7 +40,7 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
         # A seam may run a degree beside the grain, whose many lines would have it turned into their direction.
         for alone in (True, False):
             left = coarse.without(lines)
-            turned = (_Rows(left, each) for each in nearby)
+            turned = (TurnedRows(left, each) for each in nearby)
             rows = max(turned, key=lambda each: each.highest if alone else each.energy)
             chosen = rows.strongest if alone else rows.is_line
             if not chosen.any():
@@ -61,37 +50,13 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
             if alone and number < SEAMS:
                 finer, chosen = _along(rest, rows, chosen)
             else:
-                finer = _Rows(rest, rows.direction_deg)
+                finer = TurnedRows(rest, rows.direction_deg)
                 chosen = finer.those_of(rows, chosen)
             drawn = _stronger(drawn, finer.drawn(chosen))
     return np.asarray(cv2.resize(drawn, hole.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
-class _Ground(NamedTuple):
-    """The ground's detail at one resolution."""
-
-    detail: Float32  # (m, m, 3), 0 where none is visible
-    gap: Mask  # (m, m) the hole
-    seen: Mask  # (m, m) visible ground
-    side: float  # of the marker, pixels
-
-    def halved(self) -> "_Ground":
-        """At half the resolution."""
-        m = max(1, len(self.gap) // 2)
-        detail, gap, seen = (
-            cv2.resize(each.astype(np.float32), (m, m), interpolation=cv2.INTER_AREA)
-            for each in (self.detail, self.gap, self.seen)
-        )
-        visible = np.asarray(seen > 0.98)
-        return _Ground(np.where(visible[..., None], detail, np.float32(0)), gap > 0.02, visible, self.side / 2)
-
-    def without(self, lines: Float32) -> "_Ground":
-        return self._replace(detail=np.where(self.seen[..., None], self.detail - lines, 0))
-
-
-def _scaled(
-    detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted_px: float, smooth_px: float
-) -> _Ground:
+def _scaled(detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted_px: float, smooth_px: float) -> Ground:
     n = len(hole)
     m = min(n, round(n * wanted_px / side_px))
     shown, gap, seen = (
@@ -101,24 +66,24 @@ def _scaled(
     smooth = np.asarray(shown, np.float32)
     if smooth_px > 0:
         smooth = blurred_within(smooth, visible.astype(np.float32), smooth_px)
-    return _Ground(np.where(visible[..., None], smooth, np.float32(0)), gap > 0.02, visible, side_px * m / n)
+    return Ground(np.where(visible[..., None], smooth, np.float32(0)), gap > 0.02, visible, side_px * m / n)
 
 
-def _along(fine: _Ground, coarse: "_Rows", chosen: Mask) -> tuple["_Rows", Mask]:
+def _along(fine: Ground, coarse: "TurnedRows", chosen: Mask) -> tuple["TurnedRows", Mask]:
     """The ground turned to the direction of a line that lies in the rows `chosen` of a coarser one; and its rows."""
     beside = cv2.dilate(chosen.astype(np.uint8)[:, None], np.ones((2 * NEAR_ROWS + 1, 1), np.uint8))[:, 0] > 0
     nearby = coarse.direction_deg + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINEST_STEP_DEG)
     half = fine.halved()
-    turned = (_Rows(half, each) for each in nearby)
+    turned = (TurnedRows(half, each) for each in nearby)
     best = max(turned, key=lambda each: each.energy_of(each.those_of(coarse, beside)))
-    rows = _Rows(fine, best.direction_deg)
+    rows = TurnedRows(fine, best.direction_deg)
     return rows, rows.lines_at(rows.those_of(coarse, beside)) | rows.those_of(coarse, chosen)
 
 
-def _telling_directions(ground: _Ground) -> Float:
+def _telling_directions(ground: Ground) -> Float:
     """(k,) degrees: local maxima of the lines' energy over the directions, the largest first."""
     directions = np.arange(0.0, 180.0, STEP_DEG)
-    energies = np.array([_Rows(ground, each).energy for each in directions])
+    energies = np.array([TurnedRows(ground, each).energy for each in directions])
     is_peak = (energies > 0) & (energies >= np.roll(energies, 1)) & (energies > np.roll(energies, -1))
     peaks = np.flatnonzero(is_peak)
     found: list[float] = []
@@ -132,129 +97,3 @@ def _telling_directions(ground: _Ground) -> Float:
 def _stronger(one: Float32, other: Float32) -> Float32:
     """The stronger of two lines where they cross, as their contrasts do not add up."""
     return np.where((np.abs(other).sum(axis=2) > np.abs(one).sum(axis=2))[..., None], other, one)
-
-
-class _Side(NamedTuple):
-    """The rows of a turned picture on one side of the hole."""
-
-    mean: Float32  # (k, 3) along each row
-    deviation: Float32  # (k,) from it, root mean square
-    pixels: Float32  # (k,) that are visible
-
-    @property
-    def contrast(self) -> Float:
-        return np.asarray(np.linalg.norm(self.mean, axis=1), np.float64)
-
-
-class _Rows:
-    """The ground, turned about its hole so that the lines of one direction are rows: (k, k)."""
-
-    def __init__(self, ground: _Ground, direction_deg: float) -> None:
-        self._ground, self.direction_deg = ground, direction_deg
-        self._reach = max(1, round(BESIDE_SIDES * ground.side))
-        left, top, width, height = cv2.boundingRect(ground.gap.astype(np.uint8))
-        centre = left + (width - 1) / 2, top + (height - 1) / 2
-        self._size = k = int(np.hypot(width, height)) + 2 * self._reach + 2
-        turning = np.asarray(cv2.getRotationMatrix2D(centre, direction_deg, 1.0), np.float64)
-        turning[:, 2] += (k - 1) / 2 - np.array(centre)
-        self._turning: Float = turning  # (2, 3)
-        gap = cv2.warpAffine(ground.gap.astype(np.float32), self._turning, (k, k)) > 0.5
-        self._crosses = gap.any(axis=1)
-        self._first: Indices = np.where(self._crosses, gap.argmax(axis=1), k // 2)  # columns of the hole
-        self._last: Indices = np.where(self._crosses, k - 1 - gap[:, ::-1].argmax(axis=1), k // 2)
-
-    @cached_property
-    def certainty(self) -> Float:
-        """(k,) the weaker side's contrast over its standard error; 0 where the sides do not show one steady line."""
-        first, second = self._sides
-        apart = np.linalg.norm(first.mean - second.mean, axis=1)
-        is_line = self._crosses & (apart < ALIKE * np.maximum(first.contrast, second.contrast))
-        found = np.full(self._size, np.inf)
-        for side in self._sides:
-            is_seen = side.pixels > LEAST_SEEN * self._reach
-            ground = side.deviation[is_seen & self._crosses]
-            texture = float(np.median(ground)) if ground.size else 0.0
-            is_line &= is_seen & (np.square(side.deviation) < np.square(STEADY * side.contrast) + texture**2)
-            samples = np.maximum(side.pixels / (CORRELATED_SIDES * self._ground.side), 1.0)
-            found = np.minimum(found, side.contrast * np.sqrt(samples) / np.maximum(side.deviation, 1e-4))
-        return np.where(is_line, found, 0.0)
-
-    @property
-    def _weaker(self) -> Float:
-        """(k,) contrast of the weaker side."""
-        return np.minimum(self._sides[0].contrast, self._sides[1].contrast)
-
-    @property
-    def energy(self) -> float:
-        """Squared contrasts of the rows that may be lines, summed: largest if a line fills as few rows as it can."""
-        return self.energy_of(np.ones(self._size, np.bool_))
-
-    def energy_of(self, rows: Mask) -> float:
-        """As `energy`, of some rows (k,)."""
-        return float((self._weaker[rows & (self.certainty > LIKELY)] ** 2).sum())
-
-    @property
-    def highest(self) -> float:
-        """Contrast of the strongest line. It is largest in that line's own direction, in which it fills fewest rows."""
-        return float(self._weaker[self.is_line].max(initial=0.0))
-
-    @property
-    def strongest(self) -> Mask:
-        """(k,) rows of that line."""
-        at = np.arange(self._size) == np.where(self.is_line, self._weaker, 0).argmax()
-        return self.lines_at(at)
-
-    def lines_at(self, rows: Mask) -> Mask:
-        """(k,) all rows of the lines that some rows (k,) belong to."""
-        is_line = self.is_line
-        _, parts = cv2.connectedComponents(is_line.astype(np.uint8)[:, None])
-        return is_line & np.isin(parts[:, 0], parts[rows & is_line, 0])
-
-    @property
-    def is_line(self) -> Mask:
-        """(k,) rows of lines: the sure ones, and the likely ones next to them."""
-        _, parts = cv2.connectedComponents((self.certainty > LIKELY).astype(np.uint8)[:, None])
-        sure = np.unique(parts[self.certainty > SURE])
-        return np.asarray(np.isin(parts[:, 0], sure[sure > 0]))
-
-    def those_of(self, others: "_Rows", lines: Mask) -> Mask:
-        """(k,) the rows that correspond to the rows `lines` of `others`, which are at another resolution."""
-        *along, offset = self._turning[1]
-        *_, others_offset = others._turning[1]
-        # Pixel middles are integers: a picture of m pixels extends from -0.5 to m - 0.5.
-        half = 0.5 * float(np.sum(along))
-        scale = others._ground.side / self._ground.side
-        at = (np.arange(self._size) - offset + half) * scale - half + others_offset
-        return np.asarray(lines[np.clip(np.round(at), 0, others._size - 1).astype(int)])
-
-    def drawn(self, is_line: Mask) -> Float32:
-        """(m, m, 3) the rows `is_line` (k,), in the hole and as far beside it as they were examined; 0 elsewhere."""
-        first, last = self._first[:, None], self._last[:, None]
-        column = np.arange(self._size)[None]
-        share = np.clip((column - first) / np.maximum(last - first, 1), 0, 1)[..., None]
-        profile = (1 - share) * self._sides[0].mean[:, None] + share * self._sides[1].mean[:, None]
-        near = (column >= first - self._reach) & (column <= last + self._reach) & is_line[:, None]
-        back, size = cv2.invertAffineTransform(self._turning), self._ground.gap.shape[::-1]
-        return np.asarray(cv2.warpAffine(np.where(near[..., None], profile, 0), back, size), np.float32)
-
-    @cached_property
-    def _sides(self) -> tuple[_Side, _Side]:
-        ground, k = self._ground, self._size
-        squares = (ground.detail**2).sum(axis=2)
-        packed = np.dstack([ground.detail, squares, ground.seen]).astype(np.float32)
-        sums = np.cumsum(cv2.warpAffine(packed, self._turning, (k, k)), axis=1)
-        padded = np.concatenate([np.zeros((k, 1, 5)), sums], axis=1).astype(np.float32)
-        return (
-            _side(padded, self._first - self._reach, self._first),
-            _side(padded, self._last + 1, self._last + 1 + self._reach),
-        )
-
-
-def _side(sums: Float32, begin: Indices, end: Indices) -> _Side:
-    """The columns from `begin` to before `end`, (k,) each, by cumulative sums along the rows (k, k + 1, 5)."""
-    rows, k = np.arange(len(sums)), len(sums)
-    total = sums[rows, np.clip(end, 0, k)] - sums[rows, np.clip(begin, 0, k)]
-    pixels = total[:, 4]
-    mean = total[:, :3] / np.maximum(pixels, 1.0)[:, None]
-    variance = total[:, 3] / np.maximum(pixels, 1.0) - (mean**2).sum(axis=1)
-    return _Side(mean, np.sqrt(np.maximum(variance, 0.0)), pixels)
