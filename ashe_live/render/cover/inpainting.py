@@ -79,7 +79,7 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     copied = CopiedPatches(plainer, trusted | told, len(hole) / size)
     is_told = _scaled(told, size) > 0.5
     unknown &= ~is_told
-    brightness, outstanding = _scaled(shading.mean(axis=2), size), _scaled(standing_out(plainer, trusted), size)
+    brightness, outstanding = _scaled(shading.mean(axis=2), size), _scaled(standing_out(plainer, trusted | told), size)
     for place, source in chosen_patches(
         _scaled(plainer, size), brightness, outstanding, unknown, ground | is_told, sources
     ):
