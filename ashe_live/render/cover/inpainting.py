@@ -19,6 +19,7 @@ from ashe_live.render.cover.straight_lines import straight_lines
 COARSE_SIDE_PX = 26.0  # length of a side in the coarse picture, in which patches are chosen
 OVER_TEXTURE = 0.5, 1.5  # contrast of a line over the ground's, from which it is drawn faintly, and fully
 DIMMEST = 0.03  # least shading, in roots, by which detail is divided
+WHOLE = 0.98  # share of the hole that a pattern must fill
 DARKEST_LINE = 0.2  # least root of light on a line over that beside it
 # Distance from the hole: nearer than the first, the picture's coarse colours and sharpening have mixed the ground with
 # what lies in the hole. Between both, the ground is compared with what was filled in.
@@ -64,6 +65,8 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     detail = np.where(trusted[..., None], roots - shading, 0)
     plain = trusted & (_scaled(ground, len(hole)) > 0.5)
     pattern = pattern_of(np.where(plain[..., None], detail / np.maximum(shading, DIMMEST), 0), plain, bleeds, side_px)
+    if pattern is not None and pattern.is_there[bleeds].mean() < WHOLE:
+        pattern = None  # it may be grain, which repeats itself along a seam
     lines, told = np.zeros_like(detail), np.zeros_like(bleeds)
     if pattern is None:
         lines = straight_lines(detail, bleeds, trusted, side_px)
