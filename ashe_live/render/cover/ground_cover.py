@@ -62,7 +62,8 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCov
     if ground is None:
         return None
     far = cv2.distanceTransform((~covered).astype(np.uint8), cv2.DIST_L2, 5)
-    rows, columns = np.nonzero((far > BLEED_SIDES * side_px) & (far < BESIDE_SIDES * side_px) & plane.is_seen)
+    least = BLEED_SIDES * side_px
+    rows, columns = np.nonzero((far > least) & (far < least + BESIDE_SIDES * side_px) & plane.is_seen)
     if not len(rows):
         return None
     rows, columns = (each[:: max(1, len(rows) // MOST_AROUND)] for each in (rows, columns))

@@ -2,8 +2,8 @@
 
 The ground consists of shading, straight lines and texture. Lines that are seen on both sides are drawn across
 (`straight_lines.py`). Texture is copied in patches of visible ground that fit what is known already (`patches.py`); a
-pattern that repeats is continued (`repetition.py`). The difference that remains at the hole's border is spread over its
-inside as smoothly as possible (Perez, Gangnet, Blake, "Poisson image editing", SIGGRAPH 2003).
+pattern that repeats is continued (`repetition.py`). Shading is spread from the hole's border over its inside as
+smoothly as possible (Perez, Gangnet, Blake, "Poisson image editing", SIGGRAPH 2003).
 """
 
 import cv2
@@ -21,8 +21,8 @@ OVER_TEXTURE = 0.5, 1.5  # contrast of a line over the ground's, from which it i
 DIMMEST = 0.03  # least shading, in roots, by which detail is divided
 WHOLE = 0.98  # share of the hole that a pattern must fill
 DARKEST_LINE = 0.2  # least root of light on a line over that beside it
-# Distance from the hole: nearer than the first, the picture's coarse colours and sharpening have mixed the ground with
-# what lies in the hole. Between both, the ground is compared with what was filled in.
+# Distance from the hole up to which the picture's coarse colours and sharpening have mixed the ground with what lies in
+# it, so that it is filled as well; and width of the ground beyond, with which what is filled in is compared.
 BLEED_SIDES, BESIDE_SIDES = 0.06, 0.1
 SHADING_SIDES = 0.5  # standard deviation of the blur that separates shading from texture
 BAND_SIDES = 0.02  # standard deviation of the blur that separates fine texture from the rest
@@ -43,7 +43,8 @@ SMOOTH_ROUNDS = 100  # iterations of the relaxation
 
 
 def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32 | None:
-    """(n, n, 3) `lit`, linear RGB, with the hole (n, n) filled; None where no patch of ground is seen whole.
+    """(n, n, 3) `lit`, linear RGB, with the hole (n, n) filled and all within BLEED_SIDES of it; None where no patch of
+    ground is seen whole.
 
     is_source: (n, n) ground that may be copied. side_px: the marker's side.
     """
