@@ -48,7 +48,7 @@ TOLD_SIGMAS = 2.0  # the same once a sun is excluded: the nearness is then state
 # The same where one object alone tells it: then it is the fall of light that does, and uneven ground, which has wider
 # tails than a normal distribution, has no second witness against it.
 ALONE_SIGMAS = 4.0
-# Deviance of a sun, from which on the ground excludes it: suns have 8 at most in 82 pictures (docs/accuracy/lamps.md).
+# Deviance of a sun, from which on the ground excludes it: 269 suns have 19 at most (docs/accuracy/lamps.md).
 # Where no lamp fits the object and its shadow either, they are something else.
 EXCLUDED_DEVIANCE = 100.0
 WORTH_ALIGNING = 1.5  # standard errors from which on borders are aligned as a lamp's
