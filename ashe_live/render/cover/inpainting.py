@@ -19,7 +19,7 @@ from ashe_live.render.cover.straight_lines import straight_lines
 COARSE_SIDE_PX = 26.0  # length of a side in the coarse picture, in which patches are chosen
 OVER_TEXTURE = 0.5, 1.5  # contrast of a line over the ground's, from which it is drawn faintly, and fully
 DIMMEST = 0.03  # least shading, in roots, by which detail is divided
-WHOLE = 0.98  # share of the hole that a pattern must fill
+WHOLE = 0.995  # share of the hole that a pattern must fill
 DARKEST_LINE = 0.2  # least root of light on a line over that beside it
 # Distance from the hole up to which the picture's coarse colours and sharpening have mixed the ground with what lies in
 # it, so that it is filled as well; and width of the ground beyond, with which what is filled in is compared.
