@@ -14,7 +14,7 @@ from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.cover.hidden_by_body import half_of_square, hidden_and_shaded
-from ashe_live.render.cover.inpainting import BESIDE_SIDES, BLEED_SIDES, filled
+from ashe_live.render.cover.inpainting import BESIDE_SIDES, BLEED_SIDES, filled, with_rim
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import sheet_mask
 
@@ -52,7 +52,7 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCov
     known, shade = plane.is_seen & ~plane.border, plane.shade
     if body is None:
         hole = sheet_mask(lit, known, side_px)
-        covered = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < BLEED_SIDES * side_px
+        covered = with_rim(hole, side_px)
     else:
         hole, covered = hidden_and_shaded(tracked.marker, body, illumination, half_m, len(lit))
         hole |= plane.border | (covered & ~plane.is_seen)

@@ -50,7 +50,7 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     """
     # Roots: dark and bright patches are compared alike.
     roots = np.sqrt(np.clip(lit, 0, 4)).astype(np.float32)
-    bleeds = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < BLEED_SIDES * side_px
+    bleeds = with_rim(hole, side_px)
     trusted = is_source & ~bleeds
     size = max(PATCH + 2, round(len(hole) * COARSE_SIDE_PX / side_px))
     unknown, ground = _scaled(bleeds, size) > 0.02, _scaled(trusted, size) > 0.98
@@ -88,13 +88,18 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
         _scaled(plainer, size), brightness, outstanding, unknown, ground | is_told, sources
     ):
         copied.paste(place, source)
-    copied.lay(plainer, told)
+    copied.keep(told)
     texture = copied.blended(bleeds, COARSER_SIDES * side_px)
     if pattern is None:
         texture = _with_grain_of(plainer, plain, texture, bleeds, side_px)
     texture = np.asarray(texture * on_line + lines, np.float32)
     found = np.square(np.maximum(texture + _spread_difference(roots, texture, trusted, bleeds, side_px), 0))
     return np.asarray(np.where(bleeds[..., None], found, lit), np.float32)
+
+
+def with_rim(hole: Mask, side_px: float) -> Mask:
+    """(n, n) the hole and what lies within BLEED_SIDES of it, which is filled as well."""
+    return cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < BLEED_SIDES * side_px
 
 
 def _scaled(picture: Float32 | Mask, size: int) -> Float32:

@@ -12,7 +12,7 @@ from ashe_live.core.arrays import Float, Float32, Mask
 
 PATCH = 15  # side of a patch, in coarse pixels
 STEP = 7  # distance between the patches of the hole, which overlap, in coarse pixels
-SHARPER = 4  # patches are blended by soft weights; their fine detail, by this power of them
+SHARPER = 4  # gradients of overlapping patches are blended by this power of their soft weights
 STANDS_OUT = 3.0  # contrast over the ground's median beyond which detail is a line or a speck, and not texture
 LEAST_SHARE = 1e-3  # weight of a patch at its border, where it may be the only one
 TINY = 1e-20  # smaller weights count as 0
@@ -130,10 +130,10 @@ class CopiedPatches:
             sums[to] += each[..., None] * values[copied]
             weights[to] += each
 
-    def lay(self, picture: Float32, where: Mask) -> None:
-        """Replaces the patches by a picture (n, n, 3), where one (n, n) is known."""
+    def keep(self, where: Mask) -> None:
+        """Keeps the picture itself where (n, n), as far as it also has its neighbours there, in place of patches."""
         within = cv2.erode(where.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-        self._sum[within], self._gradient_sum[within] = picture[within], _gradients(picture)[within]
+        self._sum[within], self._gradient_sum[within] = self._picture[within], self._gradients[within]
         self._weight[within] = self._sharp_weight[within] = 1
 
     def blended(self, hole: Mask, coarser_px: float) -> Float32:
