@@ -189,11 +189,6 @@ void main() {
 #ifdef CUT_OUT
     // The part of the pixel that is not cut away: the distance to where alpha crosses the cut-off, in pixels.
     float kept = (base.a - alpha_cutoff) / max(length(vec2(dFdx(base.a), dFdy(base.a))), LEAST_ALPHA) + 0.5;
-#ifdef RIM
-    if (kept <= 0.0 || kept >= 1.0) discard;
-#else
-    if (kept < 1.0) discard;
-#endif
 #endif
     vec3 n = surface_normal();
     vec3 facing = triangle_normal(position, n);
@@ -322,10 +317,15 @@ void main() {
     removed = vec4(cover);
 #else
     added_light = vec4(min((albedo * diffuse + glow) * exposure, MOST_LIGHT), 1.0);
+    // Not before what is derived from neighbouring pixels, which they would be missing in.
 #ifdef RIM
+    if (kept <= 0.0 || kept >= 1.0) discard;
     added_light *= kept;
     removed = vec4(kept);
 #else
+#ifdef CUT_OUT
+    if (kept < 1.0) discard;
+#endif
     removed = vec4(vec3(1.0), number_of_surface(facing, through));
 #endif
 #endif
