@@ -8,8 +8,14 @@ in vec3 in_position;
 #define HAS_MAPS
 #endif
 #include "uvs.glsl"
+#ifdef BLEND
+out vec3 position;
+#endif
 
 void main() {
     pass_uvs();
+#ifdef BLEND
+    position = in_position;
+#endif
     gl_Position = clip_from_marker * vec4(in_position, 1.0);
 }

@@ -37,16 +37,18 @@ vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
     float down = max(-towards.z, 0.02);
     float distance = max(from.z, 0.0) / down;
     vec2 meets = from.xy + towards.xy * distance;
-    vec3 ground = ground_seen(meets, TEXELS * alpha * distance * inversesqrt(down));  // the lobe's mean width there
-    // Averaged over what a pixel mirrors, which a curved surface spreads wide: its border would be a staircase otherwise.
+    // What a pixel mirrors, which a curved surface spreads wide, is averaged: borders in it would be staircases otherwise.
     float mirrored_m = max(length(dFdx(meets)), length(dFdy(meets)));
+    float mirrored_z = length(vec2(dFdx(towards.z), dFdy(towards.z)));
+    // The lobe's mean width there.
+    vec3 ground = ground_seen(meets, max(TEXELS * alpha * distance * inversesqrt(down), mirrored_m));
     // In a wide lobe the shadow is blurred into a gradient, which the shading of the surface contains already.
     ground *= mix(left_on_ground(meets, mirrored_m), vec3(1.0), min(2.0 * alpha, 1.0));
     float up = max(towards.z, 0.0);
     // A texel of the sky's map spans 4 / size radians in the middle of the map, half of that at the horizon.
     vec2 at = 0.5 + 0.5 * normalize(towards.xy + vec2(1e-6, 0.0)) * sqrt((1.0 - up) / (1.0 + up));
     vec3 above = sky * textureLod(sky_map, at, log2(TEXELS * 0.25 * alpha * environment_size)).rgb;
-    float width = clamp(STEP * alpha, 0.01, 1.0);
+    float width = clamp(max(STEP * alpha, mirrored_z), 0.01, 1.0);
     return mix(ground, above, smoothstep(-width, width, towards.z));
 }
 #endif

@@ -22,6 +22,7 @@ uniform float normal_scale;
 uniform float occlusion_strength;
 uniform vec3 emissive;
 uniform float alpha_cutoff;
+uniform float part_number;  // by which surfaces of different parts differ
 
 #ifdef GLOSSY
 #include "brdf.glsl"
@@ -61,6 +62,26 @@ layout(location = 1) out vec4 removed;  // fraction taken of the light from behi
 vec3 smooth_normal() {
     return normalize(gl_FrontFacing ? normal : -normal);
 }
+
+#ifdef ROUNDED
+in vec3 tangent_planes[2];
+in vec3 at_tangent_planes;
+
+// Cosines of the angle between a triangle and its smooth normal, from which on, and up to which, it stands for a round surface.
+const float NOT_ROUND = 0.80, ROUND = 0.92;
+
+// How far the round surface lies above the triangle that stands for it: the mean of the distances to its vertices' tangent
+// planes, by their shares of this point (Hanika, "Hacking the shadow terminator", Ray Tracing Gems II, 2021).
+vec3 above_triangle(vec3 facing) {
+    mat3 planes = mat3(
+        tangent_planes[0],
+        vec3(tangent_planes[0].y, tangent_planes[1].xy),
+        vec3(tangent_planes[0].z, tangent_planes[1].yz)
+    );
+    vec3 above = at_tangent_planes - planes * position;
+    return dot(above, facing) > 0.0 ? above : vec3(0.0);
+}
+#endif
 
 vec3 surface_normal() {
     vec3 n = smooth_normal();
@@ -141,11 +162,11 @@ float open_lobe(vec2 open, vec3 mirror, float rough, float n_v) {
 #endif
 
 // A number by which outlines.frag distinguishes edges between surfaces, and borders of shadows, from what is painted on a
-// surface. It is the same wherever the plane of the triangle and the light that comes `through` are the same, and hardly
-// ever elsewhere.
+// surface. It is the same wherever the part, the plane of the triangle and the light that comes `through` are the same, and
+// hardly ever elsewhere.
 float number_of_surface(vec3 facing, float through) {
     float plane = dot(facing, vec3(0.32, 0.44, 0.27)) + dot(facing, position - eye) * inversesqrt(dot(eye, eye));
-    return plane + 0.04 * through;
+    return plane + part_number + 0.04 * through;
 }
 
 const float GLASS = 0.04;  // reflectance of plastic, glass and clear coats at normal incidence
@@ -153,6 +174,9 @@ const float ANYHOW = 0.25;  // mean of the clamped cosine over surfaces that fac
 const float MOST_ALBEDO = 0.9;  // of real surfaces
 // The layers' half precision ends at 65504. Beyond it they would be infinite, and blurring makes 0 * infinity undefined.
 const float MOST_LIGHT = 1e4;
+#ifdef CUT_OUT
+const float LEAST_ALPHA = 1.0 / 255.0;
+#endif
 
 void main() {
     vec4 base = base_colour;
@@ -163,7 +187,8 @@ void main() {
     base *= texture(base_map, laid_out(BASE), -0.5);
 #endif
 #ifdef CUT_OUT
-    if (base.a < alpha_cutoff) discard;
+    // The part of the pixel that is not cut away: the distance to where alpha crosses the cut-off, in pixels.
+    float kept = (base.a - alpha_cutoff) / max(length(vec2(dFdx(base.a), dFdy(base.a))), LEAST_ALPHA) + 0.5;
 #endif
     vec3 n = surface_normal();
     vec3 facing = triangle_normal(position, n);
@@ -215,6 +240,14 @@ void main() {
     vec3 in_coat = vec3(0.0);
 #endif
 #if LIGHTS > 0
+    // Triangles that stand for a round surface are lit and shaded as that is: otherwise the light would end on their edges.
+    vec3 surface = facing;
+    vec3 on_surface = position;
+#ifdef ROUNDED
+    float roundness = smoothstep(NOT_ROUND, ROUND, dot(facing, smooth_normal()));
+    surface = mix(facing, smooth_normal(), roundness);
+    on_surface += roundness * above_triangle(facing);
+#endif
     for (int light = 0; light < LIGHTS; ++light) {
         float falloff;
         vec3 to_light = towards_light(light, position, falloff);
@@ -226,8 +259,8 @@ void main() {
 #else
         if (cosine <= 0.0) continue;
 #endif
-        if (dot(facing, to_light) <= 0.0) continue;
-        float lit = shadow(light, position, n, to_light);
+        if (dot(surface, to_light) <= 0.0) continue;
+        float lit = shadow(light, on_surface, n, to_light);
         through += lit;
         vec3 arrives = sun[light] * (falloff * lit);
         vec3 direct = arrives * cosine;
@@ -284,6 +317,16 @@ void main() {
     removed = vec4(cover);
 #else
     added_light = vec4(min((albedo * diffuse + glow) * exposure, MOST_LIGHT), 1.0);
+    // Not before what is derived from neighbouring pixels, which they would be missing in.
+#ifdef RIM
+    if (kept <= 0.0 || kept >= 1.0) discard;
+    added_light *= kept;
+    removed = vec4(kept);
+#else
+#ifdef CUT_OUT
+    if (kept < 1.0) discard;
+#endif
     removed = vec4(vec3(1.0), number_of_surface(facing, through));
+#endif
 #endif
 }

@@ -16,11 +16,22 @@ centroid out vec4 colour;
 out vec3 position;  // metres, marker frame
 centroid out vec3 normal;
 centroid out vec4 openness;
+#ifdef ROUNDED
+// The matrix n n^T of each vertex's unit normal n, row by row from the diagonal on, and that matrix times its position.
+out vec3 tangent_planes[2];
+out vec3 at_tangent_planes;
+#endif
 
 void main() {
     position = (marker_from_placed * vec4(in_position, 1.0)).xyz;
     normal = mat3(marker_from_placed) * in_normal;
     openness = in_openness;
+#ifdef ROUNDED
+    vec3 n = normalize(normal);
+    tangent_planes[0] = n.x * n;
+    tangent_planes[1] = vec3(n.y * n.yz, n.z * n.z);
+    at_tangent_planes = dot(n, position) * n;
+#endif
     pass_uvs();
 #ifdef VERTEX_COLOURS
     colour = in_colour;

@@ -71,6 +71,7 @@ class LayerPasses:
         if content.ground is not None and not has_ground:
             self.catcher.draw(models, inputs, content.ground)
         if shows_model:
+            self.model_pass.draw_rims(models, inputs)
             self.model_pass.draw_blended(models, inputs)
 
     def release(self) -> None:

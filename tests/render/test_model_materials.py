@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -153,6 +154,23 @@ def test_polished_metal_shows_the_ground_that_lies_before_it(make_renderer, stag
         np.testing.assert_allclose(studio.at(picture, point), expected, rtol=0.12)
 
 
+def test_the_grounds_end_in_a_small_polished_ball_is_as_wide_as_a_pixel_at_least(make_renderer, stage) -> None:
+    """It was a staircase: from one pixel to the next all ground became all sky."""
+    studio = _Studio(make_renderer, stage, grey=30)
+    studio.tracked = stage.tracked(30, stage.pose(-90, 35, 0.7))
+    studio.picture(_ball(Material(metallic=1.0, roughness=0.0)))
+    (x, y), (edge, _) = project(
+        studio.tracked.camera, studio.tracked.marker.T_cam_marker, [(0, 0, 0.03), (0.03, 0, 0.03)]
+    )
+    light = np.frombuffer(studio.renderer._surface.layers[0].read(), np.float16).reshape(360, 480, 4)[::-1, :, 1]
+    shares = []
+    for column in range(round(x) - 8, round(x) + 9):
+        along = light[round(y - 0.8 * (edge - x)) : round(y + 0.8 * (edge - x)), column].astype(float)
+        at = int(np.abs(np.diff(along)).argmax())
+        shares.append(abs(along[at + 1] - along[at]) / np.ptp(along[max(at - 3, 0) : at + 5]))
+    assert np.median(shares) < 0.55
+
+
 def test_metal_mirrors_what_the_light_was_seen_in_whichever_frame_is_drawn(make_renderer, stage) -> None:
     """And even ground of an ordinary albedo where no frame is given."""
     studio = _Studio(make_renderer, stage, grey=140, elevation_deg=30)
@@ -278,6 +296,52 @@ def test_cut_out_has_holes_in_the_model_and_in_its_shadow(make_renderer, stage) 
             assert (np.abs(seen - ASSUMED_WHITE) < 0.02).all() != is_open
 
 
+def _layer(studio: _Studio) -> np.ndarray:
+    """(h, w, 4) the light that the model added to the last picture, and what it covers of each pixel."""
+    width, height = studio.tracked.frame.size
+    return np.frombuffer(studio.renderer._surface.layers[0].read(), np.float16).reshape(height, width, 4)[::-1]
+
+
+def _on_sheet(studio: _Studio, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where places in the picture, `samples` squared a pixel, lie on `_sheet`, whose corners are at -1 and 1."""
+    outline = project(studio.tracked.camera, studio.tracked.marker.T_cam_marker, CORNERS).astype(np.float32)
+    to_sheet = cv2.getPerspectiveTransform(outline, np.float32([(-1, -1), (1, -1), (1, 1), (-1, 1)]))
+    columns, rows = np.meshgrid(*((np.arange(n * samples) + 0.5) / samples - 0.5 for n in studio.tracked.frame.size))
+    u, v, w = np.einsum("ij,j...->i...", to_sheet, np.stack([columns, rows, np.ones_like(rows)]))
+    return u / w, v / w
+
+
+def _share(inside: np.ndarray, samples: int) -> np.ndarray:
+    rows, columns = inside.shape
+    return inside.reshape(rows // samples, samples, columns // samples, samples).mean(axis=(1, 3))
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_pixels_on_the_rim_of_a_cut_out_are_covered_as_far_as_it_reaches(make_renderer, stage, quality: str) -> None:
+    studio = _Studio(make_renderer, stage, quality, elevation_deg=50)
+    x, y = (np.mgrid[:128, :128] + 0.5) / 64 - 1
+    texels = np.full((128, 128, 4), 255, np.uint8)
+    texels[..., 3] = np.clip(127.5 + 8160 * (0.8 - np.hypot(x, y)), 0, 255)  # a disc whose rim is a texel wide
+    studio.picture(_sheet(Material(base_map=texels, alpha=Alpha.CUT_OUT)))
+    true = _share(np.hypot(*_on_sheet(studio, 8)) < 0.8, 8)
+    wrong = (_layer(studio)[..., 3] - true)[(true > 0) & (true < 1)]
+    assert np.sqrt(np.square(wrong).mean()) < 0.1  # 0.29 where a pixel is covered or not
+
+
+def test_a_part_that_lies_close_on_another_has_a_smooth_edge(make_renderer, stage) -> None:
+    """Half of a white sheet is black, drawn with one sample a pixel."""
+    studio = _Studio(make_renderer, stage, elevation_deg=70)
+    half = CORNERS + np.float32((0, 0, 5e-5))
+    half[2:, 1] = 0.004, -0.004
+    black = replace(_sheet(Material(base_colour=(0.0, 0.0, 0.0, 1.0))), vertices=half)
+    studio.renderer.render(Scene(studio.tracked, stage.placed(_sheet(Material()), black)))
+    u, v = _on_sheet(studio, 8)
+    true = _share(v > 2 / 15 * u, 8)
+    seen = _layer(studio)[..., 1] / np.percentile(_layer(studio)[..., 1], 99)
+    on_edge = (true > 0) & (true < 1) & (np.abs(_on_sheet(studio, 1)[0]) < 0.8)
+    assert np.sqrt(np.square((seen - true)[on_edge]).mean()) < 0.18  # 0.29 where a pixel has one of the two
+
+
 def test_alpha_is_ignored_by_what_is_opaque(studio) -> None:
     see_through = _texels(255, 255, 255, 0)
     np.testing.assert_allclose(studio.middle(_sheet(Material(base_map=see_through))) / ASSUMED_WHITE, 1.0, atol=0.01)
@@ -299,6 +363,42 @@ def test_blended_surface_shows_what_is_behind_it_and_its_shadow_is_as_light(make
     np.testing.assert_allclose(reds[-1], 0.0, atol=0.005)
     assert (np.diff(reds) < -0.005).all()
     np.testing.assert_allclose(shadows, (0.0, 0.25, 0.5, 0.75, 1.0), atol=0.08)
+
+
+def test_the_shadow_of_a_ball_of_glass_is_darkest_at_its_rim(make_renderer, stage) -> None:
+    """Glass mirrors 0.04 of the light that falls straight on it, and all that grazes it (Fresnel)."""
+    studio = _Studio(make_renderer, stage, "accurate", elevation_deg=70)
+    light = stage.light(90, 45, (0.2, 0.2, 0.2))
+    glass = _ball(Material(base_colour=(1.0, 1.0, 1.0, 0.1), alpha=Alpha.BLEND), radius_m=0.015)
+    ball = replace(glass, vertices=glass.vertices + np.float32((0, 0, 0.03)))
+    picture = studio.picture(ball, light)
+    ground = float(linear_from_srgb(100 / 255))
+    middle, rim = (
+        (1 - np.mean([studio.at(picture, (side * x, -0.045, 0)) for x in places for side in (-1, 1)]) / ground) / 0.8
+        for places in ((0.0, 0.002, 0.004), (0.0143, 0.0145, 0.0147))
+    )
+    assert middle == pytest.approx(2 * (0.1 + 0.9 * 0.04), abs=0.08)  # both sides of the ball
+    assert rim > middle + 0.2
+
+
+def test_the_order_of_triangles_in_a_glass_does_not_matter(make_renderer, stage) -> None:
+    """Its near wall does not hide the far one."""
+    studio = _Studio(make_renderer, stage, elevation_deg=30)
+    wall = Material(base_colour=(0.8, 0.2, 0.1, 0.4), alpha=Alpha.BLEND, roughness=0.5)
+    cup = replace(_ball(wall), triangles=_ball(wall).triangles[256:])  # open at the top
+    inner = replace(cup, vertices=(cup.vertices - (0, 0, 0.03)) * np.float32(0.93) + np.float32((0, 0, 0.03)))
+    both = Mesh(
+        np.concatenate([cup.vertices, inner.vertices]).astype(np.float32),
+        np.concatenate([cup.normals, -inner.normals]),
+        np.concatenate([cup.triangles, inner.triangles[:, ::-1] + len(cup.vertices)]),
+        material=wall,
+    )
+    light = stage.light(-60, 40, (0.3, 0.3, 0.3))
+    pictures = [
+        studio.picture(replace(both, triangles=np.ascontiguousarray(both.triangles[::step])), light).astype(int)
+        for step in (1, -1)
+    ]
+    assert (np.abs(pictures[0] - pictures[1]).max(axis=2) > 6).mean() < 1e-3
 
 
 def test_near_blended_surface_covers_a_far_one_whatever_their_order(make_renderer, stage) -> None:

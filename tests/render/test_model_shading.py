@@ -18,6 +18,7 @@ from ashe_live.render.camera.white import ASSUMED_WHITE as EXPOSURE
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, MIN_BALANCED_SINE, lighting_of
 from ashe_live.render.scene import Scene
 
+MOST_FACETED = 0.03  # difference of a ball of few triangles from a round one, over its brightest place
 SIDE = 0.06
 TOP = [(-0.03, -0.03, SIDE), (0.03, -0.03, SIDE), (0.03, 0.03, SIDE), (-0.03, 0.03, SIDE)]
 FRONT = [(-0.03, -0.03, 0), (0.03, -0.03, 0), (0.03, -0.03, SIDE), (-0.03, -0.03, SIDE)]
@@ -82,6 +83,35 @@ def test_a_normal_that_leans_towards_the_sun_lights_no_triangle_that_is_turned_a
         renderer.render(Scene(tracked, stage.placed(_leaning_wall(leaning_deg)), light))
         shades.append(np.median(linear_from_srgb(_face(renderer.read_bgr(), tracked, FRONT) / 255)))
     assert shades[1] == pytest.approx(shades[0], rel=0.1)  # the ground to both sides differs by the wall's shadow
+
+
+def _round(rows: int, columns: int) -> Mesh:
+    """A ball of so many triangles, with the normals of a ball."""
+    polar, around = np.meshgrid(np.linspace(0, math.pi, rows + 1), np.linspace(0, math.tau, columns + 1), indexing="ij")
+    normals = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], -1)
+    row, column = np.mgrid[:rows, :columns].reshape(2, -1)
+    a = row * (columns + 1) + column
+    below = a + columns + 1
+    triangles = np.concatenate([np.stack([a, below, below + 1], 1), np.stack([a, below + 1, a + 1], 1)])
+    normals = normals.reshape(-1, 3).astype(np.float32)
+    grey = Material(base_colour=(0.5, 0.5, 0.5, 1.0), roughness=1.0)
+    return Mesh(normals * 0.03 + np.float32((0, 0, 0.03)), normals, triangles, material=grey)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_light_ends_on_a_ball_of_few_triangles_as_on_a_round_one(make_renderer, stage, quality: str) -> None:
+    """And not on the edges of its triangles."""
+    renderer = make_renderer(QUALITIES[quality].render)
+    tracked = stage.tracked(90, stage.pose(-90, 30, 0.25))
+    light = Illumination((stage.light(0, 30, (0.2, 0.2, 0.2)),))
+    balls = []
+    for rows, columns in ((10, 20), (80, 160)):
+        renderer.render(Scene(tracked, stage.placed(_round(rows, columns)), light))
+        balls.append(linear_from_srgb(renderer.read_bgr()[..., 1] / 255))
+    (x, y), (edge, _) = project(tracked.camera, tracked.marker.T_cam_marker, [(0, 0, 0.03), (0.03, 0, 0.03)])
+    columns_px, rows_px = np.meshgrid(np.arange(balls[0].shape[1]), np.arange(balls[0].shape[0]))
+    inside = np.hypot(columns_px - x, rows_px - y) < 0.85 * (edge - x)
+    assert np.percentile(np.abs(balls[0] - balls[1])[inside], 99.5) < MOST_FACETED * balls[1][inside].max()
 
 
 def test_from_all_around_a_leaning_normal_gets_what_both_it_and_its_triangle_see(make_renderer, stage) -> None:

@@ -25,7 +25,7 @@ from ashe_live.models.parsing import basis
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES, Notes
-from ashe_live.models.parsing.pictures import Pictures
+from ashe_live.models.parsing.pictures import Pictures, filled_beyond
 
 NEAREST = 9728
 ALPHAS = {"OPAQUE": Alpha.OPAQUE, "MASK": Alpha.CUT_OUT, "BLEND": Alpha.BLEND}
@@ -43,6 +43,7 @@ class Materials:
         self._folder = folder
         self._notes = notes
         self._pictures = Pictures(folder.model)
+        self._filled_pictures: dict[int, Image] = {}
         self._made: dict[tuple[int, frozenset[int]], tuple[Material, tuple[int, ...]]] = {}
 
     def material(self, place: int | None, uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:
@@ -76,6 +77,8 @@ class Materials:
         emissive = tuple(strength * value for value in given.get("emissiveFactor", BLACK))
         # Without its map all of the surface would glow.
         surface |= {"emissive": BLACK if is_lost else emissive, "alpha": ALPHAS[given.get("alphaMode", "OPAQUE")]}
+        if surface["alpha"] is not Alpha.OPAQUE and "base_map" in maps.texels:
+            maps.texels["base_map"] = self._filled(maps.texels["base_map"])
         surface = in_one_place(surface, maps.unplaced)
         surface |= self._see_through(extensions, surface) | _coat(extensions)
         if "KHR_materials_unlit" in extensions:
@@ -127,6 +130,13 @@ class Materials:
                     self._mirrored(self._pictures.keep(key, texels) if kept is None else kept, layouts[0]),
                 )
         return {"base_colour": converted.base_colour, "metallic": converted.metallic, "roughness": converted.roughness}
+
+    def _filled(self, texels: Image) -> Image:
+        """As `filled_beyond`, once for each picture."""
+        key = id(texels)
+        if key not in self._filled_pictures:
+            self._filled_pictures[key] = filled_beyond(texels)
+        return self._filled_pictures[key]
 
     def _see_through(self, extensions: dict[str, Any], surface: dict[str, Any]) -> dict[str, Any]:
         share = extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0.0)

@@ -89,6 +89,37 @@ def _in_8_bits(picture: PillowImage.Image) -> PillowImage.Image:
     return PillowImage.fromarray(grey)
 
 
+def filled_beyond(texels: Image) -> Image:
+    """(h, w, 4) uint8 whose texels that nobody sees, with an alpha of 0, have the colours of seen ones near by.
+
+    Otherwise filtering would mix in their own, which is black as a rule: a cut-out would have dark rims.
+    """
+    unseen = texels[..., 3] == 0
+    if unseen.all() or not unseen.any():
+        return texels
+    share = texels[..., 3:].astype(np.float32)
+    sums = texels[..., :3] * share
+    levels = []
+    while (share == 0).any():  # means of ever larger squares
+        levels.append((sums, share))
+        sums, share = _halved(sums), _halved(share)
+    means = sums / share
+    for sums, share in reversed(levels):
+        height, width = share.shape[:2]
+        wider = means.repeat(2, axis=0).repeat(2, axis=1)[:height, :width]
+        means = np.where(share > 0, sums / np.maximum(share, 1), wider)
+    filled = texels.copy()
+    filled[unseen, :3] = np.round(means[unseen])
+    return filled
+
+
+def _halved(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Sums of squares of two by two (h, w, c); beyond the border is nothing."""
+    height, width, channels = values.shape
+    even = np.pad(values, ((0, height % 2), (0, width % 2), (0, 0)))
+    return np.asarray(even.reshape((height + 1) // 2, 2, (width + 1) // 2, 2, channels).sum(axis=(1, 3)))
+
+
 def resized(texels: Image, size: tuple[int, int]) -> Image:
     """(h, w, 4) uint8 brought to `size`, width and height."""
     if (texels.shape[1], texels.shape[0]) == size:

@@ -5,10 +5,13 @@ Toyama, "Region filling and object removal by exemplar-based image inpainting", 
 chosen in a coarse picture, copied in the fine one.
 """
 
+import math
+
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.render.cover.masked_blur import blurred_within
 
 PATCH = 15  # side of a patch, in coarse pixels
 STEP = 7  # distance between the patches of the hole, which overlap, in coarse pixels
@@ -150,8 +153,11 @@ class CopiedPatches:
         sharp = self._gradient_sum[window] / np.maximum(self._sharp_weight[window], TINY)[..., None]
         # Also those of ground beside the hole, whose neighbour lies in it.
         beside = cv2.dilate(inside.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-        found = self._picture.copy()
-        found[window] = _with_gradients(soft, np.where(beside[..., None], sharp, self._gradients[window]), coarser_px)
+        found, ground = self._picture.copy(), self._picture[window]
+        there = _with_gradients(soft, np.where(beside[..., None], sharp, self._gradients[window]), coarser_px)
+        # Gradients that do not meet moved the ground beside the hole as well; but that is shown as it was.
+        rim = cv2.dilate(inside.astype(np.uint8), np.ones((5, 5), np.uint8)) * self._known[window] * ~inside
+        found[window] = there + _carried_in(ground - there, rim, inside, 2 * coarser_px)
         return found
 
     def _mean(self, of: tuple[slice, slice]) -> Float32:
@@ -163,6 +169,19 @@ def _gradients(picture: Float32) -> Float32:
     return np.concatenate(
         [np.diff(picture, axis=axis, prepend=picture.take([0], axis=axis)) for axis in (1, 0)], axis=2
     )
+
+
+def _carried_in(difference: Float32, rim: Float32, hole: Mask, reach_px: float) -> Float32:
+    """(h, w, 3) in the hole (h, w) the difference (h, w, 3) beside it, where `rim` (h, w) is 1.
+
+    Within reach_px of the rim it fades, and becomes a mean over twice the distance from there.
+    """
+    away = cv2.distanceTransform(hole.astype(np.uint8), cv2.DIST_L2, 5)
+    carried = np.zeros_like(difference)
+    for octave in range(math.ceil(math.log2(max(reach_px, 2.0))) + 1):
+        share = np.clip(1 - np.abs(np.log2(np.maximum(away, 1.0)) - octave), 0, 1) * np.clip(1 - away / reach_px, 0, 1)
+        carried += share[..., None] * blurred_within(difference, rim, 0.5 * 2.0**octave)
+    return np.where(hole[..., None], carried, 0).astype(np.float32)
 
 
 def _with_gradients(soft: Float32, gradients: Float32, coarser_px: float) -> Float32:

@@ -108,8 +108,9 @@ def _moved_into(
     squares = np.square(moved - median).sum(axis=3)
     unlike = np.array([cv2.GaussianBlur(each, (0, 0), ALIKE_SIDES * side_px) for each in squares])
     fitness = np.where(is_seen, weights / (unlike + max(float(np.median(unlike[is_seen])), 1e-9)), 0)
-    finer = np.take_along_axis(moved, fitness.argmax(axis=0)[None, ..., None], 0)[0] - median
-    finer -= cv2.GaussianBlur(finer, (0, 0), FINE_SIDES * side_px)
+    # Fine texture alone of each of them, so that there is no step from one to the next.
+    fine = np.array([each - cv2.GaussianBlur(each, (0, 0), FINE_SIDES * side_px) for each in moved - median])
+    finer = np.take_along_axis(fine, fitness.argmax(axis=0)[None, ..., None], 0)[0]
     return np.asarray(median + finer, np.float32), np.asarray(is_seen.any(axis=0))
 
 

@@ -14,10 +14,13 @@ from ashe_live.models.material import MAPS, SRGB_MAPS, Alpha
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.roundness import stands_for_round
 from ashe_live.render.gl.texture_units import UNIT_OF
 
 GL_RGBA8, GL_SRGB8_ALPHA8 = 0x8058, 0x8C43
 STEP_BYTES = 1 << 20  # about what a software rasteriser uploads in a millisecond
+MOST_SORTED = 20_000  # triangles, which takes 2 ms
+SORTED_AGAIN = 0.01  # movement of the eye over its distance, after which triangles are sorted again
 OPENNESS = "in_openness"  # bytes that stand for 0 to 1, in a buffer of their own, as they are known last
 
 
@@ -27,8 +30,10 @@ class GpuPart:
     The positions and normals of a mesh that moves have a buffer of their own, and so has the openness of every mesh.
     """
 
-    def __init__(self, ctx: moderngl.Context, mesh: Mesh) -> None:
+    def __init__(self, ctx: moderngl.Context, mesh: Mesh, number: int) -> None:
+        """`number`: other parts of the model have others."""
         self.mesh = mesh
+        self.number = number
         self.material = mesh.material
         self.centre: Float = mesh.vertices.mean(axis=0, dtype=np.float64)  # (3,) metres, marker frame
         self.maps: dict[str, moderngl.Texture] = {}
@@ -40,9 +45,11 @@ class GpuPart:
             "in_colour": mesh.colours,
         }
         self._columns = {name: values for name, values in columns.items() if values is not None}
+        self.is_rounded = stands_for_round(mesh)
         self._ctx = ctx
         self._pieces: list[_Piece] = []
         self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}
+        self._sorted_from: Float | None = None
 
     def upload(self) -> Iterator[None]:
         """Uploads in steps of at most about STEP_BYTES, as a driver may clear memory before it hands it out."""
@@ -80,6 +87,21 @@ class GpuPart:
         """Sets the vertices' openness (n, 4), 255 for open, as SelfOcclusion finds it. The mesh must be uploaded."""
         for piece in self._pieces:
             piece.attributes[-1][1].write(np.ascontiguousarray(openness[piece.used]))
+
+    def sort(self, eye: Float) -> bool:
+        """Puts the triangles in order, far before near as seen from `eye` (3,), metres, the mesh's own frame.
+
+        False where they keep theirs, as they are too many, or move.
+        """
+        if len(self._pieces) != 1 or self.mesh.motion is not None or len(self.mesh.triangles) > MOST_SORTED:
+            return False
+        near = SORTED_AGAIN * float(np.linalg.norm(eye - self.centre))
+        if self._sorted_from is None or float(np.linalg.norm(eye - self._sorted_from)) > near:
+            self._sorted_from = eye
+            middles = self.mesh.vertices[self.mesh.triangles].mean(axis=1)
+            order = np.argsort(-np.square(middles - eye).sum(axis=1), kind="stable")
+            self._pieces[0].indices.write(np.ascontiguousarray(self.mesh.triangles[order], np.uint32))
+        return True
 
     def draw(self, program: moderngl.Program) -> None:
         """Draws with the vertex attributes that `program` reads; its uniforms are set by the caller."""
@@ -154,7 +176,7 @@ class GpuModel:
     def upload(self) -> Iterator[None]:
         """Uploads in steps of at most STEP_BYTES, or of one texture's mipmaps."""
         for mesh in self.placed.model.parts:
-            part = GpuPart(self._ctx, mesh)
+            part = GpuPart(self._ctx, mesh, len(self.parts))
             self.parts.append(part)
             yield from part.upload()
             for name, texels in mesh.material.maps.items():

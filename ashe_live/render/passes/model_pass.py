@@ -22,6 +22,8 @@ from ashe_live.render.passes.standing import StandingGroup, StandingModel
 NOWHERE: Float = np.zeros((4, 4))  # as a projection: nothing is drawn, but the shader gets compiled
 # A narrower specular lobe would be a point that flickers between pixels.
 MIN_ROUGHNESS = 0.06
+PART_STEP = 0.618034  # multiples of the golden ratio, taken modulo 1, are far apart
+SOLID = 0.95  # opacity from which on a blended surface hides what is drawn later behind it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,22 +59,38 @@ class ModelPass:
         `looked_up` is asked at each step, as the quality may have changed since the last one.
         """
         for part in model.parts:
-            program = self._bound_program(part, looked_up())
-            set_uniforms(program, clip_from_marker=NOWHERE)
-            self._ctx.enable_only(gl_flags(part.material))
-            part.draw(program)
-            yield
+            for is_rim in (False, True) if part.material.alpha is Alpha.CUT_OUT else (False,):
+                program = self._bound_program(part, looked_up(), is_rim)
+                set_uniforms(program, clip_from_marker=NOWHERE)
+                self._ctx.enable_only(gl_flags(part.material))
+                part.draw(program)
+                yield
 
     def draw_opaque(self, standing: StandingGroup, inputs: ShadingInputs) -> None:
-        """Draws opaque and cut-out parts."""
+        """Draws opaque parts, and cut-out ones where they fill the whole pixel."""
         for member in standing.members:
             for part in member.model.parts:
                 if part.material.alpha is not Alpha.BLEND:
                     self._ctx.enable_only(gl_flags(part.material))
                     self._draw(part, member, inputs)
 
+    def draw_rims(self, standing: StandingGroup, inputs: ShadingInputs) -> None:
+        """Draws cut-out parts where they fill part of the pixel, before what is behind them there.
+
+        They hide nothing of one another, so that their order is of little weight.
+        """
+        self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        for member in standing.members:
+            for part in member.model.parts:
+                if part.material.alpha is Alpha.CUT_OUT:
+                    self._ctx.enable_only(gl_flags(part.material) | moderngl.BLEND)
+                    self._draw(part, member, inputs, is_rim=True)
+
     def draw_blended(self, standing: StandingGroup, inputs: ShadingInputs) -> None:
-        """Draws blended parts, after everything behind them: far before near, back faces before front faces."""
+        """Draws blended parts, after everything behind them: far before near, and so the triangles of clear ones.
+
+        Of parts whose triangles keep their order: back faces before front faces.
+        """
         eye = inputs.framing.eye_marker
         blended = [
             (float(np.linalg.norm(transform_points(member.marker_from_placed, part.centre[None]) - eye)), part, member)
@@ -85,15 +103,22 @@ class ModelPass:
         blended.sort(key=lambda each: -each[0])
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         for _, part, member in blended:
-            self._ctx.enable_only(gl_flags(part.material))
-            for culled in ("front", "back") if part.material.double_sided else ("back",):
+            # The walls of a glass are seen through one another.
+            is_clear = part.material.base_colour[3] < SOLID
+            placed_from_marker = np.asarray(np.linalg.inv(member.marker_from_placed), np.float64)
+            is_sorted = is_clear and part.sort(transform_points(placed_from_marker, eye[None])[0])
+            shows_all = is_sorted and part.material.double_sided
+            self._ctx.enable_only(gl_flags(part.material) & ~(moderngl.CULL_FACE if shows_all else 0))
+            self._ctx.fbo.depth_mask = not is_clear
+            for culled in ("front", "back") if part.material.double_sided and not is_sorted else ("back",):
                 self._ctx.cull_face = culled
                 self._draw(part, member, inputs)
+        self._ctx.fbo.depth_mask = True
         self._ctx.cull_face = "back"
 
-    def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs) -> None:
+    def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, is_rim: bool = False) -> None:
         material = part.material
-        program = self._bound_program(part, inputs.looked_up)
+        program = self._bound_program(part, inputs.looked_up, is_rim)
         set_uniforms(program, **layout_uniforms(part, layout_constants(part)))
         set_uniforms(
             program,
@@ -110,6 +135,7 @@ class ModelPass:
             occlusion_strength=material.occlusion_strength,
             emissive=material.emissive,
             alpha_cutoff=material.alpha_cutoff,
+            part_number=part.number * PART_STEP % 1,
             sky=inputs.lighting.sky,
             sky_slope=inputs.lighting.sky_slope,
             ground_bounce=inputs.lighting.bounce,
@@ -118,10 +144,14 @@ class ModelPass:
         )
         part.draw(program)
 
-    def _bound_program(self, part: GpuPart, looked_up: LookedUp) -> moderngl.Program:
+    def _bound_program(self, part: GpuPart, looked_up: LookedUp, is_rim: bool) -> moderngl.Program:
         """The part's shader variant with all its textures bound: a driver may recompile for another kind of texture."""
         program = self._programs.get(
-            "model", min_roughness=MIN_ROUGHNESS, **shading_constants(part), **looked_up.shadows.constants
+            "model",
+            min_roughness=MIN_ROUGHNESS,
+            **shading_constants(part),
+            **({"rim": 1} if is_rim else {}),
+            **looked_up.shadows.constants,
         )
         looked_up.shadows.bind(program)
         looked_up.ground_shadows.bind(program)
@@ -146,6 +176,8 @@ def shading_constants(part: GpuPart) -> dict[str, int]:
         found[material.alpha.name] = 1
     if mesh.colours is not None:
         found["vertex_colours"] = 1
+    if part.is_rounded:
+        found["rounded"] = 1
     if material.emissive == BLACK:
         found.pop("emissive_map", None)
     else:

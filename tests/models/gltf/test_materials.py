@@ -254,3 +254,18 @@ def test_a_picture_without_texture_coordinates_is_one_colour_and_said(tmp_path: 
     np.testing.assert_allclose((material.roughness, material.metallic), expected[1:3])
     np.testing.assert_allclose(material.emissive, expected[:3] * (0.5, 1, 1))
     assert model.notes == (WITHOUT_COORDINATES,)
+
+
+@pytest.mark.parametrize(("mode", "beyond"), [("MASK", (200, 40, 30)), ("BLEND", (200, 40, 30)), ("OPAQUE", (0, 0, 0))])
+def test_texels_beyond_a_cut_out_have_its_colour(tmp_path: Path, mode: str, beyond: tuple[int, int, int]) -> None:
+    """Filtering mixes them in: black ones would draw a dark line around it."""
+    texels = np.zeros((21, 34, 4), np.uint8)
+    texels[3:9, 5:8] = 200, 40, 30, 255
+    encoded = io.BytesIO()
+    Image.fromarray(texels).save(encoded, "PNG")
+    document = Document()
+    textured = {"baseColorTexture": document.embedded(encoded.getvalue())}
+    part = quad_of(tmp_path, {"alphaMode": mode, "pbrMetallicRoughness": textured}, document).parts[0]
+    assert part.material.base_map is not None
+    np.testing.assert_array_equal(part.material.base_map[..., 3], texels[..., 3])
+    np.testing.assert_array_equal(np.unique(part.material.base_map[texels[..., 3] == 0][:, :3], axis=0), [beyond])

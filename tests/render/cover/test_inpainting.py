@@ -89,6 +89,18 @@ def test_patches_of_grain_have_no_seams_between_them(seed: int) -> None:
     assert along_grain[np.ix_(far_inside, far_inside[:-1])].mean(axis=0).max() < 3 * along_grain[:, beside[:-1]].mean()
 
 
+@pytest.mark.parametrize("seed", [7, 8, 9])
+def test_the_cover_of_pebbles_meets_those_beside_it(seed: int) -> None:
+    """No patch continues them all; but the picture has no step along the cover's border."""
+    noise = np.random.default_rng(seed).normal(size=(SIZE, SIZE))
+    pebbles = cv2.GaussianBlur(noise, (0, 0), 5.0)
+    ground = np.repeat(np.clip(0.4 + 0.1 * pebbles[..., None] / pebbles.std(), 0.05, 0.9), 3, axis=2)
+    found = _filled(ground.astype(np.float32)).mean(axis=2)
+    inside = cv2.distanceTransform((~HOLE).astype(np.uint8), cv2.DIST_L2, 5) < BLEED_SIDES * SIDE_PX
+    steps, crosses = np.abs(np.diff(found, axis=1)), inside[:, 1:] != inside[:, :-1]
+    assert steps[crosses].mean() < 1.8 * steps[:, AXIS[:-1] < -SIDE_PX].mean()
+
+
 def test_no_piece_of_a_joint_that_passes_by_is_copied() -> None:
     """It would lie in the hole's texture, cut off at both ends."""
     across = Y + 0.2 * X + 0.95 * SIDE_PX

@@ -55,6 +55,17 @@ def test_a_pattern_goes_on_in_the_hole(pattern: np.ndarray) -> None:
     assert np.corrcoef(there, wanted)[0, 1] > 0.9
 
 
+def test_where_tiles_differ_there_is_no_seam_between_those_that_are_copied() -> None:
+    clouds = cv2.GaussianBlur(np.random.default_rng(3).normal(size=(SIZE, SIZE)), (0, 0), 9.0)
+    period = 45.0
+    truth = _speckled(_tiles(period) + 0.04 * clouds / clouds.std(), contrast=0.002)
+    found = filled(np.where(HOLE[..., None], np.float32(0.8), truth), HOLE, ~HOLE, SIDE_PX)
+    assert found is not None
+    on_tile = np.maximum(np.abs(V % period - period / 2), np.abs(U % period - period / 2)) < 0.35 * period
+    fine = [cv2.Laplacian(np.sqrt(each).mean(axis=2), cv2.CV_32F)[HOLE & on_tile] for each in (found, truth)]
+    assert np.percentile(np.abs(fine[0]), 99.5) < 2 * np.percentile(np.abs(fine[1]), 99.5)
+
+
 def test_a_thing_on_the_pattern_does_not_get_into_the_hole() -> None:
     truth = _speckled(_checks(45.0))
     with_thing = truth.copy()
