@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import moderngl
 
 from ashe_live.core.camera import Size
-from ashe_live.render.gl.clearing import clear_part
+from ashe_live.render.gl.driver import clear_part
 from ashe_live.render.gl.framing import Rectangle
 
 NOT_CHOSEN = 0.0  # a depth in front of which nothing can be drawn; `whole.vert` draws at the middle depth

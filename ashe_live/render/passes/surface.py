@@ -11,7 +11,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.gl.chosen import ChosenPixels
-from ashe_live.render.gl.clearing import clear_part
+from ashe_live.render.gl.driver import clear_part
 from ashe_live.render.gl.framing import Rectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 

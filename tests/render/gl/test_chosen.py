@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ashe_live.render.gl.chosen import ChosenPixels
-from ashe_live.render.gl.clearing import clear_part
+from ashe_live.render.gl.driver import clear_part
 from ashe_live.render.gl.framing import Rectangle
 from ashe_live.render.gl.programs import shader_source
 

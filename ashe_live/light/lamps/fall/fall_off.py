@@ -26,7 +26,7 @@ from ashe_live.light.pixels.view import View
 WORST_GRADIENT, WORST_CURVATURE, WORST_CONTRAST = 0.25, 0.4, 0.3
 WORST = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
 LEAST_CONTRAST, MOST_CONTRAST = 0.3, 3.0
-BLOCK = 40  # lights that are tried at once: what is computed of them then fits into the processor's cache
+BLOCK = 60_000  # samples times lights that are tried at once: what is computed then fits into the processor's cache
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,10 +98,9 @@ class FallOff:
         shares = np.broadcast_to(share, len(parameters))
         known = np.column_stack([self.samples.uneven, self.samples.brightness])
         of_known = known, self.samples.gram(known), self.samples.weighted(known)[1]
-        blocks = range(0, len(parameters), BLOCK)
-        return np.concatenate(
-            [self._worst_costs(parameters[i : i + BLOCK], shares[i : i + BLOCK], reference, *of_known) for i in blocks]
-        )
+        size = max(BLOCK // len(known), 1)
+        blocks = (slice(i, i + size) for i in range(0, len(parameters), size))
+        return np.concatenate([self._worst_costs(parameters[i], shares[i], reference, *of_known) for i in blocks])
 
     def _worst_costs(
         self, parameters: Float, shares: Float, reference: Float, known: Float, among: Float, known_explained: Float

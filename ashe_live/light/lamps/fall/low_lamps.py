@@ -7,6 +7,8 @@ to a centimetre or two. Where that is lower than the object's top, and not where
 nothing to state, unless the explanation is surer than the ground: uneven paint may look like a spot as well.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
@@ -65,7 +67,7 @@ def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float, log_odds:
     low_lamps = _lamps(some, top_m * np.array(HEIGHTS))
     if not len(low_lamps):
         return False
-    low, even = _least_cost(some, low_lamps), _least_cost(some, np.zeros((1, 3)))
+    low, even = _least_cost(replace(some, gloss=None), low_lamps), _least_cost(some, np.zeros((1, 3)))
     outweighed = ELSEWHERE + max(2 * log_odds, 0.0)
     # What lamps of ordinary heights explain as well, as they do a table's slow shading, is no low lamp's spot.
     is_spot = even - low > max(LAMP_DEVIANCE, deviance + ELSEWHERE)
