@@ -13,8 +13,8 @@ from ashe_live.models.albedo import mean_albedo
 from ashe_live.models.material import MAPS, SRGB_MAPS, Alpha
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.placement import PlacedModel
+from ashe_live.models.roundness import stands_for_round
 from ashe_live.render.gl.programs import Programs, set_uniforms
-from ashe_live.render.gl.roundness import stands_for_round
 from ashe_live.render.gl.texture_units import UNIT_OF
 
 GL_RGBA8, GL_SRGB8_ALPHA8 = 0x8058, 0x8C43

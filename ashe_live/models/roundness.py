@@ -11,6 +11,7 @@ ROUND_DEG = 37.0  # up to which the surface counts as round: where model.frag ha
 
 
 def stands_for_round(mesh: Mesh) -> bool:
+    """Whether enough triangles lean away from their corners' normals as on a round surface, and not as at an edge."""
     corners = mesh.triangles[:: max(1, len(mesh.triangles) // LOOKED_AT)]
     points = mesh.vertices[corners].astype(np.float64)
     facing = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
