@@ -28,7 +28,8 @@ FEWEST_PLACES = 8  # with less of the table in view nothing is told
 # Of the log odds of outlines where no shadow is: their least standard deviation; and of so many of these a shadow's may
 # be anywhere.
 LEAST_SCATTER, SPREAD = 1.0, 10.0
-NOWHERE_PX = -1e6  # coordinate of what is behind the camera
+# Least depth of the table over that of the marker's centre, and the coordinate of what is nearer, or behind the camera.
+LEAST_DEPTH, NOWHERE_PX = 0.1, -1e6
 
 
 def most_log_odds(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32, room: Room, view: View) -> float:
@@ -106,7 +107,7 @@ def laid(edges: ShadowEdges, chosen: NDArray[np.intp], moves: Float, view: View)
     P = (view.camera.K @ view.T_cam_marker[:3])[:, [0, 1, 3]]
     image = np.column_stack([(moves[:, None] + edges.places[chosen]).reshape(-1, 2), np.ones(len(moves) * len(chosen))])
     image = image @ P.T
-    is_before = image[:, 2] > 0
+    is_before = image[:, 2] > LEAST_DEPTH * P[2, 2]
     depth = np.where(is_before, image[:, 2], 1.0)[:, None]
     pixels = np.where(is_before[:, None], image[:, :2] / depth, NOWHERE_PX)
     by_place = (P[None, :2, :2] - (image[:, :2] / depth)[:, :, None] * P[2, :2]) / depth[..., None]
