@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING
 from ashe_live.light.known_body.evidence import Evidence, Scan
 from ashe_live.light.known_body.found_light import FoundLight, hidden_step, points_of, room_beside
+from ashe_live.light.known_body.outline.elsewhere import most_log_odds
 from ashe_live.light.known_body.outline.fit import looked_at_again
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, with_edges
 from ashe_live.light.known_body.seen import Seen
@@ -24,6 +25,7 @@ AROUND_RAD, MOST_NONE = 2 * NEAR_RAD, 0.05
 LOG_NONE = math.log(0.5)
 # The same of a light whose shadow the body may hide, beside one sun whose edges are seen.
 LOG_NONE_FURTHER = 0.0
+SURE_BY_TABLE = 0.95  # probability of a direction by map and sides, from which on edges are not needed
 
 
 def with_confidence(
@@ -60,7 +62,11 @@ def with_confidence(
         step = min(step, float(own.darkenings[0, -1]))
         confidence, around = (with_edges(each, None, step, palest, pale) for each in (near, around))
         return replace(one, confidence=confidence, around=around if none < MOST_NONE else confidence)
-    exists = with_edges(near, one.fit, step, palest, pale)
+    most = math.inf
+    if near < SURE_BY_TABLE:
+        room, darkening = room_beside(seen, others), float(dark_rgb.mean())
+        most = most_log_odds(one.fit, seen.body, darkening, seen.light, room, seen.view)
+    exists = with_edges(near, one.fit, step, palest, pale, most)
     confidence, around = (exists * _shares(one)).tolist()
     return replace(one, exists=exists, confidence=confidence, around=around if 1 - exists < MOST_NONE else confidence)
 

@@ -73,7 +73,7 @@ def fitted(
         if is_first:
             wanted_px = np.full(len(edges.points_px), max(reaches[number] * tall_px, 2 * LEAST_PX))
         else:
-            wanted_px = _windows_px(edges, blur, size, tall_px)
+            wanted_px = windows_px(edges, blur, size, tall_px)
         profiles = Profiles.of(edges, wanted_px, picture, room)
         weight = profiles.weights(darkening, EARLY_LOSS if is_first else 1.0)
         if np.count_nonzero(weight) < FEWEST:
@@ -96,7 +96,7 @@ def profiles_of(fit: EdgeFit, body: Proxy, picture: Float32, room: Room, view: V
     edges = shadow_edges(body, fit.light, view)
     if edges is None:
         return None
-    wanted_px = _windows_px(edges, BLUR_PX**2, fit.size_rad or 0.0, height_px(body, view))
+    wanted_px = windows_px(edges, BLUR_PX**2, fit.size_rad or 0.0, height_px(body, view))
     return Profiles.of(edges, wanted_px, picture, room)
 
 
@@ -109,7 +109,7 @@ def looked_at_again(fit: EdgeFit, body: Proxy, darkening: float, picture: Float3
     return replace(fit, clear=clear, seen=float(profiles.visible.mean()))
 
 
-def _windows_px(edges: ShadowEdges, blur_px2: float, size_rad: float, height_px: float) -> Float:
+def windows_px(edges: ShadowEdges, blur_px2: float, size_rad: float, height_px: float) -> Float:
     """(n,) how far an edge is looked for that is known but for its blur."""
     spread_px = np.sqrt(blur_px2 + (size_rad * edges.by_size) ** 2)
     return np.asarray(np.clip(SPREADS * spread_px, LEAST_PX, max(MOST_SHARE * height_px, LEAST_PX)))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.outline.edges import POINTS
 from ashe_live.light.known_body.outline.fit import EdgeFit
 from ashe_live.light.known_body.outline.profiles import BY_NONE, BY_STEP, POINTS_A_SAMPLE
@@ -24,23 +25,32 @@ def edge_log_odds(fit: EdgeFit | None) -> float:
     """
     if fit is None:
         return 0.0
-    places = fit.seen * POINTS / POINTS_A_SAMPLE
-    near = float(np.clip(math.log(ANYWHERE / max(fit.misfit_share, 1e-6)), -MOST_NEAR, MOST_NEAR))
-    return places * (fit.clear * (BY_STEP + near) + (1 - fit.clear) * BY_NONE)
+    return float(log_odds_of_places(fit.seen * POINTS, fit.clear, fit.misfit_share))
+
+
+def log_odds_of_places(points: float, clear: Float | float, misfit_share: Float | float) -> Float:
+    """The same of outlines of which so many points are seen, with the parts that show steps, and their misfits."""
+    near = np.clip(np.log(ANYWHERE / np.maximum(misfit_share, 1e-6)), -MOST_NEAR, MOST_NEAR)
+    return np.asarray(points / POINTS_A_SAMPLE * (clear * (BY_STEP + near) + (1 - clear) * BY_NONE))
 
 
 def with_edges(
-    confidence: float, fit: EdgeFit | None, step: float, palest: float = PALEST, pale: float = PALE
+    confidence: float,
+    fit: EdgeFit | None,
+    step: float,
+    palest: float = PALEST,
+    pale: float = PALE,
+    most: float = MOST_LOG_ODDS,
 ) -> float:
     """A probability of a direction, after a look at the edges that its shadow should have.
 
     step: part of the table's light that the shadow lacks. One paler than `palest` is none, and of one paler than `pale`
-    the edges only speak against it, as stains have edges, too.
+    the edges only speak against it, as stains have edges, too. most: log odds that edges may have.
     """
     if step <= palest:
         return 0.0
     if fit is None:
         return HIDDEN * confidence
-    most = MOST_LOG_ODDS if step > pale else 0.0
+    most = min(most, MOST_LOG_ODDS) if step > pale else min(most, 0.0)
     for_it = confidence * math.exp(float(np.clip(edge_log_odds(fit), -MOST_LOG_ODDS, most)))
     return for_it / (for_it + (1 - confidence))  # in this order no rounding takes it beyond 1
