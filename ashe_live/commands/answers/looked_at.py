@@ -9,7 +9,7 @@ from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews, kept_size, scaled
-from ashe_live.light.live.same_scene import PlanePicture, outdated
+from ashe_live.light.live.same_scene import PlanePicture, outdated, outdated_with_far
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
@@ -106,7 +106,7 @@ def of_one_scene(frozen: TrackedFrame, others: Sequence[TrackedFrame]) -> list[T
     """The others without those that show another scene than the frozen frame."""
     if not others:
         return []
-    gone = outdated(PlanePicture.of(frozen), [PlanePicture.of(other) for other in others])
+    gone = outdated_with_far(PlanePicture.of(frozen), [PlanePicture.of(other) for other in others])
     return [other for place, other in enumerate(others) if place not in gone]
 
 
