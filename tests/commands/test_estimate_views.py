@@ -171,6 +171,34 @@ def test_a_photo_in_another_light_is_left_out_and_named(run, table, picture_of_b
     assert str(evening) in line
 
 
+def test_a_first_photo_that_shows_another_scene_than_most_is_left_out_and_named(run, table, picture_of_box, tmp_path):
+    """A hand may be in it."""
+    evening = written(tmp_path / "evening.png", picture_of_box(-98, 60.0))
+    outcome = run("estimate", "--json", *KNOWN, "--together", evening, *table)
+    (record,) = outcome.records
+    assert record["file"] == str(table[0])
+    assert record["views"]["files"] == [str(path) for path in table]
+    (line,) = outcome.err
+    assert line.split(": ")[1] == str(evening)
+    # One against one, nothing tells which of them is the odd one.
+    (record,) = run("estimate", "--json", *KNOWN, "--together", evening, table[0]).records
+    assert record["file"] == str(evening)
+
+
+def test_a_clip_is_answered_for_the_scene_that_most_of_it_shows(run, picture_of_box, tmp_path):
+    """Unless its frame is named."""
+    clip = tmp_path / "clip.mp4"
+    with Recorder(clip, (640, 480), 30.0) as recorder:
+        for index in range(40):
+            recorder.write(picture_of_box(-100 + 0.25 * index, 60.0 if index < 9 else 200.0), index / 30)
+    (record,) = run("estimate", "--json", *KNOWN, clip).records
+    assert record["frame"] >= 9
+    assert record["views"]["frames"][0] == record["frame"]
+    assert all(index >= 9 for index in record["views"]["frames"])
+    (record,) = run("estimate", "--json", *KNOWN, "--estimate-at", 5, clip).records
+    assert record["frame"] == 5
+
+
 def test_photos_of_an_unknown_camera_tell_it_together(run, table):
     (record,) = run("estimate", "--json", "--together", *table).records
     alone = [json.loads(line) for line in run("estimate", "--json", *table).out]

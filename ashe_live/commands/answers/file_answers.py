@@ -13,7 +13,14 @@ from ashe_live.capture.opening import open_source, openable
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
 from ashe_live.commands.answers.light_page import picture_of
-from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, of_one_scene, renumbered
+from ashe_live.commands.answers.looked_at import (
+    LookedAt,
+    Wanted,
+    first_of_most,
+    look_at,
+    of_one_scene,
+    renumbered,
+)
 from ashe_live.commands.answers.steps_sheet import write_steps
 from ashe_live.commands.flags.marker_choice import marker_in, with_marker, with_marker_in
 from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, make_tracker
@@ -74,6 +81,8 @@ class FileEstimator:
             else:
                 used.append(looked)
         if used:
+            usual = first_of_most([each.seen.frozen for each in used])
+            used.sort(key=lambda each: each.seen.frozen is not usual)  # the others stay in their order
             yield self._guarded(used[0].path, partial(self._answered, *used))
 
     def _guarded(self, path: Path, work: Callable[[], Result]) -> Result | FileAnswer:

@@ -62,7 +62,7 @@ class PlanePicture:
 
 def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
     """Whether the scene has changed between two views; None if they cannot be compared."""
-    shear_sides = HIGHEST_SIDES * float(np.hypot(*(a.slope - b.slope)))
+    shear_sides = HIGHEST_SIDES * _aside(a, b)
     is_compared = a.is_seen & b.is_seen
     if shear_sides > MOST_SHEAR_SIDES or np.count_nonzero(is_compared) < LEAST_COMPARED_SIDES * CELLS_A_SIDE**2:
         return None
@@ -83,6 +83,31 @@ def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
     told = [differs(now, each) for each in before]
     gone = [at for at, is_other in enumerate(told) if is_other]
     return list(range(len(before))) if 2 * len(gone) > told.count(True) + told.count(False) else gone
+
+
+def outdated_with_far(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
+    """As `outdated`, also of views from too far aside to be compared with `now`.
+
+    One after the other, from the near ones to the far, they are compared with the nearest ones of which it is known
+    whether they show its scene, and show another if two of these say so: something may be before one of them.
+    """
+    gone = outdated(now, before)
+    shows_it = {at: at not in gone for at, each in enumerate(before) if at in gone or differs(now, each) is not None}
+    for at in sorted(range(len(before)), key=lambda at: _aside(now, before[at])):
+        if at not in shows_it:
+            aside = {other: _aside(before[other], before[at]) for other in shows_it}
+            told = [
+                (differs(before[other], before[at]), shows_it[other]) for other in sorted(aside, key=aside.__getitem__)
+            ]
+            nearest = [is_other != shows for is_other, shows in told if is_other is not None][:2]
+            if nearest[:1] == [True] or nearest == [False, False]:
+                shows_it[at] = nearest[0]
+    return [at for at in range(len(before)) if not shows_it.get(at, True)]
+
+
+def _aside(a: PlanePicture, b: PlanePicture) -> float:
+    """By how much a thing shears between two views, over its height."""
+    return float(np.hypot(*(a.slope - b.slope)))
 
 
 def _plane_from_cells(side_m: float) -> Float:

@@ -117,7 +117,6 @@ class LightWatch:
         if not isinstance(outcome, Answer):
             self.sharpening.answered(False)
             return outcome
-        self.key_views.drop([self._others[place] for place in outcome.outdated])
         has_changed = len(outcome.outdated) == len(self._others) > 0
         if has_changed:
             self.sharpening = Sharpening()
@@ -129,4 +128,7 @@ class LightWatch:
                 self.held = HeldAnswer()
             is_sharper = self.held.offer(outcome.estimate, has_changed)
             self.sharpening.answered(is_sharper or self.held.is_disputed)
+        # While a hand is before the camera, no view shows what it shows; they are of use again when it has gone.
+        if not has_changed or self.held.is_news:
+            self.key_views.drop([self._others[place] for place in outcome.outdated])
         return outcome

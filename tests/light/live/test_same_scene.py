@@ -5,7 +5,7 @@ import pytest
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.light.live.key_views import KeyViews
-from ashe_live.light.live.same_scene import PlanePicture, differs, outdated
+from ashe_live.light.live.same_scene import PlanePicture, differs, outdated, outdated_with_far
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
@@ -62,6 +62,19 @@ def test_a_hand_in_one_view_makes_that_one_of_no_use_and_a_new_light_all_of_them
     old = [seen(BOX, light_deg=235.0, azimuth_deg=angle) for angle in (1, 4, 7, 60)]
     assert outdated(now, old) == [0, 1, 2, 3]
     assert outdated(now, []) == []
+
+
+def test_what_is_too_far_aside_is_compared_with_what_is_between() -> None:
+    now = seen(BOX)
+    angles = range(3, 36, 3)
+    changed = [seen(BOX, *[MUG] * (angle > 17), azimuth_deg=angle, seed=angle) for angle in angles]
+    assert outdated(now, changed) == []
+    assert outdated_with_far(now, changed) == [at for at, angle in enumerate(angles) if angle > 17]
+    same = [seen(BOX, azimuth_deg=angle, seed=angle) for angle in angles]
+    assert outdated_with_far(now, same) == []
+    hand = seen(BOX, Caster(at=(-0.1, -0.1), width_m=0.12, height_m=0.05), azimuth_deg=18)
+    assert set(outdated_with_far(now, [*same[:5], hand, *same[6:]])) <= {5}
+    assert outdated_with_far(now, []) == []
 
 
 def test_the_shipped_clip_shows_one_scene() -> None:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -100,3 +101,25 @@ def test_an_answer_is_sharpened_then_followed_and_a_changed_light_replaces_it(wa
             watch.wait(PATIENCE_S)
     assert error_deg(watch, 60.0) < 10
     assert not any(view is old for view in watch.key_views.views for old in views_before)
+
+
+def test_a_hand_before_the_camera_costs_neither_the_light_nor_the_views(watch, table) -> None:
+    clock = Clock()
+    for tracked in table[200.0]:
+        seen, now_s = clock.now(tracked)
+        watch.key_views.add(seen)
+    assert watch.ask(seen, now_s)
+    watch.wait(PATIENCE_S)
+    light, views = watch.held.estimate, watch.key_views.views
+    assert len(light.views) > 2
+
+    picture = np.array(seen.frame.image_bgr)
+    cv2.line(picture, (700, 500), (330, 130), (110, 140, 195), 170, cv2.LINE_AA)
+    hand = replace(seen, frame=Frame(picture, 0, 0.0))
+    for tracked in (hand, table[200.0][2]):
+        seen, now_s = clock.now(tracked)
+        assert watch.look_again(seen, now_s, None)
+        outcome = watch.wait(PATIENCE_S)
+        assert (len(outcome.outdated) > 0) == (tracked is hand)
+        assert watch.key_views.views == views
+        assert error_deg(watch, 200.0) < 10
