@@ -15,8 +15,18 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import project
-from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb
-from ashe_live.light.pixels.page_lines import FARTHEST, HALF, LINES, TOGETHER, PageLines, around, largest_beside
+from ashe_live.light.pixels.areas import majority
+from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent
+from ashe_live.light.pixels.page_lines import (
+    FARTHEST,
+    HALF,
+    LINES,
+    TOGETHER,
+    PageLines,
+    around,
+    is_coloured,
+    largest_beside,
+)
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 
 LEAST = 1.1  # of a page's longest side: a smaller sheet is a marker with its margin, on which nothing stands
@@ -28,6 +38,8 @@ MOST = 0.75  # of the lines of both sides: each then ends where it does
 SHARE_ALONG, FEWEST_ALONG = 0.25, 3
 SIDES = 2  # of a page whose ends are seen, at least
 ALIKE = 0.2  # log-opponent distance within which two changes of colour are alike
+STANDS_PX = 5  # across a neighbourhood whose majority tells what stands on the page from noise
+PAINTED_PX = 2  # distance from a page's border of the pixels that it is painted over with
 # Width and height of pages (mm) as they are printed: the marker is in their middle above a foot.
 PRINTED_MM, FOOT_MM = ((210, 297), (215.9, 279.4), (297, 420)), 45
 PLACED = 0.06  # how far, in sides, an end may be from where it is on such a page
@@ -40,17 +52,19 @@ class Page:
     ends: tuple[float, ...]
     is_seen: tuple[bool, ...]  # whether that end is; if not, it is not told what is paper and what ground beyond LEAST
     ground_over_paper: tuple[float, ...]  # linear RGB
+    paper: tuple[float, ...]  # log-opponent colour where it is lit
 
     def between(self, side_m: float) -> list[Float]:
-        """(4, 3) m each, marker frame: the corners of areas along its border that may be paper or ground."""
+        """(4, 3) m each, marker frame: the corners of areas that may be paper or ground, as their end is not seen."""
         right, above, left, below = (end + ADDED for end in self.ends)
-        begins = [(end if seen else LEAST) - ADDED for end, seen in zip(self.ends, self.is_seen, strict=True)]
-        return [
-            Sheet(right, above, -begins[0], below).corners(side_m),
-            Sheet(right, above, left, -begins[1]).corners(side_m),
-            Sheet(-begins[2], above, left, below).corners(side_m),
-            Sheet(right, -begins[3], left, below).corners(side_m),
+        begins = -(LEAST - ADDED)
+        areas = [
+            Sheet(right, above, begins, below),
+            Sheet(right, above, left, begins),
+            Sheet(begins, above, left, below),
+            Sheet(right, begins, left, below),
         ]
+        return [area.corners(side_m) for area, seen in zip(areas, self.is_seen, strict=True) if not seen]
 
 
 def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Page | None:
@@ -84,6 +98,7 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
         tuple(end for end, _ in found),
         tuple(is_seen for _, is_seen in found),
         tuple((np.maximum(linear_rgb(lit + change), 0) / np.maximum(linear_rgb(lit), DARKEST)).tolist()),
+        tuple(lit.tolist()),
     )
 
 
@@ -181,14 +196,21 @@ def _commonest(changes: Float) -> Float:
 def shown_as_ground(page: Page, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Image:
     """The picture (h, w, 3) without distortion as if the page had the colour of the ground that it lies on.
 
-    Beside the marker it stays paper, by which the exposure is judged.
+    What stands on it keeps its colour, as far as that is not paper's. Where the page ends, its border is painted over
+    with what lies on either side of it. Beside the marker it stays paper, by which the exposure is judged.
     """
-    inside = np.zeros(image_bgr.shape[:2], np.uint8)
-    for sheet, value in ((Sheet(*page.ends), 1), (USUAL_SHEET, 0)):
-        outline = project(camera, T_cam_marker, sheet.corners(side_m))
-        if not np.isfinite(outline).all():
-            return image_bgr
-        cv2.fillConvexPoly(inside, np.round(outline.clip(-1e4, 1e4) * 16).astype(np.int32), value, shift=4)
+
+    larger, smaller = (Sheet(*(end + sign * ADDED for end in page.ends)) for sign in (1, -1))
+    corners = [sheet.corners(side_m) for sheet in (Sheet(*page.ends), USUAL_SHEET, larger, smaller)]
+    outlines = np.array([project(camera, T_cam_marker, each) for each in corners])
+    if not np.isfinite(outlines).all():
+        return image_bgr
+    whole, marker, outer, inner = np.round(outlines.clip(-1e4, 1e4) * 16).astype(np.int32)
+    inside, border = np.zeros(image_bgr.shape[:2], np.uint8), np.zeros(image_bgr.shape[:2], np.uint8)
+    for mask, outline, value in ((inside, whole, 1), (inside, marker, 0), (border, outer, 1), (border, inner, 0)):
+        cv2.fillConvexPoly(mask, outline, value, shift=4)
     linear = LINEAR_FROM_SRGB_8BIT[:, None] * np.array(page.ground_over_paper[::-1])
     table = np.round(255 * srgb_from_linear(np.minimum(linear, 1))).astype(np.uint8)
-    return np.where(inside[..., None] > 0, cv2.LUT(image_bgr, table[:, None]), image_bgr)
+    is_paper = (inside > 0) & ~majority(is_coloured(log_opponent(image_bgr), np.array(page.paper)), STANDS_PX)
+    shown = np.where(is_paper[..., None], cv2.LUT(image_bgr, table[:, None]), image_bgr)
+    return np.asarray(cv2.inpaint(shown, border, PAINTED_PX, cv2.INPAINT_TELEA), dtype=np.uint8)

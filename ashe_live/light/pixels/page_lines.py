@@ -96,11 +96,21 @@ def _medians(colours: Float32) -> Float32:
 
 def _is_paper(colours: Float32, paper: Float32) -> Mask:
     """Whether colours (..., 3) are those of the paper, lit more or less than the margin is, or in a shadow."""
+    brighter = (colours - paper)[..., 0]
+    return np.asarray(_has_chroma_of(paper, colours) & (brighter < BRIGHTER) & (brighter > -DARKER))
+
+
+def is_coloured(colours: Float32, paper: Float) -> Mask:
+    """Whether colours (..., 3) have a chroma that the paper has in no light, and are light enough to have one."""
+    return np.asarray(~_has_chroma_of(paper, colours) & ((colours - paper)[..., 0] > -DARKER))
+
+
+def _has_chroma_of(paper: Float | Float32, colours: Float32) -> Mask:
     brighter, redder, purpler = np.moveaxis(colours - paper, -1, 0)
     # A shadow is lit by the sky, which is bluer, and green in proportion.
     bluer = BLUER * np.clip(-brighter, 0, DARKER)
     same = (redder < SAME_CHROMA) & (redder > -SAME_CHROMA - bluer) & (np.abs(purpler + redder / 4) < SAME_CHROMA)
-    return np.asarray(same & (brighter < BRIGHTER) & (brighter > -DARKER))
+    return np.asarray(same)
 
 
 def largest_beside(size: Float) -> Float:
