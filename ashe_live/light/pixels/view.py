@@ -13,6 +13,7 @@ from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
+from ashe_live.light.pixels.screen import screen_around
 from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
 
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
@@ -48,9 +49,15 @@ class View:
         return _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
 
     def with_page_as_ground(self) -> "View":
-        """This view, in which a whole page that the marker is printed on is ground, and shown in its colour."""
+        """This view, in which a whole page that the marker is printed on is ground, and shown in its colour.
+
+        A device whose screen shows the marker is no ground.
+        """
         if self.body is not None:
             return self
+        screen = screen_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m, self.sheet)
+        if screen is not None:
+            return _made(self.image_bgr, self.camera, self.T_cam_marker, self.side_m, screen, None, self.beside)
         page = page_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
         if page is None:
             return self
