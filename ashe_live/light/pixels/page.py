@@ -161,16 +161,16 @@ def _farthest_paper(lines: PageLines, side: int, ground: Float, printed: Sequenc
     part = np.where(lines.is_paper[side], (lines.after[side] - lines.before[side]) @ ground / (ground @ ground), 0.0)
     is_end = (part > HALF) & (part >= largest_beside(part))
     farthest = np.where(lines.is_paper[side] & is_lit, np.arange(1, seen.shape[1] + 1), 0).max(axis=1)
+    # Where it is likely to end, few lines tell that it does.
+    there = [is_end[:, np.abs(lines.outwards - end) < PLACED].any(axis=1).sum() for end in printed]
+    if max(there, default=0) >= FEWEST_ALONG:
+        return float(printed[int(np.argmax(there))]), True
     # Of those lines that are seen as far out, as others leave the picture on the paper.
     together = _ending_together(is_end, 1) / np.maximum(SHARE_ALONG * seen.sum(axis=0), FEWEST_ALONG)
     if together.max() >= 1:
         return float(lines.outwards[_middle(is_end, int(together.argmax()))]), True
     if np.count_nonzero((farthest > 0) & (farthest == seen.sum(axis=1))) >= SHARE * len(farthest):
         return FARTHEST, True
-    # Where it is likely to end, fewer lines tell that it does.
-    there = [is_end[:, np.abs(lines.outwards - end) < PLACED].any(axis=1).sum() for end in printed]
-    if max(there, default=0) >= FEWEST_ALONG:
-        return float(printed[int(np.argmax(there))]), True
     return float(lines.outwards[max(int(np.sort(farthest)[-2]) - 1, 0)]), False
 
 
