@@ -55,7 +55,7 @@ class View:
         """
         if self.body is not None:
             return self
-        screen = screen_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m, self.sheet)
+        screen = screen_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
         if screen is not None:
             return _made(self.image_bgr, self.camera, self.T_cam_marker, self.side_m, screen, None, self.beside)
         page = page_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
