@@ -4,7 +4,6 @@ Things stand on such a page and shadows fall onto it, so that it is ground, but 
 along its edges, in light as in shadow, the same ratio of linear light parts ground from paper, whatever lies there.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -87,13 +86,8 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
     ends = [end if end is None or lines.ends_in(side, end, change) else None for side, end in enumerate(ends)]
     lines = PageLines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
     ends[0], ends[2] = _in_the_middle(lines, ends[0], ends[2])
-    printed = _printed_ends(*(None if end is None else float(lines.outwards[end]) for end in ends))
-    found = [
-        _farthest_paper(lines, side, change, [ends[side] for ends in printed])
-        if end is None
-        else (float(lines.outwards[end]), True)
-        for side, end in enumerate(ends)
-    ]
+    printed = _as_printed(lines, ends[0], change)
+    found = [_end(lines, side, end, change, place) for side, (end, place) in enumerate(zip(ends, printed, strict=True))]
     return Page(
         tuple(end for end, _ in found),
         tuple(is_seen for _, is_seen in found),
@@ -137,34 +131,56 @@ def _in_the_middle(lines: PageLines, right: int | None, left: int | None) -> tup
     return clearer, clearer
 
 
-def _printed_ends(right: float | None, above: float | None, left: float | None, below: float | None) -> Float:
-    """(n, 4) where pages end, in sides, as printed, of those that agree with the ends that are seen; None: not seen."""
-    half = right if left is None else left
+def _as_printed(lines: PageLines, half: int | None, ground: Float) -> Float:
+    """(4,) where the page ends, in sides, if it is one that is printed as wide; NaN where few lines end there.
+
+    half: the end on the right; ground: (3,) log-opponent colour of the ground less the paper's.
+    """
+    none = np.full(4, np.nan)
     if half is None:
-        return np.empty((0, 4))
-    printed = [
-        half * np.array([width, height - FOOT_MM, width, height + FOOT_MM]) / width for width, height in PRINTED_MM
-    ]
-    seen = [(side, end) for side, end in ((1, above), (3, below)) if end is not None]
-    return np.array([ends for ends in printed if all(abs(ends[side] - end) < PLACED for side, end in seen)])
+        return none
+    across, up, down = (
+        np.array(each) for each in zip(*((w, h - FOOT_MM, h + FOOT_MM) for w, h in PRINTED_MM), strict=True)
+    )
+    places = lines.outwards[half] * np.column_stack([across, up, across, down]) / across[:, None]
+    there = np.zeros(places.shape)
+    for side in (1, 3):
+        is_end = _changes_to(ground, lines, side)
+        near = np.abs(lines.outwards - places[:, side, None]) < PLACED
+        there[:, side] = [is_end[:, each].any(axis=1).sum() for each in near]
+    likeliest = int(there.sum(axis=1).argmax())
+    return np.where(there[likeliest] >= FEWEST_ALONG, places[likeliest], none)
 
 
-def _farthest_paper(lines: PageLines, side: int, ground: Float, printed: Sequence[float]) -> tuple[float, bool]:
+def _changes_to(ground: Float, lines: PageLines, side: int) -> Mask:
+    """(lines, n) where a side's lines leave the paper by a change of colour in the direction of `ground`, (3,)."""
+    part = np.where(lines.is_paper[side], (lines.after[side] - lines.before[side]) @ ground / (ground @ ground), 0.0)
+    return np.asarray((part > HALF) & (part >= largest_beside(part)))
+
+
+def _end(lines: PageLines, side: int, common: int | None, ground: Float, printed: float) -> tuple[float, bool]:
+    """Where the paper ends on one side, in sides, and whether that is seen there.
+
+    common: where many lines end together, as something that hides the page's end may end them sooner. printed: where
+    the end of a printed page is seen by a few, or NaN. ground: as for `_as_printed`.
+    """
+    at = None if common is None else float(lines.outwards[common])
+    if np.isfinite(printed) and (at is None or at < printed - PLACED):
+        return float(printed), True
+    return _farthest_paper(lines, side, ground) if at is None else (at, True)
+
+
+def _farthest_paper(lines: PageLines, side: int, ground: Float) -> tuple[float, bool]:
     """Where the paper ends on a side where things hide its end, in sides, and whether that is seen there.
 
     If it is not, that is where the second farthest of the lines leaves it, as one may go on along something white.
-    ground: (3,) log-opponent colour of the ground less the paper's; printed: where it would end on printed pages.
+    ground: (3,) log-opponent colour of the ground less the paper's.
     """
     seen = lines.seen[side]
     from_paper = lines.before[side] - np.median(lines.before[side, :, 0], axis=0)
     is_lit = np.linalg.norm(from_paper, axis=2) < np.linalg.norm(from_paper - ground, axis=2)
-    part = np.where(lines.is_paper[side], (lines.after[side] - lines.before[side]) @ ground / (ground @ ground), 0.0)
-    is_end = (part > HALF) & (part >= largest_beside(part))
+    is_end = _changes_to(ground, lines, side)
     farthest = np.where(lines.is_paper[side] & is_lit, np.arange(1, seen.shape[1] + 1), 0).max(axis=1)
-    # Where it is likely to end, few lines tell that it does.
-    there = [is_end[:, np.abs(lines.outwards - end) < PLACED].any(axis=1).sum() for end in printed]
-    if max(there, default=0) >= FEWEST_ALONG:
-        return float(printed[int(np.argmax(there))]), True
     # Of those lines that are seen as far out, as others leave the picture on the paper.
     together = _ending_together(is_end, 1) / np.maximum(SHARE_ALONG * seen.sum(axis=0), FEWEST_ALONG)
     if together.max() >= 1:
