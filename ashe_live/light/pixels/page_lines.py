@@ -22,6 +22,7 @@ CHANGE = 0.2  # log-opponent distance between these medians from which on someth
 # Of paper, from the margin's colour: largest difference of chroma, and of log brightness, lit unevenly or in a shadow.
 SAME_CHROMA, BRIGHTER, DARKER = 0.25, 0.5, 1.6
 BLUER = 0.6  # and how much bluer, for each unit that it is darker
+BLUEST = 1.5  # the same under a clear sky alone: what is bluer is no paper
 CLEAR = 3  # samples from an end, beyond which blur mixes no colours
 TOGETHER = 2  # samples within which lines end together
 # Of the change of colour where paper ends: the largest difference from it, and the share of lines that are within.
@@ -97,20 +98,20 @@ def _medians(colours: Float32) -> Float32:
 def _is_paper(colours: Float32, paper: Float32) -> Mask:
     """Whether colours (..., 3) are those of the paper, lit more or less than the margin is, or in a shadow."""
     brighter = (colours - paper)[..., 0]
-    return np.asarray(_has_chroma_of(paper, colours) & (brighter < BRIGHTER) & (brighter > -DARKER))
+    return np.asarray(_has_chroma_of(paper, colours, BLUER) & (brighter < BRIGHTER) & (brighter > -DARKER))
 
 
 def is_coloured(colours: Float32, paper: Float) -> Mask:
     """Whether colours (..., 3) have a chroma that the paper has in no light, and are light enough to have one."""
-    return np.asarray(~_has_chroma_of(paper, colours) & ((colours - paper)[..., 0] > -DARKER))
+    return np.asarray(~_has_chroma_of(paper, colours, BLUEST) & ((colours - paper)[..., 0] > -DARKER))
 
 
-def _has_chroma_of(paper: Float | Float32, colours: Float32) -> Mask:
+def _has_chroma_of(paper: Float | Float32, colours: Float32, bluer: float) -> Mask:
+    """Whether colours (..., 3) have the chroma that the paper has in light or in a shadow, which is bluer."""
     brighter, redder, purpler = np.moveaxis(colours - paper, -1, 0)
     # A shadow is lit by the sky, which is bluer, and green in proportion.
-    bluer = BLUER * np.clip(-brighter, 0, DARKER)
-    same = (redder < SAME_CHROMA) & (redder > -SAME_CHROMA - bluer) & (np.abs(purpler + redder / 4) < SAME_CHROMA)
-    return np.asarray(same)
+    least = -SAME_CHROMA - bluer * np.clip(-brighter, 0, DARKER)
+    return np.asarray((redder < SAME_CHROMA) & (redder > least) & (np.abs(purpler + redder / 4) < SAME_CHROMA))
 
 
 def largest_beside(size: Float) -> Float:
