@@ -14,8 +14,8 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import project
-from ashe_live.light.pixels.areas import majority
-from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent
+from ashe_live.light.pixels.areas import grown, majority
+from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent, log_opponent_of_linear
 from ashe_live.light.pixels.page_lines import (
     FARTHEST,
     HALF,
@@ -38,6 +38,9 @@ SHARE_ALONG, FEWEST_ALONG = 0.25, 3
 SIDES = 2  # of a page whose ends are seen, at least
 ALIKE = 0.2  # log-opponent distance within which two changes of colour are alike
 STANDS_PX = 5  # across a neighbourhood whose majority tells what stands on the page from noise
+# Where the colour this near to a page's border differs by so much from the lit ground's, in log-opponent distance,
+# something may cross the border so near.
+BESIDE_PX, OTHER, CROSSED_PX = 3, 0.6, 8
 PAINTED_PX = 2  # distance from a page's border of the pixels that it is painted over with
 # Width and height of pages (mm) as they are printed: the marker is in their middle above a foot.
 PRINTED_MM, FOOT_MM = ((210, 297), (215.9, 279.4), (297, 420)), 45
@@ -54,16 +57,15 @@ class Page:
     paper: tuple[float, ...]  # log-opponent colour where it is lit
 
     def between(self, side_m: float) -> list[Float]:
-        """(4, 3) m each, marker frame: the corners of areas that may be paper or ground, as their end is not seen."""
+        """(4, 3) m each, marker frame: the corners of areas along its border that may be paper or ground."""
         right, above, left, below = (end + ADDED for end in self.ends)
-        begins = -(LEAST - ADDED)
-        areas = [
-            Sheet(right, above, begins, below),
-            Sheet(right, above, left, begins),
-            Sheet(begins, above, left, below),
-            Sheet(right, begins, left, below),
+        begins = [(end if seen else LEAST) - ADDED for end, seen in zip(self.ends, self.is_seen, strict=True)]
+        return [
+            Sheet(right, above, -begins[0], below).corners(side_m),
+            Sheet(right, above, left, -begins[1]).corners(side_m),
+            Sheet(-begins[2], above, left, below).corners(side_m),
+            Sheet(right, -begins[3], left, below).corners(side_m),
         ]
-        return [area.corners(side_m) for area, seen in zip(areas, self.is_seen, strict=True) if not seen]
 
 
 def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Page | None:
@@ -209,24 +211,32 @@ def _commonest(changes: Float) -> Float:
     return np.asarray(changes[alike[int(alike.sum(axis=1).argmax())]].mean(axis=0), dtype=np.float64)
 
 
-def shown_as_ground(page: Page, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Image:
-    """The picture (h, w, 3) without distortion as if the page had the colour of the ground that it lies on.
+def shown_as_ground(
+    page: Page, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float
+) -> tuple[Image, Mask]:
+    """The picture (h, w, 3) without distortion as if the page had the colour of the ground that it lies on; and where
+    something crosses the page's border, (h, w), which is painted over there with what lies on either side of it.
 
-    What stands on it keeps its colour, as far as that is not paper's. Where the page ends, its border is painted over
-    with what lies on either side of it. Beside the marker it stays paper, by which the exposure is judged.
+    What stands on the page keeps its colour, as far as that is not paper's. Beside the marker it stays paper, by which
+    the exposure is judged.
     """
-
-    larger, smaller = (Sheet(*(end + sign * ADDED for end in page.ends)) for sign in (1, -1))
+    nowhere = np.zeros(image_bgr.shape[:2], np.bool_)
+    larger = Sheet(*(end + ADDED for end in page.ends))
+    smaller = Sheet(*(end - ADDED if seen else end + ADDED for end, seen in zip(page.ends, page.is_seen, strict=True)))
     corners = [sheet.corners(side_m) for sheet in (Sheet(*page.ends), USUAL_SHEET, larger, smaller)]
     outlines = np.array([project(camera, T_cam_marker, each) for each in corners])
     if not np.isfinite(outlines).all():
-        return image_bgr
+        return image_bgr, nowhere
     whole, marker, outer, inner = np.round(outlines.clip(-1e4, 1e4) * 16).astype(np.int32)
-    inside, border = np.zeros(image_bgr.shape[:2], np.uint8), np.zeros(image_bgr.shape[:2], np.uint8)
+    inside, border = (nowhere.astype(np.uint8) for _ in range(2))
     for mask, outline, value in ((inside, whole, 1), (inside, marker, 0), (border, outer, 1), (border, inner, 0)):
         cv2.fillConvexPoly(mask, outline, value, shift=4)
     linear = LINEAR_FROM_SRGB_8BIT[:, None] * np.array(page.ground_over_paper[::-1])
     table = np.round(255 * srgb_from_linear(np.minimum(linear, 1))).astype(np.uint8)
     is_paper = (inside > 0) & ~majority(is_coloured(log_opponent(image_bgr), np.array(page.paper)), STANDS_PX)
     shown = np.where(is_paper[..., None], cv2.LUT(image_bgr, table[:, None]), image_bgr)
-    return np.asarray(cv2.inpaint(shown, border, PAINTED_PX, cv2.INPAINT_TELEA), dtype=np.uint8)
+    lit = log_opponent_of_linear(linear_rgb(np.array(page.paper)) * page.ground_over_paper)
+    beside = grown(border > 0, BESIDE_PX) & (border == 0)
+    is_other = np.linalg.norm(log_opponent(shown) - lit, axis=2) > OTHER
+    crossed = (border > 0) & grown(majority(is_other, STANDS_PX) & beside, CROSSED_PX)
+    return np.asarray(cv2.inpaint(shown, crossed.astype(np.uint8), PAINTED_PX, cv2.INPAINT_TELEA), np.uint8), crossed

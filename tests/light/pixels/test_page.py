@@ -93,17 +93,18 @@ def test_what_stands_at_the_end_of_a_page_keeps_its_colour_on_both_sides() -> No
     assert (changed[beyond] < 12).mean() > 0.7
 
 
-def test_the_border_of_a_page_is_ground_and_looks_like_it() -> None:
-    scene = paint(CYLINDER, T_cam_marker=ABOVE, page_m=A4)
+def test_the_border_of_a_page_is_ground_where_a_shadow_crosses_it() -> None:
+    scene = paint(Caster(at=(0.075, 0.05)), azimuth_deg=170, elevation_deg=30, T_cam_marker=ABOVE, page_m=A4)
     view = View.of(scene.tracked, 640).with_page_as_ground()
-    sheet = scene.sheet.astype(np.uint8)
+    sheet, shadow = scene.sheet.astype(np.uint8), scene.shadow.astype(np.uint8)
     border = (cv2.dilate(sheet, np.ones((5, 5))) > 0) & (cv2.erode(sheet, np.ones((5, 5))) == 0)
-    border &= ~scene.body & ~scene.shadow
-    border[:, :8] = border[:, -8:] = border[:8] = border[-8:] = False
-    assert view.is_ground[border].all()
-    beside = scene.beside_sheet & ~scene.body & ~scene.shadow & view.is_ground
-    ground = np.median(view.image_bgr[beside], axis=0)
-    assert (np.abs(view.image_bgr[border] - ground).max(axis=-1) < 20).mean() > 0.9
+    in_shadow, far = cv2.erode(shadow, np.ones((9, 9))) > 0, cv2.dilate(shadow, np.ones((61, 61))) == 0
+    far &= cv2.dilate(scene.body.astype(np.uint8), np.ones((61, 61))) == 0
+    assert (border & in_shadow).sum() > 30
+    assert view.is_ground[border & in_shadow].all()
+    assert not view.is_ground[border & far].any()
+    dark = np.median(view.image_bgr[in_shadow & scene.beside_sheet], axis=0)
+    assert (np.abs(view.image_bgr[border & in_shadow] - dark).max(axis=-1) < 20).mean() > 0.9
 
 
 def test_every_picture_has_a_page_or_none() -> None:
@@ -154,7 +155,9 @@ def test_lit_and_in_shadow_a_page_looks_like_the_ground_around_it() -> None:
 
 def test_what_may_be_paper_or_ground_is_not_used() -> None:
     page = Page((1.3, 1.6, 1.3, 2.1), (True, True, True, False), (0.5, 0.5, 0.5), (-0.2, 0.0, 0.0))
-    (below,) = (corners[:, :2] / SIDE_M for corners in page.between(SIDE_M))
+    right, above, left, below = (corners[:, :2] / SIDE_M for corners in page.between(SIDE_M))
+    np.testing.assert_allclose((right[:, 0].min(), right[:, 0].max()), (1.3 - ADDED, 1.3 + ADDED))
+    np.testing.assert_allclose((above[:, 1].min(), above[:, 1].max()), (1.6 - ADDED, 1.6 + ADDED))
+    np.testing.assert_allclose((left[:, 0].min(), left[:, 0].max()), (-1.3 - ADDED, -1.3 + ADDED))
     np.testing.assert_allclose((below[:, 1].min(), below[:, 1].max()), (-2.1 - ADDED, -1.1 + ADDED))
-    np.testing.assert_allclose((below[:, 0].min(), below[:, 0].max()), (-1.3 - ADDED, 1.3 + ADDED))
     assert Sheet(*page.ends).corners(SIDE_M)[:, 1].min() == pytest.approx(-2.1 * SIDE_M)
