@@ -83,6 +83,13 @@ def test_paper_is_no_screen(ground: str, margin_m: float) -> None:
     assert screen_in(scene.tracked) is None
 
 
+def test_what_is_dark_farther_out_is_no_rim() -> None:
+    tracked = paint(T_cam_marker=ABOVE, page_m=[SIDE_M / 2 + 0.01] * 4).tracked
+    image = np.array(tracked.frame.image_bgr)
+    image[_area(tracked, [0.11] * 4) & ~_area(tracked, [0.09] * 4)] = 0
+    assert screen_in(replace(tracked, frame=replace(tracked.frame, image_bgr=image))) is None
+
+
 def test_every_picture_has_a_screen_or_none() -> None:
     for seed in range(20):
         random = np.random.default_rng(seed)
