@@ -20,6 +20,9 @@ CUT_OFF = "the shadow seems to leave the picture: show its far end"
 TOO_DARK = "the picture is too dark to tell shadow from light: more light, or a longer exposure"
 BLACK_GROUND = "the ground is too dark to show a shadow: a lighter table, or less print around the marker"
 TOO_BRIGHT = "the picture is overexposed, the table is plain white in it: a shorter exposure"
+PAGE_TOO_BRIGHT = (
+    "the marker's page is overexposed, plain white in the picture: a shorter exposure, or cut the marker out"
+)
 
 # Values of the brightest channel, 0 to 255. Below the first, quantisation steps are as large as a pale shadow's
 # contrast; from the second on, the camera's response curve is saturated.
@@ -28,6 +31,7 @@ MOST_CLIPPED = 0.5  # fraction of the ground
 # Paper as light as this shows that the exposure is right; the marker's margin is the lightest twentieth of its sheet.
 PAPER, PAPER_PERCENTILE = 4 * DARK, 95
 HARDLY = 0.1  # of its object's area: a shadow that is smaller is hidden behind the object, or none
+MARGIN_PERCENTILE = 75  # of the marker's sheet: half of it is black
 # Least confidence of an explanation for it to say why there is no answer.
 LEAST_CUT_OFF = 0.1
 
@@ -39,19 +43,23 @@ def fault_of_exposure(view: View) -> str | None:
     counts = cv2.calcHist([brightest], [0], view.is_ground.view(np.uint8), [256], [0, 256])
     total = float(counts.sum())
     if counts[:DARK].sum() > 0.5 * total:
-        return BLACK_GROUND if _is_paper_light(view) else TOO_DARK
-    return TOO_BRIGHT if counts[CLIPPED:].sum() > MOST_CLIPPED * total else None
+        # Paper is exposed as it should be where the ground is black.
+        return BLACK_GROUND if _sheet_at(view, PAPER_PERCENTILE) >= PAPER else TOO_DARK
+    if counts[CLIPPED:].sum() > MOST_CLIPPED * total:
+        return TOO_BRIGHT
+    # A page's colour is made the ground's by how both differ where it ends, which overexposed paper does not tell.
+    return PAGE_TOO_BRIGHT if view.page is not None and _sheet_at(view, MARGIN_PERCENTILE) >= CLIPPED else None
 
 
-def _is_paper_light(view: View) -> bool:
-    """Whether the marker's own sheet is exposed as paper should be."""
+def _sheet_at(view: View, percentile: float) -> float:
+    """This percentile of the brightest channel of the marker's own sheet, 0 to 255; 0 where none of it is seen."""
     outline = project(view.camera, view.T_cam_marker, view.sheet.corners(view.side_m))
     if not np.isfinite(outline).all():
-        return False
+        return 0.0
     inside = np.zeros(view.is_ground.shape, np.uint8)
     cv2.fillConvexPoly(inside, np.round(outline.clip(-1e4, 1e4)).astype(np.int32), 1)
     on_sheet = view.image_bgr[inside > 0].max(axis=-1)
-    return bool(len(on_sheet) and np.percentile(on_sheet, PAPER_PERCENTILE) >= PAPER)
+    return float(np.percentile(on_sheet, percentile)) if len(on_sheet) else 0.0
 
 
 def fault_of_scene(explanation: Explanation, confidence: float) -> str:

@@ -4,42 +4,47 @@ Things stand on such a page and shadows fall onto it, so that it is ground, but 
 along its edges, in light as in shadow, the same ratio of linear light parts ground from paper, whatever lies there.
 """
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ashe_live.core.arrays import Float, Float32, Image, Mask
+from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.transforms import image_from_plane, project
-from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent
+from ashe_live.core.transforms import project
+from ashe_live.light.pixels.areas import grown, majority
+from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent, log_opponent_of_linear
+from ashe_live.light.pixels.page_lines import (
+    FARTHEST,
+    HALF,
+    LINES,
+    TOGETHER,
+    PageLines,
+    around,
+    is_coloured,
+    largest_beside,
+)
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 
-# Distances from the marker's centre, in its sides: from where on there is paper, and how far its end is looked for. The
-# lower end of an A4 page lies 3.4 sides below a marker of 50 mm.
-PAPER, FARTHEST = 0.555, 3.6
 LEAST = 1.1  # of a page's longest side: a smaller sheet is a marker with its margin, on which nothing stands
 EVEN = 0.1  # largest difference between a page's right and left
-STEP = 0.02  # between samples
-LINES = 24  # of samples across a side
 BESIDE = 0.45  # reach of these lines from a side's middle; where a side's end is not seen, all along the page
-WINDOW = 4  # samples on either side of an end, whose medians are compared: print is thinner than half of them
-CHANGE = 0.2  # log-opponent distance between these medians from which on something ends
-# Of paper, from the margin's colour: largest difference of chroma, and of log brightness, lit unevenly or in a shadow.
-SAME_CHROMA, BRIGHTER, DARKER = 0.25, 0.5, 1.6
-BLUER = 0.6  # and how much bluer, for each unit that it is darker
-CLEAR = 3  # samples from an end, beyond which blur mixes no colours
-TOGETHER = 2  # samples within which lines end together
 # Of a side's lines, those that do so where the paper ends, as shadows and objects end others; of those all along it.
 SHARE, FEWEST = 0.4, 6
 MOST = 0.75  # of the lines of both sides: each then ends where it does
 SHARE_ALONG, FEWEST_ALONG = 0.25, 3
 SIDES = 2  # of a page whose ends are seen, at least
-HALF = 0.5  # of the change of colour that ends the paper elsewhere
 ALIKE = 0.2  # log-opponent distance within which two changes of colour are alike
+STANDS_PX = 5  # across a neighbourhood whose majority tells what stands on the page from noise
+# Where the colour this near to a page's border differs by so much from the lit ground's, in log-opponent distance,
+# something may cross the border so near.
+BESIDE_PX, OTHER, CROSSED_PX = 3, 0.6, 8
+PAINTED_PX = 2  # distance from a page's border of the pixels that it is painted over with
+# Width and height of pages (mm) as they are printed: the marker is in their middle above a foot.
+PRINTED_MM, FOOT_MM = ((210, 297), (215.9, 279.4), (297, 420)), 45
+PLACED = 0.06  # how far, in sides, an end may be from where it is on such a page
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +54,7 @@ class Page:
     ends: tuple[float, ...]
     is_seen: tuple[bool, ...]  # whether that end is; if not, it is not told what is paper and what ground beyond LEAST
     ground_over_paper: tuple[float, ...]  # linear RGB
+    paper: tuple[float, ...]  # log-opponent colour where it is lit
 
     def between(self, side_m: float) -> list[Float]:
         """(4, 3) m each, marker frame: the corners of areas along its border that may be paper or ground."""
@@ -62,54 +68,6 @@ class Page:
         ]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Lines:
-    """Colours along lines that run outwards across the four sides."""
-
-    outwards: Float  # (n,) distances from the centre
-    before: Float32  # (4, lines, n, 3) log-opponent: medians of what lies just before these places
-    after: Float32  # (4, lines, n, 3) and from there on
-    seen: Mask  # (4, lines, n) whether all of that lies in the picture
-    is_paper: Mask  # (4, lines, n) whether there is paper up to here
-    is_end: Mask  # (4, lines, n) whether something ends the paper here, or the light on it
-
-    @staticmethod
-    def of(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float, reaches: Float) -> "_Lines":
-        """Lines beside each other up to these reaches (4,) right, above, left and below of the centre, in sides."""
-        outwards = np.arange(PAPER, FARTHEST, STEP)
-        right, above, left, below = reaches
-        out, y = np.meshgrid(outwards, np.linspace(-below, above, LINES))
-        x = np.meshgrid(outwards, np.linspace(-left, right, LINES))[1]
-        places = np.stack([(out, y), (x, out), (-out, y), (x, -out)])  # right, above, left, below
-        plane = np.insert(side_m * places.transpose(0, 2, 3, 1), 2, 1.0, axis=3)
-        x, y, depth = np.moveaxis(plane @ image_from_plane(camera, T_cam_marker).T, 3, 0)
-        ahead = depth > 1e-9 * side_m
-        x, y = (np.where(ahead, each / np.where(ahead, depth, 1), -1.0).astype(np.float32) for each in (x, y))
-        width, height = camera.size
-        seen = ahead & (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
-        seen = np.logical_and.accumulate(seen, axis=2)
-        samples = cv2.remap(image_bgr, x.reshape(-1, len(outwards)), y.reshape(-1, len(outwards)), cv2.INTER_LINEAR)
-        colours = log_opponent(np.asarray(samples, dtype=np.uint8), 0).reshape(*x.shape, 3)
-        margin = np.median(colours[:, :, : WINDOW - 1], axis=2, keepdims=True)
-        padded = np.concatenate([np.repeat(margin, WINDOW - 1, axis=2), colours], axis=2)
-        medians = _medians(padded)
-        last = len(outwards) - WINDOW + 1
-        before, after, seen = medians[:, :, : last - 1], medians[:, :, WINDOW:], seen[:, :, WINDOW:]
-        paper = np.median(before[:, :, 0], axis=1)[:, None, None]
-        is_paper = np.logical_and.accumulate(_is_paper(before, paper), axis=2) & seen
-        size = np.where(is_paper, np.linalg.norm(after - before, axis=3), 0.0)
-        is_end = (size > CHANGE) & (size >= _largest_beside(size))
-        return _Lines(outwards[1:last] - STEP / 2, before, after, seen, is_paper, is_end)
-
-    def colours_beside(self, ends: Sequence[int | None]) -> Iterator[tuple[Float32, Float32]]:
-        """Of each side whose end is known, on the lines that end there: (n, 3) of the paper and of what follows it."""
-        for side, end in enumerate(ends):
-            if end is not None:
-                these = self.is_end[side][:, _around(end)].any(axis=1)
-                beyond = min(end + CLEAR, len(self.outwards) - 1)
-                yield self.before[side, these, end - CLEAR], self.after[side, these, beyond]
-
-
 def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Page | None:
     """The page that the marker is printed on, in a picture (h, w, 3) without distortion; None if it is a small sheet.
 
@@ -117,7 +75,7 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
     line at another.
     """
     reaches = np.full(4, BESIDE)
-    lines = _Lines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
+    lines = PageLines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
     ends = [_common_end(*side) for side in zip(lines.is_end, lines.seen, strict=True)]
     seen = np.array([end is not None for end in ends])
     first = lines.outwards[[end or 0 for end in ends]]
@@ -127,16 +85,16 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
     change = _commonest(ground - paper)
     lit = np.median(paper, axis=0)
     reaches[seen] = first[seen]
-    lines = _Lines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
+    ends = [end if end is None or lines.ends_in(side, end, change) else None for side, end in enumerate(ends)]
+    lines = PageLines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
     ends[0], ends[2] = _in_the_middle(lines, ends[0], ends[2])
-    found = [
-        _farthest_paper(lines, side, change) if end is None else (float(lines.outwards[end]), True)
-        for side, end in enumerate(ends)
-    ]
+    printed = _as_printed(lines, ends[0], change)
+    found = [_end(lines, side, end, change, place) for side, (end, place) in enumerate(zip(ends, printed, strict=True))]
     return Page(
         tuple(end for end, _ in found),
         tuple(is_seen for _, is_seen in found),
         tuple((np.maximum(linear_rgb(lit + change), 0) / np.maximum(linear_rgb(lit), DARKEST)).tolist()),
+        tuple(lit.tolist()),
     )
 
 
@@ -151,28 +109,6 @@ def _is_page(ends: Float, seen: Mask) -> bool:
     return int(np.count_nonzero(seen)) >= SIDES and bool(large.any() if upright else (large == seen).all())
 
 
-def _medians(colours: Float32) -> Float32:
-    """(4, lines, n, 3) of each WINDOW = 4 colours in a row, which are half of what their largest and smallest leave."""
-    count = colours.shape[2] - WINDOW + 1
-    several = [colours[:, :, i : i + count] for i in range(WINDOW)]
-    return np.asarray((sum(several) - np.maximum.reduce(several) - np.minimum.reduce(several)) / 2, dtype=np.float32)
-
-
-def _is_paper(colours: Float32, paper: Float32) -> Mask:
-    """Whether colours (..., 3) are those of the paper, lit more or less than the margin is, or in a shadow."""
-    brighter, redder, purpler = np.moveaxis(colours - paper, -1, 0)
-    # A shadow is lit by the sky, which is bluer, and green in proportion.
-    bluer = BLUER * np.clip(-brighter, 0, DARKER)
-    same = (redder < SAME_CHROMA) & (redder > -SAME_CHROMA - bluer) & (np.abs(purpler + redder / 4) < SAME_CHROMA)
-    return np.asarray(same & (brighter < BRIGHTER) & (brighter > -DARKER))
-
-
-def _largest_beside(size: Float) -> Float:
-    """(..., n) the largest of the sizes within a window on either side."""
-    padded = np.pad(size, [*[(0, 0)] * (size.ndim - 1), (WINDOW, WINDOW)])
-    return np.asarray(sliding_window_view(padded, 2 * WINDOW + 1, axis=-1).max(axis=-1))
-
-
 def _common_end(is_end: Mask, seen: Mask) -> int | None:
     """The nearest place at which many of the lines (lines, n) end together; None if there is none."""
     share = _ending_together(is_end, TOGETHER) / np.maximum(seen.sum(axis=0), FEWEST)
@@ -182,7 +118,7 @@ def _common_end(is_end: Mask, seen: Mask) -> int | None:
     return _middle(is_end, first + int(share[first : first + 2 * TOGETHER + 1].argmax()))
 
 
-def _in_the_middle(lines: _Lines, right: int | None, left: int | None) -> tuple[int | None, int | None]:
+def _in_the_middle(lines: PageLines, right: int | None, left: int | None) -> tuple[int | None, int | None]:
     """The ends on the right and on the left, where the one that fewer lines show gives way to the other.
 
     Markers are printed in the middle of a page's width; a white object beside the page, or a shadow, shifts one end.
@@ -197,7 +133,46 @@ def _in_the_middle(lines: _Lines, right: int | None, left: int | None) -> tuple[
     return clearer, clearer
 
 
-def _farthest_paper(lines: _Lines, side: int, ground: Float) -> tuple[float, bool]:
+def _as_printed(lines: PageLines, half: int | None, ground: Float) -> Float:
+    """(4,) where the page ends, in sides, if it is one that is printed as wide; NaN where few lines end there.
+
+    half: the end on the right; ground: (3,) log-opponent colour of the ground less the paper's.
+    """
+    none = np.full(4, np.nan)
+    if half is None:
+        return none
+    across, up, down = (
+        np.array(each) for each in zip(*((w, h - FOOT_MM, h + FOOT_MM) for w, h in PRINTED_MM), strict=True)
+    )
+    places = lines.outwards[half] * np.column_stack([across, up, across, down]) / across[:, None]
+    there = np.zeros(places.shape)
+    for side in (1, 3):
+        is_end = _changes_to(ground, lines, side)
+        near = np.abs(lines.outwards - places[:, side, None]) < PLACED
+        there[:, side] = [is_end[:, each].any(axis=1).sum() for each in near]
+    likeliest = int(there.sum(axis=1).argmax())
+    return np.where(there[likeliest] >= FEWEST_ALONG, places[likeliest], none)
+
+
+def _changes_to(ground: Float, lines: PageLines, side: int) -> Mask:
+    """(lines, n) where a side's lines leave the paper by a change of colour in the direction of `ground`, (3,)."""
+    part = np.where(lines.is_paper[side], (lines.after[side] - lines.before[side]) @ ground / (ground @ ground), 0.0)
+    return np.asarray((part > HALF) & (part >= largest_beside(part)))
+
+
+def _end(lines: PageLines, side: int, common: int | None, ground: Float, printed: float) -> tuple[float, bool]:
+    """Where the paper ends on one side, in sides, and whether that is seen there.
+
+    common: where many lines end together, as something that hides the page's end may end them sooner. printed: where
+    the end of a printed page is seen by a few, or NaN. ground: as for `_as_printed`.
+    """
+    at = None if common is None else float(lines.outwards[common])
+    if np.isfinite(printed) and (at is None or at < printed - PLACED):
+        return float(printed), True
+    return _farthest_paper(lines, side, ground) if at is None else (at, True)
+
+
+def _farthest_paper(lines: PageLines, side: int, ground: Float) -> tuple[float, bool]:
     """Where the paper ends on a side where things hide its end, in sides, and whether that is seen there.
 
     If it is not, that is where the second farthest of the lines leaves it, as one may go on along something white.
@@ -206,8 +181,7 @@ def _farthest_paper(lines: _Lines, side: int, ground: Float) -> tuple[float, boo
     seen = lines.seen[side]
     from_paper = lines.before[side] - np.median(lines.before[side, :, 0], axis=0)
     is_lit = np.linalg.norm(from_paper, axis=2) < np.linalg.norm(from_paper - ground, axis=2)
-    part = np.where(lines.is_paper[side], (lines.after[side] - lines.before[side]) @ ground / (ground @ ground), 0.0)
-    is_end = (part > HALF) & (part >= _largest_beside(part))
+    is_end = _changes_to(ground, lines, side)
     farthest = np.where(lines.is_paper[side] & is_lit, np.arange(1, seen.shape[1] + 1), 0).max(axis=1)
     # Of those lines that are seen as far out, as others leave the picture on the paper.
     together = _ending_together(is_end, 1) / np.maximum(SHARE_ALONG * seen.sum(axis=0), FEWEST_ALONG)
@@ -218,13 +192,9 @@ def _farthest_paper(lines: _Lines, side: int, ground: Float) -> tuple[float, boo
     return float(lines.outwards[max(int(np.sort(farthest)[-2]) - 1, 0)]), False
 
 
-def _around(place: int) -> slice:
-    return slice(max(place - TOGETHER, 0), place + TOGETHER + 1)
-
-
 def _middle(is_end: Mask, place: int) -> int:
     """The mean of the ends of lines (lines, n) around a place."""
-    near = _around(place)
+    near = around(place)
     ends = is_end[:, near].sum(axis=0)
     return int(near.start) + round(float(np.average(np.arange(len(ends)), weights=ends)))
 
@@ -241,17 +211,32 @@ def _commonest(changes: Float) -> Float:
     return np.asarray(changes[alike[int(alike.sum(axis=1).argmax())]].mean(axis=0), dtype=np.float64)
 
 
-def shown_as_ground(page: Page, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Image:
-    """The picture (h, w, 3) without distortion as if the page had the colour of the ground that it lies on.
+def shown_as_ground(
+    page: Page, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float
+) -> tuple[Image, Mask]:
+    """The picture (h, w, 3) without distortion as if the page had the colour of the ground that it lies on; and where
+    something crosses the page's border, (h, w), which is painted over there with what lies on either side of it.
 
-    Beside the marker it stays paper, by which the exposure is judged.
+    What stands on the page keeps its colour, as far as that is not paper's. Beside the marker it stays paper, by which
+    the exposure is judged.
     """
-    inside = np.zeros(image_bgr.shape[:2], np.uint8)
-    for sheet, value in ((Sheet(*page.ends), 1), (USUAL_SHEET, 0)):
-        outline = project(camera, T_cam_marker, sheet.corners(side_m))
-        if not np.isfinite(outline).all():
-            return image_bgr
-        cv2.fillConvexPoly(inside, np.round(outline.clip(-1e4, 1e4) * 16).astype(np.int32), value, shift=4)
+    nowhere = np.zeros(image_bgr.shape[:2], np.bool_)
+    larger = Sheet(*(end + ADDED for end in page.ends))
+    smaller = Sheet(*(end - ADDED if seen else end + ADDED for end, seen in zip(page.ends, page.is_seen, strict=True)))
+    corners = [sheet.corners(side_m) for sheet in (Sheet(*page.ends), USUAL_SHEET, larger, smaller)]
+    outlines = np.array([project(camera, T_cam_marker, each) for each in corners])
+    if not np.isfinite(outlines).all():
+        return image_bgr, nowhere
+    whole, marker, outer, inner = np.round(outlines.clip(-1e4, 1e4) * 16).astype(np.int32)
+    inside, border = (nowhere.astype(np.uint8) for _ in range(2))
+    for mask, outline, value in ((inside, whole, 1), (inside, marker, 0), (border, outer, 1), (border, inner, 0)):
+        cv2.fillConvexPoly(mask, outline, value, shift=4)
     linear = LINEAR_FROM_SRGB_8BIT[:, None] * np.array(page.ground_over_paper[::-1])
     table = np.round(255 * srgb_from_linear(np.minimum(linear, 1))).astype(np.uint8)
-    return np.where(inside[..., None] > 0, cv2.LUT(image_bgr, table[:, None]), image_bgr)
+    is_paper = (inside > 0) & ~majority(is_coloured(log_opponent(image_bgr), np.array(page.paper)), STANDS_PX)
+    shown = np.where(is_paper[..., None], cv2.LUT(image_bgr, table[:, None]), image_bgr)
+    lit = log_opponent_of_linear(linear_rgb(np.array(page.paper)) * page.ground_over_paper)
+    beside = grown(border > 0, BESIDE_PX) & (border == 0)
+    is_other = np.linalg.norm(log_opponent(shown) - lit, axis=2) > OTHER
+    crossed = (border > 0) & grown(majority(is_other, STANDS_PX) & beside, CROSSED_PX)
+    return np.asarray(cv2.inpaint(shown, crossed.astype(np.uint8), PAINTED_PX, cv2.INPAINT_TELEA), np.uint8), crossed

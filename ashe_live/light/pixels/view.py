@@ -13,6 +13,7 @@ from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
+from ashe_live.light.pixels.screen import screen_around
 from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
 
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
@@ -34,6 +35,7 @@ class View:
     body: Proxy | None = None  # that the marker is printed on, if it is no sheet
     beside: tuple[PlaneMarker, ...] = ()  # other printed sheets on the plane
     page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
+    crossed: Mask | None = None  # of its border, the whole picture's, where that is ground as something crosses it
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -48,14 +50,20 @@ class View:
         return _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
 
     def with_page_as_ground(self) -> "View":
-        """This view, in which a whole page that the marker is printed on is ground, and shown in its colour."""
+        """This view, in which a whole page that the marker is printed on is ground, and shown in its colour.
+
+        A device whose screen shows the marker is no ground.
+        """
         if self.body is not None:
             return self
+        screen = screen_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
+        if screen is not None:
+            return _made(self.image_bgr, self.camera, self.T_cam_marker, self.side_m, screen, None, self.beside)
         page = page_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
         if page is None:
             return self
-        image = shown_as_ground(page, self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
-        return _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page)
+        image, crossed = shown_as_ground(page, self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
+        return _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page, crossed)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -66,7 +74,8 @@ class View:
         if width_px >= self.size[0]:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
-        return _made(image, camera, self.T_cam_marker, self.side_m, self.sheet, self.body, self.beside, self.page)
+        pose = self.T_cam_marker, self.side_m
+        return _made(image, camera, *pose, self.sheet, self.body, self.beside, self.page, self.crossed)
 
     def cut(self, window: Window) -> "View":
         """The part of the frame in `window`, seen by a camera whose principal point moves along."""
@@ -96,12 +105,15 @@ def _made(
     body: Proxy | None,
     beside: tuple[PlaneMarker, ...],
     page: Page | None = None,
+    crossed: Mask | None = None,
 ) -> View:
     printed = [sheet.corners(side_m) if body is None else body.points_marker()]
     printed += [one.on_plane(USUAL_SHEET.corners(one.side_m)) for one in beside]
     printed += [] if page is None else page.between(side_m)
     is_ground = _ground_mask(camera, T_cam_marker, printed)
-    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside, page)
+    if crossed is not None:
+        is_ground |= cv2.resize(crossed.astype(np.uint8), camera.size, interpolation=cv2.INTER_NEAREST) > 0
+    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside, page, crossed)
 
 
 def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[Float]) -> Mask:

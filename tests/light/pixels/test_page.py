@@ -1,9 +1,11 @@
 """A whole page is found where it ends, whatever stands or falls on it, and nothing else is taken for one."""
 
 import math
+from pathlib import Path
 
 import cv2
 import numpy as np
+import PIL.Image
 import pytest
 
 from ashe_live.core.arrays import Float
@@ -12,10 +14,14 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 from ashe_live.light.pixels.view import View
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.families.printing import write_marker_sheet
 from tests.light.painted_scenes import CYLINDER, HFOV_DEG, SIDE_M, Caster, paint, tracked_frame
 from tests.light.synthetic_masks import camera_towards
 
 A4 = (0.105, 0.126, 0.105, 0.171)  # right, above, left and below of the marker, as `ashe-live marker` prints it
+LETTER = (0.108, 0.1172, 0.108, 0.1622)
+FROM_ABOVE = camera_towards((0.0, -0.04), 0.6, 65.0)
 ABOVE = camera_towards((0.0, -0.02), 0.62, 55.0)
 ON_PAGE, BESIDE_PAGE, BEFORE_PAGE = (0.02, -0.11), (0.15, 0.03), (0.0, -0.19)
 
@@ -51,6 +57,54 @@ def test_an_end_that_something_white_hides_is_that_of_the_opposite_side(height_m
     page = page_in(paint(white, azimuth_deg=100, T_cam_marker=camera, page_m=A4).tracked)
     assert page is not None
     np.testing.assert_allclose((page.ends[0], page.ends[2]), 0.105 / SIDE_M, atol=0.03)
+
+
+@pytest.mark.parametrize("page_m", [A4, LETTER])
+def test_a_few_lines_tell_an_end_where_pages_have_it(page_m: tuple[float, ...]) -> None:
+    hiding = [Caster(at=(x, 0.031 - page_m[3]), width_m=0.08, height_m=0.05) for x in (-0.055, 0.015)]
+    page = page_in(paint(*hiding, azimuth_deg=80, T_cam_marker=FROM_ABOVE, page_m=page_m).tracked)
+    assert page is not None
+    assert page.is_seen[3]
+    assert page.ends[3] == pytest.approx(page_m[3] / SIDE_M, abs=0.05)
+
+
+def test_printed_pages_are_those_that_are_printed(tmp_path: Path) -> None:
+    for paper, page_m in (("a4", A4), ("letter", LETTER)):
+        write_marker_sheet(tmp_path / f"{paper}.png", parse_marker("aruco:4x4_50:0"), SIDE_M, paper=paper)
+        with PIL.Image.open(tmp_path / f"{paper}.png") as image:
+            dark, per_m = np.asarray(image.convert("L")) < 128, image.info["dpi"][0] / 0.0254
+        _, _, areas, _ = cv2.connectedComponentsWithStats(dark.astype(np.uint8))
+        left, top, width, height = areas[1 + areas[1:, 4].argmax(), :4]
+        ends = dark.shape[1] - left - width / 2, top + height / 2, left + width / 2, dark.shape[0] - top - height / 2
+        np.testing.assert_allclose(np.array(ends) / per_m, page_m, atol=0.001)
+
+
+def test_what_stands_at_the_end_of_a_page_keeps_its_colour_on_both_sides() -> None:
+    scene = paint(Caster(at=(0.02, 0.10), height_m=0.1), azimuth_deg=280, T_cam_marker=ABOVE, page_m=A4)
+    shown = View.of(scene.tracked, 640).with_page_as_ground().image_bgr.astype(int)
+    image = np.asarray(scene.tracked.frame.image_bgr).astype(int)
+    inside = cv2.erode(scene.body.astype(np.uint8), np.ones((9, 9))) > 0
+    is_lit = inside & (image.max(axis=-1) > 40)
+    on_page, beyond = is_lit & scene.sheet, is_lit & ~scene.sheet
+    assert min(on_page.sum(), beyond.sum()) > 300
+    changed = np.abs(shown - image).max(axis=-1)
+    # All but the border, which is painted over.
+    assert (changed[on_page] < 12).mean() > 0.7
+    assert (changed[beyond] < 12).mean() > 0.7
+
+
+def test_the_border_of_a_page_is_ground_where_a_shadow_crosses_it() -> None:
+    scene = paint(Caster(at=(0.075, 0.05)), azimuth_deg=170, elevation_deg=30, T_cam_marker=ABOVE, page_m=A4)
+    view = View.of(scene.tracked, 640).with_page_as_ground()
+    sheet, shadow = scene.sheet.astype(np.uint8), scene.shadow.astype(np.uint8)
+    border = (cv2.dilate(sheet, np.ones((5, 5))) > 0) & (cv2.erode(sheet, np.ones((5, 5))) == 0)
+    in_shadow, far = cv2.erode(shadow, np.ones((9, 9))) > 0, cv2.dilate(shadow, np.ones((61, 61))) == 0
+    far &= cv2.dilate(scene.body.astype(np.uint8), np.ones((61, 61))) == 0
+    assert (border & in_shadow).sum() > 30
+    assert view.is_ground[border & in_shadow].mean() > 0.9
+    assert not view.is_ground[border & far].any()
+    dark = np.median(view.image_bgr[in_shadow & scene.beside_sheet], axis=0)
+    assert (np.abs(view.image_bgr[border & in_shadow] - dark).max(axis=-1) < 20).mean() > 0.9
 
 
 def test_every_picture_has_a_page_or_none() -> None:
@@ -100,7 +154,7 @@ def test_lit_and_in_shadow_a_page_looks_like_the_ground_around_it() -> None:
 
 
 def test_what_may_be_paper_or_ground_is_not_used() -> None:
-    page = Page((1.3, 1.6, 1.3, 2.1), (True, True, True, False), (0.5, 0.5, 0.5))
+    page = Page((1.3, 1.6, 1.3, 2.1), (True, True, True, False), (0.5, 0.5, 0.5), (-0.2, 0.0, 0.0))
     right, above, left, below = (corners[:, :2] / SIDE_M for corners in page.between(SIDE_M))
     np.testing.assert_allclose((right[:, 0].min(), right[:, 0].max()), (1.3 - ADDED, 1.3 + ADDED))
     np.testing.assert_allclose((above[:, 1].min(), above[:, 1].max()), (1.6 - ADDED, 1.6 + ADDED))
