@@ -17,6 +17,7 @@ from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import grown, majority
 from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent, log_opponent_of_linear
 from ashe_live.light.pixels.page_lines import (
+    BESIDE,
     FARTHEST,
     HALF,
     LINES,
@@ -30,7 +31,6 @@ from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 
 LEAST = 1.1  # of a page's longest side: a smaller sheet is a marker with its margin, on which nothing stands
 EVEN = 0.1  # largest difference between a page's right and left
-BESIDE = 0.45  # reach of these lines from a side's middle; where a side's end is not seen, all along the page
 # Of a side's lines, those that do so where the paper ends, as shadows and objects end others; of those all along it.
 SHARE, FEWEST = 0.4, 6
 MOST = 0.75  # of the lines of both sides: each then ends where it does
@@ -68,14 +68,12 @@ class Page:
         ]
 
 
-def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Page | None:
+def page_around(lines: PageLines, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Page | None:
     """The page that the marker is printed on, in a picture (h, w, 3) without distortion; None if it is a small sheet.
 
     A page ends where many lines outwards leave the paper's colour at one distance: shadows and objects on it end each
-    line at another.
+    line at another. lines: of that picture, beside the marker.
     """
-    reaches = np.full(4, BESIDE)
-    lines = PageLines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
     ends = [_common_end(*side) for side in zip(lines.is_end, lines.seen, strict=True)]
     seen = np.array([end is not None for end in ends])
     first = lines.outwards[[end or 0 for end in ends]]
@@ -84,7 +82,7 @@ def page_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: f
     paper, ground = (np.concatenate(each) for each in zip(*lines.colours_beside(ends), strict=True))
     change = _commonest(ground - paper)
     lit = np.median(paper, axis=0)
-    reaches[seen] = first[seen]
+    reaches = np.where(seen, first, BESIDE).tolist()
     ends = [end if end is None or lines.ends_in(side, end, change) else None for side, end in enumerate(ends)]
     lines = PageLines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
     ends[0], ends[2] = _in_the_middle(lines, ends[0], ends[2])

@@ -17,6 +17,7 @@ from ashe_live.light.pixels.log_colour import log_opponent
 PAPER, FARTHEST = 0.555, 3.6
 STEP = 0.02  # between samples
 LINES = 24  # of samples across a side
+BESIDE = 0.45  # their reach from a side's middle: across the marker's square alone
 WINDOW = 4  # samples on either side of an end, whose medians are compared: print is thinner than half of them
 CHANGE = 0.2  # log-opponent distance between these medians from which on something ends
 # Of paper, from the margin's colour: largest difference of chroma, and of log brightness, lit unevenly or in a shadow.
@@ -41,8 +42,13 @@ class PageLines:
     is_end: Mask  # (4, lines, n) whether something ends the paper here, or the light on it
 
     @staticmethod
-    def of(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float, reaches: Float) -> "PageLines":
-        """Lines beside each other up to these reaches (4,) right, above, left and below of the centre, in sides."""
+    def of(
+        image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float, reaches: Sequence[float] = 4 * (BESIDE,)
+    ) -> "PageLines":
+        """Lines beside each other up to these reaches (4,) right, above, left and below of the centre, in sides.
+
+        image_bgr: (h, w, 3) without distortion.
+        """
         outwards = np.arange(PAPER, FARTHEST, STEP)
         right, above, left, below = reaches
         out, y = np.meshgrid(outwards, np.linspace(-below, above, LINES))

@@ -6,12 +6,10 @@ Its dark rim stands out from the ground all around the marker, and would join th
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image, Mask
-from ashe_live.core.camera import Camera
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.pixels.page_lines import FARTHEST, PageLines
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 
-REACH = 0.45  # of the lines across a side, from its middle: the marker's square alone
 DARK = 2.0  # log brightness by which a rim is darker than the white beside the marker: seven times
 WHITE, BORDER = 0.5, 6  # by how much what it begins beside is darker, at most; samples that mix both
 LIGHTER = 1.0  # and than what follows it, be that the device's own shadow
@@ -21,13 +19,12 @@ TOGETHER, SHARE = 1, 0.4  # samples within which a rim ends, on this share of a 
 SIDES, SEEN_SIDES = 3, 2  # that have a rim, and on which its end is seen: on a bright side light may fall on it
 
 
-def screen_around(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Sheet | None:
-    """What a device covers whose screen shows the marker, in a picture (h, w, 3) without distortion; None without one.
+def screen_around(lines: PageLines) -> Sheet | None:
+    """What a device covers whose screen shows the marker that the lines begin at; None where it is on no screen.
 
     Outwards from the marker's margin something much darker follows on nearly all sides, and ends on straight lines. The
     device's own shadow beside it is part of what it covers.
     """
-    lines = PageLines.of(image_bgr, camera, T_cam_marker, side_m, np.full(4, REACH))
     brightness = lines.after[..., 0] - np.median(lines.before[:, :, 0, 0], axis=1)[:, None, None]
     # Something dark farther out is no rim.
     left_white = np.logical_or.accumulate(brightness < -WHITE, axis=2)

@@ -13,6 +13,7 @@ from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
+from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
 from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
 
@@ -56,13 +57,15 @@ class View:
         """
         if self.body is not None:
             return self
-        screen = screen_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
+        seen = self.image_bgr, self.camera, self.T_cam_marker, self.side_m
+        lines = PageLines.of(*seen)
+        screen = screen_around(lines)
         if screen is not None:
-            return _made(self.image_bgr, self.camera, self.T_cam_marker, self.side_m, screen, None, self.beside)
-        page = page_around(self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
+            return _made(*seen, screen, None, self.beside)
+        page = page_around(lines, *seen)
         if page is None:
             return self
-        image, crossed = shown_as_ground(page, self.image_bgr, self.camera, self.T_cam_marker, self.side_m)
+        image, crossed = shown_as_ground(page, *seen)
         return _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page, crossed)
 
     @property

@@ -12,6 +12,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around
+from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 from ashe_live.light.pixels.view import View
 from ashe_live.tracking.families.markers import parse_marker
@@ -36,7 +37,8 @@ def turned(radians: float) -> Float:
 def page_in(tracked: TrackedFrame) -> Page | None:
     assert tracked.marker is not None
     image = np.asarray(tracked.frame.image_bgr)
-    return page_around(image, tracked.camera, tracked.marker.T_cam_marker, SIDE_M)
+    seen = image, tracked.camera, tracked.marker.T_cam_marker, SIDE_M
+    return page_around(PageLines.of(*seen), *seen)
 
 
 @pytest.mark.parametrize("ground", ["plain", "checkered", "striped", "bricks"])

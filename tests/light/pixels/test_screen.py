@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 from ashe_live.light.pixels.view import View
@@ -50,7 +51,8 @@ def _area(tracked: TrackedFrame, ends: tuple[float, ...] | list[float]) -> Image
 
 def screen_in(tracked: TrackedFrame) -> Sheet | None:
     assert tracked.marker is not None
-    return screen_around(np.asarray(tracked.frame.image_bgr), tracked.camera, tracked.marker.T_cam_marker, SIDE_M)
+    image = np.asarray(tracked.frame.image_bgr)
+    return screen_around(PageLines.of(image, tracked.camera, tracked.marker.T_cam_marker, SIDE_M))
 
 
 def ends_of(sheet: Sheet) -> Float:
