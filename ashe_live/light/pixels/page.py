@@ -237,4 +237,5 @@ def shown_as_ground(
     beside = grown(border > 0, BESIDE_PX) & (border == 0)
     is_other = np.linalg.norm(log_opponent(shown) - lit, axis=2) > OTHER
     crossed = (border > 0) & grown(majority(is_other, STANDS_PX) & beside, CROSSED_PX)
-    return np.asarray(cv2.inpaint(shown, crossed.astype(np.uint8), PAINTED_PX, cv2.INPAINT_TELEA), np.uint8), crossed
+    painted = np.asarray(cv2.inpaint(shown, crossed.astype(np.uint8), PAINTED_PX, cv2.INPAINT_TELEA), np.uint8)
+    return painted, grown(crossed, 1)  # what is no ground beside it is rounded to whole pixels by itself
