@@ -4,7 +4,10 @@
 uniform sampler2D cover;  // sRGB, straight alpha
 uniform float cover_half_m;
 uniform mat3 ground_from_pixel;  // of the pinhole camera's picture, to the marker's plane; homogeneous
-uniform vec3 cover_gain;  // exposure of this frame over that of the frame that the cover was made from
+// Exposure of this frame over that of the frame that the cover was made from, at the marker's centre; and how the log of
+// brightness changes over the plane beside, per metre, as sheen moves with the camera.
+uniform vec3 cover_gain;
+uniform vec2 cover_slope;
 
 // The alpha of covered pixels in the layer of added light. It differs from the model's 1, so that the model's outline is
 // found in front of the cover as it is in front of bare video. It also scales the added noise: the cover keeps some noise of
@@ -14,7 +17,7 @@ const float COVER_ALPHA = 0.45;
 // Linear RGB, straight alpha.
 vec4 cover_at(vec2 ground) {
     vec4 covering = texture(cover, 0.5 + 0.5 * ground / cover_half_m);
-    return vec4(linear_from_srgb(covering.rgb) * cover_gain, covering.a);
+    return vec4(linear_from_srgb(covering.rgb) * cover_gain * exp(dot(cover_slope, ground)), covering.a);
 }
 
 // The same in a pixel of the pinhole camera's picture: empty above the horizon.

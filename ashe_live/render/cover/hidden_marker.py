@@ -30,6 +30,8 @@ GAIN_HELD_S = 0.2  # time of the video between two measurements of the exposure
 EASED = 0.4  # share of the way to the measured exposure that each of them moves the cover's
 STILL = 0.004  # a smaller relative change of the exposure is ignored
 GAIN_RANGE = 0.4, 2.5  # limits of the exposure of one frame over that of another
+FLATTER = 0.03  # weight of a point that says that brightness changes alike everywhere, beside those that are seen
+ROUNDS = 3  # of the fit to points beside which others are left out
 OUTLIER = 0.3  # points whose brightness changed by more than this beside the median (a logarithm) are left out
 FEWEST_POINTS = 30  # least number of points of the ground by which exposures are compared
 
@@ -46,7 +48,7 @@ class HiddenMarker:
         self._seen_lit_by: Illumination | None = None
         self._maker: ThreadPoolExecutor | None = None
         self._coming: Future[GroundCover | None] | None = None
-        self._gain = np.ones(3)
+        self._gain, self._slope = np.ones(3), np.zeros(2)
         self._gained_s = -np.inf
         self._failed_s: float | None = None
 
@@ -85,7 +87,9 @@ class HiddenMarker:
         assert self._texture is not None
         assert self._cover is not None
         self._texture.use(UNIT_OF["cover"])
-        set_uniforms(program, cover_half_m=self._cover.half_m, cover_gain=tuple(self._gain))
+        set_uniforms(
+            program, cover_half_m=self._cover.half_m, cover_gain=tuple(self._gain), cover_slope=tuple(self._slope)
+        )
 
     def forget(self) -> None:
         """Nothing is covered until another cover is made: one that is still being made is not taken."""
@@ -114,7 +118,7 @@ class HiddenMarker:
         self._texture = self._ctx.texture((size, size), 4, np.ascontiguousarray(cover.image_rgba[::-1]))
         self._texture.repeat_x = self._texture.repeat_y = False
         self._cover, self._made_from, self._failed_s = cover, self._asked_for, None
-        self._gain, self._gained_s = np.ones(3), -np.inf
+        self._gain, self._slope, self._gained_s = np.ones(3), np.zeros(2), -np.inf
 
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
         if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
@@ -138,10 +142,13 @@ class HiddenMarker:
         measured = _gain(tracked, self._cover)
         if measured is None:
             return
-        is_first = self._gained_s == -np.inf
+        gain, slope = measured
+        eased = 1.0 if self._gained_s == -np.inf else EASED
         self._gained_s = tracked.frame.time_s
-        if np.abs(measured / self._gain - 1).max() > STILL:
-            self._gain = measured if is_first else self._gain * (measured / self._gain) ** EASED
+        change = np.append(gain / self._gain - 1, (slope - self._slope) * self._cover.half_m)
+        if np.abs(change).max() > STILL:
+            self._gain = self._gain * (gain / self._gain) ** eased
+            self._slope = self._slope + eased * (slope - self._slope)
 
     def _release_texture(self) -> None:
         if self._texture is not None:
@@ -162,9 +169,11 @@ class SeenCover:
         set_uniforms(program, ground_from_pixel=self.ground_from_pixel)
 
 
-def _gain(tracked: TrackedFrame, cover: GroundCover) -> Float | None:
-    """(3,) brightness of the ground beside the sheet over that in the picture of the cover; None where too little of
-    it is seen.
+def _gain(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, Float] | None:
+    """(3,) brightness of the ground over that in the picture of the cover, linear RGB at the marker's centre; and (2,)
+    how its logarithm changes over the plane (1/m), as a table's sheen moves with the camera.
+
+    By the ground beside the sheet; None where too little of it is seen.
     """
     assert tracked.marker is not None
     T = tracked.marker.T_cam_marker
@@ -180,8 +189,16 @@ def _gain(tracked: TrackedFrame, cover: GroundCover) -> Float | None:
     seen = cv2.remap(tracked.frame.image_bgr, x, y, cv2.INTER_LINEAR).reshape(-1, 3)
     now, then = LINEAR_FROM_SRGB_8BIT[seen[:, ::-1]], cover.around_rgb[ahead][inside]
     logs = np.log(now.sum(axis=1) + 1e-3) - np.log(then.sum(axis=1) + 1e-3)
+    around, slope = cover.around[ahead][inside], np.zeros(2)
+    stiffness = FLATTER * np.square(cover.around).sum(axis=1).mean() * np.eye(2)
     same = np.abs(logs - np.median(logs)) < OUTLIER
-    return np.asarray(np.clip(now[same].mean(axis=0) / np.maximum(then[same].mean(axis=0), 1e-4), *GAIN_RANGE))
+    for _ in range(ROUNDS):
+        places = around[same] - around[same].mean(axis=0)
+        slope = np.linalg.solve(places.T @ places + len(places) * stiffness, places.T @ logs[same])
+        rest = logs - around @ slope
+        same = np.abs(rest - np.median(rest)) < OUTLIER
+    gain = now[same].mean(axis=0) / np.maximum(then[same].mean(axis=0), 1e-4)
+    return np.asarray(np.clip(gain * np.exp(-slope @ around[same].mean(axis=0)), *GAIN_RANGE)), np.asarray(slope)
 
 
 def _same_scene(one: Illumination, other: Illumination) -> bool:

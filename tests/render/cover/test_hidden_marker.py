@@ -31,8 +31,19 @@ def _ground(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.stack([0.42 + grain, 0.28 + 0.7 * grain, 0.16 + 0.4 * grain], axis=-1)
 
 
-def _view(stage, has_sheet: bool = True, shaded=None, noise: float = 0.0, index: int = 0, gain: float = 1.0):
-    """A frame of the ground with a printed sheet on it; `shaded` (points) -> True where a shadow lies."""
+def _view(
+    stage,
+    has_sheet: bool = True,
+    shaded=None,
+    noise: float = 0.0,
+    index: int = 0,
+    gain: float = 1.0,
+    sheen: float = 0.0,
+):
+    """A frame of the ground with a printed sheet on it; `shaded` (points) -> True where a shadow lies.
+
+    sheen: how the logarithm of brightness changes along x (1/m).
+    """
     T = stage.pose(-80, 55, 0.36, target=(0, 0, 0))
     camera = stage.camera()
     rows, columns = np.mgrid[0:360, 0:480]
@@ -45,6 +56,7 @@ def _view(stage, has_sheet: bool = True, shaded=None, noise: float = 0.0, index:
         linear[away < SIDE / 2] = 0.03
     if shaded is not None:
         linear[shaded(x, y)] *= RATIO
+    linear *= np.exp(sheen * x)[:, None]
     picture = 255 * srgb_from_linear(np.clip(gain * linear, 0, 1)).reshape(360, 480, 3)[..., ::-1]
     picture = cv2.GaussianBlur(picture, (0, 0), 0.6)
     picture += np.random.default_rng(index).normal(0, 1, picture.shape) * noise
@@ -139,6 +151,16 @@ def test_cover_follows_the_exposure(make_renderer, stage) -> None:
         tracked = _view(stage, gain=dark, index=index)
         renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
     bare = _view(stage, has_sheet=False, gain=dark)
+    assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
+
+
+def test_cover_follows_sheen_that_moves_over_the_table(make_renderer, stage) -> None:
+    renderer, sheen = make_renderer(FAST.render), 5.0
+    renderer.render(Scene(_view(stage), _aside(stage), hides_marker=True))
+    for index in range(7, 140, 7):
+        tracked = _view(stage, sheen=sheen, index=index)
+        renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+    bare = _view(stage, has_sheet=False, sheen=sheen)
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
 
