@@ -300,3 +300,12 @@ def _cast(
 def _averaged(fine: Float32) -> Float32:
     size = fine.shape[1] // SUPERSAMPLING, fine.shape[0] // SUPERSAMPLING
     return np.asarray(cv2.resize(fine, size, interpolation=cv2.INTER_AREA), np.float32)
+
+
+def noise_frames(count: int) -> Iterator[TrackedFrame]:
+    """Frames of noise, in squares or smooth, with a marker's pose of its own for each."""
+    for seed in range(count):
+        image = np.random.default_rng(seed).integers(0, 256, (30, 40, 3)).astype(np.uint8)
+        noise = cv2.resize(image, (640, 480), interpolation=(cv2.INTER_NEAREST, cv2.INTER_CUBIC)[seed % 2])
+        pose = camera_towards((0.0, 0.0), 0.5, 10.0 + 4 * seed)
+        yield tracked_frame(np.asarray(noise, np.uint8), Camera.from_hfov((640, 480), HFOV_DEG), pose)

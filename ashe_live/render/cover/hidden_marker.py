@@ -30,8 +30,8 @@ GAIN_HELD_S = 0.2  # time of the video between two measurements of the exposure
 EASED = 0.4  # share of the way to the measured exposure that each of them moves the cover's
 STILL = 0.004  # a smaller relative change of the exposure is ignored
 GAIN_RANGE = 0.4, 2.5  # limits of the exposure of one frame over that of another
-FLATTER = 0.03  # weight of a point that says that brightness changes alike everywhere, beside those that are seen
-ROUNDS = 3  # of the fit to points beside which others are left out
+RIDGE = 0.03  # on the slope of brightness over the plane, times the points' mean squared distance from the marker
+ROUNDS = 3  # of the least-squares fit, each without the outliers of the one before
 OUTLIER = 0.3  # points whose brightness changed by more than this beside the median (a logarithm) are left out
 FEWEST_POINTS = 30  # least number of points of the ground by which exposures are compared
 
@@ -139,7 +139,7 @@ class HiddenMarker:
     def _follow_exposure(self, tracked: TrackedFrame) -> None:
         if self._cover is None or 0 <= tracked.frame.time_s - self._gained_s < GAIN_HELD_S:
             return
-        measured = _gain(tracked, self._cover)
+        measured = _gain_and_slope(tracked, self._cover)
         if measured is None:
             return
         gain, slope = measured
@@ -169,7 +169,7 @@ class SeenCover:
         set_uniforms(program, ground_from_pixel=self.ground_from_pixel)
 
 
-def _gain(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, Float] | None:
+def _gain_and_slope(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, Float] | None:
     """(3,) brightness of the ground over that in the picture of the cover, linear RGB at the marker's centre; and (2,)
     how its logarithm changes over the plane (1/m), as a table's sheen moves with the camera.
 
@@ -190,11 +190,11 @@ def _gain(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, Float] | No
     now, then = LINEAR_FROM_SRGB_8BIT[seen[:, ::-1]], cover.around_rgb[ahead][inside]
     logs = np.log(now.sum(axis=1) + 1e-3) - np.log(then.sum(axis=1) + 1e-3)
     around, slope = cover.around[ahead][inside], np.zeros(2)
-    stiffness = FLATTER * np.square(cover.around).sum(axis=1).mean() * np.eye(2)
+    ridge = RIDGE * np.square(cover.around).sum(axis=1).mean() * np.eye(2)
     same = np.abs(logs - np.median(logs)) < OUTLIER
     for _ in range(ROUNDS):
         places = around[same] - around[same].mean(axis=0)
-        slope = np.linalg.solve(places.T @ places + len(places) * stiffness, places.T @ logs[same])
+        slope = np.linalg.solve(places.T @ places + len(places) * ridge, places.T @ logs[same])
         rest = logs - around @ slope
         same = np.abs(rest - np.median(rest)) < OUTLIER
     gain = now[same].mean(axis=0) / np.maximum(then[same].mean(axis=0), 1e-4)

@@ -9,7 +9,6 @@ import PIL.Image
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.camera import Camera
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around
 from ashe_live.light.pixels.page_lines import PageLines
@@ -17,7 +16,7 @@ from ashe_live.light.pixels.sheet import ADDED, Sheet
 from ashe_live.light.pixels.view import View
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.families.printing import write_marker_sheet
-from tests.light.painted_scenes import CYLINDER, HFOV_DEG, SIDE_M, Caster, paint, tracked_frame
+from tests.light.painted_scenes import CYLINDER, SIDE_M, Caster, noise_frames, paint
 from tests.light.synthetic_masks import camera_towards
 
 A4 = (0.105, 0.126, 0.105, 0.171)  # right, above, left and below of the marker, as `ashe-live marker` prints it
@@ -110,12 +109,8 @@ def test_the_border_of_a_page_is_ground_where_a_shadow_crosses_it() -> None:
 
 
 def test_every_picture_has_a_page_or_none() -> None:
-    for seed in range(20):
-        random = np.random.default_rng(seed)
-        image = random.integers(0, 256, (30, 40, 3)).astype(np.uint8)
-        noise = cv2.resize(image, (640, 480), interpolation=(cv2.INTER_NEAREST, cv2.INTER_CUBIC)[seed % 2])
-        camera = camera_towards((0.0, 0.0), 0.5, 10.0 + 4 * seed)
-        page = page_in(tracked_frame(noise, Camera.from_hfov((640, 480), HFOV_DEG), camera))
+    for tracked in noise_frames(20):
+        page = page_in(tracked)
         assert page is None or np.isfinite((*page.ends, *page.ground_over_paper)).all()
 
 

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 from ashe_live.light.pixels.view import View
-from tests.light.painted_scenes import HFOV_DEG, SIDE_M, Caster, paint, tracked_frame
+from tests.light.painted_scenes import SIDE_M, Caster, noise_frames, paint
 from tests.light.synthetic_masks import camera_towards
 
 ABOVE = camera_towards((0.0, 0.0), 0.6, 50.0)
@@ -93,10 +92,6 @@ def test_what_is_dark_farther_out_is_no_rim() -> None:
 
 
 def test_every_picture_has_a_screen_or_none() -> None:
-    for seed in range(20):
-        random = np.random.default_rng(seed)
-        image = random.integers(0, 256, (30, 40, 3)).astype(np.uint8)
-        noise = cv2.resize(image, (640, 480), interpolation=(cv2.INTER_NEAREST, cv2.INTER_CUBIC)[seed % 2])
-        camera = camera_towards((0.0, 0.0), 0.5, 10.0 + 4 * seed)
-        screen = screen_in(tracked_frame(noise, Camera.from_hfov((640, 480), HFOV_DEG), camera))
+    for tracked in noise_frames(20):
+        screen = screen_in(tracked)
         assert screen is None or np.isfinite(ends_of(screen)).all()

@@ -40,7 +40,7 @@ def with_edges(
     step: float,
     palest: float = PALEST,
     pale: float = PALE,
-    most: float = MOST_LOG_ODDS,
+    most: float = math.inf,
 ) -> float:
     """A probability of a direction, after a look at the edges that its shadow should have.
 
