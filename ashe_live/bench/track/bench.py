@@ -42,6 +42,7 @@ QUICK_SHARE = 6
 # Of the attacks: views of each material, and pictures.
 STRIP_VIEWS, QUICK_VIEWS = 40, 3
 IMPOSTOR_PICTURES, QUICK_PICTURES = 25, 1
+SHADOW_RATIOS = 0.5, 0.3, 0.2, 0.12  # in the sun; beside a lamp in a dark room
 REFERENCE, UNREFINED, OURS = "OpenCV", "OpenCV, unrefined", "ours"
 
 
@@ -118,13 +119,14 @@ class TrackBench(Bench):
             given = self._contend(sliding("slide", speed, self._frames(150)))
             most = 4.0 if speed == 0.3 else None
             yield Figure(f"lag at {100 * speed:.0f} cm/s", "ms", lag_ms(given[REFERENCE]), lag_ms(given[OURS]), most)
-        shadow = Flaws(shadow=True)
         frames = self._frames(200)
         yield from self._detection("motion blur of 10 px, 133 px", scattered("b133", 133, frames, blur_px=10))
         yield from self._detection("motion blur of 10 px, 80 px", scattered("b80", 80, frames, blur_px=10))
         yield from self._detection("motion blur of 10 px, 53 px", scattered("b53", 53, frames, blur_px=10))
-        yield from self._detection("shadow's edge across it, 133 px", scattered("s133", 133, frames, shadow))
-        yield from self._detection("shadow's edge across it, 30 px", scattered("s30", 30, frames, shadow))
+        for ratio in SHADOW_RATIOS:
+            for side_px in (133, 30):
+                name = f"edge of a shadow of {100 * ratio:.0f} % of the light across it, {side_px} px"
+                yield from self._detection(name, scattered(f"s{side_px}", side_px, frames, Flaws(shadow_ratio=ratio)))
         yield from self._detection("20 px", scattered("s20", 20, frames))
         yield from self._detection("12 px", scattered("s12", 12, frames))
         yield from focal_figures(self.preset, self._frames(300))

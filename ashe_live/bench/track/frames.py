@@ -18,8 +18,8 @@ from ashe_live.core.colour import srgb_from_linear
 INK, PAPER, GROUND = 0.03, 0.72, 0.22
 # Width of the white margin around the black square, relative to its side.
 QUIET_ZONE = 0.25
-# Shadow ratio, and the penumbra's width relative to the side.
-SHADOW_RATIO, PENUMBRA = 0.3, 0.05
+# The penumbra's width, and how far from the marker's centre a shadow's edge crosses it at most, relative to the side.
+PENUMBRA, OFF_CENTRE = 0.05, 0.4
 # Rays per pixel, in each direction.
 RAYS, RAYS_IN_MOTION = 6, 3
 MARGIN_PX = 16
@@ -46,7 +46,7 @@ class Flaws:
     blur_px: float = 0.7  # standard deviation of the lens's Gaussian blur
     noise: float = 2.0  # standard deviation, grey levels of the encoded picture
     vignetting: float = 0.3  # light lost in the picture's corners
-    shadow: bool = False  # a shadow's edge runs across the marker
+    shadow_ratio: float = 1.0  # of a shadow whose edge runs across the marker anywhere; 1: there is none
     gain: float = 1.0  # exposure relative to the correct one
     clutter: int = 0  # dark quadrilaterals scattered on the ground
     gamma: float = 1.0  # exponent put on the encoded picture, as by a camera's contrast curve
@@ -82,6 +82,8 @@ def painted(
         light[y0:y1, x0:x1] = np.mean(
             [_paper_over(region, bitmap, side_m, camera, pose, (x0, y0), rays, flaws) for pose in poses], axis=0
         )
+    if flaws.shadow_ratio < 1:
+        light = _shaded(light, side_m, camera, poses[len(poses) // 2], flaws.shadow_ratio, rng)
     return developed(light, flaws, rng)
 
 
@@ -154,8 +156,6 @@ def _paper_over(
     printed = np.where(bitmap > 127, PAPER, INK)[row, column]
     colour = np.where(is_square, printed, PAPER)
     light = np.where(is_paper, colour, np.repeat(np.repeat(behind, rays, axis=0), rays, axis=1))
-    if flaws.shadow:
-        light = np.where(is_paper, _shadow_ratio(x / side_m, y / side_m) * light, light)
     if flaws.cover is not None:
         light = np.where(_is_covered(flaws.cover, x / side_m, y / side_m), flaws.cover.light, light)
     return np.asarray(light.reshape(height, rays, width, rays).mean(axis=(1, 3)))
@@ -171,10 +171,14 @@ def _is_covered(cover: Cover, x: Float, y: Float) -> Mask:
     return (along > start) & (along < end) & (beyond > -cover.inwards) & (beyond < cover.outwards)
 
 
-def _shadow_ratio(x: Float, y: Float) -> Float:
-    """The shadow ratio at points in units of the side: a soft shadow edge crosses the marker obliquely."""
-    beyond_edge = 0.8 * x + 0.6 * y - 0.1
-    return np.asarray(1 - (1 - SHADOW_RATIO) * (0.5 + beyond_edge / PENUMBRA).clip(0, 1))
+def _shaded(
+    light: Float, side_m: float, camera: Camera, T_cam_marker: Float, ratio: float, rng: np.random.Generator
+) -> Float:
+    """`light` (h, w) of a plane, with a soft-edged shadow that begins somewhere on the marker, its edge straight."""
+    x, y = _on_paper(camera, T_cam_marker, (0, 0), camera.size, 1)
+    angle = rng.uniform(0, 2 * np.pi)
+    beyond_edge = (np.cos(angle) * x + np.sin(angle) * y) / side_m - rng.uniform(-OFF_CENTRE, OFF_CENTRE)
+    return np.asarray(light * (1 - (1 - ratio) * (0.5 + beyond_edge / PENUMBRA).clip(0, 1)))
 
 
 def _on_paper(

@@ -54,6 +54,9 @@ def checked(
     side_px = mean_side_px(square.corners_px)
     blurred = alignment.blurred(light, square.corners_px)
     seen_print = alignment.sampled(blurred, square.corners_px, camera, origin_px)
+    shade = alignment.shade.on(seen_print)
+    if shade is not None:
+        seen_print = shade.removed_from(seen_print)
     is_print = alignment.is_print(seen_print)
     if leaves_frame(square, camera):
         return square if is_print and square.sides_seen >= LEAST_SEEN else None
@@ -62,7 +65,7 @@ def checked(
             return None
         return corrected(square, alignment.bleed_px(seen_print, side_px))
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
-    seen = alignment.look(seen_print, side_px)
+    seen = alignment.look(seen_print, side_px, shade)
     # Where the print is elsewhere, it explains the samples badly, and a single step is uncertain.
     is_sure = seen is not None and seen.sigma <= SURE_SIGMA
     is_as_aligned = seen is not None and seen.sigma <= AS_ALIGNED * aligned_sigma and seen.inside >= MIN_INSIDE
@@ -71,7 +74,7 @@ def checked(
         even = corrected(square, bleed_px)
         if not _off(seen.step - in_units(even.corners_px, square.corners_px), seen, tolerance).any():
             return dataclasses.replace(even, aligned_sigma=aligned_sigma) if is_print else None
-    found = alignment.aligned(blurred, square.corners_px, camera, origin_px, seen)
+    found = alignment.aligned(blurred, square.corners_px, camera, origin_px, seen, shade)
     if found is None or found.seen.inside < MIN_INSIDE:
         return None
     square, off = _compared(square, found, tolerance)
@@ -81,7 +84,7 @@ def checked(
         again = fitted_square(light, found.corners_px, samples, 1.0, camera, origin_px, LAST_REACH_PX)
         if again is not None:
             square, off = _compared(again, found, tolerance)
-            is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, camera, origin_px))
+            is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, camera, origin_px, shade))
     if not off.any():
         return dataclasses.replace(square, aligned_sigma=found.seen.sigma) if is_print else None
     if off.sum() > MOST_COVERED:

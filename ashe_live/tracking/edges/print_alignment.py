@@ -18,6 +18,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.edge_profiles import Light
 from ashe_live.tracking.edges.print_likeness import AVERAGED, MIN_LIKENESS, UNIT, PrintLikeness, normalised
+from ashe_live.tracking.edges.print_shade import Shade
 from ashe_live.tracking.edges.squares import is_front_of_square
 
 # The inside includes this share of the border's width: the border's inner edge carries half of the information about
@@ -46,6 +47,28 @@ class Aligned:
     sigma: float  # the largest standard deviation in it
     inside: float  # correlation in [-1, 1] of the samples inside the border with the print
     bleed_px: float | None  # displacement of all edges towards white; None where it cannot be measured
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Linear:
+    """What samples depend on linearly, near a print: its gain, the eight corners' displacements, offset, gradient and
+    bloom.
+    """
+
+    columns: Light  # (m, 13) derivatives of each sample
+    solver: Light  # (13, m) the coefficients by least squares
+    spread: Float  # (13, 13) covariance of the coefficients for samples of variance 1
+
+    @classmethod
+    def of(cls, columns: Float | Light) -> "_Linear":
+        exact = columns.astype(np.float64)
+        spread = np.linalg.inv(exact.T @ exact + 1e-9 * np.eye(exact.shape[1]))
+        return cls(columns.astype(np.float32), (spread @ exact.T).astype(np.float32), np.asarray(spread))
+
+    @property
+    def largest_spread(self) -> float:
+        """Of a corner's coordinates."""
+        return float(np.diag(self.spread)[1:9].max())
 
 
 class Alignment(NamedTuple):
@@ -96,19 +119,15 @@ class PrintAlignment(PrintLikeness):
         columns = np.concatenate([sharp[..., None], -moved, np.stack([one, x, y, bloom], axis=-1)], axis=-1).reshape(
             -1, 13
         )[self._inside]
-        self._columns = columns.astype(np.float32)
-        self._solver = np.linalg.pinv(columns).astype(np.float32)
+        self._whole = _Linear.of(columns)
         # All four corners outwards by one, and with them the edges inside, towards their white.
         together = columns[:, 1:9] @ -OUTWARDS.ravel() - columns[:, 12]
         one_shift = np.column_stack([columns[:, 0], columns[:, 9:12], together])
         self._one_shift = one_shift.astype(np.float32)
         self._bleed_solver = np.linalg.pinv(one_shift).astype(np.float32)
         self._bleed_spread = float(np.linalg.inv(one_shift.T @ one_shift + 1e-9 * np.eye(5))[4, 4])
-        spread = np.linalg.inv(columns.T @ columns + 1e-9 * np.eye(13))
-        self._spread, self._bloom_spread = spread[1:9, 1:9], float(spread[12, 12])
-        self._largest_spread = float(np.diag(self._spread).max())
         self._tells_bleed = tells_place
-        is_weak = tells_place and math.sqrt(self._largest_spread) > MOST_SPREAD
+        is_weak = tells_place and math.sqrt(self._whole.largest_spread) > MOST_SPREAD
         self.tells_place = tells_place and not is_weak
         if is_weak:
             self._least_likeness = SURE_LIKENESS
@@ -127,22 +146,28 @@ class PrintAlignment(PrintLikeness):
         variance = self._variance(inside - self._one_shift @ coefficients, len(coefficients), side_px) / gain**2
         return self._believed_px(float(coefficients[4]) / gain, variance * self._bleed_spread, side_px)
 
-    def look(self, samples: Light, side_px: float) -> Aligned | None:
-        """One step from samples taken where the print is thought to be; None where nothing of it is seen."""
-        inside = samples.ravel()[self._inside]
-        coefficients = self._solver @ inside
+    def look(self, samples: Light, side_px: float, shade: Shade | None = None) -> Aligned | None:
+        """One step from samples taken where the print is thought to be; None where nothing of it is seen.
+
+        shade: that was removed from the samples, whose edge says nothing.
+        """
+        inside, linear = samples.ravel()[self._inside], self._whole
+        if shade is not None:
+            kept = ~shade.edge.ravel()[self._inside]
+            inside, linear = inside[kept], _Linear.of(linear.columns[kept])
+        coefficients = linear.solver @ inside
         gain = float(coefficients[0])
         total = float(((inside - inside.mean()) ** 2).sum())
         if gain <= 0 or total <= 0:
             return None
-        variance = self._variance(inside - self._columns @ coefficients, len(coefficients), side_px) / gain**2
-        own = normalised(self._columns[:, 0])
+        variance = self._variance(inside - linear.columns @ coefficients, len(coefficients), side_px) / gain**2
+        own = normalised(linear.columns[:, 0])
         return Aligned(
             (coefficients[1:9] / gain).astype(np.float64).reshape(4, 2),
-            variance * self._spread,
-            math.sqrt(variance * self._largest_spread),
+            variance * linear.spread[1:9, 1:9],
+            math.sqrt(variance * linear.largest_spread),
             float(own @ normalised(inside)),
-            self._believed_px(-float(coefficients[12]) / gain, variance * self._bloom_spread, side_px),
+            self._believed_px(-float(coefficients[12]) / gain, variance * float(linear.spread[12, 12]), side_px),
         )
 
     def _variance(self, left: Light, unknowns: int, side_px: float) -> float:
@@ -159,11 +184,17 @@ class PrintAlignment(PrintLikeness):
         return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed) * side_px
 
     def aligned(
-        self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int], seen: Aligned | None
+        self,
+        light: Light,
+        corners_px: Float,
+        camera: Camera | None,
+        origin_px: tuple[int, int],
+        seen: Aligned | None,
+        shade: Shade | None = None,
     ) -> Alignment | None:
         """From near `corners_px` (4, 2) to where the inside of the print has them; None where it leads nowhere.
 
-        `light` as from `blurred`; `seen`: what `look` says of the samples within `corners_px`.
+        `light` as from `blurred`; `seen`: what `look` says of the samples within `corners_px`; `shade` as in `sampled`.
         """
         corners = corners_px
         for _ in range(STEPS):
@@ -176,7 +207,7 @@ class PrintAlignment(PrintLikeness):
             if largest < SMALL_STEP:
                 covariance = by_unit @ seen.covariance @ by_unit.T
                 return Alignment(corners, _inverse(covariance + MIN_SIGMA_PX**2 * np.eye(8)), seen)
-            seen = self.look(self.sampled(light, corners, camera, origin_px), mean_side_px(corners))
+            seen = self.look(self.sampled(light, corners, camera, origin_px, shade), mean_side_px(corners), shade)
         return None
 
 

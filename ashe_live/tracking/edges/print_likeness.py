@@ -8,6 +8,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.edge_profiles import Light
 from ashe_live.tracking.edges.lens import source_from_ideal
+from ashe_live.tracking.edges.print_shade import PrintShade, Shade
 
 # Width of the paper around the square that is compared as well: a share of the border's width, and at most a share of
 # the side length.
@@ -39,10 +40,25 @@ class PrintLikeness:
         # As the samples of a sharp picture are.
         self._sharp = _averaged(padded)
         blurred = [self._sharp if sigma == 0 else cv2.GaussianBlur(self._sharp, (0, 0), sigma) for sigma in BLURS]
+        self.shade = PrintShade(self._sharp, round(border * n))
         self._prints = np.stack([normalised(np.asarray(one, dtype=np.float64).ravel()) for one in blurred])
 
-    def sampled(self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]) -> Light:
-        """(n, n) of `light` in the print's frame, of the square at ideal `corners_px` (4, 2); see fitted_square."""
+    def sampled(
+        self,
+        light: Light,
+        corners_px: Float,
+        camera: Camera | None,
+        origin_px: tuple[int, int],
+        shade: Shade | None = None,
+    ) -> Light:
+        """(n, n) of `light` in the print's frame, of the square at ideal `corners_px` (4, 2); see fitted_square.
+
+        shade: a shadow on the print, which is removed from the samples; None where there is none.
+        """
+        samples = self._warped(light, corners_px, camera, origin_px)
+        return samples if shade is None else shade.removed_from(samples)
+
+    def _warped(self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]) -> Light:
         n = self._side - 2 * self._margin
         # In indices of the samples.
         ends = (UNIT * n + self._margin - 0.5).astype(np.float32)

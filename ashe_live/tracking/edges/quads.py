@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.square import side_lengths_px
 
 # Window and offset of the adaptive threshold. Chosen by photos and renders, all of whose squares one threshold finds;
@@ -18,8 +19,13 @@ MIN_SIDE_PX = 12
 PAPER_AT, RIM_AT = 1.2, 0.82
 # The paper's grey level is more than MIN_RATIO times the ink's plus MIN_DIFFERENCE.
 MIN_RATIO, MIN_DIFFERENCE = 1.15, 5.0
+# Ink has less than this share of the light of the brightest thing near it, by half a window: less than paper has in a
+# shadow that leaves more than that of the light.
+INK_SHARE, NEAR_WINDOW_PX = 1 / 9, 25
 # A side may bulge by this share of the perimeter before it counts as two.
 MAX_BULGE = 0.04
+# For each grey level of the brightest thing, the level below which something near it may be ink.
+LEVEL_OF_INK = np.searchsorted(LINEAR_FROM_SRGB_8BIT, INK_SHARE * LINEAR_FROM_SRGB_8BIT).astype(np.uint8)
 
 
 def dark_quads(grey: Image, min_side_px: float = MIN_SIDE_PX, window_px: int = WINDOW_PX) -> list[Float]:
@@ -34,6 +40,24 @@ def dark_quads(grey: Image, min_side_px: float = MIN_SIDE_PX, window_px: int = W
     dark = cv2.adaptiveThreshold(
         cv2.blur(grey, (3, 3)), 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window_px, DARKER_BY
     )
+    return _quads(np.asarray(dark, dtype=np.uint8), min_side_px)
+
+
+def ink_quads(grey: Image, min_side_px: float = MIN_SIDE_PX) -> list[Float]:
+    """As `dark_quads`, of what is as dark beside its surroundings as ink, which paper in a shadow is not.
+
+    Where a deep shadow's edge crosses a marker, paper in the shade is darker than the mean of both around it.
+    """
+    if min(grey.shape) < min_side_px / 2:
+        return []
+    smooth = np.asarray(cv2.blur(grey, (3, 3)), dtype=np.uint8)
+    brightest = cv2.dilate(smooth, np.ones((NEAR_WINDOW_PX, NEAR_WINDOW_PX), np.uint8))
+    dark = cv2.compare(smooth, cv2.LUT(brightest, LEVEL_OF_INK), cv2.CMP_LT)
+    return _quads(np.asarray(dark, dtype=np.uint8), min_side_px)
+
+
+def _quads(dark: Image, min_side_px: float) -> list[Float]:
+    """The quadrilaterals among the outlines of what is not 0 in `dark` (h, w)."""
     outlines, hierarchy = cv2.findContours(dark, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
     if hierarchy is None:
         return []

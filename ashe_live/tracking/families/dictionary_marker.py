@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.corners import refined_corners
 from ashe_live.tracking.edges.print_alignment import PrintAlignment
-from ashe_live.tracking.edges.quads import MIN_SIDE_PX, dark_quads, on_lighter, without_repeats
+from ashe_live.tracking.edges.quads import MIN_SIDE_PX, dark_quads, ink_quads, on_lighter, without_repeats
 from ashe_live.tracking.edges.squares import is_front_of_square
 from ashe_live.tracking.families.cells import CellReader
 
@@ -81,7 +81,7 @@ class DictionaryMarker:
         if thorough or not any(by_number.values()):
             doubtful = [_corners(quad) for quad in rejected]
             if thorough:
-                doubtful += dark_quads(grey, min_side_px)
+                doubtful += [*dark_quads(grey, min_side_px), *ink_quads(grey, min_side_px)]
             for quad in on_lighter(grey, doubtful):
                 for marker in wanted:
                     corners = marker._read(grey, quad)

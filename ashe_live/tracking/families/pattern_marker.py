@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Image
 from ashe_live.tracking.edges.corners import refined_corners
 from ashe_live.tracking.edges.print_alignment import PrintAlignment
-from ashe_live.tracking.edges.quads import MIN_SIDE_PX, SMALL_WINDOW_PX, dark_quads, without_repeats
+from ashe_live.tracking.edges.quads import MIN_SIDE_PX, SMALL_WINDOW_PX, dark_quads, ink_quads, without_repeats
 
 # Side of the square, in samples, at which candidate and pattern are compared.
 SAMPLES = 32
@@ -58,7 +58,7 @@ class PatternMarker:
         found = []
         quads = dark_quads(grey, min_side_px)
         if thorough:
-            quads += dark_quads(grey, min_side_px, SMALL_WINDOW_PX)
+            quads += [*dark_quads(grey, min_side_px, SMALL_WINDOW_PX), *ink_quads(grey, min_side_px)]
         for quad in quads:
             correlation, corners = self._compare(grey, quad)
             if correlation >= MIN_CORRELATION:

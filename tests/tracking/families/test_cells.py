@@ -21,7 +21,7 @@ def shot(marker: Marker, flaws: Flaws, cells: int) -> Image:
     return np.ascontiguousarray(image[:, :, 0])
 
 
-@pytest.mark.parametrize("flaws", [Flaws(blur_px=4.0), Flaws(shadow=True, noise=4.0), Flaws(gain=0.06)])
+@pytest.mark.parametrize("flaws", [Flaws(blur_px=4.0), Flaws(shadow_ratio=0.3, noise=4.0), Flaws(gain=0.06)])
 def test_blur_shadow_and_darkness_hide_cells_but_not_the_marker(flaws: Flaws) -> None:
     marker = parse_marker("aruco:4x4_50:3")
     (found,) = marker.find(shot(marker, flaws, 6))

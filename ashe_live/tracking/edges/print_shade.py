@@ -1,0 +1,122 @@
+"""Undoes the shadow whose edge crosses a print: in deep shade, white is darker than what is grey in the sun.
+
+The print is known, and so is where it is white. If its white shows two levels of light, as beside an object in the sun,
+each sample is divided by the light that falls on it, so that what compares it with the print need not know of shadows.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.tracking.edges.edge_profiles import Light
+
+# Shadow ratios between which two levels of white are taken for a shadow: above, a print is recognised as it is; below,
+# white in the shade is as dark as ink in the light.
+DEEPEST, PALEST = 0.06, 0.65
+# White in the shade is at least so many times as bright as ink in the light, and nearly all white has at least this
+# share of the light that falls on it; else some of it is another print's ink.
+ABOVE_INK, LEAST_WHITE = 1.6, 0.6
+LEAST_SHARE = 0.03  # of the white, on either side of the shadow's edge
+# Least reflectance of what counts as white, over the paper's, and the largest of what counts as ink.
+WHITE, INK = 0.85, 0.15
+ROUNDS = 4  # of parting the white into two levels
+# The light on neighbouring samples that differs by this share of the brighter one's is a shadow's edge.
+EDGE = 0.1
+NEIGHBOURS = np.ones((3, 3), np.uint8)
+TINY = np.float32(1e-6)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shade:
+    """A shadow on a print's samples."""
+
+    light: Light  # (n, n) that falls on each, over what falls beside the shadow
+    edge: Mask  # (n, n) where that changes
+    expected: Light  # (n, n) the print's samples in the light beside the shadow
+
+    def removed_from(self, samples: Light) -> Light:
+        """(n, n) `samples` as if there were no shadow; at its edge they say nothing, and are those of the print."""
+        return np.where(self.edge, self.expected, samples / self.light)
+
+
+class PrintShade:
+    """Where a print is white and black; made once for all pictures."""
+
+    def __init__(self, print_samples: Float, cell: int) -> None:
+        """`print_samples` (n, n): the print and the paper around it, from 0 to 1; `cell`: samples along a cell."""
+        self._cell = cell
+        self._print = print_samples.astype(np.float32)
+        self._white, self._black = _inside(print_samples > WHITE), _inside(print_samples < INK)
+        # Of each sample, which is the nearest one that is white or black.
+        known = self._white | self._black
+        _, nearest = cv2.distanceTransformWithLabels(
+            (~known).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+        )
+        places = np.zeros(int(nearest.max()) + 1, np.intp)
+        places[nearest[known]] = np.flatnonzero(known)
+        self._nearest = places[nearest]
+
+    def on(self, samples: Light) -> Shade | None:
+        """The shadow whose edge crosses `samples` (n, n) of linear light, taken where the print is thought to be."""
+        white = samples[self._white]
+        # Nearly every frame ends here, in a few microseconds.
+        if not len(white) or float(white.min()) > PALEST * float(white.max()):
+            return None
+        levels, black = _two_levels(white), samples[self._black]
+        if levels is None or not len(black):
+            return None
+        dark, bright = levels
+        ratio = dark / bright
+        ink = _lit_ink(black, ratio)
+        if not DEEPEST < ratio < PALEST or dark < ABOVE_INK * ink:
+            return None
+        known = np.ones_like(samples)
+        # In a penumbra white shows its light by itself.
+        known[self._white] = on_white = np.clip(white / bright, ratio, 1)
+        if np.quantile(white / on_white, LEAST_SHARE) < LEAST_WHITE * bright:
+            return None
+        is_shaded = self._is_shaded(white < bright * np.sqrt(ratio), samples < ink * np.sqrt(ratio))
+        known[self._black] = np.where(is_shaded[self._black], ratio, 1)
+        light = known.ravel()[self._nearest]
+        edge = cv2.erode(light, NEIGHBOURS) < (1 - EDGE) * cv2.dilate(light, NEIGHBOURS)
+        return Shade(light, np.asarray(edge, dtype=np.bool_), ink + (bright - ink) * self._print)
+
+    def _is_shaded(self, shaded_white: Mask, dark: Mask) -> Mask:
+        """(n, n) whether ink lies in the shade: as the nearest white (m,) does; where both kinds are, if it is `dark`.
+
+        Elsewhere darkness must not decide: another print's white in the shade would pass for ink in the light.
+        """
+        to_lit, to_shaded = (self._distance_to(mask) for mask in (~shaded_white, shaded_white))
+        nearer = to_lit - to_shaded
+        return np.where(np.abs(nearer) < self._cell, dark, nearer > 0)
+
+    def _distance_to(self, of_white: Mask) -> Light:
+        """(n, n) samples from the nearest white of which `of_white` (m,) is true."""
+        others = np.ones_like(self._white, np.uint8)
+        others[self._white] = ~of_white
+        return np.asarray(cv2.distanceTransform(others, cv2.DIST_L2, 3), dtype=np.float32)
+
+
+def _two_levels(white: Light) -> tuple[float, float] | None:
+    """The darker and the brighter level of two; None where nearly all of `white` (m,) is on one."""
+    brightness = np.log(np.maximum(white, TINY))
+    threshold = 0.5 * float(brightness.min() + brightness.max())
+    for _ in range(ROUNDS):
+        is_lit = brightness > threshold
+        if not LEAST_SHARE <= float(is_lit.mean()) <= 1 - LEAST_SHARE:
+            return None
+        dark, bright = float(np.median(brightness[~is_lit])), float(np.median(brightness[is_lit]))
+        threshold = 0.5 * (dark + bright)
+    return float(np.exp(dark)), float(np.exp(bright))
+
+
+def _lit_ink(black: Light, ratio: float) -> float:
+    """The level of ink in the light, where some of `black` (m,) may lie in a shadow of this `ratio`."""
+    return float(np.median(black[black >= np.sqrt(ratio) * np.quantile(black, 0.95)]))
+
+
+def _inside(mask: Mask) -> Mask:
+    """(n, n) of `mask`, what nothing else neighbours: in a picture, edges mix black and white."""
+    return np.asarray(cv2.erode(mask.astype(np.uint8), NEIGHBOURS), dtype=np.bool_)

@@ -1,0 +1,90 @@
+"""A shadow's edge across a print: its light is told from the print, and another print's ink is no shadow."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, ground, painted
+from ashe_live.bench.track.measures import turn_deg
+from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.square import square_corners
+from ashe_live.core.transforms import project
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.edges.edge_profiles import Light, linear_light
+from ashe_live.tracking.edges.quads import dark_quads, ink_quads
+from ashe_live.tracking.families.markers import Marker, parse_marker
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.tracking.conftest import SPECS, frame
+
+MARKER = parse_marker("aruco:4x4_50:0")
+POSE = pose_at(0.55, 25, 20)
+CORNERS = project(SMALL, POSE, square_corners(SIDE_M))
+
+
+def shot(marker: Marker, flaws: Flaws, seed: int) -> Image:
+    """(h, w) grey picture."""
+    image = painted(marker.bitmap(240), SIDE_M, SMALL, [POSE], flaws, np.random.default_rng(seed), ground(SMALL), 3)
+    return np.ascontiguousarray(image[:, :, 0])
+
+
+def samples_of(marker: Marker, flaws: Flaws, seed: int) -> Light:
+    alignment = MARKER.alignment
+    light = linear_light(shot(marker, flaws, seed))
+    return alignment.sampled(alignment.blurred(light, CORNERS), CORNERS, SMALL, (0, 0))
+
+
+@pytest.mark.parametrize("ratio", [0.5, 0.3, 0.2, 0.12])
+def test_what_is_left_without_the_shadow_is_the_print(ratio: float) -> None:
+    alignment = MARKER.alignment
+    for seed in range(12):
+        even, shaded = (samples_of(MARKER, Flaws(shadow_ratio=each), seed) for each in (1.0, ratio))
+        shade = alignment.shade.on(shaded)
+        assert shade is not None
+        told = np.median(shade.light[shade.light < 0.5 * (1 + ratio)])
+        assert told == pytest.approx(ratio, rel=0.2)
+        away = ~shade.edge
+        # By a camera that rounds, ink in deep shade is known to some of its own light.
+        assert np.abs(shade.removed_from(shaded) - even)[away].mean() < 0.04 * np.ptp(even)
+        assert alignment.is_print(shade.removed_from(shaded))
+
+
+@pytest.mark.parametrize("flaws", [CLEAN_CAMERA, Flaws(blur_px=5), Flaws(gain=0.1), Flaws(vignetting=0.9)])
+def test_even_light_has_no_shadow(flaws: Flaws) -> None:
+    assert all(MARKER.alignment.shade.on(samples_of(MARKER, flaws, seed)) is None for seed in range(4))
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.3, 0.15])
+def test_ink_where_the_print_is_white_is_no_shadow(ratio: float) -> None:
+    """Each other marker of the dictionary, in light and crossed by a shadow."""
+    alignment = MARKER.alignment
+    for number in range(1, 50):
+        other = parse_marker(f"aruco:4x4_50:{number}")
+        for turns in range(4):
+            samples = np.rot90(samples_of(other, Flaws(shadow_ratio=ratio), number), turns)
+            shade = alignment.shade.on(samples)
+            assert not alignment.is_print(samples if shade is None else shade.removed_from(samples))
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_a_marker_is_found_wherever_a_shadows_edge_crosses_it(spec: str, marker_of: Callable[[str], Marker]) -> None:
+    marker = marker_of(spec)
+    for seed in range(10):
+        flaws = Flaws(shadow_ratio=0.2 if seed % 2 else 0.3)
+        grey = shot(marker, flaws, seed)
+        tracker = MarkerTracker(marker, SMALL, SIDE_M, BALANCED.tracking)
+        found = tracker.track(frame(np.repeat(grey[:, :, None], 3, axis=2), 0)).marker
+        assert found is not None
+        assert turn_deg(found.measured_T_cam_marker, POSE) < 0.5
+
+
+def test_paper_in_a_deep_shadow_is_no_ink() -> None:
+    """Its edge makes one dark area of shaded paper and ink by the mean around each pixel, and not by the brightest."""
+
+    def is_found(quads: list[Float]) -> bool:
+        return any(np.abs(np.roll(quad, turn, axis=0) - CORNERS).max() < 8 for quad in quads for turn in range(4))
+
+    pictures = [shot(MARKER, Flaws(shadow_ratio=0.12), seed) for seed in range(20)]
+    assert all(is_found(ink_quads(grey)) for grey in pictures)
+    assert not all(is_found(dark_quads(grey)) for grey in pictures)
