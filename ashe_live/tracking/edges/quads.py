@@ -19,8 +19,8 @@ MIN_SIDE_PX = 12
 PAPER_AT, RIM_AT = 1.2, 0.82
 # The paper's grey level is more than MIN_RATIO times the ink's plus MIN_DIFFERENCE.
 MIN_RATIO, MIN_DIFFERENCE = 1.15, 5.0
-# Ink has less than this share of the light of the brightest thing near it, by half a window: less than paper has in a
-# shadow that leaves more than that of the light.
+# Ink has less than this share of the light of the brightest thing near it: less than paper has in a shadow that leaves
+# more than that of the light. And the window, in pixels, that is near enough to tell ink's border.
 INK_SHARE, NEAR_WINDOW_PX = 1 / 9, 25
 # A side may bulge by this share of the perimeter before it counts as two.
 MAX_BULGE = 0.04
@@ -50,10 +50,14 @@ def ink_quads(grey: Image, min_side_px: float = MIN_SIDE_PX) -> list[Float]:
     """
     if min(grey.shape) < min_side_px / 2:
         return []
+    return _quads(ink_in(grey, NEAR_WINDOW_PX), min_side_px)
+
+
+def ink_in(grey: Image, window_px: int) -> Image:
+    """(h, w) 255 where `grey` (h, w) is as dark as ink beside the brightest within half of `window_px`, 0 elsewhere."""
     smooth = np.asarray(cv2.blur(grey, (3, 3)), dtype=np.uint8)
-    brightest = cv2.dilate(smooth, np.ones((NEAR_WINDOW_PX, NEAR_WINDOW_PX), np.uint8))
-    dark = cv2.compare(smooth, cv2.LUT(brightest, LEVEL_OF_INK), cv2.CMP_LT)
-    return _quads(np.asarray(dark, dtype=np.uint8), min_side_px)
+    brightest = cv2.dilate(smooth, np.ones((window_px, window_px), np.uint8))
+    return np.asarray(cv2.compare(smooth, cv2.LUT(brightest, LEVEL_OF_INK), cv2.CMP_LT), dtype=np.uint8)
 
 
 def _quads(dark: Image, min_side_px: float) -> list[Float]:

@@ -5,7 +5,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS
-from ashe_live.tracking.edges.quads import on_lighter, without_repeats
+from ashe_live.tracking.edges.quads import ink_in, on_lighter, without_repeats
 from ashe_live.tracking.families.dictionary_marker import DICTIONARIES
 
 # Long codes first: a chance likeness to one of the short ones is no news where a long one is read.
@@ -13,6 +13,7 @@ FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "original", "5x5_1000", "4
 SIZES = (50, 100, 250, 1000)  # of each ArUco family; the smaller ones are the beginning of the larger
 MIN_SIDE_PX = 20.0
 MOST_PX = 1280  # of the longer side: what is larger is looked at reduced
+CELL_WINDOW_PX = 101  # reaches paper from within a marker's black, as far as that is up to three cells wide
 # Largest share of the black border's cells that may be white: photos of other square things have more.
 WRONG_IN_BORDER = 0.1
 # Least number of the cube's tags that count as a cube: a single one may lie flat on a table.
@@ -29,6 +30,17 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
     scale = min(1.0, max(MOST_PX / max(grey.shape), 1 / min(grey.shape)))  # a row of pixels is left of the narrowest
     if scale < 1:
         grey = np.asarray(cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    # By grey levels first; a deep shadow's edge across a marker leaves it readable by what is ink and what is not.
+    found = _read(grey, grey) or _read(np.asarray(255 - ink_in(grey, CELL_WINDOW_PX), dtype=np.uint8), grey)
+    found.sort(key=lambda one: -cv2.contourArea(one[0].astype("float32")))
+    specs = list(dict.fromkeys(spec for _, spec in found))
+    if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
+        return tuple(specs)
+    return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))
+
+
+def _read(readable: Image, grey: Image) -> list[tuple[Float, str]]:
+    """Corners (4, 2) and specs of the markers that are `readable` (h, w) and lie on lighter surroundings in `grey`."""
     parameters = cv2.aruco.DetectorParameters()
     parameters.minMarkerPerimeterRate = min(1.0, 4 * MIN_SIDE_PX / max(grey.shape))
     parameters.errorCorrectionRate = 0.0
@@ -36,17 +48,13 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
     found: list[tuple[Float, str]] = []
     for family in FAMILIES:
         dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARIES[family])
-        quads, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(grey)
+        quads, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(readable)
         for quad, number in zip(quads, () if ids is None else ids.ravel(), strict=True):
             corners: Float = quad.reshape(4, 2).astype(float)
             others = [other for other, _ in found]
             if on_lighter(grey, [corners]) and len(without_repeats([*others, corners])) > len(others):
                 found.append((corners, _spec(family, int(number))))
-    found.sort(key=lambda one: -cv2.contourArea(one[0].astype("float32")))
-    specs = list(dict.fromkeys(spec for _, spec in found))
-    if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
-        return tuple(specs)
-    return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))
+    return found
 
 
 def _spec(family: str, number: int) -> str:

@@ -4,6 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.bench.track import frames
+from ashe_live.bench.track.frames import Flaws
+from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
 from ashe_live.tracking.families.in_view import markers_in_view
 from ashe_live.tracking.families.markers import parse_marker
 from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
@@ -62,3 +65,11 @@ def test_two_faces_of_the_cube_are_the_cube_and_one_is_a_marker() -> None:
     assert markers_in_view(whole) == ("cube",)
     from_above = painted(CubeScene(CAMERA, looking(0.35, 8, 0), [sun(200, 40)]))
     assert markers_in_view(from_above) == ("aruco:4x4_50:18",)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.2, 0.12])
+def test_a_shadows_edge_across_it_hides_no_name(ratio: float) -> None:
+    for seed in range(6):
+        rng, flaws, place = np.random.default_rng(seed), Flaws(shadow_ratio=ratio), pose_at(0.5, 25, 30)
+        image = frames.painted(parse_marker(SPECS[1]).bitmap(7), SIDE_M, SMALL, [place], flaws, rng)
+        assert markers_in_view(image) == (SPECS[1],)
