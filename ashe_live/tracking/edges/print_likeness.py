@@ -40,7 +40,7 @@ class PrintLikeness:
         # As the samples of a sharp picture are.
         self._sharp = _averaged(padded)
         blurred = [self._sharp if sigma == 0 else cv2.GaussianBlur(self._sharp, (0, 0), sigma) for sigma in BLURS]
-        self.shade = PrintShade(self._sharp, round(border * n))
+        self.shade = PrintShade(self._sharp, round(border * n), self._margin)
         self._prints = np.stack([normalised(np.asarray(one, dtype=np.float64).ravel()) for one in blurred])
 
     def sampled(

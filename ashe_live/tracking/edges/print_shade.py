@@ -44,11 +44,17 @@ class Shade:
 class PrintShade:
     """Where a print is white and black; made once for all pictures."""
 
-    def __init__(self, print_samples: Float, cell: int) -> None:
-        """`print_samples` (n, n): the print and the paper around it, from 0 to 1; `cell`: samples along a cell."""
+    def __init__(self, print_samples: Float, cell: int, margin: int) -> None:
+        """`print_samples` (n, n): the print and the paper around it, from 0 to 1; `cell`, `margin`: samples along a
+        cell, and along the width of the paper.
+        """
         self._cell = cell
         self._print = print_samples.astype(np.float32)
         self._white, self._black = _inside(print_samples > WHITE), _inside(print_samples < INK)
+        within = slice(margin, -margin)
+        is_within = np.zeros_like(self._white)
+        is_within[within, within] = True
+        self._white_within = is_within[self._white]
         # Of each sample, which is the nearest one that is white or black.
         known = self._white | self._black
         _, nearest = cv2.distanceTransformWithLabels(
@@ -72,12 +78,16 @@ class PrintShade:
         ink = _lit_ink(black, ratio)
         if not DEEPEST < ratio < PALEST or dark < ABOVE_INK * ink:
             return None
+        is_lit = white > bright * np.sqrt(ratio)
+        within, around = is_lit[self._white_within], is_lit[~self._white_within]
+        if not within.any() and 2 * np.count_nonzero(around) > len(around):
+            return None  # a bright floor around a narrow margin
         known = np.ones_like(samples)
         # In a penumbra white shows its light by itself.
         known[self._white] = on_white = np.clip(white / bright, ratio, 1)
         if np.quantile(white / on_white, LEAST_SHARE) < LEAST_WHITE * bright:
             return None
-        is_shaded = self._is_shaded(white < bright * np.sqrt(ratio), samples < ink * np.sqrt(ratio))
+        is_shaded = self._is_shaded(~is_lit, samples < ink * np.sqrt(ratio))
         known[self._black] = np.where(is_shaded[self._black], ratio, 1)
         light = known.ravel()[self._nearest]
         edge = cv2.erode(light, NEIGHBOURS) < (1 - EDGE) * cv2.dilate(light, NEIGHBOURS)
