@@ -15,6 +15,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
+from ashe_live.light.pixels.shaded_sheet import shaded_sheet_as_ground
 from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
 
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
@@ -36,7 +37,8 @@ class View:
     body: Proxy | None = None  # that the marker is printed on, if it is no sheet
     beside: tuple[PlaneMarker, ...] = ()  # other printed sheets on the plane
     page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
-    crossed: Mask | None = None  # of its border, the whole picture's, where that is ground as something crosses it
+    # The whole picture's: what of the page's border is ground, as something crosses it, or a sheet that is shown as it.
+    crossed: Mask | None = None
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -64,9 +66,18 @@ class View:
             return _made(*seen, screen, None, self.beside)
         page = page_around(lines, *seen)
         if page is None:
-            return self
+            return self._with_shaded_sheet_as_ground()
         image, crossed = shown_as_ground(page, *seen)
         return _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page, crossed)
+
+    def _with_shaded_sheet_as_ground(self) -> "View":
+        """This view, in which the sheet is ground as well if a shadow falls onto it."""
+        pose = self.camera, self.T_cam_marker, self.side_m
+        shown = shaded_sheet_as_ground(self.image_bgr, *pose, self.sheet)
+        if shown is None:
+            return self
+        image, where = shown
+        return _made(image, *pose, self.sheet, None, self.beside, None, where)
 
     @property
     def size(self) -> tuple[int, int]:
