@@ -9,11 +9,11 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight
-from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, widest_reach_px
+from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
-from ashe_live.light.known_body.outline.profiles import Profiles
+from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.seen import DEEP, Seen
+from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 from ashe_live.light.shape.light_points import at_infinity
@@ -25,6 +25,8 @@ MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found othe
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
 # Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
 LEAST_CLEAR, CLEAR = 0.5, 0.8
+# Log odds of a shadow by steps of light at its outline: with less a start that map and sides do not tell is not tried.
+LEAST_STEPS = 3.0
 # Part of a shadow's outline that is in view, from which on it is not hidden: its edges would tell it.
 MOST_IN_VIEW = 0.25
 LEAST_DARKENING = 0.06  # part of the table's light: what takes less is no light
@@ -65,7 +67,7 @@ def refined(
             break
         template, by_template = lights[index], float(beside.everywhere.darkenings[index, -1])
         left[lights[:, :3] @ template[:3] > math.cos(APART_RAD)] = -np.inf
-        if score[index] < least and not _edges_in_view(seen, template, by_template, room)[1] > LEAST_CLEAR:
+        if score[index] < least and steps[index] < LEAST_STEPS:
             tried += 1
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
@@ -89,7 +91,7 @@ def refined(
                 clear.append(one)
                 worst = max(worst, order[index] - TRIED_WITHIN)
             yield one
-        elif _edges_in_view(seen, template, darkening, room)[0] <= MOST_IN_VIEW:
+        elif in_view(seen, template, room) <= MOST_IN_VIEW:
             tried, worst = tried + 1, max(worst, order[index] - TRIED_WITHIN)
             mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], template)
             yield FoundLight(mean, spread, None, darkening)
@@ -118,16 +120,10 @@ def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) ->
     return best
 
 
-def _edges_in_view(seen: Seen, light: Float, darkening: float, room: Room) -> tuple[float, float]:
-    """Of a light's (4,) shadow, where it would have its edges, nearly: the part in view, and that which shows steps."""
+def in_view(seen: Seen, light: Float, room: Room) -> float:
+    """Of the outline of a light's (4,) shadow, the part that would be seen."""
     edges = seen.shadow_edges(light)
-    if edges is None:
-        return 0.0, 0.0
-    reach_px = np.full(len(edges.points_px), widest_reach_px(seen.body, seen.view))
-    profiles = Profiles.of(edges, reach_px, seen.light, room)
-    if not profiles.visible.any():
-        return 0.0, 0.0
-    return float(profiles.visible.mean()), profiles.clear(max(darkening, DEEP))
+    return 0.0 if edges is None else float((room.around(edges.points_px) >= LEAST_PX).mean())
 
 
 def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float, float]:

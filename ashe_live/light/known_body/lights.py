@@ -8,14 +8,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, mean_near, refined
+from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, in_view, mean_near, refined
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, points_of, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
-from ashe_live.light.known_body.outline.profiles import LEAST_PX, SHOWN
+from ashe_live.light.known_body.outline.profiles import SHOWN
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 from ashe_live.light.shape.light_points import NO_LIGHTS
@@ -163,9 +163,7 @@ def _hidden(seen: Seen, score: Float, beside: Evidence) -> FoundLight | None:
         return None
     best = seen.templates.lights[int(score.argmax())]
     mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
-    edges = seen.shadow_edges(mean)
-    in_view = 0.0 if edges is None else float((seen.room.around(edges.points_px) >= LEAST_PX).mean())
-    if darkening < LEAST_DARKENING or in_view > MOST_IN_VIEW:
+    if darkening < LEAST_DARKENING or in_view(seen, mean, seen.room) > MOST_IN_VIEW:
         return None
     return FoundLight(mean, spread, None, darkening, exists=exists)
 
