@@ -86,8 +86,8 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     # A place's pixel moves along the side's normal by this over its depth, as that line's homogeneous vector says: the
     # product with places on it, (x, y, 0, 1), is 0.
     lines = in_image[:2].T @ normals - in_image[2, :, None] * (normals * pixels).sum(axis=0)
-    # With `a` pixels by metres, and s and the distance those of the light from what casts the edge: a turn of it by 1
-    # moves the edge by the root of (1 + s's) (a'a + (a's)^2), and a disc's standard deviation is a quarter of its width.
+    # With pixels a by metres, and s and the distance those of the light from what casts the edge: a turn of it by 1
+    # moves the edge by the root of (1 + s's)(a'a + (a's)^2), and a disc's standard deviation is a quarter of its width.
     s, nearness = light[:2] / light[2], float(light[3] / light[2])
     by_size = np.sqrt((lines[:2] ** 2).sum(axis=0) + (s @ lines[:2] + nearness * lines[3]) ** 2) / (4 * up)
 
