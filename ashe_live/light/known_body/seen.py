@@ -142,7 +142,8 @@ class Seen:
         falls = None
         if lights[:, 3].any():
             along, (x, y, _) = places(self.body), self.body.foot_marker
-            falls = fall_off(lights[:, None, None], along + x, along[:, None] + y).astype(np.float32)
+            columns, rows = (each.astype(np.float32) for each in (along + x, along[:, None] + y))
+            falls = np.asarray(fall_off(lights[:, None, None].astype(np.float32), columns, rows), dtype=np.float32)
         unit = lights / np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
         return Lit(unit, shadows_of(self.body, lights), falls)
 

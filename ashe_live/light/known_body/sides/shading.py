@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.light.known_body.sides.facets import Facets
 from ashe_live.light.shape.light_points import NEAREST
 
@@ -142,7 +142,7 @@ def direct_light(lights: Float, normals: Float, centres: Float) -> Float:
     return np.asarray(cosines / np.maximum(np.linalg.norm(ways, axis=-1), NEAREST) ** 3 / up)
 
 
-def fall_off(lights: Float, x: Float, y: Float) -> Float:
+def fall_off(lights: Float | Float32, x: Float | Float32, y: Float | Float32) -> Float:
     """What lights (..., 4) give to level ground at places x, y, metres, over that at the marker's centre: 1 of a sun.
 
     The leading dimensions of lights, x and y broadcast.
