@@ -25,8 +25,6 @@ MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found othe
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
 # Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
 LEAST_CLEAR, CLEAR = 0.5, 0.8
-# Log odds of a shadow by steps of light at its outline: with less a start that map and sides do not tell is not tried.
-LEAST_STEPS = 3.0
 # Part of a shadow's outline that is in view, from which on it is not hidden: its edges would tell it.
 MOST_IN_VIEW = 0.25
 LEAST_DARKENING = 0.06  # part of the table's light: what takes less is no light
@@ -51,9 +49,9 @@ def refined(
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
     lights that are known. room: table on which edges may be seen. steps: (m,) log odds of each shadow by steps of light
-    in the map, which say with the score what is tried first. least: likelihood below which edges must be seen, as the
-    scan has it; told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights
-    (4,) whose shadow should be seen, and is not: some other thing is dark.
+    in the map, which say with the score what is tried first. least: log likelihood that is tried, with these or without;
+    told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights (4,) whose shadow
+    should be seen, and is not: some other thing is dark.
     """
     lights, order = seen.templates.lights, score + steps
     left, worst = order.copy(), -np.inf
@@ -67,7 +65,7 @@ def refined(
             break
         template, by_template = lights[index], float(beside.everywhere.darkenings[index, -1])
         left[lights[:, :3] @ template[:3] > math.cos(APART_RAD)] = -np.inf
-        if score[index] < least and steps[index] < LEAST_STEPS:
+        if max(score[index], order[index]) < least:
             tried += 1
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
