@@ -49,9 +49,9 @@ def refined(
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
     lights that are known. room: table on which edges may be seen. steps: (m,) log odds of each shadow by steps of light
-    in the map, which say with the score what is tried first. least: log likelihood that is tried, with these or without;
+    in the map, which say with the score what is tried first. least: log likelihood that is tried, with these or not;
     told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights (4,) whose shadow
-    should be seen, and is not: some other thing is dark.
+    or whose light on the body's sides should be seen, and is not: some other thing is dark.
     """
     lights, order = seen.templates.lights, score + steps
     left, worst = order.copy(), -np.inf
@@ -82,14 +82,15 @@ def refined(
             again = _moved_onto_edges(seen, template, by_template, room)
             if again is not None and again.clear > CLEAR:
                 fit, darkening = again, by_template
-        if fit is not None:
+        is_denied = fit is not None and seen.observed.sides.deny(fit.light, darkening)
+        if fit is not None and not is_denied:
             one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
             tried += 1
             if fit.clear > CLEAR:  # else map and score were another thing's
                 clear.append(one)
                 worst = max(worst, order[index] - TRIED_WITHIN)
             yield one
-        elif in_view(seen, template, room) <= MOST_IN_VIEW:
+        elif not is_denied and in_view(seen, template, room) <= MOST_IN_VIEW:
             tried, worst = tried + 1, max(worst, order[index] - TRIED_WITHIN)
             mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], template)
             yield FoundLight(mean, spread, None, darkening)
