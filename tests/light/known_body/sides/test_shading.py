@@ -97,7 +97,7 @@ def test_sides_say_nothing_beside_a_level_facet_of_which_nothing_is_told() -> No
 
 @pytest.mark.parametrize("nearness", [0.0, 1.0])
 def test_a_light_does_not_shine_if_all_sides_that_it_reaches_lack_what_it_alone_gives(nearness: float) -> None:
-    light, part = LAMP * (1, 1, 1, nearness), 0.3
+    light, part = LAMP * (2, 2, 0.6, nearness), 0.3
     by_light, even = part * direct_light(light, NORMALS, CENTRES), 0.7 * 0.5 * (1 + NORMALS[:, 2])
 
     def deny(lit: tuple[float, float, float], clipped: bool = False) -> bool:
