@@ -107,8 +107,11 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    rims = seen.rims(points_of(known))
-    for one in refined(seen, score, beside, room_beside(seen, known), rims.by_depth(), LEAST_MORE - WORTH, AGAINST):
+    rims, room = seen.rims(points_of(known)), room_beside(seen, known)
+    # A known one that no edges told may be made up of this and others, and is found anew beside it.
+    is_vague = known[0].fit is None
+    least = (0.0 if is_vague else LEAST_MORE) - WORTH
+    for one in refined(seen, score, beside, room, rims.by_depth(), least, AGAINST):
         if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)
@@ -118,8 +121,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
         is_edged = one.fit.clear > LEAST_CLEAR or (more > by_table and one.fit.misfit_px < MOST_MISFIT_PX)
         is_told = by_table > LEAST_MORE and (one.fit.seen <= MOST_IN_VIEW or is_edged)
         is_told |= by_table > AGAINST and more > LEAST_BY_EDGES and _is_clear(one.fit)
-        # A known one that no edges told may be made up of this and others, and is found anew beside it.
-        is_told |= known[0].fit is None and by_table > 0 and _is_clear(one.fit)
+        is_told |= is_vague and by_table > 0 and _is_clear(one.fit)
         if is_told and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.

@@ -67,7 +67,7 @@ class Steps(NamedTuple):
 class Beside(NamedTuple):
     """A picture at both sides of m shadows' outlines, whatever lights are known."""
 
-    pixels: Float32  # (3, m, PLACES, 2) of Rims.places
+    pixels: Float32  # (3, m, PLACES, 2) of Rims.places, and between both
     lost: Float32  # (m, PLACES) light from outside to inside
     hidden: Float32  # (m, PLACES) as of Rims
 
@@ -90,9 +90,9 @@ class Beside(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rims:
-    """Places at and beside m shadows' outlines, in the map's cells."""
+    """Places at both sides of m shadows' outlines, in the map's cells."""
 
-    places: Float32  # (3, m, PLACES, 2) columns and rows inside, on and outside of it; far away where there is none
+    places: Float32  # (2, m, PLACES, 2) columns and rows inside and outside of it; far away where there is none
     cells_away: Float  # (m,) from the outline to both sides
     hidden: Float32  # (m, PLACES) how much more of an even sky the body hides inside than outside
 
@@ -100,7 +100,7 @@ class Rims:
     def of(body: Proxy, lights: Float, hidden_sky: Float32) -> "Rims":
         """Of the body's shadows in lights (m, 4); hidden_sky: (n * n,) as in Templates."""
         cells, is_finite = cells_of(body, lights)
-        beside = np.full((3, len(lights), PLACES, 2), NOWHERE, np.float32)
+        beside = np.full((2, len(lights), PLACES, 2), NOWHERE, np.float32)
         lengths_cells = CELLS_A_HEIGHT * np.hypot(*lights[:, :2].T) / np.maximum(lights[:, 2], 1e-6)
         away = np.clip(BESIDE_LENGTHS * lengths_cells, LEAST_CELLS, MOST_CELLS)
         evenly = (np.arange(PLACES) + 0.5) / PLACES
@@ -116,14 +116,16 @@ class Rims:
             places = outline[side] + (evenly * ends[-1] - ends[side] + lengths[side])[:, None] * along[side]
             across = np.column_stack([along[side, 1], -along[side, 0]])
             across *= np.sign(((places - outline.mean(axis=0)) * across).sum(axis=1))[:, None]
-            beside[:, number] = [places + sign * away[number] * across for sign in (-1, 0, 1)]
-        within, beyond = _read(hidden_sky.reshape(SIDE, SIDE), beside[::2], cv2.INTER_LINEAR)
+            beside[:, number] = [places + sign * away[number] * across for sign in (-1, 1)]
+        within, beyond = _read(hidden_sky.reshape(SIDE, SIDE), beside, cv2.INTER_LINEAR)
         return Rims(beside, away, np.asarray(within - beyond, dtype=np.float32))
 
     def beside(self, light: Float32, pixel_from_cell: Float) -> Beside:
         """The table's light (h, w), over that of the lit one; pixel_from_cell: (3, 3) as by `table.pixel_from_cell`."""
         pixels = _in_picture(self.places, pixel_from_cell)
-        inside, outside = _read(light, pixels[::2], cv2.INTER_LINEAR)
+        inside, outside = _read(light, pixels, cv2.INTER_LINEAR)
+        # Between both lies no other edge that is known, either.
+        pixels = np.concatenate([pixels, 0.5 * (pixels[:1] + pixels[1:])])
         return Beside(pixels, np.asarray(outside - inside, dtype=np.float32), self.hidden)
 
     def hidden_step(self, seen: Mask) -> float:
@@ -131,7 +133,7 @@ class Rims:
 
         seen: (n, n). 0 where none is.
         """
-        is_seen = _all_on(seen, self.places[::2, :1])
+        is_seen = _all_on(seen, self.places[:, :1])
         return float(np.median(self.hidden[:1][is_seen])) if is_seen.any() else 0.0
 
 
