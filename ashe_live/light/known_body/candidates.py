@@ -9,11 +9,11 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight
-from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, widest_reach_px
+from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
-from ashe_live.light.known_body.outline.profiles import Profiles
+from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.seen import DEEP, Seen
+from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 from ashe_live.light.shape.light_points import at_infinity
@@ -49,9 +49,9 @@ def refined(
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
     lights that are known. room: table on which edges may be seen. steps: (m,) log odds of each shadow by steps of light
-    in the map, which say with the score what is tried first. least: likelihood below which edges must be seen, as the
-    scan has it; told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights
-    (4,) whose shadow should be seen, and is not: some other thing is dark.
+    in the map, which say with the score what is tried first. least: log likelihood that is tried, with these or not;
+    told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights (4,) whose shadow
+    or whose light on the body's sides should be seen, and is not: some other thing is dark.
     """
     lights, order = seen.templates.lights, score + steps
     left, worst = order.copy(), -np.inf
@@ -65,7 +65,7 @@ def refined(
             break
         template, by_template = lights[index], float(beside.everywhere.darkenings[index, -1])
         left[lights[:, :3] @ template[:3] > math.cos(APART_RAD)] = -np.inf
-        if score[index] < least and not _edges_in_view(seen, template, by_template, room)[1] > LEAST_CLEAR:
+        if max(score[index], order[index]) < least:
             tried += 1
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
@@ -82,14 +82,15 @@ def refined(
             again = _moved_onto_edges(seen, template, by_template, room)
             if again is not None and again.clear > CLEAR:
                 fit, darkening = again, by_template
-        if fit is not None:
+        is_denied = fit is not None and seen.observed.sides.deny(fit.light, darkening)
+        if fit is not None and not is_denied:
             one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
             tried += 1
             if fit.clear > CLEAR:  # else map and score were another thing's
                 clear.append(one)
                 worst = max(worst, order[index] - TRIED_WITHIN)
             yield one
-        elif _edges_in_view(seen, template, darkening, room)[0] <= MOST_IN_VIEW:
+        elif not is_denied and in_view(seen, template, room) <= MOST_IN_VIEW:
             tried, worst = tried + 1, max(worst, order[index] - TRIED_WITHIN)
             mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], template)
             yield FoundLight(mean, spread, None, darkening)
@@ -118,16 +119,10 @@ def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) ->
     return best
 
 
-def _edges_in_view(seen: Seen, light: Float, darkening: float, room: Room) -> tuple[float, float]:
-    """Of a light's (4,) shadow, where it would have its edges, nearly: the part in view, and that which shows steps."""
+def in_view(seen: Seen, light: Float, room: Room) -> float:
+    """Of the outline of a light's (4,) shadow, the part that would be seen."""
     edges = seen.shadow_edges(light)
-    if edges is None:
-        return 0.0, 0.0
-    reach_px = np.full(len(edges.points_px), widest_reach_px(seen.body, seen.view))
-    profiles = Profiles.of(edges, reach_px, seen.light, room)
-    if not profiles.visible.any():
-        return 0.0, 0.0
-    return float(profiles.visible.mean()), profiles.clear(max(darkening, DEEP))
+    return 0.0 if edges is None else float((room.around(edges.points_px) >= LEAST_PX).mean())
 
 
 def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float, float]:

@@ -51,20 +51,23 @@ def with_confidence(
         if one.fit is not None:
             room, darkening = room_beside(seen, others), float(dark_rgb.mean())
             one = replace(one, fit=looked_at_again(one.fit, seen.body, darkening, seen.light, room, seen.view))
-    own = beside.scanned(seen.lit(one.casting[None]))
-    lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
+    own = one.casting[None]
+    lamp = float(beside.scanned(seen.lit(own)).log_likelihood[0]) if one.is_lamp else -math.inf
     to_sun = one.sun_alike(height_of(seen.body))
     steps = seen.rims(known).log_odds
     near, around, none = _posterior(seen.templates, beside.everywhere, steps, to_sun, lamp, log_none, ruled_out)
-    # Beside the foot the hidden sky's gradient looks like a step.
-    step = float(dark_rgb.mean()) - (1 - float(dark_rgb.mean())) * hidden_step(seen, one)
+    darkening = float(dark_rgb.mean())
+    # Beside the foot the hidden sky's gradient looks like a step. No body hides more than half of a sky.
+    step = darkening - (1 - darkening) / 2
+    if step <= pale:
+        step = darkening - (1 - darkening) * hidden_step(seen, one)
     if one.fit is None:
-        step = min(step, float(own.darkenings[0, -1]))
+        step = min(step, float(beside.scanned(seen.lit(own)).darkenings[0, -1]))
         confidence, around = (with_edges(each, None, step, palest, pale) for each in (near, around))
         return replace(one, confidence=confidence, around=around if none < MOST_NONE else confidence)
     most = math.inf
     if near < SURE_BY_TABLE:
-        room, darkening = room_beside(seen, others), float(dark_rgb.mean())
+        room = room_beside(seen, others)
         most = most_log_odds(one.fit, seen.body, darkening, seen.light, room, seen.view)
     exists = with_edges(near, one.fit, step, palest, pale, most)
     confidence, around = (exists * _shares(one)).tolist()

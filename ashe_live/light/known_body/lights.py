@@ -8,14 +8,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, mean_near, refined
+from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, in_view, mean_near, refined
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, points_of, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
-from ashe_live.light.known_body.outline.profiles import LEAST_PX, SHOWN
+from ashe_live.light.known_body.outline.profiles import SHOWN
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 from ashe_live.light.shape.light_points import NO_LIGHTS
@@ -107,8 +107,11 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    rims = seen.rims(points_of(known))
-    for one in refined(seen, score, beside, room_beside(seen, known), rims.by_depth(), LEAST_MORE - WORTH, AGAINST):
+    rims, room = seen.rims(points_of(known)), room_beside(seen, known)
+    # A known one that no edges told may be made up of this and others, and is found anew beside it.
+    is_vague = known[0].fit is None
+    least = (0.0 if is_vague else LEAST_MORE) - WORTH
+    for one in refined(seen, score, beside, room, rims.by_depth(), least, AGAINST):
         if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)
@@ -118,8 +121,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
         is_edged = one.fit.clear > LEAST_CLEAR or (more > by_table and one.fit.misfit_px < MOST_MISFIT_PX)
         is_told = by_table > LEAST_MORE and (one.fit.seen <= MOST_IN_VIEW or is_edged)
         is_told |= by_table > AGAINST and more > LEAST_BY_EDGES and _is_clear(one.fit)
-        # A known one that no edges told may be made up of this and others, and is found anew beside it.
-        is_told |= known[0].fit is None and by_table > 0 and _is_clear(one.fit)
+        is_told |= is_vague and by_table > 0 and _is_clear(one.fit)
         if is_told and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
@@ -163,9 +165,7 @@ def _hidden(seen: Seen, score: Float, beside: Evidence) -> FoundLight | None:
         return None
     best = seen.templates.lights[int(score.argmax())]
     mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
-    edges = seen.shadow_edges(mean)
-    in_view = 0.0 if edges is None else float((seen.room.around(edges.points_px) >= LEAST_PX).mean())
-    if darkening < LEAST_DARKENING or in_view > MOST_IN_VIEW:
+    if darkening < LEAST_DARKENING or in_view(seen, mean, seen.room) > MOST_IN_VIEW:
         return None
     return FoundLight(mean, spread, None, darkening, exists=exists)
 

@@ -12,7 +12,7 @@ from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.rims import Ground, Steps
+from ashe_live.light.known_body.rims import Beside, Steps
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
 from ashe_live.light.known_body.sides.facets import Facets, facets_of
@@ -84,7 +84,8 @@ class Seen:
     _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
     _rims: dict[bytes, Steps] = field(default_factory=dict, init=False)
     _edges: dict[bytes, ShadowEdges | None] = field(default_factory=dict, init=False)  # of lights
-    _open: list[Ground] = field(default_factory=list, init=False)  # the table beside no known light, once made
+    # Once made: the picture beside shadows' outlines, and (h, w) what of it is table beside no known light.
+    _outlines: list[tuple[Beside, Mask]] = field(default_factory=list, init=False)
 
     @staticmethod
     def of(view: View, body: Proxy, wobble: Wobble | None = None) -> "Seen | None":
@@ -141,7 +142,8 @@ class Seen:
         falls = None
         if lights[:, 3].any():
             along, (x, y, _) = places(self.body), self.body.foot_marker
-            falls = fall_off(lights[:, None, None], along + x, along[:, None] + y).astype(np.float32)
+            columns, rows = (each.astype(np.float32) for each in (along + x, along[:, None] + y))
+            falls = np.asarray(fall_off(lights[:, None, None].astype(np.float32), columns, rows), dtype=np.float32)
         unit = lights / np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
         return Lit(unit, shadows_of(self.body, lights), falls)
 
@@ -152,7 +154,7 @@ class Seen:
             lit, observed = self.lit(known), self.observed
             if len(known):
                 everywhere = Lit(self.templates.lights, self.templates.shadows)
-                observed = self.measured.observed(MEAN, self.templates, everywhere, _away_from_edges(lit))
+                observed = self.measured.observed(MEAN, self.templates, everywhere, _cells_away_from_edges(lit))
             self._beside[key] = Evidence(observed, lit)
         return self._beside[key]
 
@@ -162,23 +164,29 @@ class Seen:
         if key not in self._rims:
             darkenings = self.beside(known).everywhere.darkenings
             sky = 1 - darkenings.sum(axis=1)
-            self._rims[key] = self.templates.rims.seen(self._ground(known), darkenings[:, -1], sky, DEEP)
+            beside, is_table = self._at_outlines()
+            is_away = self._away_from_edges(is_table, known)
+            self._rims[key] = beside.seen(is_away, darkenings[:, -1], sky, DEEP)
         return self._rims[key]
 
-    def _ground(self, known: Float) -> Ground:
-        """The picture of the table, away from the body and from the edges of the shadows in `known` lights (l, 4)."""
-        if not self._open:
+    def _at_outlines(self) -> tuple[Beside, Mask]:
+        """The picture beside the outlines of all shadows, and (h, w) what of it is bare table away from the body."""
+        if not self._outlines:
             light = self.light / np.float32(self.lit_rgb.mean())
             is_table = cv2.erode((self.view.is_ground & (light < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
-            self._open.append(Ground(light, is_table.view(bool), pixel_from_cell(self.view, self.body)))
-        ground = self._open[0]
-        is_table = ground.is_table.view(np.uint8).copy()
+            beside = self.templates.rims.beside(light, pixel_from_cell(self.view, self.body))
+            self._outlines.append((beside, is_table.view(bool)))
+        return self._outlines[0]
+
+    def _away_from_edges(self, is_table: Mask, known: Float) -> Mask:
+        """(h, w) what of the table lies away from the edges of the shadows in `known` lights (l, 4)."""
+        is_away = is_table.view(np.uint8).copy()
         for one in known:
             edges = self.shadow_edges(one)
             if edges is not None:
                 outline = np.round(edges.corners_px.clip(-FARTHEST_PX, FARTHEST_PX)).astype(np.int32)
-                cv2.polylines(is_table, [outline], True, 0, EDGE_BROAD_PX)
-        return ground._replace(is_table=is_table.view(bool))
+                cv2.polylines(is_away, [outline], True, 0, EDGE_BROAD_PX)
+        return is_away.view(bool)
 
     def shadow_edges(self, light: Float) -> ShadowEdges | None:
         """The outline of the body's shadow in a light (4,); None where it has none in the picture."""
@@ -194,7 +202,7 @@ class Seen:
         return np.stack([Evidence(channel, known).darkenings for channel in channels], axis=1)
 
 
-def _away_from_edges(lit: Lit) -> Mask:
+def _cells_away_from_edges(lit: Lit) -> Mask:
     """(n, n) cells that no edge of these lights' shadows comes near, by the cells beside them.
 
     A folded body's shadow lies a part of a cell from where it is predicted, which would be another light's.

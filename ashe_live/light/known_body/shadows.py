@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.table import FINER, SIDE, places
+from ashe_live.light.known_body.table import FINER, SIDE, cell_m
 from ashe_live.light.shape.light_points import LOWEST_Z
 
 BITS = 6  # a shadow is painted with fractions of the finer cells
@@ -93,13 +93,12 @@ def _painted(corners: NDArray[np.int32], rows: slice, columns: slice) -> Float32
     """(k, cells of the window) part of each cell in the hulls of corners (k, m, 2)."""
     height, width = rows.stop - rows.start, columns.stop - columns.start
     corners = corners - np.array((columns.start, rows.start), np.int32) * FIXED
-    painted = np.empty((len(corners), height, width), np.float32)
-    fine = np.empty((FINER * height, FINER * width), np.float32)
-    for cells, outline in zip(painted, corners, strict=True):
-        fine[:] = 0
-        cv2.fillConvexPoly(fine, cv2.convexHull(outline), 1, shift=BITS)
-        cv2.resize(fine, (width, height), cells, interpolation=cv2.INTER_AREA)
-    return painted.reshape(len(painted), -1)
+    fine = np.zeros((len(corners), FINER * height, FINER * width), np.float32)
+    for canvas, outline in zip(fine, corners, strict=True):
+        cv2.fillConvexPoly(canvas, cv2.convexHull(outline), 1, shift=BITS)
+    fine = fine.reshape(-1, FINER * width)
+    painted = cv2.resize(fine, (width, len(corners) * height), interpolation=cv2.INTER_AREA)
+    return np.asarray(painted, dtype=np.float32).reshape(len(corners), -1)
 
 
 def _window(corners: NDArray[np.int32]) -> slice:
@@ -127,6 +126,5 @@ def cells_of(body: Proxy, lights: Float) -> tuple[Float, NDArray[np.bool_]]:
     is_finite = is_above & (left > 0).all(axis=1)
     cast = points[:, :2] - by_height[:, None, :2] * points[:, 2:]
     cast = cast / np.where(is_finite[:, None], left, 1.0)[..., None] - body.foot_marker[:2]
-    along = places(body)
-    cells = (cast / float(along[1] - along[0])).clip(-FARTHEST_CELLS, FARTHEST_CELLS)
+    cells = (cast / cell_m(body)).clip(-FARTHEST_CELLS, FARTHEST_CELLS)
     return cells + SIDE // 2, is_finite

@@ -41,15 +41,20 @@ def height_of(body: Proxy) -> float:
     return float((body.spheroids_marker[:, 2] + body.spheroids_marker[:, 4]).max())
 
 
+def cell_m(body: Proxy) -> float:
+    """Metres along a cell of the map."""
+    return height_of(body) / CELLS_A_HEIGHT
+
+
 def places(body: Proxy) -> Float:
     """(n,) metres along x and along y from the body's foot, of the map's columns and of its rows."""
-    return np.asarray((np.arange(SIDE) - SIDE // 2) * (height_of(body) / CELLS_A_HEIGHT))
+    return np.asarray((np.arange(SIDE) - SIDE // 2) * cell_m(body))
 
 
 def pixel_from_cell(view: View, body: Proxy) -> Float:
     """(3, 3) homography from the map's cells (column, row, 1), whose centres are integers, to pixels and depth."""
     along, foot = places(body), body.foot_marker
-    cell = float(along[1] - along[0])
+    cell = cell_m(body)
     marker_from_cell = np.array([(cell, 0, foot[0] + along[0]), (0, cell, foot[1] + along[0]), (0, 0, 1)])
     return np.asarray(image_from_plane(view.camera, view.T_cam_marker) @ marker_from_cell)
 
@@ -103,6 +108,6 @@ def sent_by_table(body: Proxy, table: Table, relative: Float32, normals: Float, 
         x, y = along[None] + foot[0] - centre[0], along[:, None] + foot[1] - centre[1]
         squared = x * x + y * y + centre[2] ** 2
         facing = np.maximum(x * normal[0] + y * normal[1] - centre[2] * normal[2], 0.0)
-        form = facing * centre[2] / (np.pi * squared**2) * float(along[1] - along[0]) ** 2
+        form = facing * centre[2] / (np.pi * squared**2) * cell_m(body) ** 2
         sent[number] = 0.5 * (1 - float(normal[2])) - form.reshape(-1) @ missing
     return sent

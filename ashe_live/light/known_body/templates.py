@@ -35,7 +35,7 @@ class Templates:
     lights: Float  # (m, 4) at infinity, unit (x, y, z)
     solid_angle: Float  # (m,) share of the upper hemisphere that each stands for
     shadows: Shadows
-    rims: Rims
+    rims: Rims  # of the first of these lights; those of others are hidden
     hidden_sky: Float32  # (n * n,) fraction of an even sky's light that the body keeps from the table
     # (2, n * n) what it hides more of a sky that is brighter along x, and along y: one that gives 1 more to a facet
     # that faces that way, in units of what it gives to a level one.
@@ -58,7 +58,7 @@ class Templates:
             np.concatenate([self.lights, further]),
             np.concatenate([self.solid_angle, cell / lengths**3 / (2 * np.pi)]),
             self.shadows.joined(shadows_of(body, further)),
-            self.rims.and_unseen(len(further)),
+            self.rims,
             self.hidden_sky,
             self.hidden_slope,
             self.from_sides,

@@ -34,5 +34,5 @@ def test_in_a_shadow_that_is_known_less_light_is_left() -> None:
     square = np.array([(10.0, 10.0), (60.0, 10.0), (60.0, 60.0), (10.0, 60.0)])
     points = np.array([(35.0, 35.0), (35.0, 12.0), (35.0, 90.0)])
     room = Room.of(view(), BODY)
-    assert np.allclose(room.light_left(points), 1.0)
-    assert np.allclose(room.beside_shadow(square, 3.0, 0.6).light_left(points), [0.4, 0.4, 1.0])
+    assert np.allclose(room.around_and_left(points)[1], 1.0)
+    assert np.allclose(room.beside_shadow(square, 3.0, 0.6).around_and_left(points)[1], [0.4, 0.4, 1.0])

@@ -9,12 +9,21 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy, Wobble
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.layout import nearness_of
-from ashe_live.light.shape.light_points import cast_on_ground
+from ashe_live.light.shape.light_points import LOWEST_Z, shadow_projection
 
 POINTS = 105  # of an outline, spread evenly along it in the picture
 EVENLY: Float = (np.arange(POINTS) + 0.5) / POINTS
 EVENLY.flags.writeable = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Corners:
+    """The m corners of a shadow's outline, and the straight sides from each to the next."""
+
+    rim: NDArray[np.intp]  # (m,) numbers of the body's points that cast them
+    scales: Float  # (m,) homogeneous ones of their pixels as images of these points: depth times light's height left
+    places: Float  # (2, m) metres on the plane, marker frame, over their depths
+    lines: Float  # (4, m) pixels along a side's normal by metres of a place on it, times its depth; and what makes up 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,124 +37,100 @@ class ShadowEdges:
     to_corner_px: Float  # (n,) distance from the nearer end of that side
     by_light: Float  # (n, 3) pixels along the normal by s_x, s_y and by w / z, 1/m
     by_size: Float  # (n,) standard deviation, pixels, of the penumbra of a light of 1 rad
-    places: Float  # (n, 2) metres on the plane, marker frame
-    by_place: Float  # (n, 3) pixels along the normal by metres of such a place
-    rim: NDArray[np.intp]  # (m,) numbers of the body's points that cast the corners
-    way: Float  # (n,) how far what casts each point is from that of its side's first corner to that of the next
-    height_left: Float  # (n,) of the light's height, above what casts each: 1 of a sun
+    share: Float  # (n,) how far along its side each is
+    inverse_depth: Float  # (n,)
+    drop: Float  # (n,) metres by s: the height of what casts each, over what is left of the light's above that
+    corners: Corners
+
+    def on_plane(self) -> tuple[Float, Float]:
+        """(n, 2) metres on the plane, marker frame, and (n, 3) pixels along the normal by metres of such a place."""
+        places = _along(self.corners.places, self.side, self.share) / self.inverse_depth
+        return places.T, (self.corners.lines[:3, self.side] * self.inverse_depth).T
 
     def by_wobble(self, wobble: Wobble, light: Float) -> Float:
         """(n, r) pixels along the normal by each cause of a body's and its frame's errors, in the light (4,)."""
-        turned = np.cross(np.column_stack([self.places, np.zeros(len(self.places))]), self.by_place)
-        by_pose = np.concatenate([turned, self.by_place], axis=1) @ wobble.pose
-        at_corners = wobble.points[self.rim]
-        first, second = at_corners[self.side], at_corners[(self.side + 1) % len(self.rim)]
-        moved = first + self.way[:, None, None] * (second - first)
-        s, nearness = light[:2] / light[2], float(nearness_of(light))
+        places, by_place = self.on_plane()
+        turned = np.cross(np.column_stack([places, np.zeros(len(places))]), by_place)
+        by_pose = np.concatenate([turned, by_place], axis=1) @ wobble.pose
+        # Evenly in the picture is not evenly along the body's edge that casts a side.
+        after, scales = (self.side + 1) % len(self.corners.rim), self.corners.scales
+        to_first, to_last = (1 - self.share) / scales[self.side], self.share / scales[after]
+        way = (to_last / (to_first + to_last))[:, None, None]
+        at_corners = wobble.points[self.corners.rim]
+        moved = at_corners[self.side] + way * (at_corners[after] - at_corners[self.side])
+        s, nearness = light[:2] / light[2], float(light[3] / light[2])
         # A point at the height z casts its shadow at (x, y) - s z over 1 - z w.
-        across = self.by_place[:, :2]
-        down = -(across * (s - nearness * self.places)).sum(axis=1)
-        by_point = np.column_stack([across, down]) / self.height_left[:, None]
+        across = by_place[:, :2]
+        down = -(across * (s - nearness * places)).sum(axis=1)
+        by_point = np.column_stack([across, down]) * (1 + nearness * self.drop)[:, None]
         return np.asarray(by_pose + (by_point[:, :, None] * moved).sum(axis=1))
 
 
 def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     """The outline of the body's shadow in a light (4,), marker frame; None where it has none in the picture."""
-    points = body.points_marker()
-    cast = cast_on_ground(points, light)
-    if cast is None:
+    up = float(light[2] / np.linalg.norm(light[:3]))
+    if up <= LOWEST_Z:
         return None
-    rim = cv2.convexHull(cast[:, :2].astype(np.float32), returnPoints=False)[:, 0].astype(np.intp)
-    corners, casting = cast[rim, :2], points[rim]
-    in_image = view.camera.K @ view.T_cam_marker[:3]
-    depths, pixels = _projected(in_image, corners)
-    if len(rim) < 3 or not (depths.min() > 0 and np.isfinite(pixels).all()):
+    points, in_image = body.points_marker().T, view.camera.K @ view.T_cam_marker[:3]
+    to_plane = shadow_projection(light)[[0, 1, 3]]
+    cast = to_plane[:, :3] @ points + to_plane[:, 3:]
+    image = in_image[:, [0, 1, 3]] @ cast
+    if not (cast[2].min() > 0 and image[2].min() > 0):
         return None
-    after = np.arange(1, len(rim) + 1) % len(rim)
-    sides, lengths_px, outwards = _sides(pixels, after)
-    # A place's pixel moves along the side's normal by this over its depth, as that line's homogeneous vector says.
-    across_depth = outwards @ in_image[:2, :3] - (outwards * pixels).sum(axis=1)[:, None] * in_image[2, :3]
+    rim = cv2.convexHull((cast[:2] / cast[2]).T.astype(np.float32), returnPoints=False)[:, 0].astype(np.intp)
+    cast, scales = cast[:, rim], image[2, rim]
+    pixels = image[:2, rim] / scales
+    if len(rim) < 3 or not np.isfinite(pixels).all():
+        return None
+    lengths_px, normals = _sides(pixels)
+    # A place's pixel moves along the side's normal by this over its depth, as that line's homogeneous vector says: the
+    # product with places on it, (x, y, 0, 1), is 0.
+    lines = in_image[:2].T @ normals - in_image[2, :, None] * (normals * pixels).sum(axis=0)
+    # With pixels a by metres, and s and the distance those of the light from what casts the edge: a turn of it by 1
+    # moves the edge by the root of (1 + s's)(a'a + (a's)^2), and a disc's standard deviation is a quarter of its width.
+    s, nearness = light[:2] / light[2], float(light[3] / light[2])
+    by_size = np.sqrt((lines[:2] ** 2).sum(axis=0) + (s @ lines[:2] + nearness * lines[3]) ** 2) / (4 * up)
 
     side, along_px = _evenly_along(lengths_px)
-    stop, length_px = after[side], lengths_px[side]
-    share = along_px / np.maximum(length_px, 1e-9)
-    points_px = pixels[side] + share[:, None] * sides[side]
-    # Evenly in the picture is not evenly on the table: a side's points are those of its line's homogeneous points.
-    part = _homogeneous(share, depths[side], depths[stop])
-    places = corners[side] + part[:, None] * (corners[stop] - corners[side])
-    depth = depths[side] + part * (depths[stop] - depths[side])
-    # And those of the body's edge are in the ratio of their homogeneous scales.
-    nearness = float(nearness_of(light))
-    left = 1 - casting[:, 2] * nearness
-    way = _homogeneous(part, left[side], left[stop])
-    origin = casting[side] + way[:, None] * (casting[stop] - casting[side])
-
-    by_place = across_depth[side] / depth[:, None]
-    across = by_place[:, :2]
-    height_left = 1 - origin[:, 2] * nearness
-    lower = origin[:, 2] / height_left
-    by_light = np.column_stack([-across * lower[:, None], (across * places).sum(axis=1) * lower])
-    offsets = (light[:3] - light[3] * origin) / np.linalg.norm(light[:3])
-    by_size = _penumbra(across, lower, offsets)
-    to_corner_px = np.minimum(along_px, length_px - along_px)
+    of_sides = np.concatenate([normals, -lines[[0, 1, 3]], by_size[None], lengths_px[None]])[:, side]
+    share = along_px / np.maximum(of_sides[6], 1e-9)
+    # What is projective along the body's edge is linear along its picture, if it is over the homogeneous scale.
+    over_scale = np.concatenate([pixels, points[2:, rim] / scales, cast[2:] / scales])
+    over_scale = _along(over_scale, side, share)
+    drop_over_depth, inverse_depth = over_scale[2:]
+    drop = drop_over_depth / inverse_depth
     return ShadowEdges(
-        points_px,
-        pixels,
-        outwards[side],
+        over_scale[:2].T,
+        pixels.T,
+        of_sides[:2].T,
         side,
-        to_corner_px,
-        by_light,
-        by_size,
-        places,
-        by_place,
-        rim,
-        way,
-        height_left,
+        np.minimum(along_px, of_sides[6] - along_px),
+        (of_sides[2:5] * drop_over_depth).T,
+        of_sides[5] * drop_over_depth * (1 + nearness * drop),
+        share,
+        inverse_depth,
+        drop,
+        Corners(rim, scales, cast[:2] / scales, lines),
     )
 
 
-def _projected(in_image: Float, places: Float) -> tuple[Float, Float]:
-    """(n,) depths and (n, 2) pixels of places (n, 2) on the plane; pixels are not finite where the depth is 0.
-
-    in_image: (3, 4) homogeneous pixels from the marker frame.
-    """
-    image = places @ in_image[:, :2].T + in_image[:, 3]
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return image[:, 2], image[:, :2] / image[:, 2:]
+def _along(of_corners: Float, side: NDArray[np.intp], share: Float) -> Float:
+    """(k, n) what is given at corners (k, m), at points that lie on the sides from there, linear along these."""
+    to_next = np.concatenate([of_corners[:, 1:], of_corners[:, :1]], axis=1) - of_corners
+    return np.asarray(of_corners[:, side] + share * to_next[:, side])
 
 
 def _evenly_along(lengths: Float) -> tuple[NDArray[np.intp], Float]:
     """(p,) the sides, of these lengths (n,), on which the POINTS of an outline lie, and how far along each."""
     ends = lengths.cumsum()
     at = EVENLY * ends[-1]
-    side = np.minimum(np.searchsorted(ends, at, side="right"), len(lengths) - 1)
-    return side, at - ends[side] + lengths[side]
+    side = np.minimum(ends.searchsorted(at, side="right"), len(lengths) - 1)
+    return side, at - (ends - lengths)[side]
 
 
-def _sides(pixels: Float, after: NDArray[np.intp]) -> tuple[Float, Float, Float]:
-    """Of a polygon's straight sides, which are lines in the picture as well: (n, 2) ways, (n,) lengths, (n, 2) normals.
-
-    pixels: (n, 2) its corners. after: (n,) each one's next. Normals are unit and point outwards.
-    """
-    ways = pixels[after] - pixels
-    lengths = np.hypot(ways[:, 0], ways[:, 1])
-    normals = np.column_stack([ways[:, 1], -ways[:, 0]]) / np.maximum(lengths, 1e-12)[:, None]
-    is_clockwise = (pixels[:, 0] * ways[:, 1] - pixels[:, 1] * ways[:, 0]).sum() > 0
-    return ways, lengths, normals if is_clockwise else -normals
-
-
-def _homogeneous(share: Float, first: Float, last: Float) -> Float:
-    """(n,) the part of a segment at a `share` of its projection, whose ends have the homogeneous scales."""
-    return np.asarray(share * first / np.maximum(share * first + (1 - share) * last, 1e-12))
-
-
-def _penumbra(across: Float, lower: Float, offsets: Float) -> Float:
-    """(n,) standard deviation by the light's angular diameter, seen from the marker's centre: a disc's is a quarter.
-
-    offsets: (n, 3) from what casts each point to the light, over the light's distance from the marker's centre.
-    """
-    s = offsets[:, :2] / offsets[:, 2:]
-    # A turn of the direction by 1 moves s, and with it the edge along `across`, by no more than this: with the metric
-    # (I - s s' / (1 + s's)) / (1 + s's) of directions in s, whose inverse is (1 + s's) (I + s s').
-    squared = (1 + (s * s).sum(axis=1)) * ((across * across).sum(axis=1) + (across * s).sum(axis=1) ** 2)
-    return np.asarray(np.sqrt(squared / (offsets * offsets).sum(axis=1)) * lower / 4)
+def _sides(pixels: Float) -> tuple[Float, Float]:
+    """(m,) lengths and (2, m) outward unit normals of the sides of a convex outline (2, m), whichever way around."""
+    x, y = np.concatenate([pixels[:, 1:], pixels[:, :1]], axis=1) - pixels
+    lengths = np.hypot(x, y)
+    outwards = np.array([y, -x] if float(pixels[0] @ y - pixels[1] @ x) > 0 else [-y, x])
+    return lengths, outwards / np.maximum(lengths, 1e-12)

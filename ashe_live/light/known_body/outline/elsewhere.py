@@ -46,7 +46,7 @@ def most_log_odds(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32,
     room = room.outside(edges.corners_px)
     along = np.arange(-REACH_HEIGHTS, REACH_HEIGHTS, APART_HEIGHTS) * height_of(body)
     moves = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
-    around = room.around(laid(edges, chosen, moves, view).points_px).reshape(len(moves), -1)
+    around = room.around(laid(edges, chosen, moves, view)[0].points_px).reshape(len(moves), -1)
     moves = moves[np.argsort(-(around >= LEAST_PX).sum(axis=1), kind="stable")[:MOST_PLACES]]
     found = _on_edges(edges, chosen, moves, fit.size_rad or 0.0, body, darkening, picture, room, view)
     log_odds = _log_odds(found, len(chosen), darkening)
@@ -74,12 +74,12 @@ def _on_edges(
     moves, tall_px = starts, height_px(body, view)
     prior = (START_SIGMA_HEIGHTS * height_of(body)) ** -2.0 * np.eye(2)
     for number in range(len(REACHES) + 2):
-        there = laid(edges, chosen, moves, view)
+        there, by_move = laid(edges, chosen, moves, view)
         wanted_px = windows_px(there, BLUR_PX**2, size_rad, tall_px)
         if number < len(REACHES):
             wanted_px = np.full(len(there.points_px), max(REACHES[number] * tall_px, 2 * LEAST_PX))
         found = Profiles.of(there, wanted_px, picture, room)
-        J = there.by_place[:, :2].reshape(len(moves), -1, 2)
+        J = by_move.reshape(len(moves), -1, 2)
         weighted = np.swapaxes(J * found.weights(darkening, 1.0).reshape(len(moves), -1, 1), 1, 2)
         pull = (weighted @ found.offset_px.reshape(len(moves), -1, 1))[..., 0] - (moves - starts) @ prior
         moves = moves + np.linalg.solve(weighted @ J + prior, pull[..., None])[..., 0]
@@ -102,29 +102,26 @@ def _log_odds(found: Profiles, count: int, darkening: float) -> Float:
     return np.asarray(log_odds[shown >= LEAST_SEEN * count])
 
 
-def laid(edges: ShadowEdges, chosen: NDArray[np.intp], moves: Float, view: View) -> ShadowEdges:
-    """The `chosen` points of an outline after each of k `moves` (k, 2), metres on the table, one after another."""
+def laid(edges: ShadowEdges, chosen: NDArray[np.intp], moves: Float, view: View) -> tuple[ShadowEdges, Float]:
+    """The `chosen` points of an outline after each of k `moves` (k, 2), metres on the table, one after another; and
+    (n, 2) pixels along their normals by such metres.
+    """
     P = (view.camera.K @ view.T_cam_marker[:3])[:, [0, 1, 3]]
-    image = np.column_stack([(moves[:, None] + edges.places[chosen]).reshape(-1, 2), np.ones(len(moves) * len(chosen))])
-    image = image @ P.T
-    is_before = image[:, 2] > LEAST_DEPTH * P[2, 2]
-    depth = np.where(is_before, image[:, 2], 1.0)[:, None]
-    pixels = np.where(is_before[:, None], image[:, :2] / depth, NOWHERE_PX)
-    by_place = (P[None, :2, :2] - (image[:, :2] / depth)[:, :, None] * P[2, :2]) / depth[..., None]
-    # A line's direction on the table stays, and what is on its left stays there.
-    outwards = edges.by_place[chosen, :2]
-    along = np.tile(np.column_stack([-outwards[:, 1], outwards[:, 0]]), (len(moves), 1))
-    along_px = (by_place @ along[..., None])[..., 0]
-    normals = np.column_stack([along_px[:, 1], -along_px[:, 0]])
-    normals *= np.sign(np.linalg.det(by_place))[:, None]
-    normals /= np.maximum(np.hypot(*normals.T), 1e-12)[:, None]
-    across = (normals[:, None] @ by_place)[:, 0]
-    return replace(
+    side = edges.side[chosen]
+    image = P[:, :2] @ (moves[:, None] + edges.on_plane()[0][chosen]).reshape(-1, 2).T + P[:, 2:]
+    is_before = image[2] > LEAST_DEPTH * P[2, 2]
+    depth = np.where(is_before, image[2], 1.0)
+    # A side's line as it lies on the table after each move, (3, k, m), and in the picture.
+    lines = np.repeat(edges.corners.lines[[0, 1, 3], None], len(moves), axis=1)
+    lines[2] -= moves @ lines[:2, 0]
+    in_picture = np.tensordot(np.linalg.inv(P).T, lines, 1)
+    lengths = np.maximum(np.hypot(*in_picture[:2]), 1e-12)
+    moved = replace(
         edges,
-        points_px=pixels,
-        normals_px=normals,
-        side=np.tile(edges.side[chosen], len(moves)),
+        points_px=np.where(is_before, image[:2] / depth, NOWHERE_PX).T,
+        normals_px=(in_picture[:2] / lengths)[..., side].reshape(2, -1).T,
+        side=np.tile(side, len(moves)),
         to_corner_px=np.tile(edges.to_corner_px[chosen], len(moves)),
         by_size=np.tile(edges.by_size[chosen], len(moves)),
-        by_place=np.column_stack([across, np.zeros(len(across))]),
     )
+    return moved, ((lines[:2] / lengths)[..., side].reshape(2, -1) / depth).T

@@ -115,11 +115,6 @@ def windows_px(edges: ShadowEdges, blur_px2: float, size_rad: float, height_px: 
     return np.asarray(np.clip(SPREADS * spread_px, LEAST_PX, max(MOST_SHARE * height_px, LEAST_PX)))
 
 
-def widest_reach_px(body: Proxy, view: View) -> float:
-    """How far from where a fit predicts edges at first it looks for them."""
-    return max(REACHES[0] * height_px(body, view), 2 * LEAST_PX)
-
-
 def height_px(body: Proxy, view: View) -> float:
     """Of the body in the picture, as if seen from the side."""
     return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))

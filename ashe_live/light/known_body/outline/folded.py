@@ -35,13 +35,14 @@ def beside_folds(
     prior[: len(parameters), : len(parameters)] = of_light
     to_start = np.zeros(J.shape[1])
     to_start[: len(parameters)] = of_light @ (start - light[parameters])
+    of_lights = np.eye(len(prior), len(parameters))  # of the inverse, only the light's columns are wanted
     left_px, variance = profiles.offset_px, EDGE_SIGMA_PX**2
     for number in range(ROUNDS):
         weight = profiles.weights(darkening, EARLY_LOSS if number == 0 else 1.0, left_px)
         weight = weight * telling_sides(profiles, weight, darkening, with_nearness)[edges.side]
         weighted = J.T * (weight / (POINTS_A_SAMPLE * variance))
-        covariance = np.linalg.inv(weighted @ J + prior)
-        step = covariance @ (weighted @ profiles.offset_px + to_start)
+        wanted = np.column_stack([weighted @ profiles.offset_px + to_start, of_lights])
+        step, *by_lights = np.linalg.solve(weighted @ J + prior, wanted).T
         left_px = profiles.offset_px - J @ step
         variance = float((weight * left_px**2).sum() / max(float(weight.sum()), 1e-9)) + LEAST_SIGMA_PX**2
-    return step[: len(parameters)], covariance[: len(parameters), : len(parameters)]
+    return step[: len(parameters)], np.array(by_lights)[:, : len(parameters)]

@@ -17,10 +17,10 @@ LEAST_STEP = 0.35  # of an edge, over the light that the shadow takes, from whic
 OUTLIER_SHARE, OUTLIER_PX = 0.12, 0.5  # scale of Cauchy's loss: of the reach, and at least
 FARTHEST_PX = 1e4  # of an edge from the picture: beyond, it is looked for as if it were there
 ALONG: Float32 = np.linspace(-1, 1, SAMPLES, dtype=np.float32)
-# (samples, 3) weights of the dark level, the lit one, and the sum by the trapezoidal rule.
-LEVELS: Float32 = np.zeros((SAMPLES, 3), np.float32)
-LEVELS[:ENDS, 0], LEVELS[-ENDS:, 1], LEVELS[:, 2] = 1 / ENDS, 1 / ENDS, 1.0
-LEVELS[[0, -1], 2] = 0.5
+# (3, samples) weights of the dark level, the lit one, and the sum by the trapezoidal rule.
+LEVELS: Float32 = np.zeros((3, SAMPLES), np.float32)
+LEVELS[0, :ENDS], LEVELS[1, -ENDS:], LEVELS[2] = 1 / ENDS, 1 / ENDS, 1.0
+LEVELS[2, [0, -1]] = 0.5
 # (samples - 1, 3) powers of the middles between samples: moments of the rises there.
 MOMENTS: Float32 = ((0.5 * (ALONG[1:] + ALONG[:-1]))[:, None] ** np.arange(3)).astype(np.float32)
 # Neighbouring points see the same pixels, and a table's stains are wider than these: points over the sample size.
@@ -39,35 +39,29 @@ class Profiles:
     reach_px: Float  # (n,) how far from the prediction they were looked for
     window: Float  # (n,) part of the window that was asked for, which holds an edge's blur, for which there is room
     offset_px: Float  # (n,) outwards of where they are predicted
-    variance_px2: Float  # (n,) of the rise outwards
+    light: Float32  # (n, SAMPLES) along the lines outwards
     step: Float  # (n,) light lost, over the table's where no shadow that is known lies
     visible: Mask  # (n,) with room enough on the bare table
-    in_picture: Mask  # (n,) and not at its border
+    from_border_px: Float  # (n,) negative beyond the picture
 
     @staticmethod
     def of(edges: ShadowEdges, wanted_px: Float, picture: Float32, room: Room) -> "Profiles":
         """Edges in `picture` (h, w), looked for within `wanted_px` (n,), or less where there is less room."""
-        free = room.around(edges.points_px)
+        free, left = room.around_and_left(edges.points_px)
         visible = free >= LEAST_PX
         reach = np.where(visible, np.minimum(wanted_px, free), wanted_px)
-        middle = edges.points_px.clip(-FARTHEST_PX, FARTHEST_PX).astype(np.float32)
-        away = (reach[:, None] * edges.normals_px).astype(np.float32)
-        x, y = (middle[:, axis, None] + away[:, axis, None] * ALONG for axis in (0, 1))
-        profiles = cv2.remap(picture, x, y, cv2.INTER_LINEAR)
-        dark, lit, whole = (profiles @ LEVELS).astype(np.float64).T
+        middle = edges.points_px.T.clip(-FARTHEST_PX, FARTHEST_PX).astype(np.float32)
+        x, y = middle[..., None] + (reach * edges.normals_px.T).astype(np.float32)[..., None] * ALONG
+        light = np.asarray(cv2.remap(picture, x, y, cv2.INTER_LINEAR), dtype=np.float32)
+        dark, lit, whole = (LEVELS @ light.T).astype(np.float64)
         lost = lit - dark
         # The light on a line that is dark up to the edge and lit beyond it is as much as its lit part is long.
         inside = (whole - (SAMPLES - 1) * dark) / np.where(np.abs(lost) > 1e-6, lost, 1.0)
         offset = reach * (1 - 2 / (SAMPLES - 1) * inside)
-        rises = np.maximum(profiles[:, 1:] - profiles[:, :-1], 0.0)
-        total, first, second = (rises @ MOMENTS).astype(np.float64).T
-        total = np.maximum(total, 1e-9)
-        variance = np.maximum(second / total - (first / total) ** 2, 0.0) * reach**2
         # In a known shadow less light is left, of which another light's edge takes the larger part.
-        step = lost / np.maximum(lit, 1e-4) * room.light_left(edges.points_px)
-        window = np.minimum(reach / wanted_px, 1.0)
-        in_picture = room.from_border(edges.points_px) >= LEAST_PX
-        return Profiles(edges, reach, window, offset.clip(-reach, reach), variance, step, visible, in_picture)
+        step = lost / np.maximum(lit, 1e-4) * left
+        window, offset = np.minimum(reach / wanted_px, 1.0), np.minimum(np.maximum(offset, -reach), reach)
+        return Profiles(edges, reach, window, offset, light, step, visible, room.from_border(edges.points_px))
 
     def are_steps(self, darkening: float) -> Mask:
         """(n,) which are visible and as deep as a light's edge that takes this part of the table's light."""
@@ -85,7 +79,7 @@ class Profiles:
 
     def are_cut_off(self) -> Mask:
         """(m,) of which of the outline's sides a part lies beyond the picture."""
-        beyond = np.bincount(self.edges.side, ~self.in_picture, len(self.edges.corners_px))
+        beyond = np.bincount(self.edges.side, self.from_border_px < LEAST_PX, len(self.edges.corners_px))
         return np.asarray(beyond > 0)
 
     def weights(self, darkening: float, loss: float, left_px: Float | None = None) -> Float:
@@ -107,7 +101,7 @@ class Profiles:
         A penumbra widens with the height that casts it, blur does not: a weighted linear regression of variances.
         """
         used = weight > 0
-        spreads, variance, full = self.edges.by_size[used] ** 2, self.variance_px2[used], weight[used]
+        spreads, variance, full = self.edges.by_size[used] ** 2, self._variance_px2(used), weight[used]
         terms = np.column_stack([np.ones(len(full)), spreads, spreads**2, variance, spreads * variance])
         w = full
         for _ in range(3):
@@ -122,3 +116,10 @@ class Profiles:
         if squared <= 3 * error or squared * upper_quantile(spreads, 0.9) < 0.5 * blur:
             return blur, 0.0
         return blur, min(math.sqrt(squared), LARGEST_RAD)
+
+    def _variance_px2(self, used: Mask) -> Float:
+        """(k,) of the rises outwards, of those edges that are `used` (n,)."""
+        light = self.light[used]
+        total, first, second = (np.maximum(light[:, 1:] - light[:, :-1], 0.0) @ MOMENTS).astype(np.float64).T
+        total = np.maximum(total, 1e-9)
+        return np.asarray(np.maximum(second / total - (first / total) ** 2, 0.0) * self.reach_px[used] ** 2)

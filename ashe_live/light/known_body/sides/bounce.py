@@ -6,7 +6,7 @@ from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.sides.facets import NORMALS, Facets
 from ashe_live.light.known_body.sides.shading import PAPER
-from ashe_live.light.known_body.table import SIDE, height_of, places
+from ashe_live.light.known_body.table import SIDE, cell_m, height_of, places
 
 # Of what falls on a printed face, over what white paper sends back of it: about 0.37 of the cube's faces is ink.
 WHITE_SHARE = 0.63
@@ -30,7 +30,7 @@ def form_factors(body: Proxy) -> Float32:
         across = np.array((-normal[1], normal[0], 0.0))
         from_foot = points[:, :2] - foot[:2]
         out, wide = float((from_foot @ normal[:2]).max()), from_foot @ across[:2]
-        before = np.flatnonzero(middle @ normal > out + 0.25 * float(along[1] - along[0]))
+        before = np.flatnonzero(middle @ normal > out + 0.25 * cell_m(body))
         ends = [out * normal + side * across for side in (wide.min(), wide.max())]
         up = np.array((0.0, 0.0, height_of(body)))
         corners = [ends[0], ends[1], ends[1] + up, ends[0] + up]

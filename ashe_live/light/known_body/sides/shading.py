@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.light.known_body.sides.facets import Facets
 from ashe_live.light.shape.light_points import NEAREST
 
@@ -28,6 +28,7 @@ MIXED, MIXED_PX, MIXED_POWER = 0.2, 10.0, 3
 # Of the exponent by which a camera's tones bend the ratio of two facets' light: of 87 sides, path-traced, through five
 # cameras, by `scenes.tones` (assets/sources); 0.01 of a plain one and 0.2 of a phone that maps tones locally.
 TONES = 0.12
+DENIED_SIGMAS = 3.0  # by which all sides that a light reaches lack its light, if it is none
 MOST_SIGMAS = 4.0  # a residual counts no more than so many: something else may light or shade that side
 
 
@@ -99,6 +100,18 @@ class Sides:
         by_lamps = uneven * (direct + self.relative**2)
         return np.asarray(OF_LIGHT**2 * direct + by_lamps + TURN_RAD**2 * (turned + turned_level))
 
+    def deny(self, light: Float, darkening: float) -> bool:
+        """Whether a light (4,) of that part of the table's light does not shine: what it alone gives is not there.
+
+        Whatever else shines adds to it. Another thing's shadow may lie on a side, but on all that it reaches?
+        """
+        unit, even = light / np.linalg.norm(light[:3]), 0.5 * (1 + self.normals[:, 2])
+        reached = self.reached(unit)
+        given, there = darkening * (reached + even), self.residual + even
+        sigma = np.sqrt(self.noise**2 + self.by_level**2 + darkening**2 * self.spread(unit, reached))
+        is_told = ~self.is_clipped & (given > DENIED_SIGMAS * sigma)
+        return bool(is_told.any() and (given - there > DENIED_SIGMAS * sigma)[is_told].all())
+
     def variance(self, spread: Float, darkenings: Float) -> Float:
         """(k, m) of the residuals in m sets of l lights of `darkenings` (l, m); spread: (l, k, m) as by `spread`."""
         sky = np.maximum(1 - darkenings.sum(axis=0), 0.0)
@@ -142,7 +155,7 @@ def direct_light(lights: Float, normals: Float, centres: Float) -> Float:
     return np.asarray(cosines / np.maximum(np.linalg.norm(ways, axis=-1), NEAREST) ** 3 / up)
 
 
-def fall_off(lights: Float, x: Float, y: Float) -> Float:
+def fall_off(lights: Float | Float32, x: Float | Float32, y: Float | Float32) -> Float:
     """What lights (..., 4) give to level ground at places x, y, metres, over that at the marker's centre: 1 of a sun.
 
     The leading dimensions of lights, x and y broadcast.

@@ -93,3 +93,20 @@ def test_a_level_facet_that_nobody_can_tell_leaves_what_the_sides_say_of_each_ot
 def test_sides_say_nothing_beside_a_level_facet_of_which_nothing_is_told() -> None:
     seen = Facets(NORMALS, np.ones((3, 3)), CENTRES, np.array([True, False, False]), np.full(3, 90.0), np.inf)
     assert len(Sides.of(seen, np.zeros((3, 3)), WHITE).relative) == 0
+
+
+@pytest.mark.parametrize("nearness", [0.0, 1.0])
+def test_a_light_does_not_shine_if_all_sides_that_it_reaches_lack_what_it_alone_gives(nearness: float) -> None:
+    light, part = LAMP * (2, 2, 0.6, nearness), 0.3
+    by_light, even = part * direct_light(light, NORMALS, CENTRES), 0.7 * 0.5 * (1 + NORMALS[:, 2])
+
+    def deny(lit: tuple[float, float, float], clipped: bool = False) -> bool:
+        light_rgb = np.repeat((even + lit * by_light)[:, None], 3, axis=1)
+        seen = Facets(NORMALS, light_rgb, CENTRES, np.array([False, clipped, clipped]), np.full(3, 90.0))
+        return Sides.of(seen, np.zeros((3, 3)), WHITE).deny(light, part)
+
+    assert deny((1, 0, 0))
+    assert not deny((1, 1, 1))
+    assert not deny((1, 2, 2))  # of others there may be more
+    assert not deny((1, 1, 0))  # another thing's shadow may lie on one of them
+    assert not deny((1, 0, 0), clipped=True)  # they may be brighter than they look
