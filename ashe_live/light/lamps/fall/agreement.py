@@ -36,19 +36,26 @@ EVERY = 4  # samples, of those that choose the gloss
 def with_gloss(fall_off: FallOff) -> FallOff:
     """With the gloss by which a sun explains the ground's brightness best, from wherever it shines; or as it is.
 
-    Also where a lamp is likelier than any of them: what the wrong light cannot explain would tell the gloss.
+    Where a lamp is likelier than any sun, with the gloss by which one explains it best: what a wrong light, or a dull
+    ground, cannot explain would tell another.
     """
     some, suns = fall_off.every(EVERY), _suns()
     directions = FallDirections(some)
-
-    def least_cost(gloss: Gloss | None, lights: Float) -> float:
-        return float(replace(some, gloss=gloss).worst_costs(lights, SHARE, directions.reference).min())
-
     tried = [Gloss(alpha, albedo) for alpha in ROUGHNESSES for albedo in ALBEDOS]
-    least, found = min(((least_cost(each, suns), each) for each in tried), key=itemgetter(0))
-    dull = least_cost(None, np.zeros((1, 3)))  # without gloss, all suns light the ground alike
-    is_glossy = dull - least > GLOSS_DEVIANCE and least < directions.of_lamps.min()
-    return replace(fall_off, gloss=found) if is_glossy else fall_off
+
+    def least_cost(lights: Float) -> tuple[float, Gloss]:
+        costs = [replace(some, gloss=each).worst_costs(lights, SHARE, directions.reference).min() for each in tried]
+        return min(zip(map(float, costs), tried, strict=True), key=itemgetter(0))
+
+    (even,) = some.worst_costs(np.zeros((1, 3)), SHARE, directions.reference)  # all suns light dull ground alike
+    of_sun, by_sun = least_cost(suns)
+    of_lamp = float(directions.of_lamps.min())
+    if even - of_lamp > UNEVEN_DEVIANCE:
+        of_glossy, by_lamp = least_cost(directions.lamps)
+        if of_lamp - of_glossy > GLOSS_DEVIANCE and of_sun - of_glossy > UNEVEN_DEVIANCE:
+            return replace(fall_off, gloss=by_lamp)
+    is_glossy = even - of_sun > GLOSS_DEVIANCE and of_sun < of_lamp
+    return replace(fall_off, gloss=by_sun) if is_glossy else fall_off
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,21 +70,24 @@ class FallDirections:
         0 where neither gloss nor the fall of light tells. displacements: at the marker's centre, of a sun and of lamps
         of each of NEARNESSES.
         """
-        if self.likeliest[1] < UNEVEN_DEVIANCE:
+        light, deviance = self.likeliest
+        is_lamp = light[2] > 0
+        if deviance < (LAMP_DEVIANCE if is_lamp else UNEVEN_DEVIANCE):
             return 0.0
         here = self._costs(np.column_stack([displacements, (0.0, *NEARNESSES)]))
-        if self.fall_off.gloss is not None:
-            ratio = _log_mean(here[:1]) - _log_mean(self._of_suns)
-        elif self.likeliest[1] > LAMP_DEVIANCE:
+        if is_lamp:
             ratio = _log_mean(here[1:]) - _log_mean(self.of_lamps)
         else:
-            return 0.0
+            ratio = _log_mean(here[:1]) - _log_mean(self._of_suns)
         return float(np.clip(ratio, -MOST, MOST))
 
     @cached_property
     def likeliest(self) -> tuple[Float, float]:
         """The displacement and nearness (3,) of the likeliest light, and by how much light that is alike costs more."""
-        costs, lights = np.append(self._of_suns, self.of_lamps), np.vstack([self._suns, self.lamps])
+        # What gloss mirrors of a sun, and a lamp's spot with its mirror image, are alike.
+        least = 0.0 if self.fall_off.gloss is None else UNEVEN_DEVIANCE
+        is_lamp = self._of_suns.min() - self.of_lamps.min() > least
+        costs, lights = (self.of_lamps, self.lamps) if is_lamp else (self._of_suns, self._suns)
         best = int(np.argmin(costs))
         (even,) = replace(self.fall_off, gloss=None).worst_costs(np.zeros((1, 3)), SHARE, self.reference)
         return lights[best], float(even - costs[best])
@@ -101,8 +111,8 @@ class FallDirections:
 
     @cached_property
     def of_lamps(self) -> Float:
-        """(n,) costs of these, without gloss: a lamp's spot and its mirror image together follow those of any sun."""
-        return replace(self.fall_off, gloss=None).worst_costs(self.lamps, SHARE, self.reference)
+        """(n,) costs of these."""
+        return self._costs(self.lamps)
 
     @cached_property
     def _of_suns(self) -> Float:
