@@ -6,6 +6,7 @@ unlikely, however well it fits.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
@@ -29,6 +30,8 @@ TEMPERING = 0.25
 MOST = 3.0  # of the log of a likelihood ratio, either way
 # Grounds that are tried: a table's varnish, a worn one, stone, and the bumps of a rough ground; pale and dark.
 ROUGHNESSES, ALBEDOS = (0.15, 0.3, 0.5, 0.8), (0.3, 0.08)
+# Under a lamp: the mirror image of a smoother ground lies between the directions that are tried.
+UNDER_LAMPS = (0.3, 0.5)
 GLOSS_DEVIANCE = 6.0  # of a ground without gloss, that chance exceeds once in twenty with two parameters
 EVERY = 4  # samples, of those that choose the gloss
 
@@ -41,17 +44,17 @@ def with_gloss(fall_off: FallOff) -> FallOff:
     """
     some, suns = fall_off.every(EVERY), _suns()
     directions = FallDirections(some)
-    tried = [Gloss(alpha, albedo) for alpha in ROUGHNESSES for albedo in ALBEDOS]
 
-    def least_cost(lights: Float) -> tuple[float, Gloss]:
+    def least_cost(lights: Float, roughnesses: Sequence[float]) -> tuple[float, Gloss]:
+        tried = [Gloss(alpha, albedo) for alpha in roughnesses for albedo in ALBEDOS]
         costs = [replace(some, gloss=each).worst_costs(lights, SHARE, directions.reference).min() for each in tried]
         return min(zip(map(float, costs), tried, strict=True), key=itemgetter(0))
 
     (even,) = some.worst_costs(np.zeros((1, 3)), SHARE, directions.reference)  # all suns light dull ground alike
-    of_sun, by_sun = least_cost(suns)
+    of_sun, by_sun = least_cost(suns, ROUGHNESSES)
     of_lamp = float(directions.of_lamps.min())
     if even - of_lamp > UNEVEN_DEVIANCE:
-        of_glossy, by_lamp = least_cost(directions.lamps)
+        of_glossy, by_lamp = least_cost(directions.lamps, UNDER_LAMPS)
         if of_lamp - of_glossy > GLOSS_DEVIANCE and of_sun - of_glossy > UNEVEN_DEVIANCE:
             return replace(fall_off, gloss=by_lamp)
     is_glossy = even - of_sun > GLOSS_DEVIANCE and of_sun < of_lamp
