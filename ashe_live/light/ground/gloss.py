@@ -12,6 +12,7 @@ from ashe_live.core.arrays import Float
 
 NORMAL_REFLECTANCE = 0.04  # of a dielectric with an index of refraction of 1.5
 LEAST_COSINE = 0.02  # of the eye's ray on the plane: beyond that it grazes the horizon
+MOVED = 1e-4  # of a light's displacement, metres per metre of height, by which slopes are measured
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,3 +45,12 @@ def mirrored(places: Float, eye: Float, lights: Float, gloss: Gloss) -> Float:
     k = 0.5 * gloss.roughness
     seen = 1 / ((eye_z * (1 - k) + k) * (light_z * (1 - k) + k))
     return np.asarray(0.25 * facets * fresnel * seen / gloss.albedo)
+
+
+def mirrored_and_slopes(places: Float, eye: Float, lights: Float, number: int, gloss: Gloss) -> tuple[Float, Float]:
+    """As `mirrored`, (p, n); and (p, 3) its slopes by displacement and nearness of light `number`."""
+    moved = lights[number] + MOVED * np.eye(2, 3)
+    found = mirrored(places, eye, np.vstack([lights, moved]), gloss)
+    by_displacement = (found[:, -2:] - found[:, [number]]) / MOVED
+    # At a place p the displacement is s - p w / z.
+    return found[:, :-2], np.column_stack([by_displacement, -(by_displacement * places).sum(axis=1)])

@@ -34,7 +34,7 @@ class LightFall:
     share: float  # of all light on the plane at the reference that is this light's
     reference: Float  # (2,) metres on the plane
     eye: Float  # (3,) the camera's centre, metres, marker frame
-    gloss: Gloss | None  # of the ground under a sun
+    gloss: Gloss | None  # of the ground
 
     @staticmethod
     def of(view: View, light: Float, share: float, reference: Float, gloss: Gloss | None = None) -> "LightFall":
@@ -49,7 +49,7 @@ class LightFall:
         w = np.where(np.abs(w) < HORIZON, HORIZON, w)
         places, light = np.column_stack([x / w, y / w]), self.light[None]
         relative = irradiances(places, light)[:, 0] / irradiances(self.reference[None], light)[0, 0]
-        if self.gloss is not None and self.light[2] == 0:
+        if self.gloss is not None:
             relative = relative * (1 + mirrored(places, self.eye, light, self.gloss)[:, 0])
         return np.asarray(np.log(np.maximum(1 - self.share + self.share * relative, LEAST_LIGHT)), dtype=np.float32)
 
@@ -69,13 +69,13 @@ def log_irradiance(
     shares: Sequence[float],
     reference: Float,
     number: int,
-    mirrored_share: Float | None = None,
+    mirrored_share: tuple[Float, Float] | None = None,
 ) -> tuple[Float, Float]:
     """(n,) log of all light at places (n, 2) over that at `reference` (2,); (n, 3) its slopes by light `number`.
 
     parameters: (l, 3) displacement and nearness of each light. shares: of all light at the reference. What is no
     light's share is the same everywhere. mirrored_share: (n, l) what the ground mirrors of each light, over what it
-    scatters; its slopes are left out, as gloss moves along with a light.
+    scatters, and (n, 3) its slopes by light `number`.
     """
     total = np.full(len(places), 1.0 - sum(shares))
     slopes = np.zeros((len(places), 3))
@@ -83,11 +83,15 @@ def log_irradiance(
         here, by_light = _log_fall(places, light)
         there, by_light_there = _log_fall(reference[None], light)
         part = share * np.exp(here - there)
+        slope = by_light - by_light_there
         if mirrored_share is not None:
-            part = part * (1 + mirrored_share[:, i])
+            seen, by_number = mirrored_share
+            glossy = 1 + seen[:, i]
+            part = part * glossy
+            slope = slope + by_number / glossy[:, None]
         total += part
         if i == number:
-            slopes = part[:, None] * (by_light - by_light_there)
+            slopes = part[:, None] * slope
     total = np.maximum(total, LEAST_LIGHT)
     return np.log(total), slopes / total[:, None]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.ground.gloss import Gloss, mirrored
+from ashe_live.light.ground.gloss import Gloss, mirrored, mirrored_and_slopes
 
 EYE = np.array([0.1, -0.5, 0.4])
 GLOSS = Gloss(0.2, 0.3)
@@ -57,3 +57,15 @@ def test_it_is_finite_and_not_negative_also_at_the_horizon(light: tuple[float, .
     found = mirrored(places, EYE, np.array([light], dtype=np.float64), Gloss(roughness, 0.08))
     assert np.isfinite(found).all()
     assert (found >= 0).all()
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_slopes_are_those_of_what_is_mirrored(number: int) -> None:
+    places, lights = line_of_places(60), np.array([[0.5, 0.8, 1.8], [-0.9, 0.2, 0.7]])
+    found, slopes = mirrored_and_slopes(places, EYE, lights, number, GLOSS)
+    np.testing.assert_array_equal(found, mirrored(places, EYE, lights, GLOSS))
+    for i in range(3):
+        step = np.zeros((2, 3))
+        step[number, i] = 1e-5
+        ahead, behind = (mirrored(places, EYE, lights + sign * step, GLOSS)[:, number] for sign in (1, -1))
+        np.testing.assert_allclose(slopes[:, i], (ahead - behind) / 2e-5, atol=2e-3 * np.abs(slopes).max())

@@ -7,6 +7,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.ground.gloss import Gloss, mirrored_and_slopes
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.ground.slow_shading import log_irradiance
 from ashe_live.light.lamps.fall.agreement import NEARNESSES, FallDirections
@@ -65,6 +66,19 @@ def test_slopes_are_exact(number: int) -> None:
         step[number, i] = 1e-6
         ahead, behind = (log_irradiance(PLACES, lights + sign * step, shares, FOOT, number)[0] for sign in (1, -1))
         np.testing.assert_allclose(slopes[:, i], (ahead - behind) / 2e-6, atol=1e-7)
+
+
+def test_slopes_with_gloss_are_exact() -> None:
+    eye, light, gloss = np.array([0.1, -0.5, 0.4]), np.array([[0.5, -0.3, 1.8]]), Gloss(0.3, 0.1)
+    _, slopes = log_irradiance(PLACES, light, [0.7], FOOT, 0, mirrored_and_slopes(PLACES, eye, light, 0, gloss))
+
+    def lit_by(light: Float) -> Float:
+        return log_irradiance(PLACES, light, [0.7], FOOT, 0, mirrored_and_slopes(PLACES, eye, light, 0, gloss))[0]
+
+    for i in range(3):
+        step = 1e-5 * np.eye(3)[i]
+        expected = (lit_by(light + step) - lit_by(light - step)) / 2e-5
+        np.testing.assert_allclose(slopes[:, i], expected, atol=1e-3)
 
 
 @pytest.mark.parametrize("ground", ["plain", "checkered", "bricks"])

@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.transforms import camera_centre, image_from_plane
+from ashe_live.core.transforms import angle_between, camera_centre, image_from_plane
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.gloss import Gloss, mirrored
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
@@ -90,6 +90,21 @@ def test_on_gloss_a_suns_ground_becomes_more_even_and_is_no_lamps() -> None:
     assert found.fall is not None
     assert found.fall.light[2] == 0
     assert unevenness(found, glossy) < unevenness(by_quadratic, glossy)
+
+
+def test_on_gloss_a_lamp_is_where_its_light_and_its_mirror_image_say() -> None:
+    """The image alone, a spot that lies towards the camera, would be taken for the light below a lamp there."""
+    lamp_m, gloss = np.array([-0.35, 0.1, 0.4]), Gloss(0.3, 0.08)
+    view = View.of(paint(FAR_AWAY, lamp_m=lamp_m).tracked, BALANCED.coarse_width_px)
+    lamp = np.array([[*lamp_m[:2] / lamp_m[2], 1 / lamp_m[2]]])
+    shine = mirrored(places_in(view).reshape(-1, 2), camera_centre(view.T_cam_marker), lamp, gloss)
+    found = lit_ground_of(as_seen(view, 0.5 * (1 + shine.reshape(view.is_ground.shape))), BALANCED.ground, AUTO)
+    assert found is not None
+    assert found.fall is not None
+    assert found.fall.gloss is not None
+    assert found.fall.light[2] > 0
+    told = np.append(found.fall.light[:2], 1.0)
+    assert angle_between(told, lamp_m) < np.radians(15)
 
 
 @pytest.mark.parametrize("brighter", [0.4, 1.5])

@@ -6,6 +6,7 @@ unlikely, however well it fits.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
@@ -29,6 +30,8 @@ TEMPERING = 0.25
 MOST = 3.0  # of the log of a likelihood ratio, either way
 # Grounds that are tried: a table's varnish, a worn one, stone, and the bumps of a rough ground; pale and dark.
 ROUGHNESSES, ALBEDOS = (0.15, 0.3, 0.5, 0.8), (0.3, 0.08)
+# Under a lamp: the mirror image of a smoother ground lies between the directions that are tried.
+UNDER_LAMPS = (0.3, 0.5)
 GLOSS_DEVIANCE = 6.0  # of a ground without gloss, that chance exceeds once in twenty with two parameters
 EVERY = 4  # samples, of those that choose the gloss
 
@@ -36,19 +39,26 @@ EVERY = 4  # samples, of those that choose the gloss
 def with_gloss(fall_off: FallOff) -> FallOff:
     """With the gloss by which a sun explains the ground's brightness best, from wherever it shines; or as it is.
 
-    Also where a lamp is likelier than any of them: what the wrong light cannot explain would tell the gloss.
+    Where a lamp is likelier than any sun, with the gloss by which one explains it best: what a wrong light, or a dull
+    ground, cannot explain would tell another.
     """
     some, suns = fall_off.every(EVERY), _suns()
     directions = FallDirections(some)
 
-    def least_cost(gloss: Gloss | None, lights: Float) -> float:
-        return float(replace(some, gloss=gloss).worst_costs(lights, SHARE, directions.reference).min())
+    def least_cost(lights: Float, roughnesses: Sequence[float]) -> tuple[float, Gloss]:
+        tried = [Gloss(alpha, albedo) for alpha in roughnesses for albedo in ALBEDOS]
+        costs = [replace(some, gloss=each).worst_costs(lights, SHARE, directions.reference).min() for each in tried]
+        return min(zip(map(float, costs), tried, strict=True), key=itemgetter(0))
 
-    tried = [Gloss(alpha, albedo) for alpha in ROUGHNESSES for albedo in ALBEDOS]
-    least, found = min(((least_cost(each, suns), each) for each in tried), key=itemgetter(0))
-    dull = least_cost(None, np.zeros((1, 3)))  # without gloss, all suns light the ground alike
-    is_glossy = dull - least > GLOSS_DEVIANCE and least < directions.of_lamps.min()
-    return replace(fall_off, gloss=found) if is_glossy else fall_off
+    (even,) = some.worst_costs(np.zeros((1, 3)), SHARE, directions.reference)  # all suns light dull ground alike
+    of_sun, by_sun = least_cost(suns, ROUGHNESSES)
+    of_lamp = float(directions.of_lamps.min())
+    if even - of_lamp > UNEVEN_DEVIANCE:
+        of_glossy, by_lamp = least_cost(directions.lamps, UNDER_LAMPS)
+        if of_lamp - of_glossy > GLOSS_DEVIANCE and of_sun - of_glossy > UNEVEN_DEVIANCE:
+            return replace(fall_off, gloss=by_lamp)
+    is_glossy = even - of_sun > GLOSS_DEVIANCE and of_sun < of_lamp
+    return replace(fall_off, gloss=by_sun) if is_glossy else fall_off
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,21 +73,24 @@ class FallDirections:
         0 where neither gloss nor the fall of light tells. displacements: at the marker's centre, of a sun and of lamps
         of each of NEARNESSES.
         """
-        if self.likeliest[1] < UNEVEN_DEVIANCE:
+        light, deviance = self.likeliest
+        is_lamp = light[2] > 0
+        if deviance < (LAMP_DEVIANCE if is_lamp else UNEVEN_DEVIANCE):
             return 0.0
         here = self._costs(np.column_stack([displacements, (0.0, *NEARNESSES)]))
-        if self.fall_off.gloss is not None:
-            ratio = _log_mean(here[:1]) - _log_mean(self._of_suns)
-        elif self.likeliest[1] > LAMP_DEVIANCE:
+        if is_lamp:
             ratio = _log_mean(here[1:]) - _log_mean(self.of_lamps)
         else:
-            return 0.0
+            ratio = _log_mean(here[:1]) - _log_mean(self._of_suns)
         return float(np.clip(ratio, -MOST, MOST))
 
     @cached_property
     def likeliest(self) -> tuple[Float, float]:
         """The displacement and nearness (3,) of the likeliest light, and by how much light that is alike costs more."""
-        costs, lights = np.append(self._of_suns, self.of_lamps), np.vstack([self._suns, self.lamps])
+        # What gloss mirrors of a sun, and a lamp's spot with its mirror image, are alike.
+        least = 0.0 if self.fall_off.gloss is None else UNEVEN_DEVIANCE
+        is_lamp = self._of_suns.min() - self.of_lamps.min() > least
+        costs, lights = (self.of_lamps, self.lamps) if is_lamp else (self._of_suns, self._suns)
         best = int(np.argmin(costs))
         (even,) = replace(self.fall_off, gloss=None).worst_costs(np.zeros((1, 3)), SHARE, self.reference)
         return lights[best], float(even - costs[best])
@@ -101,8 +114,8 @@ class FallDirections:
 
     @cached_property
     def of_lamps(self) -> Float:
-        """(n,) costs of these, without gloss: a lamp's spot and its mirror image together follow those of any sun."""
-        return replace(self.fall_off, gloss=None).worst_costs(self.lamps, SHARE, self.reference)
+        """(n,) costs of these."""
+        return self._costs(self.lamps)
 
     @cached_property
     def _of_suns(self) -> Float:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import camera_centre
-from ashe_live.light.ground.gloss import Gloss, mirrored
+from ashe_live.light.ground.gloss import Gloss, mirrored, mirrored_and_slopes
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.slow_shading import irradiances, log_irradiance
 from ashe_live.light.lamps.fall.lit_samples import CONTRAST, LitSamples
@@ -68,7 +68,7 @@ class FallOff:
         """
         lit = partial(log_irradiance, self.samples.places, parameters, shares, reference, number)
         places, gloss = self.samples.places, self.gloss
-        with_gloss = [] if gloss is None else [lit(mirrored(places, self.eye, parameters, gloss))]
+        with_gloss = [] if gloss is None else [lit(mirrored_and_slopes(places, self.eye, parameters, number, gloss))]
         return min((self._pull(*each) for each in (lit(), *with_gloss)), key=attrgetter("worst_cost"))
 
     def _pull(self, log_light: Float, slopes: Float) -> Pull:
