@@ -11,7 +11,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
@@ -37,6 +37,7 @@ class View:
     beside: tuple[PlaneMarker, ...] = ()  # other printed sheets on the plane
     page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
     crossed: Mask | None = None  # of its border, the whole picture's, where that is ground as something crosses it
+    measured: MarkerPose | None = None  # the pose that it was given, about which T_cam_marker may be moved
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -48,7 +49,8 @@ class View:
             camera = camera.without_distortion()
         T_cam_marker, side_m, body = tracked.marker.T_cam_marker, tracked.marker.side_m, tracked.marker.body
         sheet = measured_sheet(image, camera, T_cam_marker, side_m) if body is None else USUAL_SHEET
-        return _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
+        made = _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
+        return replace(made, measured=tracked.marker)
 
     def with_page_as_ground(self) -> "View":
         """This view, in which a whole page that the marker is printed on is ground, and shown in its colour.
@@ -61,16 +63,21 @@ class View:
         lines = PageLines.of(*seen)
         screen = screen_around(lines)
         if screen is not None:
-            return _made(*seen, screen, None, self.beside)
+            return replace(_made(*seen, screen, None, self.beside), measured=self.measured)
         page = page_around(lines, *seen)
         if page is None:
             return self
         image, crossed = shown_as_ground(page, *seen)
-        return _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page, crossed)
+        made = _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page, crossed)
+        return replace(made, measured=self.measured)
 
     @property
     def size(self) -> tuple[int, int]:
         return self.camera.size
+
+    def shows(self, marker: MarkerPose | None) -> bool:
+        """Whether the picture is the one in which this pose was measured."""
+        return self.measured is not None and self.measured is marker
 
     def scaled(self, width_px: int) -> "View":
         """This view scaled down to `width_px`, if it is wider."""
@@ -78,7 +85,8 @@ class View:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
         pose = self.T_cam_marker, self.side_m
-        return _made(image, camera, *pose, self.sheet, self.body, self.beside, self.page, self.crossed)
+        made = _made(image, camera, *pose, self.sheet, self.body, self.beside, self.page, self.crossed)
+        return replace(made, measured=self.measured)
 
     def cut(self, window: Window) -> "View":
         """The part of the frame in `window`, seen by a camera whose principal point moves along."""
