@@ -46,7 +46,6 @@ class MarkerPose:
     reprojection_rms_px: float  # of the corners by this pose, one of IPPE's two solutions
     other_rms_px: float | None  # of the other solution; None when there is only one
     covariance: Float | None = None  # (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v
-    covariance_at_focal: Float | None = None  # (6, 6) the part of `covariance` that a known focal length leaves
     noise_covariance: Float | None = None  # (6, 6) the part of `covariance` that changes from frame to frame
     unfiltered_T_cam_marker: Float | None = None  # (4, 4) from this frame alone; None: T_cam_marker is unfiltered
     bridged: bool = False  # the marker could not be read: its corners were followed from an earlier frame
@@ -62,8 +61,7 @@ class MarkerPose:
             T_cam_marker=frozen_floats(self.T_cam_marker, (4, 4), "T_cam_marker"),
             corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
         )
-        set_given_frozen(self, covariance=(6, 6), covariance_at_focal=(6, 6), noise_covariance=(6, 6))
-        set_given_frozen(self, unfiltered_T_cam_marker=(4, 4))
+        set_given_frozen(self, covariance=(6, 6), noise_covariance=(6, 6), unfiltered_T_cam_marker=(4, 4))
         MARKER_SIDE.checked(self.side_m, "side_m")
 
     @property

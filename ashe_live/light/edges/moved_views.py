@@ -18,18 +18,8 @@ from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody
 
-# Factor on the standard deviations that the tracker states. Shutters and lenses bend the marker's sides, too: on clips
-# with both, rotations are off by 2.4 times what is stated, in the median.
-UNDERSTATED = 2.5
 POINTS_PER_SAMPLE = 2.3  # points of outlines over their effective sample size, as neighbours' errors are correlated
 HIGHEST = 0.9  # of a point on a body below the camera, over the camera's height
-
-
-def pose_information(view: View) -> Float | None:
-    """(6, 6) of (w, v), as MarkerPose.covariance, about the measured pose; None where the pose is exact."""
-    if view.measured is None or view.measured.covariance_at_focal is None:
-        return None
-    return np.asarray(np.linalg.inv(UNDERSTATED**2 * view.measured.covariance_at_focal))
 
 
 def pose_offset(view: View) -> Float:
@@ -41,11 +31,11 @@ def pose_offset(view: View) -> Float:
 
 def pose_cost(view: View) -> float:
     """How far the view's pose has been moved, in squared standard deviations; 0 where it is exact."""
-    information = pose_information(view)
-    if information is None:
+    covariance = view.pose_covariance
+    if covariance is None:
         return 0.0
     offset = pose_offset(view)
-    return float(offset @ information @ offset)
+    return float(offset @ np.linalg.solve(covariance, offset))
 
 
 def moved_view(view: View, step: Float) -> View:
@@ -72,13 +62,15 @@ class PoseEquations:
         places: (r, 2) the points, and outward normals. by_theta: (split + q, r) derivatives of their movement. weight:
         (r,) information of their borders. offset_px: (r,) how far outside of them these are.
         """
-        information = pose_information(view)
-        if information is None:
+        covariance = view.pose_covariance
+        if covariance is None:
             return None
         by_pose = _derivatives_by_pose(lit, view, *places)
         weighted = by_pose * weight
-        # Points are counted one by one, though their neighbours' errors are correlated; so the prior counts as often.
-        prior = POINTS_PER_SAMPLE * information
+        # Points are counted one by one, though neighbours' errors are correlated, and by their own variances, though a
+        # body that is no good model misses them by more; so the prior counts as often.
+        squares = (weight * offset_px**2)[weight > 0]
+        prior = POINTS_PER_SAMPLE * max(float(squares.mean()) if squares.size else 1.0, 1.0) * np.linalg.inv(covariance)
         return PoseEquations(
             weighted @ by_pose.T + prior, weighted @ offset_px - prior @ pose_offset(view), by_theta @ weighted.T
         )

@@ -19,6 +19,9 @@ from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
 
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
 FARTHEST = 4.0
+# Poses differ by more than noise between views: shutters and breathing lenses bend the marker, too. On clips with both,
+# rotations are off by five times the noise in the median.
+OVER_NOISE = 5.0
 
 Window = tuple[slice, slice]  # rows and columns
 
@@ -74,6 +77,15 @@ class View:
     @property
     def size(self) -> tuple[int, int]:
         return self.camera.size
+
+    @property
+    def pose_covariance(self) -> Float | None:
+        """(6, 6) of (w, v), as MarkerPose.covariance, by which poses differ from view to view; None for an exact pose.
+
+        What all poses are off by alike, as by a curled marker or a wrong focal length, no view tells.
+        """
+        noise = None if self.measured is None else self.measured.noise_covariance
+        return None if noise is None else np.asarray(OVER_NOISE**2 * noise)
 
     def shows(self, marker: MarkerPose | None) -> bool:
         """Whether the picture is the one in which this pose was measured."""

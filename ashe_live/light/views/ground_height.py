@@ -27,9 +27,6 @@ HIGHEST = 0.12
 STEP_PX = 0.5  # by which the ground moves in the other view from one height that is tried to the next
 # Poses, lenses and sharpening misplace whole pictures by less than this; no lower height is told.
 LEAST_PX = 0.4
-# The tracker's poses misplace the ground beside the marker, too: a height counts if it moves that by so many times what
-# both poses' standard deviations do.
-LEAST_POSE_SIGMAS = 2.0
 LEAST_LOG_ODDS = 10.0  # of a height, to pay for sheets that lie flat, and for those tried
 PIXELS_PER_SAMPLE = 40.0  # pixels over their effective sample size, as neighbours are blurred alike
 LEAST_PIXELS = 2000  # of ground that both views show
@@ -62,7 +59,7 @@ def height_above_ground(several: Sequence[TrackedFrame]) -> float:
     curvature = below - 2 * here + above
     height = float(around[1] + (0.25 * step * (below - above) / curvature if curvature > 0 else 0.0))
     surely = flat - here > LEAST_LOG_ODDS and bool((by_pair[:, 1] <= by_pair[:, 3]).all())
-    least_px = max(LEAST_PX, LEAST_POSE_SIGMAS * math.hypot(_misplaced_px(first), _misplaced_px(others[widest])))
+    least_px = max(LEAST_PX, math.hypot(_misplaced_px(first), _misplaced_px(others[widest])))
     return height if surely and moves[widest] * height > least_px else 0.0
 
 
@@ -109,7 +106,7 @@ def _moved_px_per_metre(one: _Textured, other: _Textured) -> float:
 def _misplaced_px(one: _Textured) -> float:
     """Standard deviation of the place of ground in the picture, root mean square, by the pose; 0 for an exact pose."""
     view = one.view
-    covariance = None if view.measured is None else view.measured.covariance_at_focal
+    covariance = view.pose_covariance
     rows, columns = np.nonzero(view.is_ground[::8, ::8])
     if covariance is None or not len(rows):
         return 0.0

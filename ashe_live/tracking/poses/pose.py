@@ -125,15 +125,15 @@ def pose_of_squares(
     freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
     understated = (errors.weight + solution.cost) / (errors.weight + freedom)
     log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
-    at_focal = covariances.noise + understated * (covariances.whole - covariances.noise)
     return MarkerPose(
         T_cam_marker=T_cam_marker,
         corners_px=source_from_ideal(camera, corners_px),
         side_m=side_m,
         reprojection_rms_px=solution.rms_px,
         other_rms_px=other_rms_px,
-        covariance=at_focal + log_focal_sigma**2 * covariances.by_log_focal,
-        covariance_at_focal=at_focal,
+        covariance=covariances.noise
+        + understated * (covariances.whole - covariances.noise)
+        + log_focal_sigma**2 * covariances.by_log_focal,
         noise_covariance=covariances.noise,
     )
 

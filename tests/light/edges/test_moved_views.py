@@ -9,10 +9,10 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, pixels_by_pose, project
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.edges.moved_views import UNDERSTATED, moved_view, pose_cost, pose_offset
+from ashe_live.light.edges.moved_views import moved_view, pose_cost, pose_offset
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.pixels.view import View
+from ashe_live.light.pixels.view import OVER_NOISE, View
 from tests.light.painted_scenes import BOX, direction, paint, tracked_frame
 from tests.light.synthetic_masks import camera_towards
 
@@ -26,7 +26,7 @@ OFF = SIGMAS * np.array(
 def view(covariance: Float | None = None) -> View:
     tracked = tracked_frame(np.zeros((480, 640, 3), np.uint8), Camera.from_hfov((640, 480), 60.0))
     assert tracked.marker is not None
-    return View.of(replace(tracked, marker=replace(tracked.marker, covariance_at_focal=covariance)), 640)
+    return View.of(replace(tracked, marker=replace(tracked.marker, noise_covariance=covariance)), 640)
 
 
 @pytest.mark.parametrize("parameter", range(6))
@@ -43,7 +43,7 @@ def test_points_move_with_a_pose_as_they_are_projected(parameter: int) -> None:
 def test_a_pose_costs_what_it_has_been_moved_by() -> None:
     there = moved_view(view(np.diag(SIGMAS**2)), 2 * OFF[0])
     assert pose_offset(there) == pytest.approx(2 * OFF[0], rel=1e-6)
-    assert pose_cost(there) == pytest.approx(np.sum((2 * OFF[0] / (UNDERSTATED * SIGMAS)) ** 2), rel=1e-6)
+    assert pose_cost(there) == pytest.approx(np.sum((2 * OFF[0] / (OVER_NOISE * SIGMAS)) ** 2), rel=1e-6)
     assert pose_cost(moved_view(view(), OFF[0])) == 0
 
 
@@ -68,7 +68,7 @@ def test_views_whose_poses_are_off_move_to_where_one_body_fits_them_all() -> Non
         error = angle_between(estimate.light.to_light_marker, direction(200, 40))
         return error, float(np.sqrt(np.mean((np.array(away) / SIGMAS)[:, :3] ** 2)))
 
-    fixed, moved = estimated(None), estimated(np.diag(SIGMAS**2))
+    fixed, moved = estimated(None), estimated(np.diag((SIGMAS / OVER_NOISE) ** 2))
     assert moved[1] < 0.7 * fixed[1]
     assert moved[0] < fixed[0]
 
@@ -77,4 +77,4 @@ def _off(tracked: TrackedFrame, off: Float, covariance: Float | None) -> Tracked
     """The frame with a pose that is off by (w, v), and said to have this covariance."""
     assert tracked.marker is not None
     pose = moved_view(View.of(tracked, 640), off).T_cam_marker
-    return replace(tracked, marker=replace(tracked.marker, T_cam_marker=pose, covariance_at_focal=covariance))
+    return replace(tracked, marker=replace(tracked.marker, T_cam_marker=pose, noise_covariance=covariance))
