@@ -22,13 +22,13 @@ def pose_equations(placed: PlacedBody, pull: NormalEquations, number: int) -> Po
 
 def with_pose_moved(costs: Costs, step: Float) -> Costs:
     """The costs in their view, its pose moved by (w, v), (6,)."""
-    return _in_view(costs, moved_view(costs.region.view, step))
+    return _with_pose(costs, moved_view(costs.region.view, step))
 
 
 def seen_from(costs: Costs, views: Sequence[View]) -> Costs:
     """The costs with the pose of that one of the views which is of the same picture; as they are where none is."""
     view = next((view for view in views if view.shows(costs.region.view.measured)), None)
-    return costs if view is None else _in_view(costs, replace(costs.region.view, T_cam_marker=view.T_cam_marker))
+    return costs if view is None else _with_pose(costs, view)
 
 
 def cost_of_moves(several: Sequence[PlacedBody]) -> float:
@@ -36,5 +36,5 @@ def cost_of_moves(several: Sequence[PlacedBody]) -> float:
     return PIXELS_PER_SAMPLE * sum(pose_cost(one.costs.region.view) for one in several)
 
 
-def _in_view(costs: Costs, view: View) -> Costs:
-    return replace(costs, region=replace(costs.region, view=view))
+def _with_pose(costs: Costs, view: View) -> Costs:
+    return replace(costs, region=costs.region.with_pose(view.T_cam_marker))
