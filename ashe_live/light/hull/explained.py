@@ -53,7 +53,7 @@ def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExpla
         [each.predicted.whole for each in explanation.each],
     ):
         hull = _hull_of(explanation, samples, sharpener)
-        if not _explains_more(explanation, hull, hull.in_light(start)):
+        if not explains_more(explanation, hull, hull.in_light(start)):
             break
         found = light_of_hull(hull, start)
         if found is not None:
@@ -67,7 +67,7 @@ def _hull_of(explanation: JointExplanation, samples: Sequence[Mask], sharpener: 
     return carved(views, Box.around(explanation.joint.proxy.points_marker(), WIDENED))
 
 
-def _explains_more(explanation: JointExplanation, hull: Carved, seen: InLight) -> bool:
+def explains_more(explanation: JointExplanation, hull: Carved, seen: InLight) -> bool:
     """Whether the hull explains enough of what the family leaves unexplained."""
     pairs = list(zip(hull.views, (each.predicted for each in explanation.each), strict=True))
     body_px = sum(int(np.count_nonzero(masks.body)) for _, masks in pairs)
