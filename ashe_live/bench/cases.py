@@ -121,7 +121,7 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
             to_lights_marker(scene),
             {name: folder / file for name, file in scene.get("masks", {}).items()},
             {kind: str(tags[kind]) for kind in KINDS if kind in tags},
-            _marker_spec(marker),
+            marker_spec_of(marker),
             *lamp_and_foot(scene),
         )
 
@@ -142,7 +142,8 @@ def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
         )
 
 
-def _marker_spec(marker: Mapping[str, Any]) -> str | None:
+def marker_spec_of(marker: Mapping[str, Any]) -> str | None:
+    """`marker_spec` of a Case, as far as its marker is stated."""
     if "dictionary" not in marker or "id" not in marker:
         return None
     return f"aruco:{str(marker['dictionary']).removeprefix('DICT_').lower()}:{marker['id']}"

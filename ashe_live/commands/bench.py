@@ -61,6 +61,7 @@ def _light(options: argparse.Namespace) -> None:
         options.quick,
         options.limit,
         options.casters,
+        options.tracked,
         sweeps=has_presets and not options.quick,
     )
     bench.run(options.out, options.overwrite)

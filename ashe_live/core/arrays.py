@@ -47,7 +47,7 @@ def frozen_view(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def set_frozen(instance: object, **fields: object) -> None:
-    """Sets fields of a frozen dataclass; for use in its __post_init__ only."""
+    """Sets fields of a frozen dataclass; for use in its __post_init__, and on a copy that nobody else has yet."""
     for name, value in fields.items():
         object.__setattr__(instance, name, value)
 

@@ -99,6 +99,18 @@ def project(camera: Camera, T_cam_marker: Float, points_marker: ArrayLike) -> Fl
     return np.asarray((points_cam / depth[:, None]) @ camera.K[:2].T)
 
 
+def pixels_by_pose(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float:
+    """(n, 2, 6) derivatives of where points (n, 3) in front of the camera are seen, without distortion, by its pose.
+
+    By (w, v) on the camera's axes, rad and m, as of MarkerPose.covariance: R' = exp(w) R, t' = t + v.
+    """
+    turned = points_marker @ T_cam_marker[:3, :3].T
+    seen = turned + T_cam_marker[:3, 3]
+    pixels = seen @ camera.K.T
+    by_place = (camera.K[:2] - (pixels[:, :2] / pixels[:, 2:])[..., None] * camera.K[2]) / seen[:, 2:, None]
+    return np.concatenate([np.cross(turned[:, None], by_place), by_place], axis=2)
+
+
 def camera_centre(T_cam_marker: Float) -> Float:
     """(3,) where the camera's centre is, marker frame."""
     return np.asarray(inverse_rigid(T_cam_marker)[:3, 3])

@@ -56,6 +56,7 @@ class LightBench(Bench):
     quick: bool = False  # a few scenes of each category, a few frames of each clip
     limit: int | None = None  # number of scenes of each folder, the first ones; None: all
     casters: bool = False  # also with the objects' shapes and sizes given, where they are boxes, cylinders or spheres
+    tracked: bool = False  # takes by the tracker's own poses, and a focal length that is not quite right
     sweeps: bool = False  # also measures and draws error against time, on some scenes of each category
 
     def parts(self) -> Iterator[Json]:
@@ -105,6 +106,7 @@ class LightBench(Bench):
             "scenes": [folder.resolve().name for folder in self.scenes],
             "quick": self.quick,
             "limit": self.limit,
+            "tracked": self.tracked,
             "estimator": self.estimator,
             "presets": presets,
             "cases": [asdict(result) for result in results],
@@ -120,7 +122,7 @@ class LightBench(Bench):
     def takes(self) -> list[Take]:
         """The takes with a known light; with `quick`, every fifth."""
         takes = [take for folder in self.scenes for take in read_takes(folder)[: self.limit]]
-        return takes[:: QUICK_EVERY if self.quick else 1]
+        return [replace(take, is_tracked=self.tracked) for take in takes[:: QUICK_EVERY if self.quick else 1]]
 
     def _results(self, estimators: Mapping[str, Estimator]) -> list[CaseResult]:
         """All presets on each case in turn, so that other load on the machine affects them equally."""

@@ -15,6 +15,7 @@ from ashe_live.bench.cases import (
     MOST_TRUTH_BYTES,
     Case,
     lamp_and_foot,
+    marker_spec_of,
     reprojection_rms_px,
     to_lights_marker,
 )
@@ -22,11 +23,16 @@ from ashe_live.bench.light.results import CaseResult, case_result
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
-from ashe_live.core.types import MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.preset import BALANCED
+from ashe_live.tracking.tracker import MarkerTracker
 
+# With the tracker's poses, the focal length that it is given is so many times the true one, as by a phone's data sheet.
+FOCAL_FACTOR = 1.01
 VIEWS = (1, 2, 4, 8, 12)  # numbers of views that are tried, each set holding those before it
 SPANS_DEG = (3.0, 6.0, 12.0, 25.0, 40.0)
 FALL = 0.02  # least decrease of a confidence that counts as a fall
@@ -39,16 +45,31 @@ class Take:
     case: Case  # its picture is the clip, its marker the first one in view
     span_deg: float  # by how much the direction from the marker to the camera turns
     poses: Mapping[int, MarkerPose]  # by frame; those without a marker are missing
+    is_tracked: bool = False  # its frames have the tracker's own poses, with a focal length that is not quite right
 
     def frames(self) -> list[TrackedFrame]:
         """The frames with a marker, in order; raises UserError when the clip cannot be read."""
         with ClipSource(self.case.image_path) as source:
-            read = iter(source.read, None)
-            return [
-                TrackedFrame(frame, self.case.camera, self.poses[frame.index])
-                for frame in read
-                if frame.index in self.poses
-            ]
+            read = [frame for frame in iter(source.read, None) if frame.index in self.poses]
+        if self.is_tracked:
+            return self._tracked(read)
+        return [TrackedFrame(frame, self.case.camera, self.poses[frame.index]) for frame in read]
+
+    def _tracked(self, frames: Sequence[Frame]) -> list[TrackedFrame]:
+        """Those in which the tracker finds the marker, each by itself: a take has too few frames for its filter."""
+        if self.case.marker_spec is None:
+            raise UserError(f"{self.case.folder} does not say which marker {self.case.id} shows", "leave out --tracked")
+        known = self.case.camera
+        K = np.diag([FOCAL_FACTOR, FOCAL_FACTOR, 1.0]) @ known.K
+        K[:2, 2] = known.K[:2, 2]
+        camera = Camera(known.size, K, known.dist, "flag")
+        marker = parse_marker(self.case.marker_spec)
+        tracker = MarkerTracker(marker, camera, self.case.marker.side_m, BALANCED)
+        found = []
+        for frame in frames:
+            tracker.reset()
+            found.append(tracker.track(frame))
+        return [each for each in found if each.marker is not None]
 
     def frames_by_spread(self) -> list[TrackedFrame]:
         """The frames in the order of `spread_order`, so that the first N are spread over the take."""
@@ -84,7 +105,10 @@ def read_takes(folder: Path) -> list[Take]:
 
 def take_results(take: Take, estimators: Mapping[str, Estimator]) -> Iterator[TakeResult]:
     """The results of each preset with growing numbers of views, which are spread evenly over the take."""
-    first, *others = take.frames_by_spread()
+    frames = take.frames_by_spread()
+    if not frames:
+        return
+    first, *others = frames
     counts = [count for count in VIEWS if count <= 1 + len(others)]
     for views in counts:
         for preset, estimator in estimators.items():
@@ -152,7 +176,7 @@ def _take(folder: Path, take: dict[str, Any]) -> Take | None:
         to_lights_marker(take),
         {},
         {},
-        None,
+        marker_spec_of(take["marker"]),
         *lamp_and_foot(take),
     )
     return Take(case, float(take["span_deg"]), poses)

@@ -95,7 +95,10 @@ def sweep(
     pictures += [(take.case, take) for take in takes]
     lit = [(case, take) for case, take in pictures if case.to_lights_marker is not None and len(case.to_lights_marker)]
     for case, take in track(lit, "trade", console=console, transient=True):
-        tracked, *others = [case.tracked()] if take is None else take.frames_by_spread()
+        frames = [case.tracked()] if take is None else take.frames_by_spread()
+        if not frames:
+            continue
+        tracked, *others = frames
         for of_setting, (_, name, estimator, _) in zip(results, tried, strict=True):
             started_s = time.process_time()
             estimate = estimator.estimate(tracked, others)

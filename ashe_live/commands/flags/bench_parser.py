@@ -63,6 +63,11 @@ def _add_light(light: argparse.ArgumentParser) -> None:
     light.add_argument(
         "--casters", action="store_true", help="also with the scenes' own boxes, cylinders and spheres as --caster"
     )
+    light.add_argument(
+        "--tracked",
+        action="store_true",
+        help="takes by the tracker's own poses, and a focal length 1 %% too long, in place of the true ones",
+    )
     light.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
 
 

@@ -6,13 +6,14 @@ Gauss-Newton steps with Geman and McClure's weights from a start that is right t
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.edges.moved_views import POINTS_PER_SAMPLE, PoseEquations, moved_view
 from ashe_live.light.edges.nearness import NearnessBySteps, without_offset
 from ashe_live.light.edges.outline_points import (
     POINTS_PER_OUTLINE,
@@ -25,6 +26,7 @@ from ashe_live.light.edges.outline_points import (
 from ashe_live.light.edges.step_costs import FEWEST_STEPS, MISSED, StepCosts, mean_costs
 from ashe_live.light.edges.steps import LightPicture, steps_across
 from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, prior_information
+from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody, NearnessPrior
 from ashe_live.light.shape.family import padded
 from ashe_live.light.shape.layout import Layout
@@ -38,7 +40,6 @@ OUTLIER_PX, OUTLIER_SHARE, EARLY_LOSS_FACTOR = 0.75, 0.0125, 3.0
 BESIDE_BODY_PX = 2.0  # the shadow's outline cannot be seen nearer to the object
 SHAPE_ERROR_SHARE = 0.004  # sigma of a real object's outline from the nearest member of a family, of its size
 FEWEST_SAMPLES = 3.0  # effective sample size of a criterion, at least: the logarithm of one is no penalty
-POINTS_PER_SAMPLE = 2.3  # errors of neighbouring points are correlated: their number over the effective sample size
 NOWHERE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -54,6 +55,7 @@ class EdgeFit:
     count: int  # points at which a step should be seen
     mean_costs: StepCosts  # the same on average, of each kind of outline
     shadow_steps: int  # points of the shadow's outline at which one is; of two lights' shadows, of that with fewer
+    views: Sequence[View] = ()  # of the pictures, with the poses that they were moved to along with the only body
     as_lamp: tuple[Float, Float] | None = None  # normal matrix and gradient with the nearness, where that was free
 
     @property
@@ -94,12 +96,18 @@ def aligned_with_steps(
     (n, l) logs of how much darker the ground is in each light's shadow than out of it, negative. near: of the nearness
     of one light each, where that is not held.
     """
-    here = list(several)
+    here, pictures = list(several), list(pictures)
+    moves = len(several) == 1 and len(pictures) > 1
     for reach in REACHES_PX:
-        seen = _Seen([_measured(here, picture, shifts, reach) for picture in pictures], near)
-        steps = seen.steps(EARLY_LOSS_FACTOR if reach > REACHES_PX[-1] else 1.0)
+        seen = _Seen([_measured(here, picture, shifts, reach) for picture in pictures], near, moves)
+        steps, poses = seen.steps(EARLY_LOSS_FACTOR if reach > REACHES_PX[-1] else 1.0)
         here = [lit.moved(step, near is not None) for lit, step in zip(here, steps, strict=True)]
-    return _Seen([_measured(here, picture, shifts, REACHES_PX[-1]) for picture in pictures], near).fits()
+        pictures = [
+            picture if pose is None else replace(picture, view=moved_view(picture.view, pose))
+            for picture, pose in zip(pictures, poses, strict=True)
+        ]
+    seen = _Seen([_measured(here, picture, shifts, REACHES_PX[-1]) for picture in pictures], near, moves)
+    return seen.fits([picture.view for picture in pictures])
 
 
 def step_costs(several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float) -> list[StepCosts]:
@@ -120,6 +128,7 @@ class _Measured:
     places: OutlinePoints  # the r points, outline by outline
     sights: Sequence[Sight]  # (n,) about the bodies' middles
     object_px: Float  # (n,) the object's size: the square root of its silhouette's area
+    view: View  # that the picture is
 
     def weight(self, loss_factor: float) -> Float:
         """(n, r) the information, reduced for outliers."""
@@ -138,6 +147,16 @@ class _Measured:
         by_theta = np.where(self.is_in_view[:, None, None], by_theta, 0.0)
         gradient = (by_theta @ (weight * self.offset_px)[..., None])[..., 0]
         return (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2), gradient
+
+    def pose(self, loss_factor: float, with_nearness: bool) -> PoseEquations | None:
+        """Of the only body; None where it is not in view, or the view's pose is exact."""
+        if not self.is_in_view[0]:
+            return None
+        by_theta = derivatives_by_theta(self.bodies, self.sights, self.places, with_nearness)[0]
+        places = self.places.points.reshape(-1, 2), self.places.normals.reshape(-1, 2)
+        return PoseEquations.of(
+            self.bodies[0], self.view, places, by_theta, self.weight(loss_factor)[0], self.offset_px[0]
+        )
 
     def costs(self) -> tuple[Float, Float, Float]:
         """(n, 1 + l) of each outline: squared distances in sigmas, each MISSED at most, and the number of points that
@@ -159,6 +178,7 @@ class _Seen:
 
     views: Sequence[_Measured]
     near: NearnessPrior | None = None
+    moves: bool = False  # whether the views' poses move with the only body
 
     def equations(self, loss_factor: float, with_nearness: bool = False, offset: bool = False) -> tuple[Float, Float]:
         """As `_Measured.equations`, of all pictures, with the prior on the shape, and the offset marginalised out."""
@@ -171,23 +191,29 @@ class _Seen:
         normal[:, diagonal, diagonal] += padded([prior_information(one.body.family, layout) for one in bodies])
         return normal, gradient
 
-    def steps(self, loss_factor: float) -> Float:
-        """(n, split + q) damped Gauss-Newton steps of theta."""
+    def steps(self, loss_factor: float) -> tuple[Float, list[Float | None]]:
+        """(n, split + q) damped Gauss-Newton steps of theta; (6,) those of each view's pose, None where it stays."""
         normal, gradient = self.equations(loss_factor, self.near is not None)
         if self.near is not None:
             at = Layout(1, with_nearness=True).split - 1
             information, towards = self.near.applied(self.views[0].bodies)
             normal[:, at, at] += POINTS_PER_SAMPLE * information
             gradient[:, at] += POINTS_PER_SAMPLE * towards
-        return damped_steps(normal, gradient)
+        poses = [view.pose(loss_factor, self.near is not None) if self.moves else None for view in self.views]
+        for pose in poses:
+            if pose is not None:
+                lost, drawn = pose.marginalised()
+                normal, gradient = normal - lost, gradient - drawn
+        steps = damped_steps(normal, gradient)
+        return steps, [None if pose is None else pose.step(steps[0]) for pose in poses]
 
     def costs(self) -> tuple[Float, Float, Float]:
         """As `_Measured.costs`, of all pictures, with the steps of the shadow that has the fewest (n,)."""
         cost, count, steps = (np.sum(each, axis=0) for each in zip(*(view.costs() for view in self.views), strict=True))
         return cost, count, steps.min(axis=1)
 
-    def fits(self) -> list[EdgeFit | None]:
-        """Of every body; None for one that is in view nowhere."""
+    def fits(self, views: Sequence[View]) -> list[EdgeFit | None]:
+        """Of every body; None for one that is in view nowhere. views: of the pictures."""
         normals, _ = self.equations(1.0)
         free = None if self.near is None else self.equations(1.0, with_nearness=True, offset=True)
         in_view = np.any([view.is_in_view for view in self.views], axis=0)
@@ -197,7 +223,7 @@ class _Seen:
             costs = mean_costs(cost, count, steps)
             as_lamp = None if free is None else (free[0][i, : size + 1, : size + 1], free[1][i, : size + 1])
             fit = EdgeFit(
-                lit, normals[i, :size, :size], float(cost.sum()), int(count.sum()), costs, int(steps), as_lamp
+                lit, normals[i, :size, :size], float(cost.sum()), int(count.sum()), costs, int(steps), views, as_lamp
             )
             found.append(fit if in_view[i] else None)
         return found
@@ -225,7 +251,7 @@ def _measured(bodies: Sequence[LitBody], picture: LightPicture, shifts: Float, r
     sights = [Sight(sight.camera, sight.T_cam_marker, outline.mean(axis=0)) for outline in outlines]
     information = np.where(is_usable, _by_outline(steps.information, n), 0.0)
     offset, told, seen = steps.offset_px.reshape(n, -1), information.reshape(n, -1), should_be_seen.reshape(n, -1)
-    return _Measured(bodies, in_view, offset, told, seen, places, sights, sizes_px(outlines))
+    return _Measured(bodies, in_view, offset, told, seen, places, sights, sizes_px(outlines), picture.view)
 
 
 def _by_outline(values: NDArray[Scalar], n: int) -> NDArray[Scalar]:

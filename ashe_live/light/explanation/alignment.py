@@ -18,7 +18,13 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE, are_in_view, derivatives_by_theta, evenly_spaced
+from ashe_live.light.edges.outline_points import (
+    POINTS_PER_OUTLINE,
+    OutlinePoints,
+    are_in_view,
+    derivatives_by_theta,
+    evenly_spaced,
+)
 from ashe_live.light.explanation.borders import Borders, borders_at
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit.search import damped_steps, offset_of_lights, prior_information
@@ -173,6 +179,7 @@ class NormalEquations:
     weight: Float  # (n, r) information of each border, reduced for outliers
     by_theta: Float  # (n, split + q, r) derivatives of the points' outward movement by theta
     normal: Float  # (n, split + q, split + q) information matrix of theta, the prior included
+    places: OutlinePoints  # the points, p on each of n (1 + l) outlines
 
     @property
     def gradient(self) -> Float:
@@ -206,7 +213,7 @@ def normal_equations(
     diagonal = np.arange(normal.shape[1])
     layout = Layout(len(several[0].lit.lights), with_nearness)
     normal[:, diagonal, diagonal] += padded([prior_information(one.lit.body.family, layout) for one in several])
-    return NormalEquations(borders, away, weight, by_theta, normal)
+    return NormalEquations(borders, away, weight, by_theta, normal, points)
 
 
 def measured(several: Sequence[PlacedBody]) -> list[Alignment]:

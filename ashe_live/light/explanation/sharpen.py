@@ -34,6 +34,16 @@ class Sharpener:
         """Of views at full resolution."""
         return Sharpener([LightPicture.of(view) for view in views])
 
+    def seen_from(self, views: Sequence[View]) -> "Sharpener":
+        """With the poses of those of the views, at any size, that are of the same pictures."""
+        poses = [next((v.T_cam_marker for v in views if p.view.shows(v.measured)), None) for p in self.pictures]
+        return Sharpener(
+            [
+                picture if pose is None else replace(picture, view=replace(picture.view, T_cam_marker=pose))
+                for picture, pose in zip(self.pictures, poses, strict=True)
+            ]
+        )
+
     def sharpened(self, several: Sequence[Explanation], near: NearnessPrior | None = None) -> list[Explanation]:
         """Each explanation by the body and the lights that agree best with the steps of light.
 

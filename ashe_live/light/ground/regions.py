@@ -1,6 +1,7 @@
 """Regions of the frame in which something stands, each resampled to a resolution that suits its size."""
 
 import math
+from copy import copy
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 
@@ -50,6 +51,12 @@ class Region:
     @property
     def is_ground(self) -> Mask:
         return self.view.is_ground
+
+    def with_pose(self, T_cam_marker: Float) -> "Region":
+        """The same pixels, seen by a camera with another pose (4, 4)."""
+        moved = copy(self)  # without computing anew what depends on pixels alone
+        set_frozen(moved, view=replace(self.view, T_cam_marker=T_cam_marker))
+        return moved
 
     def in_frame(self, mask: Mask) -> Mask:
         """A mask (h, w) of the region, embedded in the whole frame at the region's scale."""

@@ -26,6 +26,9 @@ LEAST_SEEN = 0.9  # of body and shadow, in the mean view: a silhouette that is c
 # Cost, over that with the hull, that a family leaves unexplained for each pixel of the body. A pixel with a wrong label
 # costs ten: that of a twentieth of the body's pixels.
 LEAST_GAIN = 0.5
+# A hull that explains less than this share of what the family leaves is no better: labels are wrong, or poses of views
+# contradict each other.
+LEAST_SHARE = 0.4
 WIDENED = 0.35  # the box of voxels over the fitted body's
 CORNERS = 64  # directions in which a hull's farthest points stand for its convex hull
 
@@ -50,7 +53,7 @@ def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExpla
         [each.predicted.whole for each in explanation.each],
     ):
         hull = _hull_of(explanation, samples, sharpener)
-        if _gain(explanation, hull, hull.in_light(start)) < LEAST_GAIN:
+        if not explains_more(explanation, hull, hull.in_light(start)):
             break
         found = light_of_hull(hull, start)
         if found is not None:
@@ -64,11 +67,12 @@ def _hull_of(explanation: JointExplanation, samples: Sequence[Mask], sharpener: 
     return carved(views, Box.around(explanation.joint.proxy.points_marker(), WIDENED))
 
 
-def _gain(explanation: JointExplanation, hull: Carved, seen: InLight) -> float:
-    """The cost for each pixel of the family's body that the family leaves unexplained, and the hull explains."""
+def explains_more(explanation: JointExplanation, hull: Carved, seen: InLight) -> bool:
+    """Whether the hull explains enough of what the family leaves unexplained."""
     pairs = list(zip(hull.views, (each.predicted for each in explanation.each), strict=True))
     body_px = sum(int(np.count_nonzero(masks.body)) for _, masks in pairs)
-    return (sum(_cost_of(view, masks) for view, masks in pairs) - seen.cost) / max(body_px, 1)
+    by_family = sum(_cost_of(view, masks) for view, masks in pairs)
+    return by_family - seen.cost > max(LEAST_GAIN * max(body_px, 1), LEAST_SHARE * by_family)
 
 
 def _hulled(joint: Explanation, hull: Carved, found: HullLight) -> Explanation:

@@ -53,8 +53,8 @@ def labelled(several: Sequence[Costs], samples: Sequence[Mask], pictures: Sequen
     """
     found = []
     for costs, sample, shadow in zip(several, samples, shadows_on_plane(several), strict=True):
-        pose = costs.region.view.T_cam_marker
-        picture = next(each for each in pictures if np.array_equal(each.view.T_cam_marker, pose))
+        view = costs.region.view
+        picture = next(each for each in pictures if each.view.shows(view.measured))
         unlit = sample & (costs.materials.lit > OTHER_GROUND) & ~grown(shadow, HALO_PX)
         inside = shrunk(unlit, HALO_PX)
         if np.count_nonzero(inside) < LEAST_INSIDE * np.count_nonzero(unlit):

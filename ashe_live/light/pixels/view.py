@@ -11,7 +11,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
@@ -20,6 +20,9 @@ from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
 
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
 FARTHEST = 4.0
+# Poses differ by more than noise between views: shutters and breathing lenses bend the marker, too. On clips with both,
+# rotations are off by five times the noise in the median.
+OVER_NOISE = 5.0
 
 Window = tuple[slice, slice]  # rows and columns
 
@@ -39,6 +42,7 @@ class View:
     page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
     # The whole picture's: what of the page's border is ground, as something crosses it, or a sheet that is shown as it.
     crossed: Mask | None = None
+    measured: MarkerPose | None = None  # the pose that it was given, about which T_cam_marker may be moved
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -50,7 +54,8 @@ class View:
             camera = camera.without_distortion()
         T_cam_marker, side_m, body = tracked.marker.T_cam_marker, tracked.marker.side_m, tracked.marker.body
         sheet = measured_sheet(image, camera, T_cam_marker, side_m) if body is None else USUAL_SHEET
-        return _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
+        made = _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
+        return replace(made, measured=tracked.marker)
 
     def with_page_as_ground(self) -> "View":
         """This view, in which a whole page that the marker is printed on is ground, and shown in its colour.
@@ -63,12 +68,13 @@ class View:
         lines = PageLines.of(*seen)
         screen = screen_around(lines)
         if screen is not None:
-            return _made(*seen, screen, None, self.beside)
+            return replace(_made(*seen, screen, None, self.beside), measured=self.measured)
         page = page_around(lines, *seen)
         if page is None:
             return self._with_shaded_sheet_as_ground()
         image, crossed = shown_as_ground(page, *seen)
-        return _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page, crossed)
+        made = _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page, crossed)
+        return replace(made, measured=self.measured)
 
     def _with_shaded_sheet_as_ground(self) -> "View":
         """This view, in which the sheet is ground as well if a shadow falls onto it."""
@@ -77,11 +83,24 @@ class View:
         if shown is None:
             return self
         image, where = shown
-        return _made(image, *pose, self.sheet, None, self.beside, None, where)
+        return replace(_made(image, *pose, self.sheet, None, self.beside, None, where), measured=self.measured)
 
     @property
     def size(self) -> tuple[int, int]:
         return self.camera.size
+
+    @property
+    def pose_covariance(self) -> Float | None:
+        """(6, 6) of (w, v), as MarkerPose.covariance, by which poses differ from view to view; None for an exact pose.
+
+        What all poses are off by alike, as by a curled marker or a wrong focal length, no view tells.
+        """
+        noise = None if self.measured is None else self.measured.noise_covariance
+        return None if noise is None else np.asarray(OVER_NOISE**2 * noise)
+
+    def shows(self, marker: MarkerPose | None) -> bool:
+        """Whether the picture is the one in which this pose was measured."""
+        return self.measured is not None and self.measured is marker
 
     def scaled(self, width_px: int) -> "View":
         """This view scaled down to `width_px`, if it is wider."""
@@ -89,7 +108,8 @@ class View:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
         pose = self.T_cam_marker, self.side_m
-        return _made(image, camera, *pose, self.sheet, self.body, self.beside, self.page, self.crossed)
+        made = _made(image, camera, *pose, self.sheet, self.body, self.beside, self.page, self.crossed)
+        return replace(made, measured=self.measured)
 
     def cut(self, window: Window) -> "View":
         """The part of the frame in `window`, seen by a camera whose principal point moves along."""

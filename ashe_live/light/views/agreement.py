@@ -63,9 +63,8 @@ def without_confirming(several: Sequence[TrackedFrame], explanation: Explanation
     """
     first, *others = in_each_view(explanation).each
     least = judge.log_odds(first) - MOST_BEHIND_FIRST
-    confirming = [each.region.view.T_cam_marker for each in others if judge.log_odds(each) > least]
-    poses = [(each, each.marker.T_cam_marker) for each in several if each.marker is not None]
-    return [each for each, pose in poses if not any(np.array_equal(pose, one) for one in confirming)]
+    confirming = [each.region.view for each in others if judge.log_odds(each) > least]
+    return [each for each in several if not any(view.shows(each.marker) for view in confirming)]
 
 
 def _on_first(mask: Mask, first: View, other: View) -> Mask:

@@ -5,6 +5,7 @@ Anandan, 1996). The ground around the sheet agrees best between views for the pl
 (docs/maths.md, "The ground's height").
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -12,6 +13,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.transforms import pixels_by_pose, raycast_to_plane
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
@@ -57,7 +59,8 @@ def height_above_ground(several: Sequence[TrackedFrame]) -> float:
     curvature = below - 2 * here + above
     height = float(around[1] + (0.25 * step * (below - above) / curvature if curvature > 0 else 0.0))
     surely = flat - here > LEAST_LOG_ODDS and bool((by_pair[:, 1] <= by_pair[:, 3]).all())
-    return height if surely and moves[widest] * height > LEAST_PX else 0.0
+    least_px = max(LEAST_PX, math.hypot(_misplaced_px(first), _misplaced_px(others[widest])))
+    return height if surely and moves[widest] * height > least_px else 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,6 +101,18 @@ def _moved_px_per_metre(one: _Textured, other: _Textured) -> float:
     there, lower = (_homography(one.view, other.view, each) @ pixels for each in (0.0, height))
     moved = lower[:2] / lower[2] - there[:2] / there[2]
     return float(np.sqrt((moved**2).sum(axis=0).mean())) / height
+
+
+def _misplaced_px(one: _Textured) -> float:
+    """Standard deviation of the place of ground in the picture, root mean square, by the pose; 0 for an exact pose."""
+    view = one.view
+    covariance = view.pose_covariance
+    rows, columns = np.nonzero(view.is_ground[::8, ::8])
+    if covariance is None or not len(rows):
+        return 0.0
+    ground = raycast_to_plane(view.camera, view.T_cam_marker, np.column_stack([8.0 * columns, 8.0 * rows]))
+    by_pose = pixels_by_pose(view.camera, view.T_cam_marker, np.column_stack([ground[:, :2], np.zeros(len(ground))]))
+    return float(np.sqrt(np.einsum("nij,jk,nik->n", by_pose, covariance, by_pose).mean()))
 
 
 def _misfits(one: _Textured, other: _Textured, heights_m: Float) -> Float:

@@ -15,6 +15,7 @@ from ashe_live.core.transforms import angle_between, project
 from ashe_live.light.explanation.alignment import (
     SEARCH_RANGES,
     Alignment,
+    NormalEquations,
     PlacedBody,
     measured,
     normal_equations,
@@ -23,6 +24,7 @@ from ashe_live.light.explanation.alignment import (
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.light_covariance import lights_of
+from ashe_live.light.explanation.pose_steps import cost_of_moves, pose_equations, with_pose_moved
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit.search import damped_steps, prior_information
@@ -80,8 +82,8 @@ def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation |
     counts = [len(start.lit.lights) for start in several]
     for count in set(counts):
         members = [i for i, each in enumerate(counts) if each == count]
-        for i, lit in zip(members, _aligned([several[i] for i in members]), strict=True):
-            found[i] = explained_where_it_stands(replace(several[i], lit=lit))
+        for i, start in zip(members, _aligned([several[i] for i in members]), strict=True):
+            found[i] = explained_where_it_stands(start)
     return found
 
 
@@ -129,35 +131,59 @@ def pixels_cost(placed: Sequence[PlacedBody]) -> float:
     return sum(one.cost for one in placed)
 
 
+def views_cost(placed: Sequence[PlacedBody]) -> float:
+    """The unary costs of all views' pixels, and those of how far the views' poses have been moved."""
+    return pixels_cost(placed) + cost_of_moves(placed)
+
+
 def views_as_one(count: int) -> float:
     """How many of so many views tell as much as one that shares no errors with the others."""
     return 1 + SHARED * (count - 1)
 
 
-def _aligned(several: Sequence[JointStart]) -> list[LitBody]:
-    """The cheapest state of each body along Gauss-Newton steps of its views' normal equations, added up."""
+def _aligned(several: Sequence[JointStart]) -> list[JointStart]:
+    """The cheapest state of each body and its views along Gauss-Newton steps of their normal equations, added up."""
     here = _placed(several)
-    best, least = list(here), [pixels_cost(placed) for placed in here]
+    best, least = list(here), [views_cost(placed) for placed in here]
     for number, share in enumerate(RANGES):
         flat = [one for placed in here for one in placed if one.is_in_view]
         if not flat:
             break
         loss_factor = 1.0 if number == len(RANGES) - 1 else EARLY_LOSS_FACTOR
         pull = normal_equations(flat, share, loss_factor)
-        gradient, at, moved = pull.gradient, 0, []
+        at, moved = 0, []
         for placed, start in zip(here, several, strict=True):
             end = at + sum(one.is_in_view for one in placed)
-            lit = placed[0].lit
-            if end > at:
-                normal = _summed(pull.normal[at:end], lit)
-                lit = lit.moved(damped_steps(normal[None], gradient[None, at:end].sum(axis=1))[0])
-            moved.append(replace(start, lit=lit))
+            moved.append(_stepped(start, placed, pull, range(at, end)))
             at = end
         here = _placed(moved)
         for i, placed in enumerate(here):
-            if (cost := pixels_cost(placed)) < least[i]:
+            if (cost := views_cost(placed)) < least[i]:
                 best[i], least[i] = placed, cost
-    return [placed[0].lit for placed in best]
+    return [
+        replace(start, lit=placed[0].lit, costs=[one.costs for one in placed])
+        for start, placed in zip(several, best, strict=True)
+    ]
+
+
+def _stepped(start: JointStart, placed: Sequence[PlacedBody], pull: NormalEquations, own: range) -> JointStart:
+    """The start after one step of its body, and of the poses of those views that show it: the `own` ones of `pull`."""
+    lit, costs = placed[0].lit, [one.costs for one in placed]
+    if not own:
+        return replace(start, lit=lit, costs=costs)
+    normal = _summed(pull.normal[own.start : own.stop], lit)
+    gradient = pull.gradient[own.start : own.stop].sum(axis=0)
+    in_view = [i for i, one in enumerate(placed) if one.is_in_view]
+    poses = [(i, pose_equations(placed[i], pull, number)) for i, number in zip(in_view, own, strict=True)]
+    for _, pose in poses:
+        if pose is not None:
+            lost, drawn = pose.marginalised()
+            normal, gradient = normal - lost, gradient - drawn
+    step = damped_steps(normal[None], gradient[None])[0]
+    for i, pose in poses:
+        if pose is not None:
+            costs[i] = with_pose_moved(costs[i], pose.step(step))
+    return replace(start, lit=lit.moved(step), costs=costs)
 
 
 def _placed(several: Sequence[JointStart]) -> list[list[PlacedBody]]:

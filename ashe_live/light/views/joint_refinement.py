@@ -6,6 +6,7 @@ from dataclasses import replace
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, criterion
 from ashe_live.light.explanation.explain import refined_by_tangents, refitted_bodies
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES
+from ashe_live.light.explanation.pose_steps import seen_from
 from ashe_live.light.explanation.sharpen import Sharpener, lights_by_steps
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.outline_fit.preset import FitPreset
@@ -18,6 +19,7 @@ from ashe_live.light.views.joint import (
     own_costs,
     pixels_cost,
     views_as_one,
+    views_cost,
 )
 
 
@@ -52,8 +54,7 @@ def refined_by_all_tangents(explanation: JointExplanation) -> JointExplanation:
 
 def with_steps(several: Sequence[JointExplanation], sharpener: Sharpener) -> list[JointExplanation]:
     """The explanations where they stand, each with its costs by the steps of light in all views."""
-    measured_ones = sharpener.measured([each.joint for each in several])
-    return [replace(each, joint=joint) for each, joint in zip(several, measured_ones, strict=True)]
+    return [replace(each, joint=_of_views(sharpener, each).measured([each.joint])[0]) for each in several]
 
 
 def sharpened_in_views(
@@ -64,10 +65,11 @@ def sharpened_in_views(
     sharpener: of all views at full resolution, that of the answer first. near: of its only light's nearness, where that
     is not held.
     """
+    sharpener = _of_views(sharpener, explanation)
     best = sharpener.best_fit(explanation.joint, near)
     if best is None:
         return explanation
-    costs = [own_costs(each) for each in explanation.each]
+    costs = [seen_from(own_costs(each), best.views) for each in explanation.each]
     moved = explained_where_it_stands(JointStart(explanation.origin, best.lit, costs))
     if moved is None:
         return explanation
@@ -87,5 +89,10 @@ def sharpened_in_views(
 
 def joint_criterion(explanation: JointExplanation) -> float:
     """As `alignment.criterion`, over all views: their unary costs, and one penalty per shape parameter."""
-    first, *others = (each.alignment.placed for each in explanation.each)
-    return criterion(first) + sum(one.cost for one in others)
+    placed = [each.alignment.placed for each in explanation.each]
+    return criterion(placed[0]) + views_cost(placed) - placed[0].cost
+
+
+def _of_views(sharpener: Sharpener, explanation: JointExplanation) -> Sharpener:
+    """With the poses that the views were moved to along with the explanation's body."""
+    return sharpener.seen_from([each.region.view for each in explanation.each])

@@ -1,6 +1,7 @@
 """Takes: read, tried with growing numbers of views, and grouped by their span."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from ashe_live.bench.light.results import CaseResult
 from ashe_live.bench.light.takes import (
+    FOCAL_FACTOR,
     TakeResult,
     confidence_falls,
     grouped_by_span,
@@ -19,8 +21,10 @@ from ashe_live.bench.light.takes import (
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.types import Illumination, Light, LightEstimate
 from ashe_live.errors import UserError
+from ashe_live.tracking.families.markers import parse_marker
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import camera_towards
+from tests.tracking.conftest import picture
 
 SIZE, FRAMES = (160, 120), 5
 
@@ -88,6 +92,33 @@ def test_a_takes_lamp_and_its_objects_place_are_those_of_its_answers(folder: Pat
         assert figures.true_distance_m == pytest.approx(0.5)
         assert not figures.is_stated
         assert figures.beside_deg is not None
+
+
+def test_a_take_is_tracked_by_a_focal_length_that_is_not_quite_right(folder: Path) -> None:
+    truth = json.loads((folder / "ground_truth.json").read_text())
+    (take,), (first, *_) = read_takes(folder), truth["takes"]
+    with pytest.raises(UserError, match="which marker take shows"):
+        replace(take, is_tracked=True).frames()
+    first["marker"] |= {"dictionary": "DICT_4X4_50", "id": 3}
+    (folder / "ground_truth.json").write_text(json.dumps(truth))
+    print_of = parse_marker("aruco:4x4_50:3")
+    with Recorder(folder / "take.mp4", SIZE, 6, overwrite=True) as recorder:
+        for index in range(FRAMES):
+            pose = take.poses.get(index)
+            blank = np.full((*SIZE[::-1], 3), 200, np.uint8)
+            shown = blank if pose is None else picture(print_of, take.case.camera, pose.T_cam_marker, pose.side_m)
+            recorder.write(shown, index / 6)
+    (take,) = read_takes(folder)
+    found = replace(take, is_tracked=True).frames()
+    assert [tracked.frame.index for tracked in found] == [0, 1, 2, 4]
+    for tracked in found:
+        true = take.poses[tracked.frame.index].T_cam_marker
+        assert tracked.marker is not None
+        assert tracked.marker.covariance is not None
+        assert tracked.camera.K[0, 0] == pytest.approx(FOCAL_FACTOR * take.case.camera.K[0, 0])
+        assert tracked.camera.K[0, 2] == take.case.camera.K[0, 2]
+        ratio = np.linalg.norm(tracked.marker.T_cam_marker[:3, 3]) / np.linalg.norm(true[:3, 3])
+        assert ratio == pytest.approx(FOCAL_FACTOR, abs=0.02)
 
 
 def test_a_take_whose_marker_is_never_seen_is_left_out(folder: Path) -> None:
