@@ -14,7 +14,7 @@ from scenes.drawing.layout import LIGHTS, MARGIN_PX
 from scenes.drawing.motion import FRAMES
 from scenes.geometry.poses import cast, direction, projected, share_in_frame, square
 from scenes.geometry.shapes import FAMILIES, built, placed_points
-from scenes.specify import SETS, main, specification
+from scenes.specify import SETS, main, onto_marker, specification
 
 COUNT = 60
 
@@ -214,3 +214,15 @@ def test_takes_turn_by_their_span_and_keep_the_marker_in_view() -> None:
             assert share_in_frame(scene["camera"] | pose, corners, scene["size"]) == 1
     np.testing.assert_allclose(spans, [3, 6, 12, 25, 40], rtol=0.5)
     assert np.all(np.diff(spans) > 0)
+
+
+def test_onto_the_marker_falls_the_shadow_of_the_objects_top(training: list[dict[str, Any]]) -> None:
+    shaded = [scene for each in training if (scene := onto_marker(each)) is not None]
+    assert len(shaded) > 3
+    for scene in shaded:
+        (caster,), light = scene["objects"], scene["lights"][0]
+        to_light = direction(light["azimuth_deg"], light["elevation_deg"])
+        top = np.array([*caster["xy_m"], caster["height_m"]])
+        end = top - to_light * (top[2] / to_light[2])
+        assert np.abs(end[:2]).max() < scene["marker"]["side_m"] / 2
+        assert [picture["lights"] for picture in scene["pictures"]] == [[0]]

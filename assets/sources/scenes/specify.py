@@ -8,6 +8,7 @@ with the shorter one. A scene is rendered once and developed into several pictur
 
 import argparse
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -143,6 +144,29 @@ def _picture(rng: Rng, scene: Params, number: int, category: str, shining: list[
     }  # fmt: skip
 
 
+def onto_marker(scene: Params) -> Params | None:
+    """The scene as its first light shows it from where the shadow of its object's top falls onto the marker's centre.
+
+    The marker lies flat and is mostly lit in all sets, but where people put an object beside it, the shadow often falls
+    onto it. None where that takes a light below 18 or above 62 degrees, or the scene is not of one object alone.
+    """
+    casters = [each for each in scene["objects"] if each["role"] == "caster"]
+    pictures = [each for each in scene["pictures"] if each["lights"] == [0]]
+    marker = scene["marker"]
+    is_flat = marker["card_m"] < 0.001 and marker["curl_m"] == 0
+    others = len(scene["objects"]) > 1 or scene["patches"] or scene["partial_kind"] or scene["without_object"]
+    if not casters or not pictures or not is_flat or others:
+        return None
+    x, y = casters[0]["xy_m"]
+    elevation_deg = math.degrees(math.atan2(casters[0]["height_m"], 1.05 * math.hypot(x, y)))
+    if not 18 < elevation_deg < 62:
+        return None
+    first = scene["lights"][0] | {
+        "azimuth_deg": round(math.degrees(math.atan2(y, x)) % 360, 5), "elevation_deg": round(elevation_deg, 5),
+    }  # fmt: skip
+    return scene | {"lights": [first, *scene["lights"][1:]], "pictures": pictures[:1]}
+
+
 def main() -> None:
     ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     ask.add_argument("--set", choices=SETS, required=True)
@@ -150,10 +174,13 @@ def main() -> None:
     which.add_argument("--count", type=int, help="the first so many scenes")
     which.add_argument("--scenes", type=int, nargs="+", metavar="I", help="these scenes of the set, by number")
     ask.add_argument("--out", type=Path, required=True)
+    ask.add_argument("--onto-marker", action="store_true", help="in a light whose shadow falls onto the marker")
     asked = ask.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     indices = range(asked.count) if asked.scenes is None else asked.scenes
     scenes = [specification(asked.set, index) for index in indices]
+    if asked.onto_marker:
+        scenes = [shaded for scene in scenes if (shaded := onto_marker(scene)) is not None]
     lines = ",\n".join(json.dumps(scene) for scene in scenes)
     content = f'{{"format": 1, "set": "{asked.set}", "seed": {SETS[asked.set].seed}, "scenes": [\n{lines}\n]}}\n'
     (asked.out / "specifications.json").write_text(content)
