@@ -73,6 +73,9 @@ class View:
         if page is None:
             return self._with_shaded_sheet_as_ground()
         image, crossed = shown_as_ground(page, *seen)
+        shown = shaded_sheet_as_ground(image, *seen[1:], USUAL_SHEET)
+        if shown is not None:
+            image, crossed = shown[0], crossed | shown[1]
         made = _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page, crossed)
         return replace(made, measured=self.measured)
 

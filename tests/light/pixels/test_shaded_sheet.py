@@ -38,6 +38,19 @@ def test_what_is_shown_is_the_ground_in_light_and_in_shadow(azimuth_deg: float, 
     assert shaded / ground == pytest.approx(SHADOW_RATIO, rel=0.2)
 
 
+def test_on_a_whole_page_the_marker_is_shown_as_well() -> None:
+    scene = paint(BESIDE, azimuth_deg=12, elevation_deg=30, page_m=(0.105, 0.126, 0.105, 0.171))
+    view = shown(scene)
+    assert view.page is not None
+    square = View.of(scene.tracked, 640).is_ground != view.is_ground
+    ground = np.median(linear_rgb(view.image_bgr)[scene.beside_sheet & ~scene.body & ~scene.shadow], axis=0)
+    shaded = np.median(linear_rgb(view.image_bgr)[square & scene.shadow], axis=0)
+    assert shaded / ground == pytest.approx(SHADOW_RATIO, rel=0.25)
+    light = make_estimator("proxy", BALANCED).estimate(scene.tracked).light
+    assert light is not None
+    assert np.degrees(angle_between(light.to_light_marker, scene.to_light)) < 3
+
+
 @pytest.mark.parametrize("ground", ["plain", "checkered", "bricks"])
 @pytest.mark.parametrize("caster", [BOX, CYLINDER])
 def test_a_light_whose_shadow_ends_on_the_sheet_is_told(ground: str, caster: Caster) -> None:
