@@ -17,7 +17,7 @@ from ashe_live.tracking.edges.edge_profiles import Light
 DEEPEST, PALEST = 0.06, 0.65
 # White in the shade is at least so many times as bright as ink in the light, and nearly all white has at least this
 # share of the light that falls on it; else some of it is another print's ink.
-ABOVE_INK, LEAST_WHITE = 1.6, 0.6
+ABOVE_INK, LEAST_WHITE = 1.2, 0.6
 LEAST_SHARE = 0.03  # of the white, on either side of the shadow's edge
 # Least reflectance of what counts as white, over the paper's, and the largest of what counts as ink.
 WHITE, INK = 0.85, 0.15
