@@ -29,7 +29,9 @@ from ashe_live.light.pixels.page_lines import (
 )
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 
-LEAST = 1.1  # of a page's longest side: a smaller sheet is a marker with its margin, on which nothing stands
+# From the marker's centre to a page's far end, in sides: a smaller sheet is a marker with its margin, on which nothing
+# stands.
+LEAST = 1.1
 EVEN = 0.1  # largest difference between a page's right and left
 # Of a side's lines, those that do so where the paper ends, as shadows and objects end others; of those all along it.
 SHARE, FEWEST = 0.4, 6

@@ -36,7 +36,7 @@ class View:
     body: Proxy | None = None  # that the marker is printed on, if it is no sheet
     beside: tuple[PlaneMarker, ...] = ()  # other printed sheets on the plane
     page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
-    crossed: Mask | None = None  # of its border, the whole picture's, where that is ground as something crosses it
+    crossed: Mask | None = None  # (h, w) of the whole picture: its border where things cross it, which is ground there
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -136,8 +136,10 @@ def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[F
 
 
 def ground_line(camera: Camera, T_cam_marker: Float) -> Float:
-    """(3,) of a pixel (x, y, 1): positive where its ray meets the marker's plane, not too far away, and by how many
-    pixels it does; of a plane that is seen from straight above, any positive number.
+    """(3,) the line in the picture that ends the ground: its product with a pixel (x, y, 1) is the distance in pixels.
+
+    That is positive where the pixel's ray meets the marker's plane, and not too far away; where the plane is seen from
+    straight above, all pixels' are positive, and no distances.
     """
     normal, place = T_cam_marker[:3, 2], T_cam_marker[:3, 3]
     # The depth of the plane along a pixel's ray is `offset` over how much the ray faces it.
