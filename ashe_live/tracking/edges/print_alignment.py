@@ -51,8 +51,8 @@ class Aligned:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Linear:
-    """What samples depend on linearly, near a print: its gain, the eight corners' displacements, offset, gradient and
-    bloom.
+    """What samples depend on linearly, near a print: its gain, the four corners' displacements (x and y of each), an
+    offset, a gradient of the light, and bleeding.
     """
 
     columns: Light  # (m, 13) derivatives of each sample
@@ -115,8 +115,8 @@ class PrintAlignment(PrintLikeness):
         corners_y = np.stack([none, none, none, u, v, all_one, -u * v, -v * v], axis=-1)
         entries_by_corners = np.linalg.inv(np.stack([corners_x, corners_y], axis=1).reshape(8, 8))
         moved = (dx[..., None] * by_entries_x + dy[..., None] * by_entries_y) @ entries_by_corners
-        bloom = np.hypot(dx, dy)
-        columns = np.concatenate([sharp[..., None], -moved, np.stack([one, x, y, bloom], axis=-1)], axis=-1).reshape(
+        bleed = np.hypot(dx, dy)
+        columns = np.concatenate([sharp[..., None], -moved, np.stack([one, x, y, bleed], axis=-1)], axis=-1).reshape(
             -1, 13
         )[self._inside]
         self._whole = _Linear.of(columns)
