@@ -25,7 +25,6 @@ BAD_RAD, BAD_CONFIDENCE = np.radians(15.0), 0.5  # of an answer that is sure and
 # Kinds of families of which each picture's are left out where it is judged, and the number of parts that they are in.
 LEFT_OUT, FOLDS = ("object_family", "ground"), 4
 
-
 Pictures = Sequence[Mapping[ProxySteps, Sample]]  # each by every look at it
 
 
@@ -81,7 +80,6 @@ def by_families_left_out(
 
     steps: by which they are answered.
     """
-
     for kind in KINDS:
         for family in sorted({_family(picture, kind) for picture in pictures} - {""}):
             held = [picture for picture in pictures if _family(picture, kind) == family]
