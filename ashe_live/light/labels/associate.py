@@ -39,8 +39,9 @@ DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
 SHADOW_LIKE = 0.3  # least likeness of a pixel, smoothed, to shadowed ground
 # Numbers of clusters that unlit colours are parted into, and of each one's areas that are tried as a shadow.
 COLOUR_COUNTS, AREAS_PER_COLOUR = (2, 3), 2
-# An area is flat by log odds of FLAT_ODDS, of pixels of which so many count as one sample, where hardly any pixel has
-# log odds below ABOVE.
+# Number of colours whose areas are looked at one by one. An area is flat if its pixels' log odds of lying on the plane,
+# of which so many pixels count as one sample, add up to more than FLAT_ODDS, and if less than the share FLAT_ABOVE of
+# its pixels has log odds below ABOVE, as what stands above the plane has.
 FLAT_COLOURS, FLAT_ODDS, PIXELS_PER_SAMPLE, ABOVE, FLAT_ABOVE = 6, 1.5, 40.0, -0.7, 0.03
 # Fraction of the shadow's largest distance from the object beyond which a pixel that looks like shadow cannot be the
 # object's own dark side.

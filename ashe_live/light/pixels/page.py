@@ -33,10 +33,11 @@ from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 # stands.
 LEAST = 1.1
 EVEN = 0.1  # largest difference between a page's right and left
-# Of a side's lines, those that do so where the paper ends, as shadows and objects end others; of those all along it.
+# Least share, and number, of the lines beside the marker that end together where a side's paper does, as shadows and
+# objects end the others; and of lines all along that side.
 SHARE, FEWEST = 0.4, 6
-MOST = 0.75  # of the lines of both sides: each then ends where it does
 SHARE_ALONG, FEWEST_ALONG = 0.25, 3
+MOST = 0.75  # share of the lines both right and left that end together, above which the two ends may differ
 SIDES = 2  # of a page whose ends are seen, at least
 ALIKE = 0.2  # log-opponent distance within which two changes of colour are alike
 STANDS_PX = 5  # across a neighbourhood whose majority tells what stands on the page from noise

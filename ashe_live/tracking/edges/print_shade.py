@@ -18,7 +18,7 @@ DEEPEST, PALEST = 0.06, 0.65
 # White in the shade is at least so many times as bright as ink in the light, and nearly all white has at least this
 # share of the light that falls on it; else some of it is another print's ink.
 ABOVE_INK, LEAST_WHITE = 1.6, 0.6
-LEAST_SHARE = 0.03  # of the white, on either side of the shadow's edge; and of what is darker than "nearly all" of it
+LEAST_SHARE = 0.03  # of the white, on either side of the shadow's edge; "nearly all" is all but this share
 # Least reflectance of what counts as white, over the paper's, and the largest of what counts as ink.
 WHITE, INK = 0.85, 0.15
 ROUNDS = 4  # of parting the white into two levels
