@@ -51,7 +51,7 @@ def glint_in(view: View, ground: LitGround) -> Glint | None:
     (halo,) = (area for area in areas_by_size(smooth > HALO, LEAST_PX) if area[cores[0]].any())
     upper = halo & (smooth > peak / 2)
     half_way = grown(upper, 1) & ~shrunk(upper, 1) & view.is_ground
-    slope = slope_of(cv2.GaussianBlur(brightness, (0, 0), SLOPE_BLUR_PX))
+    slope = slope_of(np.asarray(cv2.GaussianBlur(brightness, (0, 0), SLOPE_BLUR_PX), dtype=np.float32))
     if float(np.percentile(slope[half_way], MOST)) > STEEPEST * peak:
         return None
     rows, columns = np.nonzero(cores[0])

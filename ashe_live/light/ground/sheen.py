@@ -24,7 +24,7 @@ def sheen_on(colours: Float32, squared_distance: Float32, is_ground: Mask, palet
 
     colours: (h, w, 3) log-opponent. squared_distance: (h, w) that to the palette's nearest colour, smoothed.
     """
-    brightness = cv2.GaussianBlur(colours[..., 0], (0, 0), BLUR_PX)
+    brightness = np.asarray(cv2.GaussianBlur(colours[..., 0], (0, 0), BLUR_PX), dtype=np.float32)
     even = is_ground & (slope_of(brightness) < STEEPEST)
     lit = is_ground & (squared_distance <= BRIGHT_DISTANCE)
     bright = even & (squared_distance > BRIGHT_DISTANCE)
