@@ -12,6 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
@@ -128,8 +129,8 @@ def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[F
     if not (corners @ line > 0).all():
         mask[:] = line[0] * np.arange(width) + (line[1] * np.arange(height) + line[2])[:, None] > 0
     for points in printed_marker:
-        outline = project(camera, T_cam_marker, points)
-        if np.isfinite(outline).all():
+        outline = project(camera, T_cam_marker, before_camera(points, T_cam_marker))
+        if len(outline):
             hull = cv2.convexHull(np.clip(outline, -1e6, 1e6).astype(np.float32))[:, 0]
             cv2.fillConvexPoly(mask, np.round(hull * 16).astype(np.int32), 0, shift=4)
     return mask.view(np.bool_)
