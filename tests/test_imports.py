@@ -50,7 +50,7 @@ ROOMS: dict[str, set[str]] = {
         "core", "errors", "light.pixels", "light.ground", "light.outline_fit", "light.labels", "light.explanation",
         "light.views", "light.hull", "light.lamps", "light.known_body", "light.paper",
     },
-    "light.live": {"core", "light.pixels", "light.estimators", "light.views", "process"},
+    "light.live": {"core", "errors", "light.pixels", "light.estimators", "light.views", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},
     "render": {"core", "errors", "files", "models", "process"},
     "quality": {"core", "tracking", "light.estimators", "render"},

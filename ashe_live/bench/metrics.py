@@ -50,10 +50,9 @@ def tangent_offset(answer: Float, truth: Float) -> Float:
     return along * (angle / length) if length > 1e-12 else np.array([angle, 0.0])
 
 
-def rms_deg(answers: Sequence[ArrayLike], centre: ArrayLike | None = None) -> float:
-    """Root mean square angle, in degrees, between directions (3,) and `centre` (3,), or their mean without one."""
-    about = np.mean([normalised(answer) for answer in answers], axis=0) if centre is None else centre
-    return math.sqrt(np.mean([angular_error_deg(answer, about) ** 2 for answer in answers]))
+def rms_deg(answers: Sequence[ArrayLike], centre: ArrayLike) -> float:
+    """Root mean square angle, in degrees, between directions (3,) and `centre` (3,)."""
+    return math.sqrt(np.mean([angular_error_deg(answer, centre) ** 2 for answer in answers]))
 
 
 def brier_score(confidences: Sequence[float], outcomes: Sequence[bool]) -> float | None:

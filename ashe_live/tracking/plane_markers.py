@@ -27,7 +27,8 @@ SEARCH_EVERY_S = 0.2
 # A marker whose corners, projected onto the plane, differ from a square by more than this RMS (in sides of that square)
 # does not lie on it. A wrong focal length makes a marker that lies flat differ by less, an upright one differs by more.
 MOST_BENT = 0.1
-# Averaging begins anew when a marker has moved by this many of its sides, or turned by this many radians.
+# Averaging begins anew when a marker has moved by this many of its sides, or turned by this many radians, or when its
+# side has changed by as large a share.
 MOVED_SIDES, TURNED_RAD = 0.01, 0.01
 # The running mean weighs a new frame by at least one over this number.
 AVERAGED = 30

@@ -24,7 +24,7 @@ FACTORS = (2.0, 1.4, 1.1, 1.03, 1.01)
 LEAST, MOST = (0.1, math.radians(1), 0.5), (20.0, math.radians(90), 6.0)
 # The share of errors and the squared Mahalanobis distance of each quantile that is fitted.
 QUANTILES = ((0.68, ELLIPSE_68), (0.95, ELLIPSE_95))
-LEAST_ERROR = 1e-4  # rad: a smaller one is as good as none
+LEAST_SQUARED = 1e-4  # squared Mahalanobis distance of an error: a smaller one is as good as none
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +67,7 @@ def squared_distances(calibration: Calibration, answers: Sequence[Answer]) -> Fl
 
 
 def _loss(calibration: Calibration, answers: Sequence[Answer]) -> float:
-    logs = np.log(np.maximum(squared_distances(calibration, answers), LEAST_ERROR))
+    logs = np.log(np.maximum(squared_distances(calibration, answers), LEAST_SQUARED))
     total = 0.0
     for share, within in QUANTILES:
         beyond = logs - math.log(within)

@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.bench.judge.validation import Judged, Pictures, judged, looks_by, mean_risk
 from ashe_live.core.arrays import Float
 from ashe_live.light.estimators.steps import ProxySteps
-from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, good_if_right
+from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, good_if_right, logit
 from ashe_live.light.explanation.judgement.judge_tables import Average, Score
 from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines, overdispersed
 
@@ -50,8 +50,7 @@ def with_open_directions(
 
     answers: by the number of looks, as recalibrated by `averages`.
     """
-
-    # Linear in the share that is sought, of which 20 values are tried.
+    # Linear in the share that is sought, so that two values give those of all that are tried.
     none_open, all_open = (
         {looks: _good_if_right(several, calibration, share) for looks, several in answers.items()}
         for share in (0.0, 1.0)
@@ -137,8 +136,4 @@ def fitted_confidence(answers: Sequence[Judged], factors: Float | float = 1.0) -
 def least_confidence(answers: Sequence[Judged]) -> float:
     """The confidence, to two decimals, at which LEAST_GOOD of the answers are good, by logistic regression."""
     offset, slope = fitted_confidence(answers)
-    return round(float(1 / (1 + np.exp((offset - _log_odds(LEAST_GOOD)) / max(slope, LEAST_SLOPE)))), 2)
-
-
-def _log_odds(probability: float) -> float:
-    return float(np.log(probability / (1 - probability)))
+    return round(float(1 / (1 + np.exp((offset - logit(LEAST_GOOD)) / max(slope, LEAST_SLOPE)))), 2)

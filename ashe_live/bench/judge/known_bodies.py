@@ -36,7 +36,7 @@ OFFSETS, SLOPES = np.arange(-1.0, 3.01, 0.1), np.arange(0.5, 2.01, 0.1)  # that 
 
 @dataclass(frozen=True, slots=True)
 class KnownBodiesBench(Bench):
-    """Fits the two numbers to the folders `scenes`, of which it takes every so many-th picture of a known caster."""
+    """Fits the two numbers to the folders `scenes`, of which it takes every `every`th picture of a known caster."""
 
     SCHEMA: ClassVar[int] = 1
 

@@ -11,8 +11,9 @@ from rich.console import Console
 from rich.progress import track
 
 from ashe_live.bench.cases import Case
+from ashe_live.bench.metrics import tangent_offset
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import angle_between, tangent_basis
+from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
@@ -83,9 +84,7 @@ def _candidate(explanation: Explanation, features: Mapping[str, float], truths: 
     nearest = [min((angle_between(light, truth) for truth in truths), default=np.pi) for light in lights]
     first, by_axis = lights[0], np.zeros(2)
     if len(truths):
-        truth = min(truths, key=lambda each: angle_between(first, each))
-        along = tangent_basis(first) @ truth
-        by_axis = along * (nearest[0] / max(float(np.linalg.norm(along)), 1e-12))
+        by_axis = tangent_offset(first, min(truths, key=lambda each: angle_between(first, each)))
     is_right = nearest[0] < GOOD_RAD
     is_whole = max(nearest) < GOOD_RAD and len(lights) == len(truths)
     rightness = int(is_right) + int(is_right and is_whole)

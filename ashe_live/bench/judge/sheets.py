@@ -56,7 +56,7 @@ class SheetsBench(Bench):
 
     scenes: Sequence[Path]
     limit: int | None = None  # number of pictures of each folder, the first ones; None: all
-    every: int = 1  # of these, only every so many-th
+    every: int = 1  # of these, only every `every`th
 
     def parts(self) -> Iterator[Json]:
         cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit : self.every]]

@@ -9,6 +9,7 @@ import numpy as np
 from ashe_live.bench.cases import KINDS
 from ashe_live.bench.judge.calibration import Answer
 from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
+from ashe_live.bench.light.results import BAD_CONFIDENCE, BAD_DEG
 from ashe_live.bench.metrics import risk_by_coverage
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.judgement.judge import (
@@ -21,10 +22,8 @@ from ashe_live.light.explanation.judgement.judge import (
 from ashe_live.light.explanation.judgement.judge_tables import Average, Score
 
 FEWEST_PICTURES = 12  # least number of a family's pictures for it to be left out
-BAD_RAD, BAD_CONFIDENCE = np.radians(15.0), 0.5  # of an answer that is sure and wrong
 # Kinds of families of which each picture's are left out where it is judged, and the number of parts that they are in.
 LEFT_OUT, FOLDS = ("object_family", "ground"), 4
-
 
 Pictures = Sequence[Mapping[ProxySteps, Sample]]  # each by every look at it
 
@@ -48,7 +47,7 @@ class Judged:
     @property
     def is_bad(self) -> bool:
         """Whether it is sure of a wrong answer, or of any where there is no light."""
-        return self.error_rad > BAD_RAD and self.confidence > BAD_CONFIDENCE
+        return self.error_rad > np.radians(BAD_DEG) and self.confidence > BAD_CONFIDENCE
 
     @property
     def answer(self) -> Answer | None:
@@ -81,7 +80,6 @@ def by_families_left_out(
 
     steps: by which they are answered.
     """
-
     for kind in KINDS:
         for family in sorted({_family(picture, kind) for picture in pictures} - {""}):
             held = [picture for picture in pictures if _family(picture, kind) == family]

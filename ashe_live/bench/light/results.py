@@ -19,8 +19,8 @@ from ashe_live.core.contract import light_json
 from ashe_live.core.types import LightEstimate
 
 GOOD_DEG = 5.0
-CONFIDENT_DEG = 10.0  # a confidence is the probability of an error below this
-BAD_DEG, BAD_CONFIDENCE = 15.0, 0.5
+CONFIDENT_DEG = 10.0  # a confidence is the probability of an error below this, `judge.GOOD_RAD`
+BAD_DEG, BAD_CONFIDENCE = 15.0, 0.5  # error and confidence beyond which an answer is sure and wrong
 UPRIGHT_CONVEX = ("box", "cylinder", "cone", "cup", "bottle", "sphere")
 UPRIGHT, ALL_LIT, ALL = "clean, upright convex", "all lit", "all"
 

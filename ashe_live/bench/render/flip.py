@@ -41,7 +41,8 @@ def _colour_difference(a: Float, b: Float) -> Float:
 
 
 def _filtered(opponent: Float) -> Float:
-    radius = math.ceil(3 * math.sqrt(0.04 / (2 * math.pi**2)) * PIXELS_PER_DEGREE)
+    widest = max(b for gaussians in SENSITIVITY for _, b in gaussians)
+    radius = math.ceil(3 * math.sqrt(widest / (2 * math.pi**2)) * PIXELS_PER_DEGREE)
     at = np.arange(-radius, radius + 1) / PIXELS_PER_DEGREE
     square = at[:, None] ** 2 + at**2
     channels = []

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from ashe_live.bench.cases import Case
+from ashe_live.bench.track.measures import MEDIAN_6
 from ashe_live.bench.track.tables import Figure
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
@@ -19,8 +20,7 @@ from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import anywhere, refined
 
-# Of the chi-squared distribution with six degrees of freedom.
-MEDIAN_6, WITHIN_95_PERCENT_6 = 5.348, 12.592
+WITHIN_95_PERCENT_6 = 12.592  # of the chi-squared distribution with six degrees of freedom
 LEAST_RATIO, MOST_RATIO = 0.6, 1.4
 LEAST_WITHIN, MOST_WITHIN = 90.0, 98.0
 # Where a marker that was seen has no pose, its squared error: far beyond any ellipsoid.

@@ -14,6 +14,7 @@ from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, project
 
 FLIP_DEG, LASTING_FRAMES = 10.0, 3
+MEDIAN_6 = 5.348  # of the chi-squared distribution with six degrees of freedom
 
 
 def rotation_errors_deg(given: Sequence[Answer]) -> list[float]:
@@ -69,8 +70,7 @@ def normalised_error_squared(given: Sequence[Answer]) -> float:
             turn = cv2.Rodrigues(T[:3, :3] @ answer.truth[:3, :3].T)[0].ravel()
             error = np.concatenate([turn, T[:3, 3] - answer.truth[:3, 3]])
             squares.append(float(error @ np.linalg.solve(answer.pose.noise_covariance, error)))
-    median_of_chi_squared_6 = 5.348
-    return float(np.median(squares)) / median_of_chi_squared_6
+    return float(np.median(squares)) / MEDIAN_6
 
 
 def _answered(given: Sequence[Answer]) -> Iterator[tuple[Answer, Float]]:

@@ -35,7 +35,10 @@ def time_start(clip: KnownClip, quality: str, runs: int, *options: str) -> Start
     walls_s, cpus_s = [], []
     for _ in range(runs):
         begun_s, begun_cpu_s = time.perf_counter(), _childrens_cpu_s()
-        outcome = subprocess.run(command, capture_output=True, timeout=LONGEST_START_S)
+        try:
+            outcome = subprocess.run(command, capture_output=True, timeout=LONGEST_START_S)
+        except subprocess.TimeoutExpired:
+            return None  # the figures before this one are not to be lost
         walls_s.append(time.perf_counter() - begun_s)
         cpus_s.append(_childrens_cpu_s() - begun_cpu_s)
         if outcome.returncode != 0:

@@ -28,7 +28,7 @@ class NearnessBySteps:
         return NearnessBySteps(*offset_of_lights(normal, gradient, Layout(1, with_nearness=True)))
 
     def over(self, count: float) -> "NearnessBySteps":
-        """The same, of which so many tell as much as one."""
+        """The same, if `count` points tell as much as one whose errors are its own."""
         return NearnessBySteps(self.offset, self.information / count)
 
 

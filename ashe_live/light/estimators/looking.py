@@ -224,13 +224,13 @@ def _rough_explanations(
     lamps = LampHypotheses.of(coarse, ground, unlit, steps.light)
     likelier = lamps.likelier(suns, partial(explained_near, preset=steps.first_fit))
     trace.rough = rough = sharpener.measured(likelier)
-    alone = cache(explanation_features)
+    own_features = cache(explanation_features)
 
     def log_odds_among(several: Sequence[Explanation]) -> Callable[[Explanation], float]:
         company = Company(several, glint, sheet_shadow)
 
         def log_odds(each: Explanation) -> float:
-            return judge.log_odds_of({**alone(each), **company_features(each, company)}) + lamps.agreement(each)
+            return judge.log_odds_of({**own_features(each), **company_features(each, company)}) + lamps.agreement(each)
 
         return cache(log_odds)
 

@@ -43,9 +43,9 @@ def refined_and_others(
     judged = [*sharp, *others]
     if leaves_no_doubt(judged, log_odds):
         return judged
-    alone = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
+    refine = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
     by_two = [each for each in sharp if len(each.lights) > 1]
-    searched = with_shadows_searched(judged, view, steps.region_px, alone, log_odds)
+    searched = with_shadows_searched(judged, view, steps.region_px, refine, log_odds)
     new = [each for each in searched if not any(each is one for one in judged)]
     likeliest = max(searched, key=log_odds, default=None)
     # Also what takes the place of one of two lights, whose second may only have been told by a worse body.

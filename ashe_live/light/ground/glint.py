@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.sheen import slope_of
 from ashe_live.light.pixels.areas import areas_by_size, grown, shrunk
 from ashe_live.light.pixels.view import View
 
@@ -25,7 +26,7 @@ LEAST_PX = 25
 # Fall of log brightness per pixel, as a fraction of the peak's height, at most of the points half-way down it.
 # An edge falls by 0.2 and more; glints in generated pictures (which are wider) by 0.03 to 0.1.
 STEEPEST, MOST = 0.12, 80
-SOBEL_SCALE = 1 / 8
+SLOPE_BLUR_PX = 1.0  # of brightness, before its slope is taken
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +51,8 @@ def glint_in(view: View, ground: LitGround) -> Glint | None:
     (halo,) = (area for area in areas_by_size(smooth > HALO, LEAST_PX) if area[cores[0]].any())
     upper = halo & (smooth > peak / 2)
     half_way = grown(upper, 1) & ~shrunk(upper, 1) & view.is_ground
-    if float(np.percentile(_steepness(brightness)[half_way], MOST)) > STEEPEST * peak:
+    slope = slope_of(np.asarray(cv2.GaussianBlur(brightness, (0, 0), SLOPE_BLUR_PX), dtype=np.float32))
+    if float(np.percentile(slope[half_way], MOST)) > STEEPEST * peak:
         return None
     rows, columns = np.nonzero(cores[0])
     return Glint(halo, *_mirrored(view, columns.mean(), rows.mean()))
@@ -60,12 +62,6 @@ def _brightest(ground: LitGround) -> float:
     """The log brightness of the brightest common colour of the lit ground."""
     is_common = ground.palette.weights >= min(COMMON, float(ground.palette.weights.max()))
     return float(ground.palette.centres[is_common, 0].max())
-
-
-def _steepness(brightness: Float32) -> Float32:
-    smooth = cv2.GaussianBlur(brightness, (0, 0), 1.0)
-    slopes = [cv2.Sobel(smooth, cv2.CV_32F, dx, 1 - dx, scale=SOBEL_SCALE) for dx in (0, 1)]
-    return np.asarray(cv2.magnitude(*slopes), dtype=np.float32)
 
 
 def _mirrored(view: View, x_px: float, y_px: float) -> tuple[Float, Float]:

@@ -6,7 +6,6 @@ in which a shadow is one shift, the same for every colour of the ground (docs/ma
 """
 
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -20,8 +19,6 @@ from ashe_live.light.pixels.areas import cleaned, grown, large_areas, shrunk, sm
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
 from ashe_live.light.pixels.view import View, Window
-
-Floats = TypeVar("Floats", Float, Float32)
 
 CELLS = (8, 6)  # columns and rows, over which a colour's spread is counted
 # Squared Mahalanobis distance from the palette beyond which a colour is not the lit ground's, and its upper limit.
@@ -70,9 +67,9 @@ def fit_lit_ground(
     colours = log_opponent(image_bgr)
     if np.count_nonzero(is_ground) < LEAST_SAMPLES:
         return None
-    bases = slow_bases((*is_ground.shape,), fall)
+    bases = slow_bases(is_ground.shape, fall)
     field, spread = _wider_spread(colours, bases, is_ground, steps.spread_colours)
-    typical, spread = float(_median(spread[is_ground])), smoothed(spread)
+    typical, spread = _median(spread[is_ground]), smoothed(spread)
     lit = is_ground & (spread > min(WIDE, WIDE_OF_TYPICAL * typical))
     chosen = _samples(shrunk(lit, 1))
     if len(chosen) < LEAST_SAMPLES:
@@ -162,7 +159,7 @@ def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int)
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
 
     def typical(labels: NDArray[np.intp]) -> float:
-        return float(_median(_spreads(labels, cells[chosen])[labels]))
+        return _median(_spreads(labels, cells[chosen])[labels])
 
     trend = robust_trend(values, slow)
     labels, centres = clusters(values, count)
@@ -193,9 +190,9 @@ def _spreads(labels: NDArray[np.intp], cells: NDArray[np.intp], count: int = 0) 
     return np.asarray(perplexity / np.count_nonzero(seen), dtype=np.float32)
 
 
-def _median(values: Floats) -> Floats:
-    """Median over the last axis; np.median also checks for NaN, and takes several times as long."""
-    middle = values.shape[-1] // 2
-    separated_shadows = np.partition(values, middle, axis=-1)
-    upper = separated_shadows[..., middle]
-    return upper if values.shape[-1] % 2 else 0.5 * (upper + separated_shadows[..., :middle].max(axis=-1))
+def _median(values: Float32) -> float:
+    """The median of values (n,); np.median also checks for NaN, and takes several times as long."""
+    middle = len(values) // 2
+    partitioned = np.partition(values, middle)
+    upper = partitioned[middle]
+    return float(upper if len(values) % 2 else 0.5 * (upper + partitioned[:middle].max()))

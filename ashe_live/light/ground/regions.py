@@ -10,7 +10,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask, set_frozen
 from ashe_live.core.transforms import raycast_to_plane
-from ashe_live.light.ground.lit_ground import LitGround, ground_colours
+from ashe_live.light.ground.lit_ground import MOST_DISTANCE, LitGround, ground_colours
 from ashe_live.light.pixels.areas import distance_to, grown, majority, shrunk
 from ashe_live.light.pixels.mixtures import nearest_squared_distance
 from ashe_live.light.pixels.quantised import Quantised
@@ -24,7 +24,7 @@ UNRELIABLE_PX = 2  # beside what is no ground
 # gap's pixels are those whose distances to both add up to less than BULGE times its width.
 JOINED, WIDEST_GAP, BULGE = 2, 0.8, 1.4
 # Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
-UNLIT_DISTANCE, MOST_DISTANCE = 7.0, 60.0
+UNLIT_DISTANCE = 7.0
 # What lies nearer than this may be ground all the same: what an object's bright side adds to its light, or what glossy
 # ground mirrors, is a small part of it, and this is a quarter where colours scatter by 5 %. Shadows take more away.
 FAINT_DISTANCE = 30.0

@@ -26,6 +26,7 @@ SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
 # daylight changes.
 DARK, DARK_OVER, REDDER, GREEN_BY_RED = -0.25, 0.06, 0.2, -0.25
 LEAST_PEAK = 0.04  # of the votes at the highest peak
+COMMON = 0.02  # weight of a palette colour, above which it is voted for
 FINE = 0.6  # width of a mode, in units of that noise, narrow enough to separate two lights' shifts
 HUE_DEVIATION = 0.18  # standard deviation of `hue_of` of true shifts
 # No shadow is farther from daylight's hues: what is would be a part of an object of another colour.
@@ -79,7 +80,7 @@ def shift_near(colours: Float32, ground: LitGround, shift: Float) -> Float | Non
 def _votes(colours: Float32, palette: Mixture) -> tuple[Float32, Float32]:
     """(n k, 3) shifts of the colours from each of the palette's k common colours, and (n k,) the votes' weights."""
     colours = colours[:: len(colours) // MOST_VOTERS + 1]
-    common = palette.weights > 0.02
+    common = palette.weights > COMMON
     centres, weights = palette.centres[common], palette.weights[common]
     return (colours[:, None, :] - centres).reshape(-1, 3), np.tile(weights, len(colours))
 

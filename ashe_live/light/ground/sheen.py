@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Float32, Mask
 from ashe_live.light.pixels.areas import areas_by_size, cleaned, grown
 from ashe_live.light.pixels.mixtures import Mixture, nearest_centres
 
+BLUR_PX = 1.0  # of brightness, before its slope is taken
 STEEPEST = 0.05  # change of log brightness per pixel
 BRIGHTER = 0.03  # least excess in log brightness over the ground's nearest colour
 BRIGHT_DISTANCE = 5.0  # least squared Mahalanobis distance to the ground's palette
@@ -23,9 +24,8 @@ def sheen_on(colours: Float32, squared_distance: Float32, is_ground: Mask, palet
 
     colours: (h, w, 3) log-opponent. squared_distance: (h, w) that to the palette's nearest colour, smoothed.
     """
-    brightness = cv2.GaussianBlur(colours[..., 0], (0, 0), 1.0)
-    slopes = [cv2.Sobel(brightness, cv2.CV_32F, dx, 1 - dx, scale=1 / 8) for dx in (0, 1)]
-    even = is_ground & (cv2.magnitude(*slopes) < STEEPEST)
+    brightness = np.asarray(cv2.GaussianBlur(colours[..., 0], (0, 0), BLUR_PX), dtype=np.float32)
+    even = is_ground & (slope_of(brightness) < STEEPEST)
     lit = is_ground & (squared_distance <= BRIGHT_DISTANCE)
     bright = even & (squared_distance > BRIGHT_DISTANCE)
     candidates = brightness[bright]
@@ -41,6 +41,12 @@ def sheen_on(colours: Float32, squared_distance: Float32, is_ground: Mask, palet
         if np.count_nonzero(beside & lit) > LIT_SHARE_AROUND * np.count_nonzero(beside):
             sheen |= area
     return sheen
+
+
+def slope_of(brightness: Float32) -> Float32:
+    """(h, w) the magnitude of the gradient, per pixel, of a blurred picture (h, w)."""
+    by_axis = [cv2.Sobel(brightness, cv2.CV_32F, dx, 1 - dx, scale=1 / 8) for dx in (0, 1)]
+    return np.asarray(cv2.magnitude(*by_axis), dtype=np.float32)
 
 
 def without_sheen(colours: Float32, sheen: Mask, palette: Mixture) -> Float32:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float
-from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.sheet import ADDED
 from ashe_live.light.pixels.view import View
@@ -40,7 +40,8 @@ CONCENTRATION = 5.0
 # Of clear shadows, those that something else throws beside the sheet: of 87 that the same command counts, 62 point away
 # from the light to 45 degrees, where a quarter does by chance.
 OTHERS = 0.3
-LUMINANCE_BGR = np.array([0.0722, 0.7152, 0.2126])
+MEDIAN_OVER_MEAN = 1.25  # standard deviation of a median over that of a mean, of normal variables
+LUMINANCE_BGR = np.ascontiguousarray(REC709_LUMINANCE[::-1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,7 +182,7 @@ def _strip(lines: _Lines, side: int, end: float, edge: tuple[Float, Float]) -> t
     assert best is not None
     cost, width, amplitude, weights = best
     by_line = weights @ lost
-    spread = 1.25 * 1.48 * float(np.median(np.abs(by_line - np.median(by_line))))
+    spread = MEDIAN_OVER_MEAN * SIGMA_OVER_MEDIAN * float(np.median(np.abs(by_line - np.median(by_line))))
     deviation = math.hypot(spread / math.sqrt(INDEPENDENT * len(by_line)), 0.5 * math.sqrt(cost / len(away)))
     if width > NARROW_PX and amplitude < LEAST_LOST:
         amplitude = 0.0

@@ -39,8 +39,9 @@ DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
 SHADOW_LIKE = 0.3  # least likeness of a pixel, smoothed, to shadowed ground
 # Numbers of clusters that unlit colours are parted into, and of each one's areas that are tried as a shadow.
 COLOUR_COUNTS, AREAS_PER_COLOUR = (2, 3), 2
-# An area is flat by log odds of FLAT_ODDS, of pixels of which so many count as one sample, where hardly any pixel has
-# log odds below ABOVE.
+# Number of colours whose areas are looked at one by one. An area is flat if its pixels' log odds of lying on the plane,
+# of which so many pixels count as one sample, add up to more than FLAT_ODDS, and if less than the share FLAT_ABOVE of
+# its pixels has log odds below ABOVE, as what stands above the plane has.
 FLAT_COLOURS, FLAT_ODDS, PIXELS_PER_SAMPLE, ABOVE, FLAT_ABOVE = 6, 1.5, 40.0, -0.7, 0.03
 # Fraction of the shadow's largest distance from the object beyond which a pixel that looks like shadow cannot be the
 # object's own dark side.
@@ -175,14 +176,14 @@ def shadow_like(region: Region, ground: LitGround, shifts: Sequence[Float]) -> M
     return majority(region.unlit & (smoothed(region.quantised.as_picture(likeness)) > SHADOW_LIKE))
 
 
-def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
+def _splits_with(shadow: Mask, like_shadow: Mask, unlit: Mask) -> list[Split]:
     """Candidates for the object if `shadow` is its shadow: all the rest of the unlit area, or one part that touches it.
 
     If there are several objects, each gets the shadows that touch it. Other areas that look like shadow are tried both
     as more of the shadow (behind a handle, for example) and as the object's own dark side.
     """
     area = overlapping(large_areas(unlit, LEAST_AREA_PX), shadow, 0.0)
-    more = large_areas(area & shadow_like, LEAST_OBJECT_PX) | shadow
+    more = large_areas(area & like_shadow, LEAST_OBJECT_PX) | shadow
     found = []
     for whole_shadow in (more, shadow) if (more & ~shadow).any() else (shadow,):
         parts = areas_by_size(majority(area & ~whole_shadow), LEAST_PX)
@@ -220,10 +221,10 @@ def _reassigned(region: Region, materials: Materials, rough: Split) -> Split:
         # What an object shows stands above the plane. Twice the log odds, as costs are twice negative logs.
         as_object = as_object + 2 * region.on_plane
     nearby = grown(rough.object_mask | rough.shadow_mask, REACH_PX) & region.is_ground
-    object_like = majority((as_object < np.minimum(materials.lit, materials.shaded)) & nearby, 5)
-    body = filled(overlapping(object_like, core) if (object_like & core).any() else core)
-    shadow_like = majority((materials.shaded < materials.lit) & (materials.shaded <= as_object) & nearby) & ~body
-    shadow = overlapping(shadow_like, rough.shadow_mask)
+    like_object = majority((as_object < np.minimum(materials.lit, materials.shaded)) & nearby, 5)
+    body = filled(overlapping(like_object, core) if (like_object & core).any() else core)
+    like_shadow = majority((materials.shaded < materials.lit) & (materials.shaded <= as_object) & nearby) & ~body
+    shadow = overlapping(like_shadow, rough.shadow_mask)
     return Split(body, shadow)
 
 

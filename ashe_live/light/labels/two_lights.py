@@ -30,7 +30,7 @@ NOISE_SIGMAS = 2.0  # by which contributions that add up to more than all light 
 LEAST_ALONE, LEAST_ALONE_PX = 0.04, 30
 COST_OF_DISTANCE, FARTHEST_PX = 1.0, 10.0  # extra cost per pixel outside of a predicted shadow, and its limit
 CLEARLY, NOT_SHADED = 6.0, 12.0  # squared distances, in units of the shift's noise
-MOST_ASKED = 1000
+MOST_ASKED = 1000  # unlit pixels by which pairs of shifts are compared
 
 
 def ratio_of_both(ground: LitGround, first: Float, second: Float) -> Float:

@@ -1,4 +1,4 @@
 """Estimates while the program runs: the views that are kept for them, the process that makes them, the answer held.
 
-May import `core`, `pixels`, `estimators`, `views` and `process`.
+May import `core`, `errors`, `pixels`, `estimators`, `views` and `process`.
 """

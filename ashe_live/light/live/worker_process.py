@@ -7,10 +7,11 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
+from ashe_live.errors import UserError
 from ashe_live.process.pipes import receive_value, send_value
 from ashe_live.process.unforeseen import fault
 
@@ -65,7 +66,7 @@ def run(connection: Connection, make: "Callable[[ProxySteps], Estimator]") -> No
 
     # The other cores are left to the viewer's loop.
     cv2.setNumThreads(1)
-    estimators: dict[ProxySteps, Estimator] = {}
+    estimator_by = cache(make)
     held = HeldViews()
     patient = ThreadPoolExecutor(1, "patient", initializer=_give_way)
     # EOFError and BrokenPipeError: the viewer has gone, and no answer is needed.
@@ -73,9 +74,7 @@ def run(connection: Connection, make: "Callable[[ProxySteps], Estimator]") -> No
         while True:
             request = receive_value(connection)
             held.take(request)
-            if request.preset not in estimators:
-                estimators[request.preset] = make(request.preset)
-            work = partial(_answer, estimators[request.preset], held, request)
+            work = partial(_answer, estimator_by, held, request)
             send_value(connection, work() if request.is_awaited else patient.submit(work).result())
 
 
@@ -121,7 +120,9 @@ def _give_way() -> None:
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), LOWEST_PRIORITY)
 
 
-def _answer(estimator: "Estimator", held: HeldViews, request: Request) -> Answer | WorkerFailure:
+def _answer(
+    estimator_by: "Callable[[ProxySteps], Estimator]", held: HeldViews, request: Request
+) -> Answer | WorkerFailure:
     """The estimate, or a failure for any exception, so that the process goes on."""
     from ashe_live.light.estimators.estimator import TracingEstimator
     from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
@@ -129,6 +130,7 @@ def _answer(estimator: "Estimator", held: HeldViews, request: Request) -> Answer
 
     frozen, others = held.frozen, held.others
     try:
+        estimator = estimator_by(request.preset)
         gone = tuple(held.outdated())
         if request.known is not None and len(gone) < len(others):
             if request.known.illumination.real_object is None:  # without a body there is no shadow to look for
@@ -142,5 +144,7 @@ def _answer(estimator: "Estimator", held: HeldViews, request: Request) -> Answer
             estimate, trace = estimator.traced(frozen, others)
             return Answer(estimate, request.draw(frozen, estimate, trace), gone)
         return Answer(estimator.estimate(frozen, others), None, gone)
+    except UserError as error:
+        return WorkerFailure(frozen.frame.index, str(error))
     except Exception as error:
         return WorkerFailure(frozen.frame.index, fault(error))

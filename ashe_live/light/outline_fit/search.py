@@ -15,12 +15,10 @@ from ashe_live.light.outline_fit.residuals import Indices, Observations, Stacked
 from ashe_live.light.shape.family import Family, padded
 from ashe_live.light.shape.layout import Layout
 
-PRIOR_COST = 0.25  # px^2, cost of a parameter one `spread` from its start: it may_converge what the outlines leave open
+PRIOR_COST = 0.25  # px^2, cost of a parameter one `spread` from its start: it settles what the outlines leave open
 LARGEST_STEP = 1.5
-FIRST_SELECTION, LAST_SELECTION = (
-    2,
-    4,
-)  # iterations after which a third of the starts, and then only the best one, are kept
+# Iterations after which a third of the starts, and then only the best one, are kept.
+FIRST_SELECTION, LAST_SELECTION = 2, 4
 CONVERGED = 1e-2  # relative gain of the cost
 FIRST_DAMPING, HIGHEST_DAMPING = 1e-2, 1e5
 STEP_DAMPING, LONGEST_STEP = 1e-3, 1.0  # of single steps, from a start near the solution

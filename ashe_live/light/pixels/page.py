@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
@@ -16,6 +17,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import grown, majority
 from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent, log_opponent_of_linear
+from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.page_lines import (
     BESIDE,
     FARTHEST,
@@ -29,12 +31,15 @@ from ashe_live.light.pixels.page_lines import (
 )
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
 
-LEAST = 1.1  # of a page's longest side: a smaller sheet is a marker with its margin, on which nothing stands
+# From the marker's centre to a page's far end, in sides: a smaller sheet is a marker with its margin, on which nothing
+# stands.
+LEAST = 1.1
 EVEN = 0.1  # largest difference between a page's right and left
-# Of a side's lines, those that do so where the paper ends, as shadows and objects end others; of those all along it.
+# Least share, and number, of the lines beside the marker that end together where a side's paper does, as shadows and
+# objects end the others; and of lines all along that side.
 SHARE, FEWEST = 0.4, 6
-MOST = 0.75  # of the lines of both sides: each then ends where it does
 SHARE_ALONG, FEWEST_ALONG = 0.25, 3
+MOST = 0.75  # share of the lines both right and left that end together, above which the two ends may differ
 SIDES = 2  # of a page whose ends are seen, at least
 ALIKE = 0.2  # log-opponent distance within which two changes of colour are alike
 STANDS_PX = 5  # across a neighbourhood whose majority tells what stands on the page from noise
@@ -218,15 +223,12 @@ def shown_as_ground(
     What stands on the page keeps its colour, as far as that is not paper's. Beside the marker it stays paper, by which
     the exposure is judged.
     """
-    nowhere = np.zeros(image_bgr.shape[:2], np.bool_)
     larger = Sheet(*(end + ADDED for end in page.ends))
     smaller = Sheet(*(end - ADDED if seen else end + ADDED for end, seen in zip(page.ends, page.is_seen, strict=True)))
-    corners = [sheet.corners(side_m) for sheet in (Sheet(*page.ends), USUAL_SHEET, larger, smaller)]
-    outlines = np.array([project(camera, T_cam_marker, each) for each in corners])
-    if not np.isfinite(outlines).all():
-        return image_bgr, nowhere
-    whole, marker, outer, inner = np.round(outlines.clip(-1e4, 1e4) * 16).astype(np.int32)
-    inside, border = (nowhere.astype(np.uint8) for _ in range(2))
+    whole, marker, outer, inner = (
+        _outline(sheet, camera, T_cam_marker, side_m) for sheet in (Sheet(*page.ends), USUAL_SHEET, larger, smaller)
+    )
+    inside, border = (np.zeros(image_bgr.shape[:2], np.uint8) for _ in range(2))
     for mask, outline, value in ((inside, whole, 1), (inside, marker, 0), (border, outer, 1), (border, inner, 0)):
         cv2.fillConvexPoly(mask, outline, value, shift=4)
     linear = LINEAR_FROM_SRGB_8BIT[:, None] * np.array(page.ground_over_paper[::-1])
@@ -239,3 +241,16 @@ def shown_as_ground(
     crossed = (border > 0) & grown(majority(is_other, STANDS_PX) & beside, CROSSED_PX)
     painted = np.asarray(cv2.inpaint(shown, crossed.astype(np.uint8), PAINTED_PX, cv2.INPAINT_TELEA), np.uint8)
     return painted, grown(crossed, 1)  # what is no ground beside it is rounded to whole pixels by itself
+
+
+def _outline(sheet: Sheet, camera: Camera, T_cam_marker: Float, side_m: float) -> NDArray[np.int32]:
+    """(m, 2) sixteenths of pixels: the outline of what of a sheet lies before the camera.
+
+    A page whose end is out of the picture may reach behind the camera, as where it ends is not known.
+    """
+    corners = sheet.corners(side_m)
+    points = before_camera(corners, T_cam_marker)
+    outline = project(camera, T_cam_marker, points).clip(-1e4, 1e4)
+    if not np.array_equal(points, corners):  # some of them are where lines meet the near plane, in any order
+        outline = cv2.convexHull(outline.astype(np.float32))[:, 0]
+    return np.asarray(np.round(outline * 16), dtype=np.int32)

@@ -78,20 +78,23 @@ class PageLines:
         """Of each side whose end is known, on the lines that end there: (n, 3) of the paper and of what follows it."""
         for side, end in enumerate(ends):
             if end is not None:
-                these = self.is_end[side][:, around(end)].any(axis=1)
-                beyond = min(end + CLEAR, len(self.outwards) - 1)
-                yield self.before[side, these, end - CLEAR], self.after[side, these, beyond]
+                yield self._beside(side, end)
 
     def ends_in(self, side: int, end: int, change: Float) -> bool:
         """Whether enough of the lines that end there change their colour as paper and ground do, and not an object.
 
         change: (3,) log-opponent.
         """
-        these = self.is_end[side][:, around(end)].any(axis=1)
-        beyond = min(end + CLEAR, len(self.outwards) - 1)
-        differences = self.after[side, these, beyond] - self.before[side, these, end - CLEAR] - change
-        alike = np.linalg.norm(differences, axis=1) < HALF * np.linalg.norm(change)
+        paper, beyond = self._beside(side, end)
+        alike = np.linalg.norm(beyond - paper - change, axis=1) < HALF * np.linalg.norm(change)
         return bool(np.count_nonzero(alike) >= SHARE_ALIKE * max(1, len(alike)))
+
+    def _beside(self, side: int, end: int) -> tuple[Float32, Float32]:
+        """(n, 3) colours of the paper and of what follows it, on the lines of one side that end there."""
+        these = self.is_end[side][:, around(end)].any(axis=1)
+        # A narrow margin ends before there are so many samples of it.
+        within, beyond = max(end - CLEAR, 0), min(end + CLEAR, len(self.outwards) - 1)
+        return self.before[side, these, within], self.after[side, these, beyond]
 
 
 def _medians(colours: Float32) -> Float32:

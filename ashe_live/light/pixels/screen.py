@@ -11,8 +11,10 @@ from ashe_live.light.pixels.page_lines import FARTHEST, PageLines
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 
 DARK = 2.0  # log brightness by which a rim is darker than the white beside the marker: seven times
-WHITE, BORDER = 0.5, 6  # by how much what it begins beside is darker, at most; samples that mix both
-LIGHTER = 1.0  # and than what follows it, be that the device's own shadow
+# A rim begins at most BORDER samples, in which blur mixes both, beyond the white: what is less than WHITE darker than
+# the margin.
+WHITE, BORDER = 0.5, 6
+LIGHTER = 1.0  # log brightness by which what follows a rim is brighter, be that the device's own shadow
 BEYOND = 25  # samples from a rim's end, half a side of the marker, from which on most is ground
 IN_SHADOW = 0.5  # log brightness by which a device's own shadow is darker than the ground, at least
 TOGETHER, SHARE = 1, 0.4  # samples within which a rim ends, on this share of a side's lines

@@ -12,6 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose, TrackedFrame
+from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
@@ -162,16 +163,18 @@ def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[F
     if not (corners @ line > 0).all():
         mask[:] = line[0] * np.arange(width) + (line[1] * np.arange(height) + line[2])[:, None] > 0
     for points in printed_marker:
-        outline = project(camera, T_cam_marker, points)
-        if np.isfinite(outline).all():
+        outline = project(camera, T_cam_marker, before_camera(points, T_cam_marker))
+        if len(outline):
             hull = cv2.convexHull(np.clip(outline, -1e6, 1e6).astype(np.float32))[:, 0]
             cv2.fillConvexPoly(mask, np.round(hull * 16).astype(np.int32), 0, shift=4)
     return mask.view(np.bool_)
 
 
 def ground_line(camera: Camera, T_cam_marker: Float) -> Float:
-    """(3,) of a pixel (x, y, 1): positive where its ray meets the marker's plane, not too far away, and by how many
-    pixels it does; of a plane that is seen from straight above, any positive number.
+    """(3,) the line in the picture that ends the ground: its product with a pixel (x, y, 1) is the distance in pixels.
+
+    That is positive where the pixel's ray meets the marker's plane, and not too far away; where the plane is seen from
+    straight above, all pixels' are positive, and no distances.
     """
     normal, place = T_cam_marker[:3, 2], T_cam_marker[:3, 3]
     # The depth of the plane along a pixel's ray is `offset` over how much the ray faces it.

@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
+from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.family import batches_of, padded
@@ -19,7 +20,6 @@ from ashe_live.light.shape.supports import outline_points
 
 AROUND = 32  # points on a body's rings: with 16, chords lie 2 % of the radius inside, which biases an alignment
 FARTHEST_PX = 1e5  # of an outline from the picture's corner: beyond, it is drawn as if it were there
-NEAREST_SHARE = 0.1  # depth of the near plane that cuts bodies off, as a fraction of the marker's distance
 SUBPIXEL_BITS = 4  # binary places in which outlines are drawn
 LARGE_PX = 5e3  # of an outline, from which on it may extend behind the camera
 
@@ -64,7 +64,7 @@ def outline(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float 
     """(m, 2) pixels: the outline of the convex hull of points (n, 3), clipped at the near plane; None if nothing is
     left.
     """
-    points = _before_camera(points_marker, T_cam_marker)
+    points = before_camera(points_marker, T_cam_marker)
     pixels = project(camera, T_cam_marker, points) if len(points) else np.empty((0, 2))
     pixels = pixels[np.isfinite(pixels).all(axis=1)]
     if len(pixels) < 3:
@@ -111,15 +111,3 @@ def _filled(hull_px: Float | None, shape: tuple[int, ...]) -> Mask:
     if hull_px is not None:
         cv2.fillConvexPoly(mask, np.round(hull_px * 2**SUBPIXEL_BITS).astype(np.int32), 1, shift=SUBPIXEL_BITS)
     return mask.view(np.bool_)
-
-
-def _before_camera(points_marker: Float, T_cam_marker: Float) -> Float:
-    """(m, 3) points whose convex hull is the part of the points' hull beyond the near plane."""
-    depth = points_marker @ T_cam_marker[2, :3] + T_cam_marker[2, 3]
-    nearest = NEAREST_SHARE * float(np.linalg.norm(T_cam_marker[:3, 3]))
-    before = depth > nearest
-    if before.all() or not before.any():
-        return np.asarray(points_marker[before])
-    front, back = points_marker[before][:, None], points_marker[~before][None]
-    way = (nearest - depth[before][:, None]) / (depth[~before][None] - depth[before][:, None])
-    return np.concatenate([points_marker[before], (front + way[..., None] * (back - front)).reshape(-1, 3)])

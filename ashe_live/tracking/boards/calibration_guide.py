@@ -8,6 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size
+from ashe_live.core.transforms import angle_between
 from ashe_live.errors import UserError
 from ashe_live.tracking.boards.calibration import MIN_VIEWS, Calibration, calibrate
 from ashe_live.tracking.boards.calibration_board import BoardView
@@ -51,7 +52,7 @@ class KeptView:
         return (
             float(np.linalg.norm(self.middle - other.middle)) < NEW_PLACE
             and abs(self.log_scale - other.log_scale) < NEW_SCALE
-            and math.acos(min(1.0, float(self.normal @ other.normal))) < NEW_TURN_RAD
+            and angle_between(self.normal, other.normal) < NEW_TURN_RAD
         )
 
 

@@ -29,9 +29,9 @@ TURN_SIGMA, SHIFT_SIGMA = math.radians(0.9), 0.011
 FOLDED_RMS = 0.08
 # Frames that look alike have the same errors of the corners. So each frame after the first has this weight, and after
 # so many nothing more is learned.
-LATER_FRAMES, MOST_FRAMES = 0.2, 60
-# Each of the first frames is learned from, then one in so many.
-EVERY_ONE_OF, EVERY = 4, 8
+LATER_WEIGHT, MOST_FRAMES = 0.2, 60
+# Each of so many first frames is learned from, then one in EVERY.
+FIRST_FRAMES, EVERY = 4, 8
 EACH = 6  # components of a fold
 # Some cubes are folded better than others: the standard deviations above are scaled by one of these, all equally likely
 # beforehand. Principal axes with less information than LEAST_INFORMATION, in units of the prior, say nothing about it.
@@ -72,7 +72,7 @@ class Folding:
     @property
     def wants_all(self) -> bool:
         """Whether the folds of all faces that are in view are yet to be learned."""
-        return self._frames < EVERY_ONE_OF
+        return self._frames < FIRST_FRAMES
 
     def stated(self, pose: MarkerPose) -> MarkerPose:
         """`pose` with the cube's body, and as uncertain as the folds make it."""
@@ -113,9 +113,9 @@ class Folding:
         if not np.isfinite(by_both).all():
             return False
         if is_learned:
-            share = LATER_FRAMES if self._frames else 1.0
-            self._information += share * (normal[EACH:, EACH:] - normal[EACH:, :EACH] @ by_both[:, :-1])
-            self._vector += share * (pull[EACH:] - normal[EACH:, :EACH] @ by_both[:, -1])
+            weight = LATER_WEIGHT if self._frames else 1.0
+            self._information += weight * (normal[EACH:, EACH:] - normal[EACH:, :EACH] @ by_both[:, :-1])
+            self._vector += weight * (pull[EACH:] - normal[EACH:, :EACH] @ by_both[:, -1])
             self._frames += 1
             self._covariance = self._posterior_covariance()
             self._folds = np.asarray(self._covariance @ self._vector).reshape(-1, EACH)

@@ -63,14 +63,14 @@ def checked(
     if not alignment.tells_place:
         if not is_print or square.sides_seen < 4:
             return None
-        return corrected(square, alignment.bleed_px(seen_print, side_px))
+        return corrected(square, alignment.bleed_px(seen_print, side_px, shade))
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
     seen = alignment.look(seen_print, side_px, shade)
     # Where the print is elsewhere, it explains the samples badly, and a single step is uncertain.
     is_sure = seen is not None and seen.sigma <= SURE_SIGMA
     is_as_aligned = seen is not None and seen.sigma <= AS_ALIGNED * aligned_sigma and seen.inside >= MIN_INSIDE
     if seen is not None and square.sides_seen == 4 and (is_sure or is_as_aligned):
-        bleed_px = alignment.bleed_px(seen_print, side_px) if is_sure else seen.bleed_px
+        bleed_px = alignment.bleed_px(seen_print, side_px, shade) if is_sure else seen.bleed_px
         even = corrected(square, bleed_px)
         if not _off(seen.step - in_units(even.corners_px, square.corners_px), seen, tolerance).any():
             return dataclasses.replace(even, aligned_sigma=aligned_sigma) if is_print else None

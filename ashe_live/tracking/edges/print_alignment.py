@@ -51,8 +51,8 @@ class Aligned:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Linear:
-    """What samples depend on linearly, near a print: its gain, the eight corners' displacements, offset, gradient and
-    bloom.
+    """What samples depend on linearly, near a print: its gain, the four corners' displacements (x and y of each), an
+    offset, a gradient of the light, and bleeding.
     """
 
     columns: Light  # (m, 13) derivatives of each sample
@@ -115,8 +115,8 @@ class PrintAlignment(PrintLikeness):
         corners_y = np.stack([none, none, none, u, v, all_one, -u * v, -v * v], axis=-1)
         entries_by_corners = np.linalg.inv(np.stack([corners_x, corners_y], axis=1).reshape(8, 8))
         moved = (dx[..., None] * by_entries_x + dy[..., None] * by_entries_y) @ entries_by_corners
-        bloom = np.hypot(dx, dy)
-        columns = np.concatenate([sharp[..., None], -moved, np.stack([one, x, y, bloom], axis=-1)], axis=-1).reshape(
+        bleed = np.hypot(dx, dy)
+        columns = np.concatenate([sharp[..., None], -moved, np.stack([one, x, y, bleed], axis=-1)], axis=-1).reshape(
             -1, 13
         )[self._inside]
         self._whole = _Linear.of(columns)
@@ -124,27 +124,31 @@ class PrintAlignment(PrintLikeness):
         together = columns[:, 1:9] @ -OUTWARDS.ravel() - columns[:, 12]
         one_shift = np.column_stack([columns[:, 0], columns[:, 9:12], together])
         self._one_shift = one_shift.astype(np.float32)
-        self._bleed_solver = np.linalg.pinv(one_shift).astype(np.float32)
-        self._bleed_spread = float(np.linalg.inv(one_shift.T @ one_shift + 1e-9 * np.eye(5))[4, 4])
+        self._bleed_solver, self._bleed_spread = _bleed_solved(one_shift)
         self._tells_bleed = tells_place
         is_weak = tells_place and math.sqrt(self._whole.largest_spread) > MOST_SPREAD
         self.tells_place = tells_place and not is_weak
         if is_weak:
             self._least_likeness = SURE_LIKENESS
 
-    def bleed_px(self, samples: Light, side_px: float) -> float | None:
+    def bleed_px(self, samples: Light, side_px: float, shade: Shade | None = None) -> float | None:
         """How far outwards all four sides of a square are displaced; None where it cannot be measured.
 
         Measured by the edges inside, from samples within the square: a tone curve other than sRGB's, clipped white, or
-        ink that has spread displaces all edges towards white alike.
+        ink that has spread displaces all edges towards white alike. shade: as in `look`.
         """
-        inside = samples.ravel()[self._inside]
-        coefficients = self._bleed_solver @ inside
+        inside, columns = samples.ravel()[self._inside], self._one_shift
+        solver, spread = self._bleed_solver, self._bleed_spread
+        if shade is not None:
+            kept = ~shade.edge.ravel()[self._inside]
+            inside, columns = inside[kept], columns[kept]
+            solver, spread = _bleed_solved(columns.astype(np.float64))
+        coefficients = solver @ inside
         gain = float(coefficients[0])
         if gain <= 0 or not self._tells_bleed:
             return None
-        variance = self._variance(inside - self._one_shift @ coefficients, len(coefficients), side_px) / gain**2
-        return self._believed_px(float(coefficients[4]) / gain, variance * self._bleed_spread, side_px)
+        variance = self._variance(inside - columns @ coefficients, len(coefficients), side_px) / gain**2
+        return self._believed_px(float(coefficients[4]) / gain, variance * spread, side_px)
 
     def look(self, samples: Light, side_px: float, shade: Shade | None = None) -> Aligned | None:
         """One step from samples taken where the print is thought to be; None where nothing of it is seen.
@@ -227,6 +231,14 @@ def _moved(corners_px: Float, step: Float) -> tuple[Float, Float]:
         block = slice(2 * corner, 2 * corner + 2)
         derivatives[block, block] = (H[:2, :2] - np.outer((x / w, y / w), H[2, :2])) / w
     return np.asarray(there[:, :2] / there[:, 2:], dtype=np.float64), derivatives
+
+
+def _bleed_solved(one_shift: Float) -> tuple[Light, float]:
+    """(5, m) least squares of samples (m,) by `one_shift` (m, 5), whose last is the displacement of all edges together;
+    and that one's variance for samples of variance 1.
+    """
+    spread = np.linalg.inv(one_shift.T @ one_shift + 1e-9 * np.eye(5))
+    return np.linalg.pinv(one_shift).astype(np.float32), float(spread[4, 4])
 
 
 def _inverse(matrix: Float) -> Float:

@@ -18,14 +18,15 @@ DEEPEST, PALEST = 0.06, 0.65
 # White in the shade is at least so many times as bright as ink in the light, and nearly all white has at least this
 # share of the light that falls on it; else some of it is another print's ink.
 ABOVE_INK, LEAST_WHITE = 1.2, 0.6
-LEAST_SHARE = 0.03  # of the white, on either side of the shadow's edge
+LEAST_SHARE = 0.03  # of the white, on either side of the shadow's edge; "nearly all" is all but this share
 # Least reflectance of what counts as white, over the paper's, and the largest of what counts as ink.
 WHITE, INK = 0.85, 0.15
 ROUNDS = 4  # of parting the white into two levels
 # The light on neighbouring samples that differs by this share of the brighter one's is a shadow's edge.
 EDGE = 0.1
 NEIGHBOURS = np.ones((3, 3), np.uint8)
-TINY = np.float32(1e-6)
+TINY = np.float32(1e-6)  # of linear light, so that its log is finite
+BRIGHTEST_INK = 0.95  # quantile of ink that stands for the brightest, as a few samples are noise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +43,7 @@ class Shade:
 
 
 class PrintShade:
-    """Where a print is white and black; made once for all pictures."""
+    """Finds the shadow whose edge crosses one print, by where that is white and black; made once for all pictures."""
 
     def __init__(self, print_samples: Float, cell: int, margin: int) -> None:
         """`print_samples` (n, n): the print and the paper around it, from 0 to 1; `cell`, `margin`: samples along a
@@ -67,7 +68,7 @@ class PrintShade:
     def on(self, samples: Light) -> Shade | None:
         """The shadow whose edge crosses `samples` (n, n) of linear light, taken where the print is thought to be."""
         white = samples[self._white]
-        # Nearly every frame ends here, in a few microseconds.
+        # Nearly every frame ends here.
         if not len(white) or float(white.min()) > PALEST * float(white.max()):
             return None
         levels, black = _two_levels(white), samples[self._black]
@@ -124,7 +125,7 @@ def _two_levels(white: Light) -> tuple[float, float] | None:
 
 def _lit_ink(black: Light, ratio: float) -> float:
     """The level of ink in the light, where some of `black` (m,) may lie in a shadow of this `ratio`."""
-    return float(np.median(black[black >= np.sqrt(ratio) * np.quantile(black, 0.95)]))
+    return float(np.median(black[black >= np.sqrt(ratio) * np.quantile(black, BRIGHTEST_INK)]))
 
 
 def _inside(mask: Mask) -> Mask:

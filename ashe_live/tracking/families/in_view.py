@@ -13,7 +13,7 @@ FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "original", "5x5_1000", "4
 SIZES = (50, 100, 250, 1000)  # of each ArUco family; the smaller ones are the beginning of the larger
 MIN_SIDE_PX = 20.0
 MOST_PX = 1280  # of the longer side: what is larger is looked at reduced
-CELL_WINDOW_PX = 101  # reaches paper from within a marker's black, as far as that is up to three cells wide
+CELL_WINDOW_PX = 101  # reaches white from within a marker's black, where that is up to three cells wide
 # Largest share of the black border's cells that may be white: photos of other square things have more.
 WRONG_IN_BORDER = 0.1
 # Least number of the cube's tags that count as a cube: a single one may lie flat on a table.

@@ -44,9 +44,9 @@ class PoseFilter:
         difference = units * np.concatenate([turn, T[:3, 3] - self._held[:3, 3]])
         variances, axes = np.linalg.eigh(units[:, None] * covariance * units)
         parts = axes.T @ difference
-        # In standard deviations; noise within a direction that is known exactly cannot be told from motion.
-        excess = gate**2 * variances.clip(0) / np.maximum(parts**2, 1e-30)
-        gains = np.maximum(1 - math.exp(-elapsed_s / rest_s), 1 - excess)
+        # How much of each squared part may be noise; in a direction that is known exactly, none is.
+        noise_share = gate**2 * variances.clip(0) / np.maximum(parts**2, 1e-30)
+        gains = np.maximum(1 - math.exp(-elapsed_s / rest_s), 1 - noise_share)
         step = (axes @ (gains * parts)) / units
         R = cv2.Rodrigues(step[:3])[0] @ self._held[:3, :3]
         # The product of many rotations drifts from being one.

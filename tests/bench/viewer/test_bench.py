@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.loops import StageTimes
+from ashe_live.bench.viewer import starts
 from ashe_live.bench.viewer.bench import ViewerBench
 from ashe_live.capture.clips.known_clip import KnownClip, read_known_clip
 from ashe_live.capture.recording.recorder import Recorder
@@ -96,6 +97,11 @@ def test_an_existing_file_is_refused_before_anything_is_measured(clip, tmp_path)
     with pytest.raises(UserError, match="--overwrite"):
         ViewerBench(clip, FAST, BlindEstimator, FRAMES).run(tmp_path)
     assert out.read_text() == "precious"
+
+
+def test_a_start_that_hangs_has_no_time_and_costs_no_other_figure(clip, monkeypatch):
+    monkeypatch.setattr(starts, "LONGEST_START_S", 0.0)
+    assert starts.time_start(clip, "fast", 1, "--headless") is None
 
 
 def test_a_whole_is_the_sum_of_its_stages_frame_by_frame():

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.core.caster import parsed_caster
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
@@ -102,6 +103,15 @@ def test_an_exception_comes_back_as_a_value_and_the_worker_goes_on(worker, scene
     assert "\n" not in failure.message
     worker.request(scene.tracked)
     assert isinstance(worker.wait(PATIENCE_S), Answer)
+
+
+def test_a_preset_that_the_estimator_cannot_use_is_told_in_words_and_the_worker_goes_on(scene):
+    with LightWorker("paper") as worker:
+        worker.request(scene.tracked, BALANCED.with_caster(parsed_caster("box:0.05x0.05x0.08")))
+        failure = worker.wait(PATIENCE_S)
+        assert isinstance(failure, WorkerFailure)
+        assert failure.message.startswith("the estimator paper makes no use of a known caster")
+        assert len(children()) == 1
 
 
 def test_a_killed_process_is_told_once_and_replaced(scene, without_marker):

@@ -158,3 +158,37 @@ def test_what_may_be_paper_or_ground_is_not_used() -> None:
     np.testing.assert_allclose((left[:, 0].min(), left[:, 0].max()), (-1.3 - ADDED, -1.3 + ADDED))
     np.testing.assert_allclose((below[:, 1].min(), below[:, 1].max()), (-2.1 - ADDED, -1.1 + ADDED))
     assert Sheet(*page.ends).corners(SIDE_M)[:, 1].min() == pytest.approx(-2.1 * SIDE_M)
+
+
+def test_a_narrow_margin_is_compared_with_the_ground_beside_it_and_not_with_what_lies_far_out() -> None:
+    narrow = (0.6 * SIDE_M, 0.6 * SIDE_M, 0.6 * SIDE_M, 2.0 * SIDE_M)
+    tracked = paint(Caster(at=(0.02, -0.09)), T_cam_marker=FROM_ABOVE, page_m=narrow).tracked
+    assert tracked.marker is not None
+    lines = PageLines.of(np.asarray(tracked.frame.image_bgr), tracked.camera, tracked.marker.T_cam_marker, SIDE_M)
+    end = int(np.abs(lines.outwards - 0.6).argmin())
+    for side in (0, 1, 2):
+        ((paper, ground),) = lines.colours_beside([end if each == side else None for each in range(4)])
+        assert np.median(paper[:, 0]) > np.median(ground[:, 0]) + 0.3
+        assert lines.ends_in(side, end, np.median(ground - paper, axis=0).astype(np.float64))
+        np.testing.assert_allclose(np.median(paper, axis=0), np.median(lines.before[side, :, 0], axis=0), atol=0.05)
+
+
+@pytest.mark.parametrize(("distance_m", "pitch_deg"), [(0.18, 20.0), (0.18, 25.0), (0.16, 30.0)])
+def test_a_page_that_may_reach_behind_the_camera_is_shown_as_ground_before_it(
+    distance_m: float, pitch_deg: float
+) -> None:
+    camera = camera_towards((0.0, 0.0), distance_m, pitch_deg)
+    scene = paint(T_cam_marker=camera, page_m=A4, focal_px=400.0)
+    page, view = page_in(scene.tracked), View.of(scene.tracked, 640)
+    assert page is not None
+    lowest = camera @ (0.0, -page.ends[3] * SIDE_M, 0.0, 1.0)
+    assert lowest[2] < 0  # its end is out of the picture, and looked for no farther than so
+    shown = view.with_page_as_ground()
+    on_page, beside = shown.is_ground & scene.sheet, shown.is_ground & ~scene.sheet
+    assert min(on_page.sum(), beside.sum()) > 5000
+    before, after = (
+        np.abs(np.median(each.image_bgr[on_page], axis=0) - np.median(each.image_bgr[beside], axis=0)).max()
+        for each in (view, shown)
+    )
+    assert before > 40
+    assert after < 8

@@ -9,7 +9,7 @@ from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, ground, painted
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.square import square_corners
+from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.edges.edge_profiles import Light, linear_light
@@ -48,6 +48,22 @@ def test_what_is_left_without_the_shadow_is_the_print(ratio: float) -> None:
         # By a camera that rounds, ink in deep shade is known to some of its own light.
         assert np.abs(shade.removed_from(shaded) - even)[away].mean() < 0.04 * np.ptp(even)
         assert alignment.is_print(shade.removed_from(shaded))
+
+
+@pytest.mark.parametrize("gamma", [1 / 1.3, 1.3])
+def test_a_tone_curve_is_measured_beside_the_shadows_edge_as_in_even_light(gamma: float) -> None:
+    """At that edge the samples are the print's own, whose edges no tone curve has moved."""
+    alignment, side_px = MARKER.alignment, mean_side_px(CORNERS)
+    told: list[tuple[float | None, float | None]] = []
+    for seed in range(16):
+        even, shaded = (samples_of(MARKER, Flaws(gamma=gamma, shadow_ratio=each), seed) for each in (1.0, 0.3))
+        shade = alignment.shade.on(shaded)
+        assert shade is not None
+        without = shade.removed_from(shaded)
+        told.append((alignment.bleed_px(even, side_px), alignment.bleed_px(without, side_px, shade)))
+    in_even_light, beside_edge = np.array(told, np.float64).mean(axis=0)
+    assert abs(in_even_light) > 0.1
+    assert beside_edge == pytest.approx(in_even_light, rel=0.1)
 
 
 @pytest.mark.parametrize("flaws", [CLEAN_CAMERA, Flaws(blur_px=5), Flaws(gain=0.1), Flaws(vignetting=0.9)])

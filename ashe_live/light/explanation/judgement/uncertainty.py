@@ -56,7 +56,7 @@ class Calibration:
 
 
 def _covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame, has_wobble: bool) -> Float:
-    """(2, 2) rad^2 on the direction's tangent basis: the uncertainty of the marker's rotation and the focal length."""
+    """(2, 2) rad^2 on the direction's tangent basis: by the marker's rotation, and the focal length in it."""
     marker = tracked.marker
     assert marker is not None
     total = np.zeros((2, 2))

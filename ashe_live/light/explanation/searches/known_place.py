@@ -30,7 +30,8 @@ from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
 
 SEARCH_PX = 130  # size to which the whole picture is scaled
-FEET, PAINTED, FOUND = 400, 60, 12  # places tried in each light; bodies painted there; bodies aligned, in all lights
+# Places tried in each light, or up to twice as many; bodies painted there; bodies aligned, in all lights.
+FEET, PAINTED, FOUND = 400, 60, 12
 # Places of a body's points about their middle, as fractions: inside of its silhouette, and of its shadow's.
 INSIDE = (0.85, 0.5)
 # Cost of an object's pixel before its colours are known: midway between the likeliest ground and none at all.
