@@ -89,16 +89,26 @@ def test_the_ratio_is_one_on_lit_ground_and_the_shadows_in_the_shadow(tracked, e
     assert ((encoded + 0.055) / 1.055) ** 2.4 == pytest.approx(linear, rel=0.08)
 
 
-def test_a_perfect_fit_leaves_nothing_and_a_wrong_one_does(tracked, estimate):
-    def unexplained(of):
-        rest = debug_pictures(tracked, of)[-2].image_bgr.astype(int)
-        towards = rest - tracked.frame.image_bgr
-        return np.count_nonzero((towards[:, :, 2] - towards[:, :, 0] > 60) & (np.abs(towards).max(axis=2) > 30))
-
+def unexplained(tracked, estimate):
+    """How many pixels the residual marks as not explained."""
     assert UNEXPLAINED_BGR[2] > UNEXPLAINED_BGR[0]
+    rest = debug_pictures(tracked, estimate)[-2].image_bgr.astype(int)
+    towards = rest - tracked.frame.image_bgr
+    return np.count_nonzero((towards[:, :, 2] - towards[:, :, 0] > 60) & (np.abs(towards).max(axis=2) > 30))
+
+
+def test_a_perfect_fit_leaves_nothing_and_a_wrong_one_does(tracked, estimate):
     low = Proxy("frustum", BODY.spheroids_marker * [1, 1, 0.3, 1, 1])
     wrong = replace(estimate, illumination=Illumination((SUN,), real_object=low))
-    assert unexplained(wrong) > 10 * unexplained(estimate) + 100
+    assert unexplained(tracked, wrong) > 10 * unexplained(tracked, estimate) + 100
+
+
+def test_a_lamps_shadow_is_explained_by_the_lamp_where_it_stands(tracked, estimate):
+    lamp = replace(SUN, inverse_distance=1 / 0.25)
+    shadow = filled(shadow_outline(CAMERA, VIEW, BODY.points_marker(), lamp.homogeneous)) & ~estimate.object_mask
+    by_lamp = replace(estimate, illumination=Illumination((lamp,), real_object=BODY), shadow_mask=shadow)
+    by_sun = replace(by_lamp, illumination=Illumination((SUN,), real_object=BODY))
+    assert unexplained(tracked, by_sun) > 10 * unexplained(tracked, by_lamp) + 100
 
 
 def test_the_shadow_leans_away_from_the_light():
