@@ -125,7 +125,11 @@ class NewFile:
             os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
         except FileExistsError:
             return False
-        self.partial.replace(path)
+        try:
+            self.partial.replace(path)
+        except BaseException:
+            path.unlink()  # ours, and empty
+            raise
         return True
 
 
