@@ -145,9 +145,10 @@ class Menu:
             self._opened = _placed(entries(), (event.x_px, event.y_px), size, content_scale)
             self._pointed_at = None
             return True
-        if event.action is MouseAction.RELEASED and self._swallows_release:
-            self._swallows_release = False
-            return True
+        if event.action is MouseAction.RELEASED:
+            # That of a press before it opened ends what the press began, as a drag.
+            is_own, self._swallows_release = self._swallows_release, False
+            return is_own
         if self._opened is None:
             return False
         if self._opened.size != size:  # made for another window
