@@ -31,7 +31,10 @@ class HeadlessRun:
 def play_headless(
     source: Source, tracker: MarkerTracker, session: Session, renderer: SceneRenderer, run: HeadlessRun, report: Report
 ) -> None:
-    """Plays `source` to its end or the limit and fills `report`. Raises UserError as the source does."""
+    """Plays `source` to its end or the limit and fills `report`.
+
+    Raises UserError as the source does, and when an estimate takes longer than LONGEST_ESTIMATE_S.
+    """
     period_s = 1 / (source.fps or 1.0)
     begin_s = shown_s = 0.0
     while run.frame_limit is None or len(report.frames) < run.frame_limit:
@@ -39,9 +42,7 @@ def play_headless(
         frame = source.read()
         if frame is None:
             if session.settle_for_last(shown_s):
-                estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
-                if estimate is not None:
-                    report.add_estimate(estimate)
+                _finish_estimate(session, report, shown_s)
             if not run.loop:
                 break
             source.rewind()
@@ -56,11 +57,7 @@ def play_headless(
         session.watch.key_views.add(tracked)
         session.take(tracked, shown_s)
         if session.watch.is_estimating:
-            estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
-            if session.watch.is_estimating:
-                raise UserError(f"no estimate of the light in {LONGEST_ESTIMATE_S:.0f} s", "choose another --estimator")
-            if estimate is not None:
-                report.add_estimate(estimate)
+            _finish_estimate(session, report, shown_s)
 
         started = time.perf_counter()
         renderer.render(run.scene(session))
@@ -72,3 +69,11 @@ def play_headless(
             picture = renderer.read_bgra() if run.has_alpha else renderer.read_bgr()
             for take in run.takers:
                 take(picture, shown_s)
+
+
+def _finish_estimate(session: Session, report: Report, shown_s: float) -> None:
+    estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
+    if session.watch.is_estimating:
+        raise UserError(f"no estimate of the light in {LONGEST_ESTIMATE_S:.0f} s", "choose another --estimator")
+    if estimate is not None:
+        report.add_estimate(estimate)

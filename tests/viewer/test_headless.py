@@ -57,6 +57,12 @@ def test_an_estimate_that_never_comes_is_an_error_and_not_a_wait_for_every_frame
         Play(fakes, fakes.Source(6))
 
 
+def test_nor_is_one_of_the_last_frame_of_a_clip_in_which_none_was_steady(fakes):
+    assert [estimate["frame"] for estimate in Play(fakes, fakes.Source(2), fakes.estimate(1)).report.estimates] == [1]
+    with pytest.raises(UserError, match="no estimate"):
+        Play(fakes, fakes.Source(2))
+
+
 def test_the_limit_counts_frames(fakes):
     assert Play(fakes, fakes.Source(7), fakes.estimate(2), frame_limit=4).indices == [0, 1, 2, 3]
     assert Play(fakes, fakes.Source(3), fakes.estimate(2), frame_limit=9).indices == [0, 1, 2]
