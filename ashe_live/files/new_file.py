@@ -157,8 +157,8 @@ def partial_path(path: Path) -> Path:
 
 
 def lock(stream: BinaryIO) -> bool:
-    """Locks a file while it is open; False if another process holds the lock, or if the system cannot tell."""
-    if fcntl is None:
+    """Locks a file while it is open; False if another process holds the lock, or if its file system has no locks."""
+    if fcntl is None:  # Windows lets nobody else remove an open file
         return True
     try:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
