@@ -134,6 +134,12 @@ def test_no_shadow_falls_from_below_and_no_outline_is_behind_the_camera():
     assert has(drawn, SHADOW_BGR)
 
 
+@pytest.mark.parametrize("size_px", [1, 6, 99])
+def test_the_rose_of_a_low_picture_is_as_low(size_px):
+    """As of a panorama, scaled to the width of the sheet."""
+    assert light_rose((SUN,), size_px).shape == (size_px, size_px, 3)
+
+
 @pytest.mark.parametrize("azimuth_deg", [0, 100, 230])
 def test_the_rose_has_x_right_y_up_and_the_horizon_at_its_rim(azimuth_deg):
     low, high = (Light(direction_from_angles(math.radians(azimuth_deg), math.radians(e))) for e in (20, 70))
