@@ -15,7 +15,10 @@ from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR, UNEXPLAINED_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body
 from ashe_live.drawing.steps import debug_pictures
+from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outline, shadow_outline
 from tests.light.synthetic_masks import camera_towards
@@ -132,6 +135,18 @@ def test_no_shadow_falls_from_below_and_no_outline_is_behind_the_camera():
     drawn = with_body(picture, CAMERA, VIEW, BODY, (SUN,))
     assert has(drawn, OBJECT_BGR)
     assert has(drawn, SHADOW_BGR)
+
+
+@pytest.mark.parametrize("size", [(640, 480), (480, 640), (360, 640), (640, 40)])
+def test_the_sheet_of_any_shape_of_picture_has_the_answer_and_the_rose(tracked, estimate, size):
+    """Phones are held upright."""
+    camera = Camera.from_hfov(size, 60)
+    frame = Frame(np.full((size[1], size[0], 3), 160, np.uint8), 0, 0.0)
+    upright = TrackedFrame(frame, camera, tracked.marker)
+    answer_alone = replace(estimate, illumination=Illumination(), reason="no shadow found")
+    with_rose, without = (steps_sheet(upright, each, Trace(View.of(upright, 320))) for each in (estimate, answer_alone))
+    assert with_rose.shape[1] > without.shape[1]
+    assert with_rose.shape[0] >= without.shape[0] > 320 * size[1] / size[0]
 
 
 @pytest.mark.parametrize("size_px", [1, 6, 99])
