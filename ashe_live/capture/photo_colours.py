@@ -24,16 +24,18 @@ def in_srgb(picture: PIL.Image.Image, profile: bytes) -> PIL.Image.Image:
         )
         if picture.mode == "RGB" and _changes_nothing(transform):
             return picture
-        seen = ImageCms.applyTransform(picture, transform)
+        converted = ImageCms.applyTransform(picture, transform)
     except (ImageCms.PyCMSError, OSError, ValueError, TypeError):  # damaged, or of another kind of picture
         return picture.convert("RGB")
-    return picture.convert("RGB") if seen is None else seen
+    return picture.convert("RGB") if converted is None else converted
 
 
 def _changes_nothing(transform: ImageCms.ImageCmsTransform) -> bool:
     probe = _probe()
-    seen = ImageCms.applyTransform(probe, transform)
-    return seen is not None and bool((np.abs(np.asarray(seen, int) - np.asarray(probe, int)) <= SAME_COLOUR).all())
+    converted = ImageCms.applyTransform(probe, transform)
+    return converted is not None and bool(
+        (np.abs(np.asarray(converted, int) - np.asarray(probe, int)) <= SAME_COLOUR).all()
+    )
 
 
 @cache

@@ -6,6 +6,8 @@ from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.quality import QUALITIES, Quality
 
+LEAST_MEMORY_FRAMES = 10  # the end is compared with a fifth of the way
+
 
 def run(options: argparse.Namespace) -> int:
     benches = {"viewer": _viewer, "soak": _soak, "render": _render, "light": _light, "track": _track, "cube": _cube}
@@ -45,9 +47,8 @@ def _render(options: argparse.Namespace) -> None:
     if options.budget is not None:
         BudgetBench(options.budget).run(options.out, options.overwrite)
         return
-    RenderBench(shipped_clip(), options.frames, max(10, options.memory_frames), options.pairs).run(
-        options.out, options.overwrite
-    )
+    memory_frames = max(LEAST_MEMORY_FRAMES, options.memory_frames)
+    RenderBench(shipped_clip(), options.frames, memory_frames, options.pairs).run(options.out, options.overwrite)
 
 
 def _light(options: argparse.Namespace) -> None:

@@ -30,7 +30,7 @@ RECONNECT_EVERY_S = 0.5
 
 
 class Guidance(Protocol):
-    """Tells a person what the board must still do."""
+    """Tells a person how the board is still to be shown."""
 
     def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
         """Shows what this frame gave and what is wanted next; returns False when the user wants to end."""
@@ -73,7 +73,7 @@ def _opened(options: argparse.Namespace) -> Source:
 
 
 def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Calibration | None:
-    """Reads to the end of a clip, or until a live camera is calibrated; None if the user ended it before."""
+    """Reads until a live camera is calibrated; None at the end of a clip, and where the user ended it before."""
     board = CalibrationBoard()
     frame: Frame | None = None
     said: str | None = None

@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
         raise UserError(f"the sheet is a page, and {options.sheet} is not named as one", "let its name end in .html")
     makes_folder_of_sheet = _is_in_folder_to_be(options.sheet, options.debug)
     sheets = [] if makes_folder_of_sheet else [options.sheet]
-    check_outputs([*sheets], [*named, options.camera_file, options.debug], options.overwrite)
+    check_outputs(sheets, [*named, options.camera_file, options.debug], options.overwrite)
     estimator = make_estimator(options.estimator, light_steps(options))
     camera_for = camera_chooser(options)
     make_tracker(options, camera_for)  # reports a wrong --marker before any file is opened

@@ -2,8 +2,10 @@
 
 import argparse
 
+from ashe_live.commands.flags.model_choice import marker_files
 from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.files.writing import check_outputs
 from ashe_live.process.messages import say
 from ashe_live.tracking.cube.faces import CUBE, USUAL_EDGE_M
 from ashe_live.tracking.cube.sheet import write_cube_sheet
@@ -39,6 +41,7 @@ def run(options: argparse.Namespace) -> int:
             raise UserError("a grid of markers is for printing", "name one marker with --marker, or give --out")
         show_marker(marker.spec, marker.bitmap(SHOWN_PX))
         return ExitStatus.ANSWERED
+    check_outputs([options.out], marker_files(options), options.overwrite)
     size_mm = USUAL_MM if options.size_mm is None else options.size_mm
     write_marker_sheet(options.out, marker, size_mm / 1000, options.overwrite, options.paper)
     say(f"{options.out}: print it at 100 %, then the ruler line on it is true")

@@ -43,6 +43,7 @@ class Camera:
     def __post_init__(self) -> None:
         set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(self.dist, (-1,), "dist"))
         set_frozen(self, size=arguments.picture_size(self.size, "size"))
+        arguments.one_of(self.source, FOCAL_SIGMA, "source")
         if math.isnan(self.focal_sigma_px):
             set_frozen(self, focal_sigma_px=FOCAL_SIGMA[self.source] * float(self.K[0, 0]))
         if not np.array_equal(self.K[2], (0, 0, 1)):

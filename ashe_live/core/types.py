@@ -241,5 +241,5 @@ class LightEstimate:
 
     @property
     def lights(self) -> tuple[Light, ...]:
-        """All lights, the strongest first."""
+        """As `Illumination.lights`."""
         return self.illumination.lights

@@ -25,7 +25,7 @@ def light_rose(lights: Sequence[Light], size_px: int, camera_marker: Float | Non
     """
     font_px = max(9.0, size_px / 26)
     has_labels = size_px >= LEAST_LABELLED_PX
-    radius = size_px / 2 - (2.6 if has_labels else 0.4) * font_px
+    radius = max(1.0, size_px / 2 - (2.6 if has_labels else 0.4) * font_px)
     sheet = PillowImage.new("RGB", (size_px, size_px), PAPER_BGR[::-1])
     draw = ImageDraw.Draw(sheet)
     font = ImageFont.load_default(font_px)

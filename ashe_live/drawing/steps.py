@@ -22,7 +22,6 @@ from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 
 RIM_PX = 2  # width of the rim of an unlit area, where colours mix
@@ -127,8 +126,8 @@ def _with_hulls(picture_bgr: Image, estimate: LightEstimate) -> Image:
 
 def _with_residual(photo: Image, view: View, estimate: LightEstimate, body: Proxy) -> Image:
     """The photo, tinted where masks extend beyond the fitted silhouettes, and where these extend beyond the masks."""
-    to_lights = np.array([light.to_light_marker for light in estimate.lights]).reshape(-1, 3)
-    fitted = predicted(body, at_infinity(to_lights), view).whole
+    lights = np.array([light.homogeneous for light in estimate.lights]).reshape(-1, 4)
+    fitted = predicted(body, lights, view).whole
     masked = np.zeros(photo.shape[:2], np.bool_)
     for mask in (estimate.object_mask, estimate.shadow_mask):
         if mask is not None:

@@ -125,7 +125,11 @@ class NewFile:
             os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
         except FileExistsError:
             return False
-        self.partial.replace(path)
+        try:
+            self.partial.replace(path)
+        except BaseException:
+            path.unlink()  # ours, and empty
+            raise
         return True
 
 
@@ -153,8 +157,8 @@ def partial_path(path: Path) -> Path:
 
 
 def lock(stream: BinaryIO) -> bool:
-    """Locks a file while it is open; False if another process holds the lock, or if the system cannot tell."""
-    if fcntl is None:
+    """Locks a file while it is open; False if another process holds the lock, or if its file system has no locks."""
+    if fcntl is None:  # Windows lets nobody else remove an open file
         return True
     try:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)

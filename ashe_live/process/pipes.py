@@ -19,5 +19,9 @@ def send_value(connection: Connection, value: object) -> None:
 
 def receive_value(connection: Connection) -> Any:
     """The value that `send_value` sent, its arrays read-only; raises EOFError when the other side has gone."""
-    count, head = connection.recv()
-    return pickle.loads(head, buffers=[connection.recv_bytes() for _ in range(count)])
+    try:
+        count, head = connection.recv()
+        buffers = [connection.recv_bytes() for _ in range(count)]
+    except OSError as error:  # it was ended in the middle of the value
+        raise EOFError from error
+    return pickle.loads(head, buffers=buffers)

@@ -6,15 +6,12 @@ from dataclasses import dataclass
 
 from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
-from ashe_live.errors import UserError
+from ashe_live.light.live.worker import LONGEST_ESTIMATE_S
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.session import Session
-
-# The paper's estimator takes seconds; one that takes minutes has failed.
-LONGEST_ESTIMATE_S = 300.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +36,7 @@ def play_headless(
         frame = source.read()
         if frame is None:
             if session.settle_for_last(shown_s):
-                estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
-                if estimate is not None:
-                    report.add_estimate(estimate)
+                _finish_estimate(session, report, shown_s)
             if not run.loop:
                 break
             source.rewind()
@@ -56,11 +51,7 @@ def play_headless(
         session.watch.key_views.add(tracked)
         session.take(tracked, shown_s)
         if session.watch.is_estimating:
-            estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
-            if session.watch.is_estimating:
-                raise UserError(f"no estimate of the light in {LONGEST_ESTIMATE_S:.0f} s", "choose another --estimator")
-            if estimate is not None:
-                report.add_estimate(estimate)
+            _finish_estimate(session, report, shown_s)
 
         started = time.perf_counter()
         renderer.render(run.scene(session))
@@ -72,3 +63,10 @@ def play_headless(
             picture = renderer.read_bgra() if run.has_alpha else renderer.read_bgr()
             for take in run.takers:
                 take(picture, shown_s)
+
+
+def _finish_estimate(session: Session, report: Report, shown_s: float) -> None:
+    """Waits for the estimate; one that takes too long is a failure, which the session notes as any other."""
+    estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
+    if estimate is not None:
+        report.add_estimate(estimate)

@@ -59,7 +59,8 @@ class Playback:
     def take_mouse(self, event: MouseEvent, size: Size, content_scale: float, now_s: float) -> bool:
         """Shows the bar when the pointer is near, and seeks where it is dragged; False for events beside the bar."""
         duration_s = self._pipeline.duration_s
-        if duration_s is None or not self._session.show_hud:
+        is_dragged = self._dragged_to_s is not None  # to its end, even if the bar is hidden meanwhile
+        if duration_s is None or not (self._session.show_hud or is_dragged):
             return False
         bar = bar_at(size, content_scale)
         is_over = bar.is_near(event.y_px)
@@ -68,11 +69,11 @@ class Playback:
         match event.action:
             case MouseAction.PRESSED if is_over:
                 self._pipeline.pause(True)
-            case MouseAction.RELEASED if self._dragged_to_s is not None:
+            case MouseAction.RELEASED if is_dragged:
                 self._dragged_to_s = None
                 self._pipeline.pause(self._paused)
                 return True
-            case MouseAction.MOVED if self._dragged_to_s is not None:
+            case MouseAction.MOVED if is_dragged:
                 self._bar_until_s = now_s + BAR_SHOWN_S
             case _:
                 return False

@@ -28,6 +28,17 @@ def test_an_existing_sheet_is_left_alone(run, tmp_path):
     assert path.read_bytes().startswith(b"%PDF")
 
 
+def test_a_picture_is_not_replaced_by_the_sheet_made_of_it(run, tmp_path):
+    path = tmp_path / "mine.png"
+    cv2.imwrite(str(path), parse_marker("aruco:4x4_50:7").bitmap(160))
+    drawn = path.read_bytes()
+    outcome = run("marker", "--marker", f"image:{path}", "--out", path, "--overwrite")
+    assert outcome.status == 2
+    assert "named twice" in outcome.err[0]
+    assert path.read_bytes() == drawn
+    assert run("marker", "--marker", f"image:{path}", "--out", tmp_path / "sheet.png").status == 0
+
+
 @pytest.mark.parametrize("arguments", [("--marker", "aruco:4x4_50:50"), ("--marker", "aruco:nine:1")])
 def test_a_marker_that_does_not_exist_is_one_line(run, tmp_path, arguments):
     outcome = run("marker", "--out", tmp_path / "marker.png", *arguments)

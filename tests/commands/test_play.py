@@ -112,6 +112,24 @@ def test_an_existing_file_is_refused_and_left_alone_until_overwrite(play, tmp_pa
 
 
 @pytest.mark.parametrize(
+    "flags",
+    [
+        ("--caster", "{}"),
+        ("--marker", "image:{}"),
+        ("--marker", "cube+image:{}"),
+        ("--model", "cube", "--model", "pattern:{}=mug"),
+    ],
+)
+def test_what_a_flag_reads_is_not_replaced_by_an_output(play, tmp_path, flags):
+    path = tmp_path / "mine"
+    path.write_bytes(b"precious")
+    outcome = play(*(flag.format(path) for flag in flags), "--report", path, "--overwrite")
+    assert outcome.status == 2
+    assert "named twice" in outcome.err[0]
+    assert path.read_bytes() == b"precious"
+
+
+@pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (("--out", "missing/o.mp4"), "no folder"),

@@ -44,6 +44,11 @@ def test_resizing_allows_for_rounding_to_whole_pixels_and_refuses_another_shape(
         camera.resized((640, 480))
 
 
+def test_a_source_that_is_none_is_wrong_use() -> None:
+    with pytest.raises(ValueError, match="source 'guess' is not one of file, flag, exif, assumed, estimated"):
+        Camera.from_focal((640, 480), 500.0, "guess")
+
+
 def test_reads_a_calibration(tmp_path: Path) -> None:
     path = tmp_path / "camera.json"
     path.write_text(json.dumps({"size": [640, 480], "K": np.diag([500, 500, 1]).tolist(), "dist": [0.1, 0, 0, 0]}))

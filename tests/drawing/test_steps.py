@@ -15,7 +15,10 @@ from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR, UNEXPLAINED_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body
 from ashe_live.drawing.steps import debug_pictures
+from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outline, shadow_outline
 from tests.light.synthetic_masks import camera_towards
@@ -89,16 +92,26 @@ def test_the_ratio_is_one_on_lit_ground_and_the_shadows_in_the_shadow(tracked, e
     assert ((encoded + 0.055) / 1.055) ** 2.4 == pytest.approx(linear, rel=0.08)
 
 
-def test_a_perfect_fit_leaves_nothing_and_a_wrong_one_does(tracked, estimate):
-    def unexplained(of):
-        rest = debug_pictures(tracked, of)[-2].image_bgr.astype(int)
-        towards = rest - tracked.frame.image_bgr
-        return np.count_nonzero((towards[:, :, 2] - towards[:, :, 0] > 60) & (np.abs(towards).max(axis=2) > 30))
-
+def unexplained(tracked, estimate):
+    """How many pixels the residual marks as not explained."""
     assert UNEXPLAINED_BGR[2] > UNEXPLAINED_BGR[0]
+    rest = debug_pictures(tracked, estimate)[-2].image_bgr.astype(int)
+    towards = rest - tracked.frame.image_bgr
+    return np.count_nonzero((towards[:, :, 2] - towards[:, :, 0] > 60) & (np.abs(towards).max(axis=2) > 30))
+
+
+def test_a_perfect_fit_leaves_nothing_and_a_wrong_one_does(tracked, estimate):
     low = Proxy("frustum", BODY.spheroids_marker * [1, 1, 0.3, 1, 1])
     wrong = replace(estimate, illumination=Illumination((SUN,), real_object=low))
-    assert unexplained(wrong) > 10 * unexplained(estimate) + 100
+    assert unexplained(tracked, wrong) > 10 * unexplained(tracked, estimate) + 100
+
+
+def test_a_lamps_shadow_is_explained_by_the_lamp_where_it_stands(tracked, estimate):
+    lamp = replace(SUN, inverse_distance=1 / 0.25)
+    shadow = filled(shadow_outline(CAMERA, VIEW, BODY.points_marker(), lamp.homogeneous)) & ~estimate.object_mask
+    by_lamp = replace(estimate, illumination=Illumination((lamp,), real_object=BODY), shadow_mask=shadow)
+    by_sun = replace(by_lamp, illumination=Illumination((SUN,), real_object=BODY))
+    assert unexplained(tracked, by_sun) > 10 * unexplained(tracked, by_lamp) + 100
 
 
 def test_the_shadow_leans_away_from_the_light():
@@ -122,6 +135,24 @@ def test_no_shadow_falls_from_below_and_no_outline_is_behind_the_camera():
     drawn = with_body(picture, CAMERA, VIEW, BODY, (SUN,))
     assert has(drawn, OBJECT_BGR)
     assert has(drawn, SHADOW_BGR)
+
+
+@pytest.mark.parametrize("size", [(640, 480), (480, 640), (360, 640), (640, 40)])
+def test_the_sheet_of_any_shape_of_picture_has_the_answer_and_the_rose(tracked, estimate, size):
+    """Phones are held upright."""
+    camera = Camera.from_hfov(size, 60)
+    frame = Frame(np.full((size[1], size[0], 3), 160, np.uint8), 0, 0.0)
+    upright = TrackedFrame(frame, camera, tracked.marker)
+    answer_alone = replace(estimate, illumination=Illumination(), reason="no shadow found")
+    with_rose, without = (steps_sheet(upright, each, Trace(View.of(upright, 320))) for each in (estimate, answer_alone))
+    assert with_rose.shape[1] > without.shape[1]
+    assert with_rose.shape[0] >= without.shape[0] > 320 * size[1] / size[0]
+
+
+@pytest.mark.parametrize("size_px", [1, 6, 99])
+def test_the_rose_of_a_low_picture_is_as_low(size_px):
+    """As of a panorama, scaled to the width of the sheet."""
+    assert light_rose((SUN,), size_px).shape == (size_px, size_px, 3)
 
 
 @pytest.mark.parametrize("azimuth_deg", [0, 100, 230])

@@ -56,7 +56,7 @@ def try_out(name: str) -> None:
         assert window.content_scale > 0
         assert window.refresh_rate_hz > 0
         assert window.clipboard == "" or name == "glfw"
-        window.set_title("ashe-live: another title")
+        window.set_title("ashe-live: another title, of a file whose name is not UTF-8: \udcff")
         for _ in range(2):
             window.toggle_fullscreen()
             assert window.take_requests(0.0) == []

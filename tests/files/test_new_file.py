@@ -100,6 +100,20 @@ def test_what_appears_meanwhile_stays(tmp_path: Path, beside: bool) -> None:
     assert len(list(tmp_path.iterdir())) == 1 + beside
 
 
+def test_a_name_that_was_only_reserved_is_free_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where the disk goes while the file is given its name."""
+    monkeypatch.setattr(new_file, "UNNAMED", 0)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError("gone")
+
+    monkeypatch.setattr(os, "link", refuse)
+    monkeypatch.setattr(Path, "replace", refuse)
+    with pytest.raises(UserError, match="gone"):
+        write(tmp_path / "a.txt", "whole")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_what_appears_before_a_result_is_written_stays_too(tmp_path: Path) -> None:
     """As where two programs save a picture in the same second, or a long run's report."""
     path = tmp_path / "a.txt"

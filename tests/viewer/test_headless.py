@@ -3,6 +3,7 @@
 import pytest
 
 from ashe_live.errors import UserError
+from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.policy import EstimatePolicy
@@ -52,9 +53,16 @@ def test_the_estimate_lights_the_frame_it_was_asked_for(fakes):
     assert [estimate["frame"] for estimate in play.report.estimates] == [2]
 
 
-def test_an_estimate_that_never_comes_is_an_error_and_not_a_wait_for_every_frame(fakes):
-    with pytest.raises(UserError, match="no estimate"):
-        Play(fakes, fakes.Source(6))
+@pytest.mark.parametrize("frames", [2, 6])  # the last frame is estimated where none was steady
+def test_an_estimate_that_fails_is_said_and_the_clip_is_played_on(fakes, frames):
+    play = Play(fakes, fakes.Source(frames), WorkerFailure(0, "no answer in 120 s"))
+    assert play.indices == list(range(frames))
+    assert play.report.estimates == []
+    assert play.session.notice.text == "the estimate failed: no answer in 120 s"
+
+
+def test_a_clip_in_which_no_frame_was_steady_is_lit_by_its_last(fakes):
+    assert [estimate["frame"] for estimate in Play(fakes, fakes.Source(2), fakes.estimate(1)).report.estimates] == [1]
 
 
 def test_the_limit_counts_frames(fakes):

@@ -352,6 +352,18 @@ def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, mo
         assert "no folder" in stage.session.notice.text
 
 
+def test_where_the_current_folder_is_gone_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    stage.put(0)
+    stage.session.hand.light = stage.fakes.estimate(0).illumination
+    for command in (Command.SNAPSHOT, Command.KEEP_LIGHT, Command.RECORD):
+        stage.session.notice.text = None
+        stage.run(command, None, None)
+        assert "has been deleted" in stage.session.notice.text
+
+
 def dropped(*paths: str) -> Request:
     return Request(Command.OPEN, Files(paths))
 

@@ -24,7 +24,7 @@ from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
-from ashe_live.light.live.worker import LightWorker
+from ashe_live.light.live.worker import LONGEST_ESTIMATE_S, LightWorker
 from ashe_live.quality import Quality
 from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
@@ -35,7 +35,6 @@ from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.policy import EstimatePolicy
-from ashe_live.viewer.headless import LONGEST_ESTIMATE_S
 from ashe_live.viewer.output.report import frame_time_percentiles
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.pipeline import Pipeline

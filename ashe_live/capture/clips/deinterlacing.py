@@ -6,6 +6,7 @@ filter of Weston and Martin) keeps both where nothing moves, and where something
 
 from collections import deque
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 
 import av.error
 from av.filter import Graph
@@ -23,7 +24,8 @@ def progressive(videos: Iterable[VideoFrame]) -> Iterator[VideoFrame]:
             yield from filtering.rest()
             filtering = None
         if filtering is None and video.interlaced_frame:
-            filtering = _Filter(video)
+            with suppress(av.error.FFmpegError):  # it wants a few lines: fewer stay as they are
+                filtering = _Filter(video)
         if filtering is None:
             yield video
         else:

@@ -56,7 +56,7 @@ def published(fragments: NewFile, path: Path, overwrite: bool, pictures: int) ->
     Both are read again before, as a disk that is full is not always told. What has appeared at `path` meanwhile stays
     unless `overwrite`; where the clip is then is returned. Raises OSError when it has not all `pictures`.
     """
-    with suppress(OSError, av.error.FFmpegError, UserError), NewFile(path, overwrite) as clip:
+    with suppress(OSError, av.error.FFmpegError, UserError), NewFile(path, overwrite, beside=True) as clip:
         with_index_first(fragments.stream, clip.stream, pictures)
         if pictures_in(clip.stream) == pictures:
             return clip.publish(beside=True)

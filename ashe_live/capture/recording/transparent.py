@@ -11,7 +11,7 @@ from av.video.frame import VideoFrame
 
 from ashe_live.capture.container import WrittenContainer
 from ashe_live.capture.recording.encoding import added_stream, converted, even_size
-from ashe_live.capture.recording.recorder import TICKS_PER_S
+from ashe_live.capture.recording.recorder import MAX_FPS, TICKS_PER_S
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NewFile, cannot_write
@@ -56,7 +56,7 @@ class TransparentRecorder:
         self._file = NewFile(path, overwrite)
         try:
             with signals_held():
-                self._begin(fps)
+                self._begin(min(fps, MAX_FPS))
         except BaseException as error:
             self._file.discard()
             if isinstance(error, OSError | av.error.FFmpegError):

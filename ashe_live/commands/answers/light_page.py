@@ -19,6 +19,7 @@ WIDTH_PX = 480
 JPEG_QUALITY = 85
 # Where the arrow begins and ends: distances from the marker's centre towards the light, in sides of the marker.
 ARROW_FROM, ARROW_TO = 1.8, 0.5
+FARTHEST_PX = 1e4  # coordinate of an end of an arrow that is drawn
 
 PAGE = """<!doctype html>
 <html lang="en">
@@ -87,7 +88,7 @@ def _with_arrows(picture_bgr: Image, view: View, estimate: LightEstimate) -> Ima
     for light in estimate.lights:
         along = view.side_m * np.outer((ARROW_FROM, ARROW_TO), light.to_light_marker)
         ends = project(view.camera, view.T_cam_marker, along)
-        if not np.isfinite(ends).all() or np.abs(ends).max() > 1e4:
+        if not np.isfinite(ends).all() or np.abs(ends).max() > FARTHEST_PX:
             continue
         start, end = (tuple(int(value) for value in np.round(point)) for point in ends)
         for width, colour in ((5, PAPER_BGR), (2, LIGHT_BGR)):

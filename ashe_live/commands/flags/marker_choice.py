@@ -50,7 +50,8 @@ def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str
 def marker_in(source: Source, options: argparse.Namespace, told_of: set[str]) -> str | None:
     """The only marker in a photo, or at the beginning of a clip, unless the one in `options` is there; None: no marker.
 
-    Of several, it is the only one that has no model of its own. The source is rewound.
+    Of several, it is the only one that has no model of its own; where that leaves a choice, the user is told of it, and
+    the one in `options` is kept. The source is rewound.
     """
     named = parse_marker(options.marker)
     try:

@@ -2,16 +2,25 @@
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
 
 from ashe_live.commands.flags.values import marker_and_model
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
+from ashe_live.tracking.cube.faces import CUBE
 from ashe_live.tracking.families.markers import Marker, parse_marker
 
 
 def names_of(options: argparse.Namespace) -> list[str]:
     """The names of the models as they were given."""
     return [name for _, name in _given(options)]
+
+
+def marker_files(options: argparse.Namespace) -> list[Path]:
+    """The files that the specs of markers name: of the one to follow, and of those with models of their own."""
+    specs = (getattr(options, "marker", None), *(marker for marker, _ in _given(options)))
+    kinds = (spec.removeprefix(f"{CUBE}+").partition(":") for spec in specs if spec is not None)
+    return [Path(file) for kind, _, file in kinds if kind in ("pattern", "image")]
 
 
 def with_markers_spelled(options: argparse.Namespace) -> argparse.Namespace:

@@ -46,9 +46,11 @@ class LaterSources:
         return pipeline
 
     def _next_camera(self) -> int:
-        numbers = [device.number for device in connected()]
-        others = [number for number in numbers if str(number) != self._camera]
+        devices, last = connected(), -1
+        if self._camera is not None:  # a number, or the path of a device
+            by_path = (device.number for device in devices if device.path == self._camera)
+            last = int(self._camera) if self._camera.isdecimal() else next(by_path, -1)
+        others = [device.number for device in devices if device.number != last]
         if not others:
             raise UserError("no other camera is connected", "plug one in, and press N again")
-        last = int(self._camera) if self._camera is not None and self._camera.isdecimal() else -1
         return next((number for number in others if number > last), others[0])

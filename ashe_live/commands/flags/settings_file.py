@@ -19,8 +19,9 @@ Value = str | int | float
 
 TEXT, NUMBER, EITHER = "text in quotes", "a number", "a number, or text in quotes"
 KINDS: Mapping[str, tuple[type, ...]] = {TEXT: (str,), NUMBER: (int, float), EITHER: (int, str)}
-SEEN = ("start", "webcam", "play", "estimate")
-SHOWN = ("start", "demo", "webcam", "play")
+# With the flags of option_groups.add_scene_options and add_view_options.
+SCENE_COMMANDS = ("start", "webcam", "play", "estimate")
+VIEW_COMMANDS = ("start", "demo", "webcam", "play")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,16 +35,16 @@ class Setting:
 
 SETTINGS: Mapping[str, Setting] = {
     "camera": Setting(EITHER, ("start", "webcam"), "2"),
-    "marker": Setting(TEXT, SEEN, '"aruco:4x4_50:7"'),
-    "marker-size": Setting(NUMBER, SEEN, "0.1"),
-    "camera-file": Setting(TEXT, SEEN, '"webcam.json"'),
-    "focal-px": Setting(NUMBER, SEEN, "615"),
-    "hfov": Setting(NUMBER, SEEN, "60"),
-    "model": Setting(TEXT, SHOWN, '"mug"'),
-    "size": Setting(TEXT, SHOWN, '"1280x720"'),
-    "quality": Setting(TEXT, ("demo", *SEEN), '"fast"'),
-    "estimator": Setting(TEXT, ("demo", *SEEN), '"proxy"'),
-    "light": Setting(TEXT, ("demo", *SEEN), '"sun"'),
+    "marker": Setting(TEXT, SCENE_COMMANDS, '"aruco:4x4_50:7"'),
+    "marker-size": Setting(NUMBER, SCENE_COMMANDS, "0.1"),
+    "camera-file": Setting(TEXT, SCENE_COMMANDS, '"webcam.json"'),
+    "focal-px": Setting(NUMBER, SCENE_COMMANDS, "615"),
+    "hfov": Setting(NUMBER, SCENE_COMMANDS, "60"),
+    "model": Setting(TEXT, VIEW_COMMANDS, '"mug"'),
+    "size": Setting(TEXT, VIEW_COMMANDS, '"1280x720"'),
+    "quality": Setting(TEXT, ("demo", *SCENE_COMMANDS), '"fast"'),
+    "estimator": Setting(TEXT, ("demo", *SCENE_COMMANDS), '"proxy"'),
+    "light": Setting(TEXT, ("demo", *SCENE_COMMANDS), '"sun"'),
 }
 # Alternatives of each other: a flag replaces whichever of them the file has.
 ONE_OF = ("camera-file", "focal-px", "hfov")

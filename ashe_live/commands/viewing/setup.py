@@ -11,7 +11,7 @@ from pathlib import Path
 from ashe_live.capture.recording.cut_short import rescue_recordings
 from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX
 from ashe_live.capture.sources import Source
-from ashe_live.commands.flags.model_choice import chosen_models, names_of
+from ashe_live.commands.flags.model_choice import chosen_models, marker_files, names_of
 from ashe_live.commands.flags.setup import light_steps
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size, drawn_size
@@ -49,8 +49,10 @@ class ViewerSetup:
 
 def check_outputs(options: argparse.Namespace) -> None:
     """Raises UserError, before anything is opened, if an output must not or cannot be written."""
-    models = (Path(name) for name in names_of(options) if name not in model_names())
-    inputs = (getattr(options, "file", None), options.camera_file, options.as_shown, *models)
+    models = [Path(name) for name in names_of(options) if name not in model_names()]
+    caster = None if options.caster is None else Path(options.caster)  # it may be a model's file
+    inputs = [getattr(options, "file", None), options.camera_file, options.as_shown, caster]
+    inputs += [*models, *marker_files(options)]
     files.check_outputs((options.out, options.report), inputs, options.overwrite)
     if options.headless and options.loop and options.frames is None:
         raise UserError("--loop without a window never ends", "give --frames N too")

@@ -106,11 +106,11 @@ def inset_overlays(
     return both if is_whole else _in_corner([picture], size, corner)  # a low window has no room for the rose
 
 
-def _fitted(sheet_bgr: Image, size: Size, most: float) -> Image:
-    """The sheet as large as there is room for."""
+def _fitted(sheet_bgr: Image, size: Size, corner_scale: float) -> Image:
+    """The sheet as large as there is room for, times the scale of its corner."""
     height, width = sheet_bgr.shape[:2]
     around = 2 * (MARGIN_PX + BORDER_PX)
-    scale = most * max(0.0, min(STEPS_WIDTH * size[0] / width, (size[1] - around) / height))
+    scale = corner_scale * max(0.0, min(STEPS_WIDTH * size[0] / width, (size[1] - around) / height))
     fitted = max(1, round(scale * width)), max(1, round(scale * height))
     return np.asarray(cv2.resize(sheet_bgr, fitted, interpolation=cv2.INTER_AREA), np.uint8)
 

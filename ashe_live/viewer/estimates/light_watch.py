@@ -19,7 +19,7 @@ class LightWatch:
 
     def __init__(self, worker: LightWorker) -> None:
         self.preset = BALANCED
-        self.key_views = KeyViews()  # of the scene that is shown; the tracking thread adds to them
+        self.key_views = KeyViews()  # of the scene that is shown; the capture thread adds to them
         self.camera_may_move = False  # whether the source is a camera that the user may move
         self.held = HeldAnswer()  # since the user's last request
         self.sharpening = Sharpening()

@@ -45,7 +45,6 @@ POINTED_AT_SRGBA = (246, 246, 242, 56)
 CHOSEN, OTHER = ">", " "
 CELLS = 3  # columns of text that an entry has: the mark, what it does, its keys
 HIGHEST = 0.6  # of the window: a higher menu stands in two columns, if these fit beside each other
-MOST_MODELS = 9  # models that have a number key
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +59,11 @@ class Entry:
 
 def entries_for(models: Sequence[str], chosen: int) -> tuple[Entry, ...]:
     """The models by name, the one at `chosen` marked, then the commands as the table of keys words them."""
-    numbered = enumerate(models[:MOST_MODELS])
-    first = [
-        Entry(name, str(at + 1), Request(Command.CHOOSE_MODEL, at), is_chosen=at == chosen) for at, name in numbered
-    ]
     bindings = {binding.command: binding for binding in BINDINGS}
+    first = [
+        Entry(name, key, Request(Command.CHOOSE_MODEL, at), is_chosen=at == chosen)
+        for at, (name, key) in enumerate(zip(models, bindings[Command.CHOOSE_MODEL].keys, strict=False))
+    ]
     # Where a command can be asked for in several ways, the last one listed is a key.
     rest = [Entry(bindings[each].help, bindings[each].shown.split(", ")[-1], Request(each)) for each in OFFERED]
     return tuple(first + rest)
@@ -145,9 +144,10 @@ class Menu:
             self._opened = _placed(entries(), (event.x_px, event.y_px), size, content_scale)
             self._pointed_at = None
             return True
-        if event.action is MouseAction.RELEASED and self._swallows_release:
-            self._swallows_release = False
-            return True
+        if event.action is MouseAction.RELEASED:
+            # That of a press before it opened ends what the press began, as a drag.
+            is_own, self._swallows_release = self._swallows_release, False
+            return is_own
         if self._opened is None:
             return False
         if self._opened.size != size:  # made for another window

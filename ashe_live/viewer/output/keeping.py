@@ -53,13 +53,12 @@ class Keeper:
         session = self._session
         if session.tracked is None:
             return
-        path = unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
         scene = bare_scene(session)
         scene = cut_out(scene) if is_cut_out else scene
         has_cover = is_cut_out and scene.hides_marker and session.tracked.marker is not None
         texts = {SNAPSHOT_KEYWORD: json.dumps(self._known(session.tracked))}
         try:
-            path = write_png(path, self._picture(preset, scene), texts=texts, beside=True)
+            path = write_png(_new_path(".png"), self._picture(preset, scene), texts=texts, beside=True)
             self._tell(f"saved {path}{COVER_SAID if has_cover else ''}", now_s)
         except UserError as error:
             self._tell(str(error), now_s)
@@ -72,9 +71,8 @@ class Keeper:
         if session.lit_by.light is None:
             self._tell(f"no light is known yet: {session.how_it_gets_known}, or drag in the picture", now_s)
             return
-        path = unused_name(Path.cwd(), "ashe-live", ".hdr", datetime.now())
         try:
-            path = write_light_map(path, session.lit_by, beside=True)
+            path = write_light_map(_new_path(".hdr"), session.lit_by, beside=True)
             record = write_json(unused(path.with_suffix(".json")), self._known(session.tracked), beside=True)
             self._tell(f"saved {path} and {record.name}", now_s)
         except UserError as error:
@@ -98,8 +96,8 @@ class Keeper:
             return
         if self._session.tracked is None:
             return
-        path = unused_name(Path.cwd(), "ashe-live", ".mp4", datetime.now())
         try:
+            path = _new_path(".mp4")
             self._recording = Recording(path, drawn_size(self._session.tracked.frame.size), fps)
             self._session.say(f"recording {path}: V stops", now_s)
         except UserError as error:
@@ -157,3 +155,12 @@ class Keeper:
         self._renderer.switches_at_once = self._recording is None
         self._renderer.render(scene)
         return self._renderer.read_bgra() if scene.is_cut_out else self._renderer.read_bgr()
+
+
+def _new_path(suffix: str) -> Path:
+    """An unused name in the current folder. Raises UserError where that is gone."""
+    try:
+        folder = Path.cwd()
+    except OSError:
+        raise UserError("the current folder has been deleted", "start in one that is there") from None
+    return unused_name(folder, "ashe-live", suffix, datetime.now())

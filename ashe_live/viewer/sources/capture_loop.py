@@ -18,6 +18,7 @@ from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.sources.pace import Pace
 
+PHOTO_FPS = 30.0  # nominal: a photo has no rate of its own
 RECONNECT_EVERY_S = 0.5
 # Every wait has a timeout; a new wish, or the end, interrupts it at once.
 LONGEST_WAIT_S = 1.0
@@ -89,7 +90,7 @@ class CaptureLoop:
         self._tracker_for = tracker_for
         self._frames = frames
         self._key_views = key_views
-        self._period_s = 1 / (source.fps or 30.0)
+        self._period_s = 1 / (source.fps or PHOTO_FPS)
         self._pace = Pace()
         self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated
         self._left_out: Frame | None = None  # the last frame, if it was skipped for being late

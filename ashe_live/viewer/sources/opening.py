@@ -44,13 +44,12 @@ class Opening:
             return False
         opener = self._opener
         what = "another camera" if path is None else str(path)
+        remedy = "plug it in again" if path is None else "convert it"
         self.close()
         self._coming = begun(
             "opening",
             lambda: _opened(opener, path),
-            lambda reason: UserError(
-                f"cannot open {what} ({reason})", "convert it" if path is not None else "plug it in again"
-            ),
+            lambda reason: UserError(f"cannot open {what} ({reason})", remedy),
         )
         return True
 
@@ -73,7 +72,8 @@ def _opened(opener: Opener, path: Path | None) -> Opened:
     try:
         first = pipeline.frames.take(LONGEST_S)
         if first is None:
-            raise UserError(f"{pipeline.name} has given no picture for {LONGEST_S:.0f} s", "copy it to a faster disk")
+            remedy = "plug it in again" if path is None else "copy it to a faster disk"
+            raise UserError(f"{pipeline.name} has given no picture for {LONGEST_S:.0f} s", remedy)
     except BaseException:
         pipeline.close(0.0)
         raise

@@ -13,7 +13,7 @@ from ashe_live.light.live.key_views import KeyViews
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
-from ashe_live.viewer.sources.capture_loop import FIRST_FRAME, CaptureLoop, Jump, Place, Wish
+from ashe_live.viewer.sources.capture_loop import FIRST_FRAME, PHOTO_FPS, CaptureLoop, Jump, Place, Wish
 
 # Longer than a disk takes to wake up, or a camera to adjust itself.
 STALLED_AFTER_S = 2.0
@@ -60,8 +60,8 @@ class Pipeline:
 
     @property
     def fps(self) -> float:
-        """Nominal frames a second; 30 for a photo."""
-        return self._source.fps or 30.0
+        """Nominal frames a second."""
+        return self._source.fps or PHOTO_FPS
 
     @property
     def is_clip(self) -> bool:

@@ -13,6 +13,9 @@ AWAY_SIDES = 1.7
 # shadow.
 DIRECTIONS = 16
 NEARER, ASIDE, OUT_OF_SHADOW = 0.25, 0.5, 1.0
+TO_THE_RIGHT = 1e-3  # weight that only decides between places that are otherwise as good
+# Cosine of a light's elevation below which the body's shadow counts the less the shorter it is.
+STEEP_COSINE = 0.2
 
 
 def first_placement(tracked: TrackedFrame, light: Light | None, in_its_place: bool = False) -> Placement:
@@ -25,11 +28,10 @@ def first_placement(tracked: TrackedFrame, light: Light | None, in_its_place: bo
     right, away = picture_axes(tracked)
     angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     around: Float = np.cos(angles)[:, None] * right + np.sin(angles)[:, None] * away
-    worth = ASIDE * np.abs(around @ right) - NEARER * (around @ away) + 1e-3 * (around @ right)
+    worth = ASIDE * np.abs(around @ right) - NEARER * (around @ away) + TO_THE_RIGHT * (around @ right)
     if light is not None:
         shadow = -light.to_light_marker[:2]
-        length = float(np.linalg.norm(shadow))
-        # A light from above casts no shadow to avoid.
-        worth = worth - OUT_OF_SHADOW * np.maximum(around @ shadow, 0) / max(length, 0.2)
+        cosine = float(np.linalg.norm(shadow))
+        worth = worth - OUT_OF_SHADOW * np.maximum(around @ shadow, 0) / max(cosine, STEEP_COSINE)
     x, y = AWAY_SIDES * tracked.marker.side_m * around[int(worth.argmax())]
     return Placement(shift_m=(float(x), float(y)))

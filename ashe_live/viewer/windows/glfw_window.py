@@ -8,6 +8,7 @@ import glfw
 
 from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
+from ashe_live.process.messages import printable
 from ashe_live.render.gl.offscreen import window_context
 from ashe_live.render.hud import readable_scale
 from ashe_live.viewer.hands.controls import COMMAND_BY_GESTURE, HELD, REPEATED, REQUEST_BY_KEY, request_for
@@ -38,7 +39,7 @@ class GlfwWindow:
             (glfw.SCALE_TO_MONITOR, True),
         ):
             glfw.window_hint(hint, value)
-        self._window: Any = glfw.create_window(*_fitting(size), title, None, None)
+        self._window: Any = glfw.create_window(*_fitting(size), printable(title), None, None)
         if not self._window:
             message = _last_error()
             glfw.terminate()
@@ -95,7 +96,7 @@ class GlfwWindow:
         return text.decode(errors="replace") if text else ""
 
     def set_title(self, title: str) -> None:
-        glfw.set_window_title(self._window, title)
+        glfw.set_window_title(self._window, printable(title))
 
     @property
     def is_closing(self) -> bool:

@@ -37,6 +37,17 @@ def woven(path: Path, quarter_turns: int = 0) -> Path:
     return path
 
 
+def test_a_picture_too_small_for_the_filter_is_shown_as_it_is(tmp_path: Path) -> None:
+    with av.open(str(tmp_path / "tiny.mp4"), "w") as container:
+        stream = container.add_stream("mpeg2video", rate=25, options={"flags": "+ildct+ilme"})
+        stream.width, stream.height, stream.pix_fmt = 16, 2, "yuv420p"
+        for _ in range(3):
+            container.mux(stream.encode(VideoFrame.from_ndarray(np.full((2, 16, 3), 90, np.uint8), "bgr24")))
+        container.mux(stream.encode(None))
+    with ClipSource(tmp_path / "tiny.mp4") as clip:
+        assert [frame.size for frame in clip] == [(16, 2)] * 3
+
+
 def teeth(image: Image) -> float:
     """How much neighbouring lines differ, where in each field all of them are equal."""
     moving = image[4:44, :, 1].astype(float)

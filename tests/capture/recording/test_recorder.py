@@ -13,7 +13,7 @@ import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording import fragments as fragments_module
-from ashe_live.capture.recording.fragments import made_playable
+from ashe_live.capture.recording.fragments import IN_THE_MAKING, made_playable
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
@@ -240,6 +240,9 @@ def test_what_appears_under_its_name_meanwhile_stays(tmp_path: Path, picture: Dr
     assert wanted.read_text() == "precious"
     assert len(frames_of(recorder.path)) == 1
     assert len(frames_of(other.path)) == 2
+    for clip in (recorder.path, other.path):  # what was saved beside it is finished all the same
+        assert [kind for _, kind in boxes(clip.read_bytes())][:2] == [b"ftyp", b"moov"]
+        assert IN_THE_MAKING.encode() not in clip.read_bytes()
     assert {path.name for path in tmp_path.iterdir()} == {"a.mp4", "a-2.mp4", "a-3.mp4"}
 
 

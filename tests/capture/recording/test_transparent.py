@@ -49,6 +49,14 @@ def test_colours_transparency_and_times_come_back(tmp_path: Path, suffix: str) -
                 assert inner[:3] == pytest.approx(colour[:3], abs=8)
 
 
+@pytest.mark.parametrize("suffix", [".mov", ".webm"])
+def test_any_rate_that_a_clip_states_is_one_that_can_be_written(tmp_path: Path, suffix: str) -> None:
+    """As of a damaged header."""
+    with TransparentRecorder(tmp_path / f"a{suffix}", SIZE, 90_000.0) as recorder:
+        recorder.write(picture(), 0.0)
+    assert len(decoded(recorder.path)) == 1
+
+
 @pytest.mark.parametrize("name", ["a.mp4", "a", "a.avi"])
 def test_other_kinds_have_no_transparency(tmp_path: Path, name: str) -> None:
     with pytest.raises(UserError, match=r"is no clip with transparency: let its name end in \.mov"):

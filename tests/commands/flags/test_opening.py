@@ -55,6 +55,17 @@ def test_cameras_go_round(monkeypatch: pytest.MonkeyPatch, opened: list[int]) ->
     assert opened == [5, 0, 2, 5]
 
 
+def test_a_camera_that_was_named_by_its_path_is_not_another_one(
+    monkeypatch: pytest.MonkeyPatch, opened: list[int]
+) -> None:
+    devices = [Device(number, f"camera {number}", f"/dev/video{number}") for number in (0, 2)]
+    monkeypatch.setattr(opening, "connected", lambda: devices)
+    later = LaterSources(options_of("webcam", "--camera", "/dev/video0", "--hfov", "60"))
+    for _ in range(2):
+        later(None).close()
+    assert opened == [2, 0]
+
+
 def test_from_a_clip_the_first_camera_comes(monkeypatch: pytest.MonkeyPatch, opened: list[int]) -> None:
     attached(monkeypatch, 1, 3)
     LaterSources(options_of("play", "clip.mp4", "--hfov", "60"))(None).close()

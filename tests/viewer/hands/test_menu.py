@@ -92,6 +92,13 @@ def test_while_it_is_closed_the_mouse_is_the_picture_s():
     )
 
 
+def test_a_drag_that_it_interrupts_ends_with_its_button():
+    """Opened while the left button is down: else the drag would go on, with no button down, once it is closed."""
+    menu = opened()
+    assert not menu.take_mouse(MouseEvent(RELEASED, 60, 60), lambda: ENTRIES, SIZE, 1.0)
+    assert menu.is_open
+
+
 def test_the_row_under_the_pointer_is_brighter():
     menu = opened()
     left, top, width, height = plate(menu)
