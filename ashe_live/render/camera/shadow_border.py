@@ -10,7 +10,6 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.colour import REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import along_sides
-from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.edges import (
     AROUND,
@@ -23,6 +22,7 @@ from ashe_live.render.camera.edges import (
     edge_blur_px,
     profile_at,
 )
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.lighting import Sun
 
@@ -51,7 +51,7 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> floa
     ground = np.column_stack([cast[outline], np.zeros(len(outline))])
     if len(outline) < 3 or (ground @ T[2, :3] + T[2, 3]).min() <= 1e-3:
         return 0.0
-    corners = project(tracked.camera, T, ground)
+    corners = project_distorted(tracked.camera, T, ground)
     points, outwards = along_sides(corners, PLACES)
     above, below = _along(body[outline]), _along(ground)
     is_cast = above[:, 2] > FOOT * body[:, 2].max()
@@ -107,6 +107,6 @@ def _penumbra_px(camera: Camera, T_cam_marker: Float, ground: Float, body: Float
     azimuth = ray[:, :2] / np.maximum(np.hypot(*ray[:, :2].T), 1e-9)[:, None]
     level = np.column_stack([azimuth, np.zeros(len(ray))]), np.column_stack([azimuth[:, ::-1] * (-1, 1), 0 * sine])
     axes = (radius / sine)[:, None] * level[0], radius[:, None] * level[1]
-    middle = project(camera, T_cam_marker, ground)
-    reach = [((project(camera, T_cam_marker, ground + axis) - middle) * outwards).sum(axis=1) for axis in axes]
-    return np.asarray(np.hypot(*reach))
+    middle = project_distorted(camera, T_cam_marker, ground)
+    ends = (project_distorted(camera, T_cam_marker, ground + axis) for axis in axes)
+    return np.asarray(np.hypot(*(((end - middle) * outwards).sum(axis=1) for end in ends)))

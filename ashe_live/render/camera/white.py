@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from functools import partial
 
-import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float
@@ -12,6 +11,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import lit_past
 from ashe_live.render.lights.lighting import RGB, Lighting
 
@@ -72,22 +72,18 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
 
 
 def print_pixels(tracked: TrackedFrame, places: Float) -> Float:
-    """(n, 2) pixels of places (n, 2) of the marker's upright print; NaN where any lies behind the camera.
+    """(n, 2) pixels of places (n, 2) of the marker's upright print; NaN for what lies behind the camera.
 
     For a body, of the print on its top.
     """
     assert tracked.marker is not None
-    camera, T, body = tracked.camera, tracked.marker.T_cam_marker, tracked.marker.body
-    height = 0.0 if body is None else tracked.marker.side_m
+    height = 0.0 if tracked.marker.body is None else tracked.marker.side_m
     points = np.column_stack([places, np.full(len(places), height)])
-    if (points @ T[2, :3] + T[2, 3]).min() <= 0:
-        return np.full((len(places), 2), np.nan)
-    pixels = cv2.projectPoints(points, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0]
-    return np.asarray(pixels.reshape(-1, 2), dtype=np.float64)
+    return project_distorted(tracked.camera, tracked.marker.T_cam_marker, points)
 
 
 def print_corners_px(tracked: TrackedFrame) -> Float:
-    """(4, 2) of the print's black square, in the order of the marker's; NaN where any lies behind the camera."""
+    """(4, 2) of the print's black square, in the order of the marker's; NaN for those behind the camera."""
     assert tracked.marker is not None
     if tracked.marker.body is None:
         return tracked.marker.corners_px

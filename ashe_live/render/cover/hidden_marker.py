@@ -15,8 +15,9 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.square import side_lengths_px
-from ashe_live.core.transforms import project, view_direction
+from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
 from ashe_live.render.gl.programs import set_uniforms
@@ -181,7 +182,7 @@ def _gain_and_slope(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, F
     ahead = points @ T[2, :3] + T[2, 3] > 1e-6
     if ahead.sum() < FEWEST_POINTS:
         return None
-    at = project(tracked.camera, T, points[ahead])
+    at = project_distorted(tracked.camera, T, points[ahead])
     inside = ((at > 1) & (at < np.array(tracked.frame.size) - 2)).all(axis=1)
     if inside.sum() < FEWEST_POINTS:
         return None

@@ -9,8 +9,9 @@ from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import project, transform_points
+from ashe_live.core.transforms import transform_points
 from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 
 BORDER_SIDES = 0.115  # of the marker: ground that close to the real shadow's border is neither lit nor shaded
@@ -63,7 +64,7 @@ def _pixels(camera: Camera, T_cam_marker: Float, half_m: float, size: int) -> Fl
     points = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
     ahead = transform_points(T_cam_marker, points)[:, 2] > 1e-3 * half_m
     pixels = np.full((len(points), 2), -10.0)
-    pixels[ahead] = project(camera, T_cam_marker, points[ahead])
+    pixels[ahead] = project_distorted(camera, T_cam_marker, points[ahead])
     return pixels.reshape(size, size, 2).astype(np.float32)
 
 
@@ -71,7 +72,7 @@ def _silhouette(body: Proxy, camera: Camera, T_cam_marker: Float) -> Image:
     """(h, w) 1 where the body, or its rim, is in the picture; nothing where some of it is behind the camera."""
     width, height = camera.size
     silhouette = np.zeros((height, width), np.uint8)
-    pixels = project(camera, T_cam_marker, body.surface()[0])
+    pixels = project_distorted(camera, T_cam_marker, body.surface()[0])
     if np.isfinite(pixels).all():
         outline = cv2.convexHull(pixels.astype(np.float32))
         cv2.fillConvexPoly(silhouette, np.round(outline).astype(np.int32), 1)
