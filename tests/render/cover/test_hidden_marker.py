@@ -16,8 +16,8 @@ from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.in_frame import project_distorted
-from ashe_live.render.cover.ground_cover import ground_cover
-from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.cover.ground_cover import MOST_AROUND, ground_cover
+from ashe_live.render.cover.hidden_marker import HiddenMarker, gain_and_slope
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
 from ashe_live.render.scene import Scene
@@ -134,6 +134,19 @@ def test_ground_is_looked_up_where_the_lens_puts_it(stage) -> None:
     assert (planes[0].is_seen & planes[1].is_seen).mean() > 0.8
     apart = np.abs(planes[0].linear - planes[1].linear)[planes[0].is_seen & planes[1].is_seen]
     assert apart.mean() < 0.02
+
+
+def test_exposure_is_compared_where_a_shadow_has_just_taken_half_of_the_ground(stage) -> None:
+    """No point's change is then near the median of all."""
+    tracked = _view(stage)
+    cover = ground_cover(tracked, Illumination())
+    assert len(cover.around) <= MOST_AROUND
+    count = 2 * (len(cover.around) // 2)
+    factors = np.where(np.arange(count) % 2, 0.5, 1.5)[:, None]
+    halved = replace(cover, around=cover.around[:count], around_rgb=cover.around_rgb[:count] / factors)
+    gain, slope = gain_and_slope(tracked, halved)
+    assert np.isfinite([*gain, *slope]).all()
+    assert gain == pytest.approx(np.full(3, 0.5), rel=0.05)
 
 
 def test_no_object_is_taken_for_ground(stage) -> None:
