@@ -34,7 +34,7 @@ ASSUMED_WHITE = 0.8
 MIN_CONTRAST = 1.6  # least brightness of paper over that of black ink
 RING_SIDES = (0.57, 0.62)  # distances from the marker's centre, in sides, at which there is paper
 OVERSHOOT_PX = 3.0  # width of the rim beside the square in which sharpening makes paper brighter than it is
-INK_SIDES = 0.45  # likewise, of the middle of the square's black border
+INK_SIDES = 0.45  # distance from the marker's centre, in sides, at which there is its square's black border
 LEAST_LEVEL = 0.05  # least light on paper, over full light, for it to be used
 BLACKEST = 1e-3  # least linear brightness assumed of ink, which a picture may show as 0
 MIN_PAPER = 0.02  # least linear brightness of paper in the picture
@@ -152,13 +152,13 @@ def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) 
     return np.maximum(level, LEAST_LEVEL)
 
 
-def _linear_at(tracked: TrackedFrame, ground: Float, level: Callable[[Float], Float]) -> Float:
+def _linear_at(tracked: TrackedFrame, places: Float, level: Callable[[Float], Float]) -> Float:
     """(m, 3) linear RGB of those places (n, 2) of the print in view, over the light's `level` (n, 3) there."""
-    pixels = print_pixels(tracked, ground)
+    pixels = print_pixels(tracked, places)
     if not np.isfinite(pixels).all():
         return np.zeros((0, 3))
     column, row = np.round(pixels).T
     width, height = tracked.frame.size
     seen = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     bgr = tracked.frame.image_bgr[row[seen].astype(int), column[seen].astype(int)]
-    return np.asarray(LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]] / level(ground)[seen])
+    return np.asarray(LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]] / level(places)[seen])

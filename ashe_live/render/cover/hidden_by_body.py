@@ -40,22 +40,22 @@ def hidden_and_shaded(
     What is made up is what the camera does not see, and what the body shades.
     """
     foot = body.points_marker()[:, :2]
-    sides = marker.side_m * FOOT_SIDES
-    grown = np.concatenate([foot + offset for offset in sides * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])])
+    beside_m = FOOT_SIDES * marker.side_m
+    grown = np.concatenate([foot + offset for offset in beside_m * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])])
     shaded = [*_shaded(body, illumination), grown]
     unknown = _painted([_hidden(body, eye) for eye in _eyes(marker, 0.0)] + shaded, half_m, size)
     return unknown, _painted([_hidden(body, eye) for eye in _eyes(marker, MARGIN_RAD)], half_m, size) | unknown
 
 
 def _eyes(marker: MarkerPose, turned_rad: float) -> list[Float]:
-    """(3,) places of the camera, marker frame, metres: where it is, or all around there."""
+    """(3,) places of the camera, marker frame, metres: where it is, or where it may turn to."""
     eye = camera_centre(marker.T_cam_marker)
     azimuth, elevation = angles_from_direction(eye)
     distance = float(np.linalg.norm(eye))
     if turned_rad == 0:
         return [distance * direction_from_angles(azimuth, max(elevation, LOWEST_RAD))]
-    heights = [max(elevation - turned_rad, LOWEST_RAD), min(max(elevation, LOWEST_RAD) + turned_rad, math.pi / 2)]
-    places = [(azimuth + aside, height) for aside in (-turned_rad, 0.0, turned_rad) for height in heights]
+    elevations = [max(elevation - turned_rad, LOWEST_RAD), min(max(elevation, LOWEST_RAD) + turned_rad, math.pi / 2)]
+    places = [(azimuth + aside, above) for aside in (-turned_rad, 0.0, turned_rad) for above in elevations]
     return [part * distance * direction_from_angles(*place) for place in places for part in (1.0, NEARER)]
 
 

@@ -32,11 +32,11 @@ AROUND_SIDES = 0.5  # ground up to this distance from the hole gives the range o
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
 MOST_GRAIN = 2.0  # largest factor by which the fine contrast of blended patches is raised to that of the ground
 EDGE_OVER_GRAIN = 5.0  # fine contrast beyond this multiple of its median is an edge, and is not raised further
-# An object or its shadow differs from the ground's level by the first (in roots) and by the second times the median, is
-# wider than this (coarse pixels), and all of them are at most this share of the ground.
+# "Things" are objects and their shadows. They differ from the ground's level by both of these: in roots, and over the
+# median difference.
 THING, THING_OVER_TEXTURE = 0.08, 5.0
-THING_PX = 7
-MOST_THINGS = 0.25
+THING_PX = 7  # their least width, in coarse pixels
+MOST_THINGS = 0.25  # largest share of the ground that they are: what is more is a pattern of it
 FIELD = 128  # cells a side of the grid in which the difference at the border is spread
 BORDER_CELLS = 3.0  # standard deviation of a mean along the border
 SMOOTH_ROUNDS = 100  # iterations of the relaxation

@@ -69,7 +69,7 @@ def _scaled(detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted
     return Ground(np.where(visible[..., None], smooth, np.float32(0)), gap > 0.02, visible, side_px * m / n)
 
 
-def _along(fine: Ground, coarse: "TurnedRows", chosen: Mask) -> tuple["TurnedRows", Mask]:
+def _along(fine: Ground, coarse: TurnedRows, chosen: Mask) -> tuple[TurnedRows, Mask]:
     """The ground turned to the direction of a line that lies in the rows `chosen` of a coarser one; and its rows."""
     beside = cv2.dilate(chosen.astype(np.uint8)[:, None], np.ones((2 * NEAR_ROWS + 1, 1), np.uint8))[:, 0] > 0
     nearby = coarse.direction_deg + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINEST_STEP_DEG)

@@ -109,8 +109,8 @@ def _albedo_of(
     pixels = np.round(
         _grid(np.maximum(outline.min(axis=0), 0), np.minimum(outline.max(axis=0), np.array(camera.size) - 1))
     )
-    bent = cv2.undistortPoints(pixels[:, None], camera.K, camera.dist)[:, 0]
-    rays = np.column_stack([bent, np.ones(len(bent))]) @ T[:3, :3]
+    tangents = cv2.undistortPoints(pixels[:, None], camera.K, camera.dist)[:, 0]
+    rays = np.column_stack([tangents, np.ones(len(tangents))]) @ T[:3, :3]
     rays /= np.linalg.norm(rays, axis=1)[:, None]
     far, normals = hull.entered(np.broadcast_to(eye, rays.shape), rays)
     seen = np.isfinite(far) & ((normals * rays).sum(axis=1) < -LEAST_FACING)
