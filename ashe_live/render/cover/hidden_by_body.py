@@ -12,6 +12,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, camera_centre, direction_from_angles
 from ashe_live.core.types import Illumination, MarkerPose
+from ashe_live.render.cover.rectified import BITS, fixed_point
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 
 # A cover is kept while the camera turns by less than TURNED_RAD; it is made to reach far enough for MARGIN_RAD.
@@ -22,7 +23,6 @@ LOWEST_RAD = math.radians(15.0)  # least elevation of the camera: from lower, th
 MOST_HALF_SIDES = 6.0  # limit of half of the side of the square of ground that is examined, in sides of the marker
 AROUND_SIDES = 0.6  # width of the ground around the hidden and shaded part, from which that is filled
 FOOT_SIDES = 0.5  # width of the ground around the body's foot that is darkened, as the body hides much of its sky
-BITS = 4  # fractional bits of the corners of polygons that OpenCV draws
 
 
 def half_of_square(marker: MarkerPose, body: Proxy, illumination: Illumination) -> float:
@@ -74,7 +74,5 @@ def _painted(hulls: list[Float], half_m: float, size: int) -> Mask:
     """(n, n) of a square of the plane, first row at the largest y: the insides of polygons (m, 2)."""
     mask = np.zeros((size, size), np.uint8)
     for hull in hulls:
-        pixels = (hull * (1, -1) / half_m + 1) * (size / 2) - 0.5
-        fixed = np.round(pixels.clip(-4 * size, 5 * size) * 2**BITS).astype(np.int32)
-        cv2.fillConvexPoly(mask, cv2.convexHull(fixed), 1, shift=BITS)
+        cv2.fillConvexPoly(mask, cv2.convexHull(fixed_point(hull, half_m, size)), 1, shift=BITS)
     return mask > 0

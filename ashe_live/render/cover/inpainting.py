@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked_blur import blurred_within
+from ashe_live.render.cover.masked_blur import HOLE_FROM, KNOWN_FROM, blurred_within
 from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches, standing_out
 from ashe_live.render.cover.repetition import pattern_of
 from ashe_live.render.cover.straight_lines import straight_lines
@@ -53,7 +53,7 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     bleeds = with_rim(hole, side_px)
     trusted = is_source & ~bleeds
     size = max(PATCH + 2, round(len(hole) * COARSE_SIDE_PX / side_px))
-    unknown, ground = _scaled(bleeds, size) > 0.02, _scaled(trusted, size) > 0.98
+    unknown, ground = _scaled(bleeds, size) > HOLE_FROM, _scaled(trusted, size) > KNOWN_FROM
     coarse = _scaled(roots, size)
     ground &= _like_the_ground_around(coarse, ground, unknown)
     things = _things(coarse, ground)

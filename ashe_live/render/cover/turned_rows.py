@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.render.cover.masked_blur import HOLE_FROM, KNOWN_FROM
 
 Indices = NDArray[np.intp]
 
@@ -28,15 +29,15 @@ class Ground(NamedTuple):
     seen: Mask  # (m, m) visible ground
     side: float  # of the marker, pixels
 
-    def halved(self) -> "Ground":
-        """At half the resolution."""
-        m = max(1, len(self.gap) // 2)
-        detail, gap, seen = (
+    def reduced(self, m: int) -> "Ground":
+        """At a resolution of `m` pixels a side."""
+        detail, gap, share = (
             cv2.resize(each.astype(np.float32), (m, m), interpolation=cv2.INTER_AREA)
             for each in (self.detail, self.gap, self.seen)
         )
-        visible = np.asarray(seen > 0.98)
-        return Ground(np.where(visible[..., None], detail, np.float32(0)), gap > 0.02, visible, self.side / 2)
+        seen = np.asarray(share > KNOWN_FROM)
+        side = self.side * m / len(self.gap)
+        return Ground(np.where(seen[..., None], detail, np.float32(0)), gap > HOLE_FROM, seen, side)
 
     def without(self, lines: Float32) -> "Ground":
         return self._replace(detail=np.where(self.seen[..., None], self.detail - lines, 0))
