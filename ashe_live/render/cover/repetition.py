@@ -42,7 +42,7 @@ def pattern_of(contrast: Float32, trusted: Mask, hole: Mask, side_px: float) -> 
     n = len(trusted)
     size = min(n, round(n * SIDE_PX / side_px))
     scale = n / size
-    coarse, share, gap = (
+    coarse, share, hole_share = (
         cv2.resize(each.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA)
         for each in (np.where(trusted[..., None], contrast, 0), trusted, hole)
     )
@@ -51,7 +51,7 @@ def pattern_of(contrast: Float32, trusted: Mask, hole: Mask, side_px: float) -> 
     shifts = repeated_shifts(structure, seen)
     if not len(shifts):
         return None
-    around = _box(np.asarray(gap > HOLE_FROM), round(BESIDE_SIDES * SIDE_PX))
+    around = _box(np.asarray(hole_share > HOLE_FROM), round(BESIDE_SIDES * SIDE_PX))
     alike = np.array([_correlation(structure, seen, around, shift) for shift in shifts])
     kept = np.argsort(-alike)[: min(MOST_SHIFTS, int((alike > REPEATS).sum()))]
     if not len(kept):

@@ -69,7 +69,7 @@ def _along(fine: Ground, coarse: TurnedRows, chosen: Mask) -> tuple[TurnedRows, 
     """The ground turned to the direction of a line that lies in the rows `chosen` of a coarser one; and its rows."""
     beside = cv2.dilate(chosen.astype(np.uint8)[:, None], np.ones((2 * NEAR_ROWS + 1, 1), np.uint8))[:, 0] > 0
     nearby = coarse.direction_deg + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINEST_STEP_DEG)
-    half = fine.reduced(max(1, len(fine.gap) // 2))
+    half = fine.reduced(max(1, len(fine.hole) // 2))
     turned = (TurnedRows(half, each) for each in nearby)
     best = max(turned, key=lambda each: each.energy_of(each.those_of(coarse, beside)))
     rows = TurnedRows(fine, best.direction_deg)
