@@ -29,7 +29,7 @@ def steps_sheet(frozen: TrackedFrame, estimate: LightEstimate, trace: "Trace") -
     titled = DebugPicture("answer: object blue, shadow orange", answer)
     pictures = [*traced_pictures(View.of(frozen, WIDTH_PX), trace), titled]
     if estimate.lights:
-        rose = rose_picture(estimate, frozen, answer.shape[0])
+        rose = rose_picture(estimate, frozen, min(answer.shape[0], WIDTH_PX))  # an upright picture is higher than wide
         height = max(answer.shape[0], rose.shape[0])
         pictures.append(DebugPicture("light: dot, camera: triangle", centred(rose, (height, WIDTH_PX, 3))))
     images, titles = zip(*((picture.image_bgr, picture.title) for picture in pictures), strict=True)

@@ -36,14 +36,14 @@ OBJ_MATERIALS = re.compile(rb"^usemtl[^\n]*", re.MULTILINE)
 SPACES = b" \t\v\f\r"
 # What text is split at: str.splitlines.
 LINE_ENDS = (b"\n", b"\r", b"\v", b"\f", b"\x1c", b"\x1d", b"\x1e", b"\xc2\x85", b"\xe2\x80\xa8", b"\xe2\x80\xa9")
-HEADER_BYTES = 65536
+PLY_HEADER_BYTES = 65536  # within which a PLY says how many faces it has
 
 
 def check_text(path: Path, content: bytes) -> None:
     """Raises UserError if an .obj, .ply or .stl is too large by its own numbers."""
     suffix = path.suffix.lower()
-    header = content[:HEADER_BYTES]
     if suffix == ".ply":
+        header = content[:PLY_HEADER_BYTES]
         found = PLY_FACES.search(header)
         check_triangles(path, int(found[1]) if found else 0)
         if b"ascii" in header:

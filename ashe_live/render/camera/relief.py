@@ -48,8 +48,8 @@ def relief_of(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> Relief
         return None
     brightness = LINEAR_FROM_SRGB_8BIT[regions.image_bgr] @ REC709_LUMINANCE[::-1]
     sky_share = float(np.array(lighting.sky) @ REC709_LUMINANCE)
-    least_dark = 0.5 * (1 + sky_share)  # half of what a shadow takes must be gone, or none is there
-    if brightness[regions.in_shadow].mean() > least_dark * brightness[regions.in_light].mean():
+    most_left = 0.5 * (1 + sky_share)  # half of what a shadow takes must be gone, or none is there
+    if brightness[regions.in_shadow].mean() > most_left * brightness[regions.in_light].mean():
         return None
     square_px = tracked.frame.size[0] / MEANS_ACROSS
     shaded, lit = (_contrast(brightness, where, square_px) for where in (regions.in_shadow, regions.in_light))
