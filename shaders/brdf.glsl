@@ -23,9 +23,9 @@ vec3 mirrored_share(float roughness, float n_v) {
     return textureLod(mirrored_shares, (vec2(n_v, roughness) * (knots - 1.0) + 0.5) / knots, 0.0).rgb;
 }
 
-// The factor by which light reflected between facets adds to single reflections: Kulla and Conty, "Revisiting physically based
-// shading at Imageworks", 2017. Each reflection leaves the mean of Schlick's term of it.
-vec3 thrown_on(vec3 f0, vec3 share) {
+// The factor by which single reflections become all reflections, those between facets too: Kulla and Conty, "Revisiting
+// physically based shading at Imageworks", 2017. Each reflection leaves the mean of Schlick's term of the light.
+vec3 energy_compensation(vec3 f0, vec3 share) {
     vec3 mean = f0 + (1.0 - f0) / 21.0;
     vec3 leaves = mean * share.z / (1.0 - mean * (1.0 - share.z));
     return 1.0 + leaves * (1.0 / (share.x + share.y) - 1.0);

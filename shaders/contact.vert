@@ -1,7 +1,7 @@
 // Maps the patch of ground around the model, seen from straight above, to the whole texture.
 #version 330 core
 
-uniform vec4 patch_bounds;  // lower x, y and upper x, y; metres, marker frame
+uniform vec4 patch_bounds;  // lower x, y and upper x, y; metres, the model's own frame
 
 out vec3 position;
 

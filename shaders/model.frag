@@ -224,9 +224,9 @@ void main() {
     vec3 mirror = mirrored_direction(to_eye, facing, shine_n);
     float n_v = max(dot(shine_n, to_eye), 1e-3);
     vec3 share = mirrored_share(rough, n_v);
-    vec3 again = thrown_on(f0, share);
+    vec3 compensation = energy_compensation(f0, share);
     // What is mirrored does not reach the diffuse layer.
-    vec3 reflectance = (f0 * share.x + share.y) * again;
+    vec3 reflectance = (f0 * share.x + share.y) * compensation;
     albedo *= 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
 #endif
 #ifdef COATED
@@ -270,7 +270,7 @@ void main() {
         float v_h = max(dot(to_eye, between), 0.0);
         float n_l = max(dot(shine_n, to_light), 1e-3);
         vec3 shine = ggx(max(dot(shine_n, between), 0.0), n_v, n_l, rough * rough) * fresnel(f0, v_h);
-        mirrored += arrives * n_l * again * shine;
+        mirrored += arrives * n_l * compensation * shine;
 #ifdef COATED
         float coat_shine = ggx(max(dot(coat_n, between), 0.0), coat_n_v, coat_cosine, coat_rough * coat_rough);
         in_coat += arrives * coat_cosine * coat_shine * fresnel(vec3(GLASS), v_h);

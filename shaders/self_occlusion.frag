@@ -4,7 +4,7 @@
 #include "lights.glsl"
 #include "shadow.glsl"
 
-uniform sampler2D sample_places;  // metres, marker frame
+uniform sampler2D sample_places;  // metres, the model's own frame
 uniform sampler2D sample_normals;
 uniform float weight;
 

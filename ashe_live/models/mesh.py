@@ -25,7 +25,7 @@ class Motion:
     duration_s: float  # from the first pose to the last
 
     def __post_init__(self) -> None:
-        shape = len(self.vertices), *self.vertices.shape[1:]
+        shape = self.vertices.shape
         if len(shape) != 3 or shape[0] < 2 or shape[2] != 3:
             raise ValueError(f"poses have shape {shape}, not (two or more, vertices, 3)")
         if not 0 < self.duration_s < np.inf:

@@ -100,6 +100,7 @@ def placed_on_marker(model: Model, side_m: float) -> PlacedModel:
 
 
 def _outline(model: Model) -> Float:
+    """(n, 3) metres, marker frame: points whose convex hull encloses the model in all of its poses."""
     if model.duration_s:
         return np.array(list(itertools.product(*model.bounds.T)))
     points = np.concatenate([part.vertices for part in model.parts])

@@ -40,13 +40,13 @@ class LayerPasses:
 
     def follow_real_object(self, proxy: Proxy | None) -> bool:
         """Readies the real object that is there now; whether there was another one."""
-        was_other = self.real is not None and self.real.proxy is not proxy
-        if was_other and self.real is not None:
-            self.real.release()
+        former = self.real
+        if former is not None and former.proxy is not proxy:
+            former.release()
             self.real = None
         if self.real is None and proxy is not None:
             self.real = RealObject(self._ctx, self._programs, proxy)
-        return was_other
+        return former is not None and former is not self.real
 
     def follow_sheet(self, scene: Scene, at_once: bool) -> HiddenMarker | None:
         """The cover of the marker's sheet, once there is one. `at_once`: as in `HiddenMarker.follow`."""

@@ -42,7 +42,7 @@ class Scene:
     shows_light: bool = False  # an arrow that comes from each light, or a bulb where it is
     overlays: tuple[Overlay, ...] = ()  # bottom first
     placement: Placement | None = UNMOVED  # of the model; None: it is kept ready and not drawn
-    # More models with their placements, drawn where `model` is one.
+    # More models with their placements; none of them is drawn while `model` is None.
     others: tuple[tuple[PlacedModel, Placement | None], ...] = ()
     casts_shadow: bool = True  # the model, on the ground
     shows_model: bool = True  # itself, and not its shadow alone

@@ -23,7 +23,7 @@ CELLS = 48  # along the longest side
 POINTS, LOOKED_AT = 20_000, 1_000  # points on the surface that fill the cells; points of these that are examined
 LOOKED_FROM_RAD, WAYS = np.radians(35.0), 6  # elevation of the views, as on a table, and their number all around
 LEAST_FACING = 0.1  # least cosine between a normal and the view
-CLEAR = 1.5  # distance from its own surface, in cells, at which a ray begins
+START_CELLS = 1.5  # distance from its own surface, in cells, at which a ray begins
 LEAST_SHARE = 0.05  # least share of the surface that is seen for a note: about what is noticed at a glance
 
 
@@ -43,7 +43,7 @@ def words_on_mirrors(parts: Sequence[Mesh]) -> str | None:
         flat = np.cos(LOOKED_FROM_RAD)
         view = np.array((flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(LOOKED_FROM_RAD)))
         facing = np.where((normals @ view < 0)[:, None] & both_sides[:, None], -normals, normals)
-        starts = places + CLEAR * cells.size * facing
+        starts = places + START_CELLS * cells.size * facing
         ahead = facing @ view > LEAST_FACING
         starts, facing, rough = starts[ahead], facing[ahead], roughness[part[ahead]]
         is_seen = ~cells.filled_along(starts, np.broadcast_to(view, starts.shape))

@@ -114,10 +114,10 @@ def _take(one: _Described, key: str, value: str) -> None:
             setattr(one, COLOURS[key], numbers[:3])
     elif key in ("d", "tr"):
         # 0 is invisible for the one, and opaque for the other, which some programs mix up: of both the first holds.
-        (*_, last) = _numbers(value.replace("-halo", "")) or (1.0,)
-        if key == "d" or not one.has_opacity:
+        (*_, last) = _numbers(value.replace("-halo", "")) or (None,)
+        if last is not None and (key == "d" or not one.has_opacity):
             one.opacity = last if key == "d" else 1 - last
-        one.has_opacity |= key == "d"
+            one.has_opacity = key == "d"
     elif key == "ns":
         one.shininess = next(iter(_numbers(value)), 0.0)
     elif key == "illum":
@@ -134,7 +134,7 @@ def _take(one: _Described, key: str, value: str) -> None:
 
 
 def _numbers(value: str) -> tuple[float, ...]:
-    """None for what is said in other terms, as a spectrum or in CIE XYZ."""
+    """None of them for what is said in other terms, as a spectrum or in CIE XYZ."""
     try:
         numbers = tuple(float(word) for word in value.split())
     except ValueError:

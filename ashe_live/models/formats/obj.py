@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import linear_from_srgb
-from ashe_live.errors import UserError
 from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import read_mtl, text_of
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.formats.words import numbers_in
 from ashe_live.models.material import UNKNOWN, Material
-from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.folder import Folder, MissingFileError
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
 from ashe_live.models.parsing.pictures import Pictures
@@ -107,9 +106,7 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
     for library in lines.libraries:
         try:
             contents: list[bytes | None] = [folder.get(text_of(library))]
-        except UserError as refusal:
-            if "which is missing" not in refusal.message:
-                raise
+        except MissingFileError:
             # Several names may stand on one line, and one name may hold spaces.
             contents = [_there(folder, name, notes) for name in library.split()]
         for content in contents:
@@ -129,9 +126,7 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
 def _there(folder: Folder, name: bytes, notes: Notes) -> bytes | None:
     try:
         return folder.get(text_of(name))
-    except UserError as refusal:
-        if "which is missing" not in refusal.message:
-            raise
+    except MissingFileError:
         said = printable(text_of(name), NAME_CHARACTERS)
         notes.add(f"its materials {said} are missing: it is drawn as plain plastic")
         return None

@@ -17,41 +17,35 @@ from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.words import numbers_in
 from ashe_live.models.material import UNKNOWN
 from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.limits import STL_HEADER_BYTES, STL_TRIANGLE_BYTES, is_text_stl
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
 
-HEADER_BYTES, TRIANGLE_BYTES = 84, 50
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX = re.compile(rb"\bvertex\s", re.IGNORECASE)
-FIRST_BYTES = 1000
 MAGICS = b"COLOR="  # red, green, blue and alpha follow, a byte each
 
 
 def read_stl(content: bytes, _folder: Folder, _notes: Notes) -> Iterator[RawMesh]:
     """One mesh of all solids. Raises MalformedError for what is neither text STL nor binary STL."""
-    if is_text(content):
+    if is_text_stl(content):
         corners, colours = _of_text(content), None
     else:
         facets = _of_binary(content)
-        corners, colours = facets["corners"], _colours(content[: HEADER_BYTES - 4], facets["attribute"])
+        corners, colours = facets["corners"], _colours(content[: STL_HEADER_BYTES - 4], facets["attribute"])
     places = corners.reshape(-1, 3)
     each = None if colours is None else np.repeat(colours, 3, axis=0)
     yield RawMesh(places, np.arange(len(places)).reshape(-1, 3), UNKNOWN, colours=each)
 
 
-def is_text(content: bytes) -> bool:
-    """Binary files may begin with "solid" as well; only text goes on with its first facet."""
-    return content.lstrip()[:5].lower() == b"solid" and b"facet" in content[:FIRST_BYTES].lower()
-
-
 def _of_binary(content: bytes) -> np.ndarray:
-    if len(content) < HEADER_BYTES:
+    if len(content) < STL_HEADER_BYTES:
         raise MalformedError("it is neither text STL nor binary STL")
-    count = int.from_bytes(content[HEADER_BYTES - 4 : HEADER_BYTES], "little")
-    there = (len(content) - HEADER_BYTES) // TRIANGLE_BYTES
+    count = int.from_bytes(content[STL_HEADER_BYTES - 4 : STL_HEADER_BYTES], "little")
+    there = (len(content) - STL_HEADER_BYTES) // STL_TRIANGLE_BYTES
     if count > there:
         raise MalformedError(f"its header says {count:,} triangles, and there are {there:,}")
-    return np.frombuffer(content, TRIANGLE, count, HEADER_BYTES)
+    return np.frombuffer(content, TRIANGLE, count, STL_HEADER_BYTES)
 
 
 def _colours(header: bytes, attributes: NDArray[np.uint16]) -> Float | None:

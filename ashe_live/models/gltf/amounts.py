@@ -137,13 +137,10 @@ def _corners(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
 
 def _triangles(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
     corners = _corners(primitive, accessors)
-    match primitive.get("mode", TRIANGLES):
-        case 4:
-            return corners // 3
-        case 5 | 6:
-            return max(corners - 2, 0)
-        case _:
-            return 0
+    mode = primitive.get("mode", TRIANGLES)
+    if mode == TRIANGLES:
+        return corners // 3
+    return max(corners - 2, 0) if mode in (STRIP, FAN) else 0
 
 
 def _tree(header: dict[str, Any], nodes: list[dict[str, Any]]) -> tuple[int, int]:

@@ -59,11 +59,7 @@ class Arrays:
 
     def floats(self, place: int, are_shares: bool = False) -> Float:
         """(count, components): integers as shares of their largest where the accessor, or the caller, says so."""
-        stored = self.numbers(place)
-        is_share = are_shares or self.is_normalised(place)
-        if stored.dtype.kind == "f" or not is_share:
-            return stored.astype(np.float64)
-        return np.maximum(stored.astype(np.float64) / np.iinfo(stored.dtype).max, -1.0)
+        return as_floats(self.numbers(place), are_shares or self.is_normalised(place))
 
     def is_normalised(self, place: int) -> bool:
         """Whether an accessor's integers are shares of their largest."""
@@ -87,3 +83,10 @@ class Arrays:
 
     def _part(self, view: dict[str, Any]) -> memoryview:
         return self._buffers.part(view["buffer"], view.get("byteOffset", 0), view["byteLength"])
+
+
+def as_floats(stored: Numbers, are_shares: bool) -> Float:
+    """Numbers of any type; integers as shares of their largest where they are that."""
+    if stored.dtype.kind == "f" or not are_shares:
+        return stored.astype(np.float64)
+    return np.maximum(stored.astype(np.float64) / np.iinfo(stored.dtype).max, -1.0)

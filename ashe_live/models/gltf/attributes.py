@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.models.gltf.arrays import Arrays
+from ashe_live.models.gltf.arrays import Arrays, as_floats
 from ashe_live.models.gltf.motion.pose import Shape
 from ashe_live.models.parsing.malformed import MalformedError
 
@@ -34,16 +34,9 @@ class DracoPrimitive:
     def __contains__(self, name: str) -> bool:
         return name in self._of_name
 
-    def numbers(self, name: str) -> NDArray[Any]:
-        """(vertices, components) as it was compressed."""
-        return self._of_name[name]
-
     def floats(self, name: str, are_shares: bool) -> Float:
         """(vertices, components): integers as shares of their largest where the caller says so."""
-        stored = self._of_name[name]
-        if stored.dtype.kind == "f" or not are_shares:
-            return stored.astype(np.float64)
-        return np.maximum(stored.astype(np.float64) / np.iinfo(stored.dtype).max, -1.0)
+        return as_floats(self._of_name[name], are_shares)
 
 
 class Attributes:

@@ -13,6 +13,10 @@ SCHEME = re.compile(r"[a-z][a-z0-9+.-]+:", re.IGNORECASE)  # of an address; one 
 MOST_ENTRIES = 10_000  # of a folder that are looked at for a name in other capitals
 
 
+class MissingFileError(UserError):
+    """A file of the folder is not there."""
+
+
 class Folder:
     """Lets a model file read what lies in its own folder.
 
@@ -28,7 +32,9 @@ class Folder:
         self._named = 0
 
     def get(self, name: str) -> bytes:
-        """The content of the file of that name. Raises UserError where it must not or cannot be read."""
+        """The content of the file of that name. Raises UserError where it must not or cannot be read, MissingFileError
+        where it is not there.
+        """
         self._named += 1
         if self._named > MAX_NAMED_FILES:
             raise UserError(
@@ -61,8 +67,8 @@ class Folder:
                 f"the model file {self.model} names {name}, and only data in it and files beside it are read",
                 "export it as GLB, or put the file beside it and name that",
             )
-        why = "outside its own folder" if is_elsewhere else "which is missing"
-        raise UserError(f"the model file {self.model} names {name}, {why}", "put what it needs beside it")
+        kind, why = (UserError, "outside its own folder") if is_elsewhere else (MissingFileError, "which is missing")
+        raise kind(f"the model file {self.model} names {name}, {why}", "put what it needs beside it")
 
     def _is_within(self, relative: str) -> bool:
         return Path(os.path.realpath(self._folder / relative)).is_relative_to(self._folder)

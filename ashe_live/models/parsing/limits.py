@@ -27,7 +27,8 @@ MAX_MODEL_TEXELS = 16 * 2048 * 2048  # of all maps together, as reduced
 # Pillow knows more, among them one that is a program and runs.
 PICTURE_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TGA", "TIFF", "GIF")
 
-STL_HEADER_BYTES, STL_TRIANGLE_BYTES = 84, 50
+STL_HEADER_BYTES, STL_TRIANGLE_BYTES = 84, 50  # of binary STL
+STL_FIRST_BYTES = 1000  # within which text STL has its first facet
 PLY_FACES = re.compile(rb"element\s+face\s+(\d+)")
 # A line may go on after a backslash. Possessive, as the stack of a long line would be larger than the line.
 OBJ_FACES = re.compile(rb"^f(?:[^\n\\]++|\\\r?\n|\\)*+", re.MULTILINE)
@@ -35,14 +36,14 @@ OBJ_MATERIALS = re.compile(rb"^usemtl[^\n]*", re.MULTILINE)
 SPACES = b" \t\v\f\r"
 # What text is split at: str.splitlines.
 LINE_ENDS = (b"\n", b"\r", b"\v", b"\f", b"\x1c", b"\x1d", b"\x1e", b"\xc2\x85", b"\xe2\x80\xa8", b"\xe2\x80\xa9")
-HEADER_BYTES = 65536
+PLY_HEADER_BYTES = 65536  # within which a PLY says how many faces it has
 
 
 def check_text(path: Path, content: bytes) -> None:
     """Raises UserError if an .obj, .ply or .stl is too large by its own numbers."""
     suffix = path.suffix.lower()
-    header = content[:HEADER_BYTES]
     if suffix == ".ply":
+        header = content[:PLY_HEADER_BYTES]
         found = PLY_FACES.search(header)
         check_triangles(path, int(found[1]) if found else 0)
         if b"ascii" in header:
@@ -51,12 +52,17 @@ def check_text(path: Path, content: bytes) -> None:
         _check(path, content.count(b"\n"), MAX_OBJ_LINES, "lines")
         check_triangles(path, _obj_triangles(content))
         _check(path, len(set(OBJ_MATERIALS.findall(content))), MAX_GROUPS, "materials")
-    elif content.lstrip().startswith(b"solid") and b"facet" in header:
+    elif is_text_stl(content):
         lower = content.lower()
         check_triangles(path, lower.count(b"vertex") // 3)
         _check(path, lower.count(b"endsolid"), MAX_GROUPS, "solids")
     else:
         check_triangles(path, (len(content) - STL_HEADER_BYTES) // STL_TRIANGLE_BYTES)
+
+
+def is_text_stl(content: bytes) -> bool:
+    """Binary files may begin with "solid" as well; only text goes on with its first facet."""
+    return content[:STL_FIRST_BYTES].lstrip()[:5].lower() == b"solid" and b"facet" in content[:STL_FIRST_BYTES].lower()
 
 
 def _obj_triangles(content: bytes) -> int:

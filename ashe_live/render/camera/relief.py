@@ -12,8 +12,8 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.camera.shadow_border import OUTLINE_ERROR
 from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.lighting import Lighting
@@ -48,8 +48,8 @@ def relief_of(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> Relief
         return None
     brightness = LINEAR_FROM_SRGB_8BIT[regions.image_bgr] @ REC709_LUMINANCE[::-1]
     sky_share = float(np.array(lighting.sky) @ REC709_LUMINANCE)
-    least_dark = 0.5 * (1 + sky_share)  # half of what a shadow takes must be gone, or none is there
-    if brightness[regions.in_shadow].mean() > least_dark * brightness[regions.in_light].mean():
+    most_left = 0.5 * (1 + sky_share)  # half of what a shadow takes must be gone, or none is there
+    if brightness[regions.in_shadow].mean() > most_left * brightness[regions.in_light].mean():
         return None
     square_px = tracked.frame.size[0] / MEANS_ACROSS
     shaded, lit = (_contrast(brightness, where, square_px) for where in (regions.in_shadow, regions.in_light))
@@ -75,7 +75,7 @@ def _regions(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> _Region
     ground = np.column_stack([cast, np.zeros(len(cast))])
     if min((points @ T[2, :3] + T[2, 3]).min() for points in (ground, body)) <= 1e-3:
         return None
-    outline, body_px = (project(tracked.camera, T, points) for points in (ground, body))
+    outline, body_px = (project_distorted(tracked.camera, T, points) for points in (ground, body))
     near, far = round(OUTLINE_ERROR * size[0]), round(AROUND * size[0])
     left, top = np.clip(outline.min(axis=0) - far, 0, size).astype(int)
     right, bottom = np.clip(outline.max(axis=0) + far + 1, 0, size).astype(int)

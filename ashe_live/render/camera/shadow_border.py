@@ -10,7 +10,6 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.colour import REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import along_sides
-from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.edges import (
     AROUND,
@@ -23,10 +22,11 @@ from ashe_live.render.camera.edges import (
     edge_blur_px,
     profile_at,
 )
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.lighting import Sun
 
-MOST_PX = 1.5  # in a picture 640 pixels wide
+MOST_PX = 1.5  # largest softness that is believed, in a picture 640 pixels wide
 # The border is sought within this distance (over the picture's width) of where the proxy, which is convex, casts it.
 OUTLINE_ERROR = 0.02
 FOUND_OVER_PX = 1.0  # standard deviation of the smoothing before it is sought
@@ -35,6 +35,7 @@ PLACES = np.linspace(0.15, 0.85, AROUND)  # along each of the outline's edges
 # of the body itself, and of the sky that it hides.
 FOOT = 0.1
 LEAST_SINE = 0.1  # limit of the sine of a light's elevation
+NEAREST = 0.1  # limit of a lamp's distance from the body, over that from the marker's centre
 
 
 def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> float:
@@ -51,7 +52,7 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> floa
     ground = np.column_stack([cast[outline], np.zeros(len(outline))])
     if len(outline) < 3 or (ground @ T[2, :3] + T[2, 3]).min() <= 1e-3:
         return 0.0
-    corners = project(tracked.camera, T, ground)
+    corners = project_distorted(tracked.camera, T, ground)
     points, outwards = along_sides(corners, PLACES)
     above, below = _along(body[outline]), _along(ground)
     is_cast = above[:, 2] > FOOT * body[:, 2].max()
@@ -103,10 +104,10 @@ def _penumbra_px(camera: Camera, T_cam_marker: Float, ground: Float, body: Float
     length = np.maximum(np.linalg.norm(ray, axis=1), 1e-9)
     sine = np.maximum(ray[:, 2] / length, LEAST_SINE)
     # A lamp is as much larger seen from the body as that is nearer to it than the marker's centre.
-    radius = sun.tan_half_size * length / np.maximum(np.linalg.norm(sun.towards(body), axis=1), LEAST_SINE)
+    radius = sun.tan_half_size * length / np.maximum(np.linalg.norm(sun.towards(body), axis=1), NEAREST)
     azimuth = ray[:, :2] / np.maximum(np.hypot(*ray[:, :2].T), 1e-9)[:, None]
     level = np.column_stack([azimuth, np.zeros(len(ray))]), np.column_stack([azimuth[:, ::-1] * (-1, 1), 0 * sine])
     axes = (radius / sine)[:, None] * level[0], radius[:, None] * level[1]
-    middle = project(camera, T_cam_marker, ground)
-    reach = [((project(camera, T_cam_marker, ground + axis) - middle) * outwards).sum(axis=1) for axis in axes]
-    return np.asarray(np.hypot(*reach))
+    middle = project_distorted(camera, T_cam_marker, ground)
+    ends = (project_distorted(camera, T_cam_marker, ground + axis) for axis in axes)
+    return np.asarray(np.hypot(*(((end - middle) * outwards).sum(axis=1) for end in ends)))

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from functools import partial
 
-import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float
@@ -12,6 +11,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import lit_past
 from ashe_live.render.lights.lighting import RGB, Lighting
 
@@ -34,7 +34,7 @@ ASSUMED_WHITE = 0.8
 MIN_CONTRAST = 1.6  # least brightness of paper over that of black ink
 RING_SIDES = (0.57, 0.62)  # distances from the marker's centre, in sides, at which there is paper
 OVERSHOOT_PX = 3.0  # width of the rim beside the square in which sharpening makes paper brighter than it is
-INK_SIDES = 0.45  # likewise, of the middle of the square's black border
+INK_SIDES = 0.45  # distance from the marker's centre, in sides, at which there is its square's black border
 LEAST_LEVEL = 0.05  # least light on paper, over full light, for it to be used
 BLACKEST = 1e-3  # least linear brightness assumed of ink, which a picture may show as 0
 MIN_PAPER = 0.02  # least linear brightness of paper in the picture
@@ -72,22 +72,18 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
 
 
 def print_pixels(tracked: TrackedFrame, places: Float) -> Float:
-    """(n, 2) pixels of places (n, 2) of the marker's upright print; NaN where any lies behind the camera.
+    """(n, 2) pixels of places (n, 2) of the marker's upright print; NaN for what lies behind the camera.
 
     For a body, of the print on its top.
     """
     assert tracked.marker is not None
-    camera, T, body = tracked.camera, tracked.marker.T_cam_marker, tracked.marker.body
-    height = 0.0 if body is None else tracked.marker.side_m
+    height = 0.0 if tracked.marker.body is None else tracked.marker.side_m
     points = np.column_stack([places, np.full(len(places), height)])
-    if (points @ T[2, :3] + T[2, 3]).min() <= 0:
-        return np.full((len(places), 2), np.nan)
-    pixels = cv2.projectPoints(points, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0]
-    return np.asarray(pixels.reshape(-1, 2), dtype=np.float64)
+    return project_distorted(tracked.camera, tracked.marker.T_cam_marker, points)
 
 
 def print_corners_px(tracked: TrackedFrame) -> Float:
-    """(4, 2) of the print's black square, in the order of the marker's; NaN where any lies behind the camera."""
+    """(4, 2) of the print's black square, in the order of the marker's; NaN for those behind the camera."""
     assert tracked.marker is not None
     if tracked.marker.body is None:
         return tracked.marker.corners_px
@@ -156,13 +152,13 @@ def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) 
     return np.maximum(level, LEAST_LEVEL)
 
 
-def _linear_at(tracked: TrackedFrame, ground: Float, level: Callable[[Float], Float]) -> Float:
+def _linear_at(tracked: TrackedFrame, places: Float, level: Callable[[Float], Float]) -> Float:
     """(m, 3) linear RGB of those places (n, 2) of the print in view, over the light's `level` (n, 3) there."""
-    pixels = print_pixels(tracked, ground)
+    pixels = print_pixels(tracked, places)
     if not np.isfinite(pixels).all():
         return np.zeros((0, 3))
     column, row = np.round(pixels).T
     width, height = tracked.frame.size
     seen = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     bgr = tracked.frame.image_bgr[row[seen].astype(int), column[seen].astype(int)]
-    return np.asarray(LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]] / level(ground)[seen])
+    return np.asarray(LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]] / level(places)[seen])

@@ -20,7 +20,7 @@ from ashe_live.render.passes.surface import Surface
 
 # px²: the mean of 2 x 2 pixels has 1/4; interpolated a quarter of the way between two of them it gets 3/4 more.
 LEAST_VARIANCE = 1.0
-MOST_TAPS = 6  # to each side of the middle, of a wider blur is cut off there
+MOST_TAPS = 6  # to each side of the middle; a wider blur is cut off there
 KERNEL_SIGMAS = 2.0  # of a Gaussian within its kernel's reach
 
 
@@ -65,7 +65,7 @@ class CoarseLayers:
         """Blurs `surface`'s layers where they are looked up in `region`, beside which they must be empty.
 
         As far as `blur.reach_px` beyond it. Beyond the border of the video, which is in `viewport`, they go on as they
-        are there. Their alpha says where the layers are even besides, as far as `spread` pixels of half the resolution
+        are there. Their alpha also says where the layers are even as far as `spread` pixels of half the resolution
         around. Leaves another framebuffer bound.
         """
         width, height = surface.size

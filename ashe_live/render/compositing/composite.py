@@ -36,9 +36,9 @@ class Blurs(NamedTuple):
     """Variances (px²) and reaches (px) of the composite's blurs, in pixels of the framebuffer."""
 
     variance: float
-    widest: float  # with which its brightness is compared; as `variance` where nothing is sharpened
+    widest: float  # of the blur that unsharp masking subtracts; as `variance` where nothing is sharpened
     reach: int  # of both
-    coarse: CoarseBlur  # of its colours
+    coarse: CoarseBlur  # of the colours
 
     @property
     def farthest(self) -> int:

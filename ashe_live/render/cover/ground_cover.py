@@ -24,7 +24,7 @@ FINER = 1.5  # its pixels for one of the video: it is interpolated twice, and fi
 COARSER = 1.6  # factor on the size of patches for a body, which hides several times as much ground as a sheet
 FEATHER_PX = 2.0  # width of the band beyond the sheet in which the cover's alpha falls to 0
 LEAST_SHADE = 0.02  # least factor of a shadow by which ground is divided
-MOST_AROUND = 600  # number of points by which exposures are compared
+MOST_AROUND = 600  # largest number of points by which exposures are compared
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +66,7 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCov
     rows, columns = np.nonzero((far > least) & (far < least + BESIDE_SIDES * side_px) & plane.is_seen)
     if not len(rows):
         return None
-    rows, columns = (each[:: max(1, len(rows) // MOST_AROUND)] for each in (rows, columns))
+    rows, columns = (each[:: -(-len(rows) // MOST_AROUND)] for each in (rows, columns))
     alpha = np.clip(1 - far / FEATHER_PX, 0, 1)
     rgb = srgb_from_linear(np.clip(ground * shade, 0, 1))
     size = len(hole)

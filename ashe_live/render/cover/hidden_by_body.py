@@ -12,6 +12,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, camera_centre, direction_from_angles
 from ashe_live.core.types import Illumination, MarkerPose
+from ashe_live.render.cover.rectified import BITS, fixed_point
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 
 # A cover is kept while the camera turns by less than TURNED_RAD; it is made to reach far enough for MARGIN_RAD.
@@ -22,7 +23,6 @@ LOWEST_RAD = math.radians(15.0)  # least elevation of the camera: from lower, th
 MOST_HALF_SIDES = 6.0  # limit of half of the side of the square of ground that is examined, in sides of the marker
 AROUND_SIDES = 0.6  # width of the ground around the hidden and shaded part, from which that is filled
 FOOT_SIDES = 0.5  # width of the ground around the body's foot that is darkened, as the body hides much of its sky
-BITS = 4  # fractional bits of the corners of polygons that OpenCV draws
 
 
 def half_of_square(marker: MarkerPose, body: Proxy, illumination: Illumination) -> float:
@@ -40,22 +40,22 @@ def hidden_and_shaded(
     What is made up is what the camera does not see, and what the body shades.
     """
     foot = body.points_marker()[:, :2]
-    sides = marker.side_m * FOOT_SIDES
-    grown = np.concatenate([foot + offset for offset in sides * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])])
+    beside_m = FOOT_SIDES * marker.side_m
+    grown = np.concatenate([foot + offset for offset in beside_m * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])])
     shaded = [*_shaded(body, illumination), grown]
     unknown = _painted([_hidden(body, eye) for eye in _eyes(marker, 0.0)] + shaded, half_m, size)
     return unknown, _painted([_hidden(body, eye) for eye in _eyes(marker, MARGIN_RAD)], half_m, size) | unknown
 
 
 def _eyes(marker: MarkerPose, turned_rad: float) -> list[Float]:
-    """(3,) places of the camera, marker frame, metres: where it is, or all around there."""
+    """(3,) places of the camera, marker frame, metres: where it is, or where it may turn to."""
     eye = camera_centre(marker.T_cam_marker)
     azimuth, elevation = angles_from_direction(eye)
     distance = float(np.linalg.norm(eye))
     if turned_rad == 0:
         return [distance * direction_from_angles(azimuth, max(elevation, LOWEST_RAD))]
-    heights = [max(elevation - turned_rad, LOWEST_RAD), min(max(elevation, LOWEST_RAD) + turned_rad, math.pi / 2)]
-    places = [(azimuth + aside, height) for aside in (-turned_rad, 0.0, turned_rad) for height in heights]
+    elevations = [max(elevation - turned_rad, LOWEST_RAD), min(max(elevation, LOWEST_RAD) + turned_rad, math.pi / 2)]
+    places = [(azimuth + aside, above) for aside in (-turned_rad, 0.0, turned_rad) for above in elevations]
     return [part * distance * direction_from_angles(*place) for place in places for part in (1.0, NEARER)]
 
 
@@ -74,7 +74,5 @@ def _painted(hulls: list[Float], half_m: float, size: int) -> Mask:
     """(n, n) of a square of the plane, first row at the largest y: the insides of polygons (m, 2)."""
     mask = np.zeros((size, size), np.uint8)
     for hull in hulls:
-        pixels = (hull * (1, -1) / half_m + 1) * (size / 2) - 0.5
-        fixed = np.round(pixels.clip(-4 * size, 5 * size) * 2**BITS).astype(np.int32)
-        cv2.fillConvexPoly(mask, cv2.convexHull(fixed), 1, shift=BITS)
+        cv2.fillConvexPoly(mask, cv2.convexHull(fixed_point(hull, half_m, size)), 1, shift=BITS)
     return mask > 0

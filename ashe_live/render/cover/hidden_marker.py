@@ -12,11 +12,12 @@ import cv2
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.square import side_lengths_px
-from ashe_live.core.transforms import project, view_direction
+from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
 from ashe_live.render.gl.programs import set_uniforms
@@ -61,8 +62,8 @@ class HiddenMarker:
         """(4, 2) metres, marker frame, of what is covered; (0, 2) while there is no cover."""
         if self._cover is None:
             return np.zeros((0, 2))
-        half = self._cover.extent_m
-        return np.array([(half[0], half[1]), (half[2], half[1]), (half[2], half[3]), (half[0], half[3])])
+        left, bottom, right, top = self._cover.extent_m
+        return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
 
     def follow(self, tracked: TrackedFrame, illumination: Illumination, at_once: bool) -> None:
         """Takes a cover that is ready, has another made where that is called for, and follows the exposure.
@@ -139,7 +140,7 @@ class HiddenMarker:
     def _follow_exposure(self, tracked: TrackedFrame) -> None:
         if self._cover is None or 0 <= tracked.frame.time_s - self._gained_s < GAIN_HELD_S:
             return
-        measured = _gain_and_slope(tracked, self._cover)
+        measured = gain_and_slope(tracked, self._cover)
         if measured is None:
             return
         gain, slope = measured
@@ -169,7 +170,7 @@ class SeenCover:
         set_uniforms(program, ground_from_pixel=self.ground_from_pixel)
 
 
-def _gain_and_slope(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, Float] | None:
+def gain_and_slope(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, Float] | None:
     """(3,) brightness of the ground over that in the picture of the cover, linear RGB at the marker's centre; and (2,)
     how its logarithm changes over the plane (1/m), as a table's sheen moves with the camera.
 
@@ -181,7 +182,7 @@ def _gain_and_slope(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, F
     ahead = points @ T[2, :3] + T[2, 3] > 1e-6
     if ahead.sum() < FEWEST_POINTS:
         return None
-    at = project(tracked.camera, T, points[ahead])
+    at = project_distorted(tracked.camera, T, points[ahead])
     inside = ((at > 1) & (at < np.array(tracked.frame.size) - 2)).all(axis=1)
     if inside.sum() < FEWEST_POINTS:
         return None
@@ -191,14 +192,18 @@ def _gain_and_slope(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, F
     logs = np.log(now.sum(axis=1) + 1e-3) - np.log(then.sum(axis=1) + 1e-3)
     around, slope = cover.around[ahead][inside], np.zeros(2)
     ridge = RIDGE * np.square(cover.around).sum(axis=1).mean() * np.eye(2)
-    same = np.abs(logs - np.median(logs)) < OUTLIER
+    same = _near_middle(logs)
     for _ in range(ROUNDS):
         places = around[same] - around[same].mean(axis=0)
         slope = np.linalg.solve(places.T @ places + len(places) * ridge, places.T @ logs[same])
-        rest = logs - around @ slope
-        same = np.abs(rest - np.median(rest)) < OUTLIER
+        same = _near_middle(logs - around @ slope)
     gain = now[same].mean(axis=0) / np.maximum(then[same].mean(axis=0), 1e-4)
     return np.asarray(np.clip(gain * np.exp(-slope @ around[same].mean(axis=0)), *GAIN_RANGE)), np.asarray(slope)
+
+
+def _near_middle(logs: Float) -> Mask:
+    """(n,) which logarithms are no outliers: never none, as the lower of two middle ones counts, and not their mean."""
+    return np.asarray(np.abs(logs - np.quantile(logs, 0.5, method="lower")) < OUTLIER)
 
 
 def _same_scene(one: Illumination, other: Illumination) -> bool:

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked_blur import blurred_within
+from ashe_live.render.cover.masked_blur import HOLE_FROM, KNOWN_FROM, blurred_within
 from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches, standing_out
 from ashe_live.render.cover.repetition import pattern_of
 from ashe_live.render.cover.straight_lines import straight_lines
@@ -32,11 +32,11 @@ AROUND_SIDES = 0.5  # ground up to this distance from the hole gives the range o
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
 MOST_GRAIN = 2.0  # largest factor by which the fine contrast of blended patches is raised to that of the ground
 EDGE_OVER_GRAIN = 5.0  # fine contrast beyond this multiple of its median is an edge, and is not raised further
-# An object or its shadow differs from the ground's level by the first (in roots) and by the second times the median, is
-# wider than this (coarse pixels), and all of them are at most this share of the ground.
+# "Things" are objects and their shadows. They differ from the ground's level by both of these: in roots, and over the
+# median difference.
 THING, THING_OVER_TEXTURE = 0.08, 5.0
-THING_PX = 7
-MOST_THINGS = 0.25
+THING_PX = 7  # their least width, in coarse pixels
+MOST_THINGS = 0.25  # largest share of the ground that they are: what is more is a pattern of it
 FIELD = 128  # cells a side of the grid in which the difference at the border is spread
 BORDER_CELLS = 3.0  # standard deviation of a mean along the border
 SMOOTH_ROUNDS = 100  # iterations of the relaxation
@@ -53,7 +53,7 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     bleeds = with_rim(hole, side_px)
     trusted = is_source & ~bleeds
     size = max(PATCH + 2, round(len(hole) * COARSE_SIDE_PX / side_px))
-    unknown, ground = _scaled(bleeds, size) > 0.02, _scaled(trusted, size) > 0.98
+    unknown, ground = _scaled(bleeds, size) > HOLE_FROM, _scaled(trusted, size) > KNOWN_FROM
     coarse = _scaled(roots, size)
     ground &= _like_the_ground_around(coarse, ground, unknown)
     things = _things(coarse, ground)

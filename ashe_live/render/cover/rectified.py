@@ -4,20 +4,22 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import project, transform_points
+from ashe_live.core.transforms import transform_points
 from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 
 BORDER_SIDES = 0.115  # of the marker: ground that close to the real shadow's border is neither lit nor shaded
 SOFT_PX = 0.8  # standard deviation of that border
 LEAST_RATIO = 0.02  # of the light that a shadow may leave
 BESIDE_PX = 5  # of the object, in the picture: whose rim is no ground
-BITS = 4  # binary places in which a polygon's corners are drawn
+BITS = 4  # fractional bits of the corners of polygons that OpenCV draws
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +65,7 @@ def _pixels(camera: Camera, T_cam_marker: Float, half_m: float, size: int) -> Fl
     points = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
     ahead = transform_points(T_cam_marker, points)[:, 2] > 1e-3 * half_m
     pixels = np.full((len(points), 2), -10.0)
-    pixels[ahead] = project(camera, T_cam_marker, points[ahead])
+    pixels[ahead] = project_distorted(camera, T_cam_marker, points[ahead])
     return pixels.reshape(size, size, 2).astype(np.float32)
 
 
@@ -71,7 +73,7 @@ def _silhouette(body: Proxy, camera: Camera, T_cam_marker: Float) -> Image:
     """(h, w) 1 where the body, or its rim, is in the picture; nothing where some of it is behind the camera."""
     width, height = camera.size
     silhouette = np.zeros((height, width), np.uint8)
-    pixels = project(camera, T_cam_marker, body.surface()[0])
+    pixels = project_distorted(camera, T_cam_marker, body.surface()[0])
     if np.isfinite(pixels).all():
         outline = cv2.convexHull(pixels.astype(np.float32))
         cv2.fillConvexPoly(silhouette, np.round(outline).astype(np.int32), 1)
@@ -80,8 +82,12 @@ def _silhouette(body: Proxy, camera: Camera, T_cam_marker: Float) -> Image:
 
 def _shadow(body: Proxy, light: Light, half_m: float, size: int) -> Image:
     """(n, n) 255 where the body's shadow lies: from the middle of its penumbra inwards."""
-    x, y = shadow_hull_of_point(body.surface()[0], light.homogeneous).T
-    outline = np.column_stack([x, -y]) / half_m * size / 2 + size / 2 - 0.5
+    outline = fixed_point(shadow_hull_of_point(body.surface()[0], light.homogeneous), half_m, size)
     shadow = np.zeros((size, size), np.uint8)
-    inside = np.round(outline.clip(-4 * size, 5 * size) * 2**BITS).astype(np.int32)
-    return np.asarray(cv2.fillConvexPoly(shadow, inside, 255, cv2.LINE_AA, BITS), np.uint8)
+    return np.asarray(cv2.fillConvexPoly(shadow, outline, 255, cv2.LINE_AA, BITS), np.uint8)
+
+
+def fixed_point(corners: Float, half_m: float, size: int) -> NDArray[np.int32]:
+    """(n, 2) pixels times 2^BITS, in the square, of a polygon's corners (n, 2) on the plane, metres."""
+    pixels = (corners * (1, -1) / half_m + 1) * (size / 2) - 0.5
+    return np.round(pixels.clip(-4 * size, 5 * size) * 2**BITS).astype(np.int32)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.lattice import LEAST_OVERLAP, REPEATS, repeated_shifts, structure_of
+from ashe_live.render.cover.masked_blur import HOLE_FROM, KNOWN_FROM
 
 # "Sides" below is the length of a side of the marker.
 SIDE_PX = 26.0  # length of a side in the coarse picture, in which shifts are found
@@ -41,16 +42,16 @@ def pattern_of(contrast: Float32, trusted: Mask, hole: Mask, side_px: float) -> 
     n = len(trusted)
     size = min(n, round(n * SIDE_PX / side_px))
     scale = n / size
-    coarse, share, gap = (
+    coarse, share, hole_share = (
         cv2.resize(each.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA)
         for each in (np.where(trusted[..., None], contrast, 0), trusted, hole)
     )
-    seen = np.asarray(share > 0.98)
+    seen = np.asarray(share > KNOWN_FROM)
     structure = structure_of(np.asarray(coarse), seen, LEVEL_SIDES * SIDE_PX)
     shifts = repeated_shifts(structure, seen)
     if not len(shifts):
         return None
-    around = _box(np.asarray(gap > 0.02), round(BESIDE_SIDES * SIDE_PX))
+    around = _box(np.asarray(hole_share > HOLE_FROM), round(BESIDE_SIDES * SIDE_PX))
     alike = np.array([_correlation(structure, seen, around, shift) for shift in shifts])
     kept = np.argsort(-alike)[: min(MOST_SHIFTS, int((alike > REPEATS).sum()))]
     if not len(kept):

@@ -11,7 +11,7 @@ from ashe_live.core.colour import REC709_LUMINANCE
 
 # Names that end in SIDES are lengths in sides of the marker.
 LEAST_HALF_SIDES = 0.5 + 0.1  # of the square and a margin, used where paper cannot be told from the ground
-MOST_HALF_SIDES = 2.3  # from the marker's middle, as far as a whole A4 page of 8 cm reaches: what is longer is no sheet
+MOST_HALF_SIDES = 2.3  # from the marker's middle; the corners of an A4 page with a marker of 8 cm are within it
 RING_SIDES = (0.55, 0.6)  # distances from the marker's middle between which there is paper
 SAME_LOG = 0.35  # largest difference of paper from that ring, in logarithms of linear RGB
 CONVEX = 0.85  # least share of its convex hull that a sheet fills
@@ -29,7 +29,7 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
     """(n, n) of a rectified picture (n, n, 3) of the plane, linear RGB: the sheet with its rim and its own shadow.
 
     is_ground: (n, n) seen, lit alike. side_px: the marker's side; the marker is in the middle. Where the paper cannot
-    be told from the ground, a rectangle is meant, or the square with a margin if none of its sides is seen.
+    be told from the ground, it is a rectangle, or the square with a margin if none of its sides is seen.
     """
     size = len(lit)
     x, y = np.meshgrid(*[np.abs(np.arange(size) + 0.5 - size / 2) / side_px] * 2)

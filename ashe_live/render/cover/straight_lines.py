@@ -32,8 +32,11 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
     detail: (n, n, 3) roots of linear RGB less the ground's shading. is_ground: (n, n) visible ground. side_px: the
     marker's side.
     """
-    coarse = _scaled(detail, hole, is_ground, side_px, SIDE_PX, SMOOTH_PX)
-    fine = _scaled(detail, hole, is_ground, side_px, FINE_SIDE_PX, 0.0)
+    ground = Ground(detail, hole, is_ground, side_px)
+    coarse, fine = (
+        ground.reduced(min(len(hole), round(len(hole) * each / side_px))) for each in (SIDE_PX, FINE_SIDE_PX)
+    )
+    coarse = _smoothed(coarse, SMOOTH_PX)
     lines, drawn = np.zeros_like(coarse.detail), np.zeros_like(fine.detail)
     for number, direction in enumerate(_telling_directions(coarse)):
         nearby = direction + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINER_STEP_DEG)
@@ -56,24 +59,17 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
     return np.asarray(cv2.resize(drawn, hole.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
-def _scaled(detail: Float32, hole: Mask, is_ground: Mask, side_px: float, wanted_px: float, smooth_px: float) -> Ground:
-    n = len(hole)
-    m = min(n, round(n * wanted_px / side_px))
-    shown, gap, seen = (
-        cv2.resize(each.astype(np.float32), (m, m), interpolation=cv2.INTER_AREA) for each in (detail, hole, is_ground)
-    )
-    visible = np.asarray(seen > 0.98)
-    smooth = np.asarray(shown, np.float32)
-    if smooth_px > 0:
-        smooth = blurred_within(smooth, visible.astype(np.float32), smooth_px)
-    return Ground(np.where(visible[..., None], smooth, np.float32(0)), gap > 0.02, visible, side_px * m / n)
+def _smoothed(ground: Ground, sigma_px: float) -> Ground:
+    """The ground with its detail blurred, as far as it is seen."""
+    smooth = blurred_within(ground.detail, ground.seen.astype(np.float32), sigma_px)
+    return ground._replace(detail=np.where(ground.seen[..., None], smooth, np.float32(0)))
 
 
-def _along(fine: Ground, coarse: "TurnedRows", chosen: Mask) -> tuple["TurnedRows", Mask]:
+def _along(fine: Ground, coarse: TurnedRows, chosen: Mask) -> tuple[TurnedRows, Mask]:
     """The ground turned to the direction of a line that lies in the rows `chosen` of a coarser one; and its rows."""
     beside = cv2.dilate(chosen.astype(np.uint8)[:, None], np.ones((2 * NEAR_ROWS + 1, 1), np.uint8))[:, 0] > 0
     nearby = coarse.direction_deg + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINEST_STEP_DEG)
-    half = fine.halved()
+    half = fine.reduced(max(1, len(fine.hole) // 2))
     turned = (TurnedRows(half, each) for each in nearby)
     best = max(turned, key=lambda each: each.energy_of(each.those_of(coarse, beside)))
     rows = TurnedRows(fine, best.direction_deg)

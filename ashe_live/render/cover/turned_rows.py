@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.render.cover.masked_blur import HOLE_FROM, KNOWN_FROM
 
 Indices = NDArray[np.intp]
 
@@ -24,19 +25,19 @@ class Ground(NamedTuple):
     """The ground's detail at one resolution."""
 
     detail: Float32  # (m, m, 3), 0 where none is visible
-    gap: Mask  # (m, m) the hole
+    hole: Mask  # (m, m) where it is to be made up
     seen: Mask  # (m, m) visible ground
     side: float  # of the marker, pixels
 
-    def halved(self) -> "Ground":
-        """At half the resolution."""
-        m = max(1, len(self.gap) // 2)
-        detail, gap, seen = (
+    def reduced(self, m: int) -> "Ground":
+        """At a resolution of `m` pixels a side."""
+        detail, hole, share = (
             cv2.resize(each.astype(np.float32), (m, m), interpolation=cv2.INTER_AREA)
-            for each in (self.detail, self.gap, self.seen)
+            for each in (self.detail, self.hole, self.seen)
         )
-        visible = np.asarray(seen > 0.98)
-        return Ground(np.where(visible[..., None], detail, np.float32(0)), gap > 0.02, visible, self.side / 2)
+        seen = np.asarray(share > KNOWN_FROM)
+        side = self.side * m / len(self.hole)
+        return Ground(np.where(seen[..., None], detail, np.float32(0)), hole > HOLE_FROM, seen, side)
 
     def without(self, lines: Float32) -> "Ground":
         return self._replace(detail=np.where(self.seen[..., None], self.detail - lines, 0))
@@ -60,16 +61,16 @@ class TurnedRows:
     def __init__(self, ground: Ground, direction_deg: float) -> None:
         self._ground, self.direction_deg = ground, direction_deg
         self._reach = max(1, round(BESIDE_SIDES * ground.side))
-        left, top, width, height = cv2.boundingRect(ground.gap.astype(np.uint8))
+        left, top, width, height = cv2.boundingRect(ground.hole.astype(np.uint8))
         centre = left + (width - 1) / 2, top + (height - 1) / 2
         self._size = k = int(np.hypot(width, height)) + 2 * self._reach + 2
         turning = np.asarray(cv2.getRotationMatrix2D(centre, direction_deg, 1.0), np.float64)
         turning[:, 2] += (k - 1) / 2 - np.array(centre)
         self._turning: Float = turning  # (2, 3)
-        gap = cv2.warpAffine(ground.gap.astype(np.float32), self._turning, (k, k)) > 0.5
-        self._crosses = gap.any(axis=1)
-        self._first: Indices = np.where(self._crosses, gap.argmax(axis=1), k // 2)  # columns of the hole
-        self._last: Indices = np.where(self._crosses, k - 1 - gap[:, ::-1].argmax(axis=1), k // 2)
+        hole = cv2.warpAffine(ground.hole.astype(np.float32), self._turning, (k, k)) > 0.5
+        self._crosses = hole.any(axis=1)
+        self._first: Indices = np.where(self._crosses, hole.argmax(axis=1), k // 2)  # columns of the hole
+        self._last: Indices = np.where(self._crosses, k - 1 - hole[:, ::-1].argmax(axis=1), k // 2)
 
     @cached_property
     def certainty(self) -> Float:
@@ -142,7 +143,7 @@ class TurnedRows:
         share = np.clip((column - first) / np.maximum(last - first, 1), 0, 1)[..., None]
         profile = (1 - share) * self._sides[0].mean[:, None] + share * self._sides[1].mean[:, None]
         near = (column >= first - self._reach) & (column <= last + self._reach) & is_line[:, None]
-        back, size = cv2.invertAffineTransform(self._turning), self._ground.gap.shape[::-1]
+        back, size = cv2.invertAffineTransform(self._turning), self._ground.hole.shape[::-1]
         return np.asarray(cv2.warpAffine(np.where(near[..., None], profile, 0), back, size), np.float32)
 
     @cached_property

@@ -35,7 +35,7 @@ class GpuPart:
         self.mesh = mesh
         self.number = number
         self.material = mesh.material
-        self.centre: Float = mesh.vertices.mean(axis=0, dtype=np.float64)  # (3,) metres, marker frame
+        self.centre: Float = mesh.vertices.mean(axis=0, dtype=np.float64)  # (3,) metres, the model's own frame
         self.maps: dict[str, moderngl.Texture] = {}
         columns = {
             "in_position": mesh.vertices,

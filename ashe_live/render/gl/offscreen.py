@@ -16,6 +16,7 @@ GL_VERSION = 330
 GL_TYPES = (
     moderngl.Buffer,
     moderngl.Texture,
+    moderngl.Sampler,
     moderngl.Renderbuffer,
     moderngl.Framebuffer,
     moderngl.VertexArray,

@@ -42,8 +42,8 @@ def mirrored_shares() -> Float:
         length = np.sqrt(x**2 + y**2 + z**2)
         cosine = np.clip((view_x * x + view_z * z) / length, 0, 1)
         light_z = 2 * cosine * np.maximum(z / length, 0) - view_z
-        hidden = _hidden(view_z, alpha)
-        seen = np.where(light_z > 0, (1 + hidden) / (1 + hidden + _hidden(np.maximum(light_z, LEAST), alpha)), 0.0)
+        of_view, of_light = _smith_lambda(view_z, alpha), _smith_lambda(np.maximum(light_z, LEAST), alpha)
+        seen = np.where(light_z > 0, (1 + of_view) / (1 + of_view + of_light), 0.0)
         grazing = (1 - cosine) ** 5
         row[:, 0], row[:, 1] = (seen * (1 - grazing)).mean(axis=1), (seen * grazing).mean(axis=1)
         # The mean over directions, each by its cosine.
@@ -51,8 +51,8 @@ def mirrored_shares() -> Float:
     return frozen_view(table)
 
 
-def _hidden(cosine: Float, alpha: float) -> Float:
-    """Smith's Lambda of GGX."""
+def _smith_lambda(cosine: Float, alpha: float) -> Float:
+    """Smith's Lambda of GGX: facets that are hidden from a direction over those that are seen."""
     return np.asarray((np.sqrt(1 + alpha**2 * (1 / cosine**2 - 1)) - 1) / 2)
 
 

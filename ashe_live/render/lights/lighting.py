@@ -134,6 +134,7 @@ def lighting_of(
     # Shares that sum to more than 1 were measured wrongly; the product of the shadows' ratios bounds what is left.
     rest = np.maximum(1 - total, LEAST_REST * (1 - shares).prod(axis=0))
     sky = np.clip(rest if ambient_rgb_ratio is None else ambient_rgb_ratio, 0.0, 1.0)
+    sky = np.where(total > 0, sky, 1.0)  # of a colour in which no light has a share there is nothing to share
     shares *= np.divide(1 - sky, total, out=np.zeros(3), where=total > 0)
     sines = np.array([light.to_light_marker[2] for light in lights])
     across = shares / np.maximum(sines, MIN_BALANCED_SINE)[:, None]

@@ -12,8 +12,9 @@ import numpy as np
 from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import camera_centre, project
+from ashe_live.core.transforms import camera_centre
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import is_inside, shadow_hull_of_point
 from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, MAX_ALBEDO, Lighting
 
@@ -104,12 +105,12 @@ def _albedo_of(
     """(3,) linear RGB: the median over what is seen of the object; None where too little of it is."""
     assert seen_in.marker is not None
     T, camera = seen_in.marker.T_cam_marker, seen_in.camera
-    outline = project(camera, T, hull.points)
+    outline = project_distorted(camera, T, hull.points)
     pixels = np.round(
         _grid(np.maximum(outline.min(axis=0), 0), np.minimum(outline.max(axis=0), np.array(camera.size) - 1))
     )
-    bent = cv2.undistortPoints(pixels[:, None], camera.K, camera.dist)[:, 0]
-    rays = np.column_stack([bent, np.ones(len(bent))]) @ T[:3, :3]
+    tangents = cv2.undistortPoints(pixels[:, None], camera.K, camera.dist)[:, 0]
+    rays = np.column_stack([tangents, np.ones(len(tangents))]) @ T[:3, :3]
     rays /= np.linalg.norm(rays, axis=1)[:, None]
     far, normals = hull.entered(np.broadcast_to(eye, rays.shape), rays)
     seen = np.isfinite(far) & ((normals * rays).sum(axis=1) < -LEAST_FACING)

@@ -22,7 +22,7 @@ CHROMA_HELD_S = 10.0  # that a camera's colours count as blurred as they were fo
 
 
 class Photometry:
-    """A cache of both; every frame must have a marker."""
+    """A cache of all of these; every frame must have a marker."""
 
     def __init__(self, preset: RenderPreset) -> None:
         self._preset = preset

@@ -205,6 +205,7 @@ def _is_seen_soft(caster: Caster, receiver: Caster, sun: Sun) -> bool:
 
 
 def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:
+    """Whether both hold the same objects in the same order; equal ones do not count."""
     return len(some) == len(others) and all(a is b for a, b in zip(some, others, strict=True))
 
 
@@ -217,8 +218,8 @@ def tile_corners(count: int) -> Float:
 def _fitted(view: LightView | None, points: Float, size: int, margin: int) -> LightBox:
     """The box around points (n, 3), marker frame, in a light's view, as tight as the margin (in texels) allows.
 
-    The extent is in whole multiples of a sixteenth of itself's power of two, and the box's corner on the texels' grid:
-    a caster that changes a little keeps its texels where they were.
+    A texel's side is rounded up to five significant bits, and the box's corner is on the grid of texels: a caster that
+    changes a little keeps its texels where they were.
     """
     if view is None:
         return LightBox(NOTHING_SEEN, np.ones(3), 0.0, 0.0)

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.core.transforms import project, transform_points
+from ashe_live.core.transforms import transform_points
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import is_inside
 
 LinearPicture = NDArray[np.float32]
@@ -84,7 +85,7 @@ def _ground(
     T_cam_marker = tracked.marker.T_cam_marker
     is_ahead = transform_points(T_cam_marker, points)[:, 2] > 1e-6
     pixels = np.full((len(points), 2), -1e6)
-    pixels[is_ahead] = project(tracked.camera, T_cam_marker, points[is_ahead])
+    pixels[is_ahead] = project_distorted(tracked.camera, T_cam_marker, points[is_ahead])
     share = ((pixels + 0.5) / tracked.frame.size).reshape(size, size, 2)
     seen = _read(linear, share)
     inside = np.clip(np.minimum(share, 1 - share).min(axis=2, keepdims=True) / FEATHER, 0, 1)

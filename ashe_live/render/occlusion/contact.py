@@ -41,7 +41,7 @@ class ContactPatch:
         lower, upper = model.placed.bounds
         self._height = max(float(upper[2]), MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
         reach = REACH_IN_SHADOW * self._height
-        # (2, 2) least, largest x, y; metres, marker frame
+        # (2, 2) least, largest x, y; metres, the model's own frame, before it is moved by hand
         self.bounds: Float = np.array([lower[:2] - reach, upper[:2] + reach])
         self._texel = float((self.bounds[1] - self.bounds[0]).max()) / PATCH_SIZE
         # No wider than the model is high: beside what is flat nothing is hidden.
@@ -57,7 +57,7 @@ class ContactPatch:
 
     @property
     def corners(self) -> Float:
-        """(8, 2) metres, marker frame: an octagon around the lit ground that is within reach of the model's bounds."""
+        """(8, 2) metres, the model's own frame: an octagon around the lit ground within reach of the model's bounds."""
         reach = REACH_HEIGHTS * self._height
         (x0, y0), (x1, y1) = self.model_bounds[0, :2] - reach, self.model_bounds[1, :2] + reach
         cut = (2 - math.sqrt(2)) * reach
@@ -78,7 +78,7 @@ class ContactPatch:
         draw_added(self._ctx, self._framebuffer, self._rectangle)
 
     def smoothed(self) -> NDArray[np.float16]:
-        """(PATCH_SIZE, PATCH_SIZE, 4) of all the sky, from what was added once all of its samples were."""
+        """(PATCH_SIZE, PATCH_SIZE, 4) what the patch is to hold, once every direction of the sky has been added."""
         halves = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE, 4)
         occlusion = halves.astype(np.float32)
         away = self._away()

@@ -20,7 +20,7 @@ from ashe_live.render.occlusion.surface_samples import SurfaceSamples, samples_o
 
 SAMPLES = 8_000  # points on a model, besides one on each triangle
 LEAST_AREA = 1e-12  # square metres
-ROW = 1024  # texels
+ROW = 1024  # texels in a row of the textures, each of a point
 # Weight of a point inside another part, from where nothing is seen: points that are seen count far more.
 LEAST_WEIGHT = 0.01
 LEAST_LIGHT = 0.01  # least light of an even sky or ground by which the hidden part of it is divided

@@ -40,7 +40,7 @@ class ShadowCatcher:
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
         self._programs = programs
-        self._outline: tuple[StandingGroup, Lighting, bytes] | None = None
+        self._fitted_for: tuple[StandingGroup, Lighting, bytes] | None = None
         self._buffer: moderngl.Buffer | None = None
         self._fans: dict[moderngl.Program, moderngl.VertexArray] = {}
         self._walls: list[WallLight] = []  # of each model
@@ -52,7 +52,8 @@ class ShadowCatcher:
         `covered`: (n, 2) metres, corners of what else is drawn there.
         """
         key = covered.tobytes()
-        if self._outline is not None and self._outline[0] is models and self._outline[1:] == (lighting, key):
+        known = self._fitted_for
+        if known is not None and known[0] is models and known[1] is lighting and known[2] == key:
             return
         blur_m = shadows.blur_texels * shadows.texel_m
         shadows_of_suns = (_shadow_points(models.points, sun, blur_m) for sun in lighting.suns)
@@ -61,7 +62,7 @@ class ShadowCatcher:
         self.polygon = np.column_stack([hull, np.zeros(len(hull))]).astype(np.float64)
         self.forget()
         self._buffer = self._ctx.buffer(np.ascontiguousarray(hull))
-        self._outline = (models, lighting, key)
+        self._fitted_for = models, lighting, key
 
     def follow(self, models: StandingGroup, lighting: Lighting, shadows: GroundShadows) -> None:
         """Readies what depends on neither camera nor video. Leaves another framebuffer bound."""
@@ -140,7 +141,7 @@ class ShadowCatcher:
 
     def forget(self) -> None:
         """Drops the polygon, and the references to the models."""
-        self._outline = None
+        self._fitted_for = None
         for walls in self._walls:
             walls.forget()
         for fan in self._fans.values():

@@ -46,7 +46,7 @@ class ShadingInputs:
 
 
 class ModelPass:
-    """Draws opaque parts, and then blended ones, of all models that stand on the table."""
+    """Draws opaque parts, then rims of cut-out ones, then blended ones, of all models that stand on the table."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
@@ -105,8 +105,7 @@ class ModelPass:
         for _, part, member in blended:
             # The walls of a glass are seen through one another.
             is_clear = part.material.base_colour[3] < SOLID
-            placed_from_marker = np.asarray(np.linalg.inv(member.marker_from_placed), np.float64)
-            is_sorted = is_clear and part.sort(transform_points(placed_from_marker, eye[None])[0])
+            is_sorted = is_clear and part.sort(transform_points(member.placed_from_marker, eye[None])[0])
             shows_all = is_sorted and part.material.double_sided
             self._ctx.enable_only(gl_flags(part.material) & ~(moderngl.CULL_FACE if shows_all else 0))
             self._ctx.fbo.depth_mask = not is_clear

@@ -98,7 +98,7 @@ class ModelSwitch:
         return self.shown.standing(self._placement, time_s)
 
     def is_among(self, wanted: Sequence[PlacedModel]) -> bool:
-        """Whether what it shows is."""
+        """Whether the model that it shows is one of these."""
         return self.shown is not None and any(self.shown.placed is each for each in wanted)
 
     def follow(self, placed: PlacedModel | None) -> bool:

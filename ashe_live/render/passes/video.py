@@ -39,8 +39,9 @@ class Video:
         if self._texture is None or self._texture.size != size:
             self._release_texture()
             self._texture = FrameTexture(self._ctx, size)
-        is_same = self._shown is not None and self._shown.frame is tracked.frame and self._pinhole is pinhole
-        if self._shown is None or not is_same or self._shown.camera is not tracked.camera:
+        shown = self._shown
+        is_same = shown is not None and shown.frame is tracked.frame and shown.camera is tracked.camera
+        if not (is_same and self._pinhole is pinhole):
             image = tracked.frame.image_bgr
             if pinhole is not None and tracked.camera.is_distorted:
                 image = self._without_distortion(image, tracked.camera, pinhole)

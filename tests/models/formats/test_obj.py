@@ -32,7 +32,7 @@ def area(model: Model) -> float:
 
 
 @pytest.mark.parametrize(
-    ("line", "opacity"), [("d 0.25", 0.25), ("Tr 0.75", 0.25), ("d -halo 0.25", 0.25), ("Tr 0", 1)]
+    ("line", "opacity"), [("d 0.25", 0.25), ("Tr 0.75", 0.25), ("d -halo 0.25", 0.25), ("Tr 0", 1), ("Tr x", 1)]
 )
 def test_opacity_is_said_in_either_of_two_ways(tmp_path: Path, line: str, opacity: float) -> None:
     material = surface(tmp_path, f"Kd 1 0 0\n{line}")

@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ashe_live.errors import UserError
 from ashe_live.models.formats.stl import TRIANGLE
 from ashe_live.models.loading import load_model_file
+from ashe_live.models.parsing import limits
 
 RED_FIRST, RED_LAST, MARK = 31, 31 << 10, 1 << 15
 
@@ -47,3 +49,19 @@ def test_a_header_that_ends_in_its_colour_is_read(tmp_path: Path, rest: bytes) -
     header = (b"COLOR=" + rest).rjust(80, b" ")
     found = colours(tmp_path, header, [MARK])
     np.testing.assert_allclose(found, [(1, 1, 1, 1)])
+
+
+def test_text_in_capitals_is_counted_as_text(monkeypatch: pytest.MonkeyPatch) -> None:
+    corners = b"VERTEX 0 0 0\nVERTEX 1 0 0\nVERTEX 0 1 0\n"
+    facet = b"FACET NORMAL 0 0 1\nOUTER LOOP\n" + corners + b"ENDLOOP\nENDFACET\n"
+    monkeypatch.setattr(limits, "MAX_TRIANGLES", 20)
+    limits.check_text(Path("a.stl"), b"SOLID a\n" + 20 * facet)
+    with pytest.raises(UserError, match="21 triangles"):
+        limits.check_text(Path("a.stl"), b"SOLID a\n" + 21 * facet)
+
+
+def test_a_binary_file_that_speaks_of_facets_is_counted_as_binary(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits, "MAX_TRIANGLES", 40)
+    content = b"solid".ljust(84) + bytes(50 * 40) + b"facet".ljust(50)
+    with pytest.raises(UserError, match="41 triangles"):
+        limits.check_text(Path("a.stl"), content)

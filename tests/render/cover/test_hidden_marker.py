@@ -15,8 +15,10 @@ from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
-from ashe_live.render.cover.ground_cover import ground_cover
-from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.camera.in_frame import project_distorted
+from ashe_live.render.cover.ground_cover import MOST_AROUND, ground_cover
+from ashe_live.render.cover.hidden_marker import HiddenMarker, gain_and_slope
+from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
 from ashe_live.render.scene import Scene
 
@@ -39,12 +41,13 @@ def _view(
     index: int = 0,
     gain: float = 1.0,
     sheen: float = 0.0,
+    target: tuple[float, ...] = (0, 0, 0),
 ):
     """A frame of the ground with a printed sheet on it; `shaded` (points) -> True where a shadow lies.
 
     sheen: how the logarithm of brightness changes along x (1/m).
     """
-    T = stage.pose(-80, 55, 0.36, target=(0, 0, 0))
+    T = stage.pose(-80, 55, 0.36, target=target)
     camera = stage.camera()
     rows, columns = np.mgrid[0:360, 0:480]
     pixels = np.column_stack([columns.ravel(), rows.ravel()]).astype(float)
@@ -104,22 +107,46 @@ def test_sheet_is_covered_by_ground_like_that_around_it(make_renderer, stage) ->
     np.testing.assert_array_equal(picture[far], tracked.frame.image_bgr[far])
 
 
-def test_a_lens_bends_the_cover_as_it_bends_the_ground(make_renderer, stage) -> None:
-    straight, bare = _view(stage), _view(stage, has_sheet=False)
-    lens = Camera(straight.camera.size, straight.camera.K, np.array([-0.25, 0.06, 0, 0, 0]), "file")
+def _through_lens(straight: TrackedFrame, dist: tuple[float, ...]) -> TrackedFrame:
+    """The same view by a camera whose lens distorts."""
+    lens = Camera(straight.camera.size, straight.camera.K, np.array(dist), "file")
     rows, columns = np.mgrid[0:360, 0:480].astype(np.float64)
     pixels = np.stack([columns, rows], axis=-1).reshape(-1, 1, 2)
     at = cv2.undistortPoints(pixels, lens.K, lens.dist, P=lens.K).reshape(360, 480, 2).astype(np.float32)
+    image = cv2.remap(straight.frame.image_bgr, at, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    corners = project_distorted(lens, straight.marker.T_cam_marker, square_corners(SIDE))
+    return TrackedFrame(replace(straight.frame, image_bgr=image), lens, replace(straight.marker, corners_px=corners))
 
-    def bent(tracked: TrackedFrame) -> np.ndarray:
-        return cv2.remap(tracked.frame.image_bgr, at, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
 
-    corners = project(lens, straight.marker.T_cam_marker, square_corners(SIDE))
-    marker = replace(straight.marker, corners_px=corners)
-    tracked = TrackedFrame(replace(straight.frame, image_bgr=bent(straight)), lens, marker)
+def test_a_lens_bends_the_cover_as_it_bends_the_ground(make_renderer, stage) -> None:
+    dist = (-0.25, 0.06, 0.0, 0.0, 0.0)
+    tracked, bare = (_through_lens(_view(stage, has_sheet=each), dist) for each in (True, False))
     renderer = make_renderer(BALANCED.render)
     renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
-    assert _difference(renderer.read_bgr(), bent(bare))[_on_sheet(tracked, 0.008)].mean() < 3
+    assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
+
+
+def test_ground_is_looked_up_where_the_lens_puts_it(stage) -> None:
+    straight = _view(stage, target=(-0.12, 0.0, 0.0))
+    planes = [
+        rectified(each, Illumination(), 0.06, 120) for each in (straight, _through_lens(straight, (-0.3,) + 4 * (0.0,)))
+    ]
+    assert (planes[0].is_seen & planes[1].is_seen).mean() > 0.8
+    apart = np.abs(planes[0].linear - planes[1].linear)[planes[0].is_seen & planes[1].is_seen]
+    assert apart.mean() < 0.02
+
+
+def test_exposure_is_compared_where_a_shadow_has_just_taken_half_of_the_ground(stage) -> None:
+    """No point's change is then near the median of all."""
+    tracked = _view(stage)
+    cover = ground_cover(tracked, Illumination())
+    assert len(cover.around) <= MOST_AROUND
+    count = 2 * (len(cover.around) // 2)
+    factors = np.where(np.arange(count) % 2, 0.5, 1.5)[:, None]
+    halved = replace(cover, around=cover.around[:count], around_rgb=cover.around_rgb[:count] / factors)
+    gain, slope = gain_and_slope(tracked, halved)
+    assert np.isfinite([*gain, *slope]).all()
+    assert gain == pytest.approx(np.full(3, 0.5), rel=0.05)
 
 
 def test_no_object_is_taken_for_ground(stage) -> None:

@@ -82,3 +82,9 @@ def test_shares_of_sky_and_light_are_all_of_the_light() -> None:
     lit = Illumination((Light(TO_LIGHT, shadow_rgb_ratio=RATIO),), real_object=BOX, ground_rgb=GROUND, seen_in=seen(0))
     lighting = Photometry(FAST.render).lighting(lit)
     assert np.array(lighting.sky) + lighting.ground_shares.sum(axis=0) == pytest.approx(np.ones(3))
+
+
+def test_they_are_so_in_a_colour_that_no_shadow_is_darker_in() -> None:
+    light = Light(TO_LIGHT, shadow_rgb_ratio=np.array([1.0, 0.5, 0.4]))
+    lighting = lighting_of((light,), np.array([0.9, 0.5, 0.4]))
+    assert np.array(lighting.sky) + lighting.ground_shares.sum(axis=0) == pytest.approx(np.ones(3))

@@ -69,7 +69,7 @@ class _Track:
     is_rotation: bool
 
     def at(self, time_s: float) -> Float:
-        """(n,)"""
+        """(n,) the value at a time; before the first keyframe that of the first, after the last that of the last."""
         after = int(np.searchsorted(self.times, time_s, side="right"))
         if after == 0 or after == len(self.times):
             return np.asarray(self.values[min(after, len(self.times) - 1)])
@@ -85,7 +85,7 @@ class _Track:
             hermite = (2 * t3 - 3 * t2 + 1) * first + (3 * t2 - 2 * t3) * last
             return np.asarray(hermite + span * ((t3 - 2 * t2 + share) * out_of[before] + (t3 - t2) * into[after]))
         if self.is_rotation:
-            return _turned(first, last, share)
+            return _slerp(first, last, share)
         return np.asarray(first + share * (last - first))
 
 
@@ -125,7 +125,7 @@ def _track(sampler: dict[str, Any], path: str, arrays: Arrays) -> _Track | None:
     return _Track(times, reached, tangents, kind == "STEP", path == "rotation")
 
 
-def _turned(first: Float, last: Float, share: float) -> Float:
+def _slerp(first: Float, last: Float, share: float) -> Float:
     """Spherical linear interpolation of quaternions (4,), along the shorter arc."""
     a, b = (each / max(float(np.linalg.norm(each)), 1e-30) for each in (first, last))
     along = float(a @ b)

@@ -1,0 +1,38 @@
+"""Where points of the marker frame are in a frame as the camera gave it, with the distortion of its lens."""
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import project
+
+ALONG_BORDER = 9  # places along each side of the picture at which the widest ray is looked for
+# Of the iteration that inverts OpenCV's distortion: after its default of five rounds corners are half a pixel off.
+CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-9)
+
+
+def project_distorted(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float:
+    """(n, 2) pixels of points (n, 3) of the marker frame, metres, in the frame as it came; NaN behind the camera.
+
+    The distortion's polynomials were fitted within the picture, and may fold back what lies far outside. So beyond the
+    widest ray that the picture shows, a ray's tangent is scaled as the widest one's in the same direction.
+    """
+    pixels = project(camera, T_cam_marker, points_marker)
+    if not camera.is_distorted:
+        return pixels
+    tangents = np.column_stack([pixels, np.ones(len(pixels))]) @ np.linalg.inv(camera.K)[:2].T
+    share = np.minimum(1.0, _widest_tangent(camera) / np.maximum(np.linalg.norm(tangents, axis=1), 1e-12))[:, None]
+    rays = np.column_stack([share * tangents, np.ones(len(tangents))])
+    distorted = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), np.eye(3), camera.dist)[0].reshape(-1, 2)
+    return np.asarray(np.column_stack([distorted / share, np.ones(len(rays))]) @ camera.K[:2].T)
+
+
+def _widest_tangent(camera: Camera) -> float:
+    """The tangent of the largest angle between the optical axis and what the picture shows."""
+    width, height = camera.size
+    along = np.linspace(0.0, 1.0, ALONG_BORDER)
+    sides = [(share, end) for share in along for end in (0.0, 1.0)]
+    border = np.array([*sides, *(side[::-1] for side in sides)]) * (width, height) - 0.5
+    tangents = cv2.undistortPoints(border[:, None], camera.K, camera.dist, None, None, None, CRITERIA)
+    return float(np.linalg.norm(tangents, axis=2).max())
