@@ -91,7 +91,7 @@ def profile_at(
     black, white = np.median(profiles[:, :4], axis=1), np.median(profiles[:, -4:], axis=1)
     height = white - black
     if ratio is None:
-        good = height > 0.5 * np.median(height)
+        good = height > 0.5 * max(float(np.median(height)), 0.0)
     else:
         off = np.log(np.maximum(black, 1e-3) / np.maximum(white, 1e-3)) - math.log(max(ratio, 1e-3))
         good = (height > LEAST_HEIGHT) & (np.abs(off) < RATIO_ERROR)
