@@ -24,6 +24,7 @@ WHITE, INK = 0.85, 0.15
 ROUNDS = 4  # of parting the white into two levels
 # The light on neighbouring samples that differs by this share of the brighter one's is a shadow's edge.
 EDGE = 0.1
+MOST_EDGE = 0.4  # share of the samples that lie on such edges: more leave too little of a print to compare
 NEIGHBOURS = np.ones((3, 3), np.uint8)
 TINY = np.float32(1e-6)  # of linear light, so that its log is finite
 BRIGHTEST_INK = 0.95  # quantile of ink that stands for the brightest, as a few samples are noise
@@ -92,6 +93,8 @@ class PrintShade:
         known[self._black] = np.where(is_shaded[self._black], ratio, 1)
         light = known.ravel()[self._nearest]
         edge = cv2.erode(light, NEIGHBOURS) < (1 - EDGE) * cv2.dilate(light, NEIGHBOURS)
+        if np.count_nonzero(edge) > MOST_EDGE * edge.size:
+            return None
         return Shade(light, np.asarray(edge, dtype=np.bool_), ink + (bright - ink) * self._print)
 
     def _is_shaded(self, shaded_white: Mask, dark: Mask) -> Mask:
