@@ -72,7 +72,35 @@ class PrintShade:
         # Nearly every frame ends here.
         if not len(white) or float(white.min()) > PALEST * float(white.max()):
             return None
-        levels, black = _two_levels(white), samples[self._black]
+        levels = self._levels(white, samples[self._black])
+        if levels is None:
+            return None
+        ratio, bright, ink = levels
+        known = np.ones_like(samples)
+        # In a penumbra white shows its light by itself.
+        known[self._white] = on_white = np.clip(white / bright, ratio, 1)
+        if np.quantile(white / on_white, LEAST_SHARE) < LEAST_WHITE * bright:
+            return None
+        nearer = self._nearer_to_shaded(white < bright * np.sqrt(ratio))
+        of_shade = samples[self._black & (nearer > 0)]
+        if len(of_shade) and float(np.median(of_shade)) > LEAST_WHITE * ratio * bright:
+            return None  # something grey lies over the print, and hides ink as well
+        # Where white of both kinds is near, darkness tells; elsewhere another print's white in the shade would pass for
+        # ink in the light.
+        is_dark = samples < ink * np.sqrt(ratio)
+        is_shaded = np.where(np.abs(nearer) < self._cell, is_dark, nearer > 0)
+        known[self._black] = np.where(is_shaded[self._black], ratio, 1)
+        light = known.ravel()[self._nearest]
+        edge = cv2.erode(light, NEIGHBOURS) < (1 - EDGE) * cv2.dilate(light, NEIGHBOURS)
+        if np.count_nonzero(edge) > MOST_EDGE * edge.size:
+            return None
+        return Shade(light, np.asarray(edge, dtype=np.bool_), ink + (bright - ink) * self._print)
+
+    def _levels(self, white: Light, black: Light) -> tuple[float, float, float] | None:
+        """The shadow's ratio, and the levels of white and ink in the light; None where white (m,) and black (k,) show
+        no shadow that paper and ink can be told in.
+        """
+        levels = _two_levels(white)
         if levels is None or not len(black):
             return None
         dark, bright = levels
@@ -82,29 +110,13 @@ class PrintShade:
             return None
         is_lit = white > bright * np.sqrt(ratio)
         within, around = is_lit[self._white_within], is_lit[~self._white_within]
-        if not within.any() and 2 * np.count_nonzero(around) > len(around):
-            return None  # a bright floor around a narrow margin
-        known = np.ones_like(samples)
-        # In a penumbra white shows its light by itself.
-        known[self._white] = on_white = np.clip(white / bright, ratio, 1)
-        if np.quantile(white / on_white, LEAST_SHARE) < LEAST_WHITE * bright:
-            return None
-        is_shaded = self._is_shaded(~is_lit, samples < ink * np.sqrt(ratio))
-        known[self._black] = np.where(is_shaded[self._black], ratio, 1)
-        light = known.ravel()[self._nearest]
-        edge = cv2.erode(light, NEIGHBOURS) < (1 - EDGE) * cv2.dilate(light, NEIGHBOURS)
-        if np.count_nonzero(edge) > MOST_EDGE * edge.size:
-            return None
-        return Shade(light, np.asarray(edge, dtype=np.bool_), ink + (bright - ink) * self._print)
+        # Else it is a bright floor around a narrow margin.
+        is_within = within.any() or 2 * np.count_nonzero(around) <= len(around)
+        return (ratio, bright, ink) if is_within else None
 
-    def _is_shaded(self, shaded_white: Mask, dark: Mask) -> Mask:
-        """(n, n) whether ink lies in the shade: as the nearest white (m,) does; where both kinds are, if it is `dark`.
-
-        Elsewhere darkness must not decide: another print's white in the shade would pass for ink in the light.
-        """
-        to_lit, to_shaded = (self._distance_to(mask) for mask in (~shaded_white, shaded_white))
-        nearer = to_lit - to_shaded
-        return np.where(np.abs(nearer) < self._cell, dark, nearer > 0)
+    def _nearer_to_shaded(self, shaded_white: Mask) -> Light:
+        """(n, n) by how many samples the nearest white in the shade is nearer than that in the light; (m,) of white."""
+        return self._distance_to(~shaded_white) - self._distance_to(shaded_white)
 
     def _distance_to(self, of_white: Mask) -> Light:
         """(n, n) samples from the nearest white of which `of_white` (m,) is true."""
