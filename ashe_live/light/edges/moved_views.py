@@ -95,7 +95,9 @@ def _derivatives_by_pose(lit: LitBody, view: View, points: Float, normals: Float
     onward = rays @ pose[:3, :3]
     towards = lit.body.frame.origin_marker - eye[:2]
     body = onward[:POINTS_PER_OUTLINE]
-    beside_axis = (towards @ towards) / (body[:, :2] @ towards)
+    along = body[:, :2] @ towards
+    # A ray across the way to the foot, as straight below the camera, passes the axis nowhere.
+    beside_axis = (towards @ towards) / np.where(np.abs(along) > 1e-9, along, np.inf)
     highest = min(2 * lit.body.middle_m, HIGHEST * eye[2])
     height = np.zeros(len(points))
     height[:POINTS_PER_OUTLINE] = np.clip(eye[2] + beside_axis * body[:, 2], 0.0, highest)
