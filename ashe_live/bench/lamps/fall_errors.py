@@ -50,7 +50,7 @@ def fall_error(case: Case, steps: ProxySteps) -> FallError | None:
         return None
     if case.to_lights_marker is None or len(case.to_lights_marker) > 1:
         return None
-    view = View.of(case.tracked(), steps.fine_width_px).with_page_as_ground().scaled(steps.coarse_width_px)
+    view = View.of(case.tracked(), steps.fine_width_px).with_paper_as_ground().scaled(steps.coarse_width_px)
     ground = lit_ground_of(view, steps.ground, AUTO)
     if ground is None:
         return None

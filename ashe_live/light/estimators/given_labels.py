@@ -35,7 +35,7 @@ def directions_from_labels(
     shadow (one light or two), and other pixels that are not ground. None where no light is found: too little ground is
     visible, a shadow is too small to measure its colours, or no body fits the outlines.
     """
-    fine = View.of(tracked, steps.fine_width_px).with_page_as_ground()
+    fine = View.of(tracked, steps.fine_width_px).with_paper_as_ground()
     coarse = fine.scaled(steps.coarse_width_px)
     ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
     if ground is None:

@@ -17,7 +17,7 @@ from ashe_live.light.views.which import span_rad, usable
 
 def fine_and_coarse(tracked: TrackedFrame, steps: ProxySteps) -> tuple[View, View]:
     """The picture at the two sizes that the estimator works at; it must have a marker."""
-    fine = View.of(tracked, steps.fine_width_px).with_page_as_ground()
+    fine = View.of(tracked, steps.fine_width_px).with_paper_as_ground()
     return fine, fine.scaled(steps.coarse_width_px)
 
 

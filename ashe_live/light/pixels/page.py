@@ -1,4 +1,4 @@
-"""A whole page laid down as it was printed: where its paper ends, and the picture as if it had the ground's colour.
+"""A whole page laid down as it was printed: where its paper ends, and by what it differs from the ground.
 
 Things stand on such a page and shadows fall onto it, so that it is ground, but of another colour. Both are lit alike:
 along its edges, in light as in shadow, the same ratio of linear light parts ground from paper, whatever lies there.
@@ -6,18 +6,12 @@ along its edges, in light as in shadow, the same ratio of linear light parts gro
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
-from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.transforms import project
-from ashe_live.light.pixels.areas import grown, majority
-from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb, log_opponent, log_opponent_of_linear
-from ashe_live.light.pixels.near_plane import before_camera
+from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb
 from ashe_live.light.pixels.page_lines import (
     BESIDE,
     FARTHEST,
@@ -26,10 +20,9 @@ from ashe_live.light.pixels.page_lines import (
     TOGETHER,
     PageLines,
     around,
-    is_coloured,
     largest_beside,
 )
-from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
+from ashe_live.light.pixels.sheet import ADDED, Sheet
 
 # From the marker's centre to a page's far end, in sides: a smaller sheet is a marker with its margin, on which nothing
 # stands.
@@ -42,11 +35,6 @@ SHARE_ALONG, FEWEST_ALONG = 0.25, 3
 MOST = 0.75  # share of the lines both right and left that end together, above which the two ends may differ
 SIDES = 2  # of a page whose ends are seen, at least
 ALIKE = 0.2  # log-opponent distance within which two changes of colour are alike
-STANDS_PX = 5  # across a neighbourhood whose majority tells what stands on the page from noise
-# Where the colour this near to a page's border differs by so much from the lit ground's, in log-opponent distance,
-# something may cross the border so near.
-BESIDE_PX, OTHER, CROSSED_PX = 3, 0.6, 8
-PAINTED_PX = 2  # distance from a page's border of the pixels that it is painted over with
 # Width and height of pages (mm) as they are printed: the marker is in their middle above a foot.
 PRINTED_MM, FOOT_MM = ((210, 297), (215.9, 279.4), (297, 420)), 45
 PLACED = 0.06  # how far, in sides, an end may be from where it is on such a page
@@ -212,45 +200,3 @@ def _commonest(changes: Float) -> Float:
     """(3,) the mean of the changes (n, 3) that are like the one that most are like: a pattern's have several."""
     alike = np.linalg.norm(changes[:, None] - changes, axis=2) < ALIKE
     return np.asarray(changes[alike[int(alike.sum(axis=1).argmax())]].mean(axis=0), dtype=np.float64)
-
-
-def shown_as_ground(
-    page: Page, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float
-) -> tuple[Image, Mask]:
-    """The picture (h, w, 3) without distortion as if the page had the colour of the ground that it lies on; and where
-    something crosses the page's border, (h, w), which is painted over there with what lies on either side of it.
-
-    What stands on the page keeps its colour, as far as that is not paper's. Beside the marker it stays paper, by which
-    the exposure is judged.
-    """
-    larger = Sheet(*(end + ADDED for end in page.ends))
-    smaller = Sheet(*(end - ADDED if seen else end + ADDED for end, seen in zip(page.ends, page.is_seen, strict=True)))
-    whole, marker, outer, inner = (
-        _outline(sheet, camera, T_cam_marker, side_m) for sheet in (Sheet(*page.ends), USUAL_SHEET, larger, smaller)
-    )
-    inside, border = (np.zeros(image_bgr.shape[:2], np.uint8) for _ in range(2))
-    for mask, outline, value in ((inside, whole, 1), (inside, marker, 0), (border, outer, 1), (border, inner, 0)):
-        cv2.fillConvexPoly(mask, outline, value, shift=4)
-    linear = LINEAR_FROM_SRGB_8BIT[:, None] * np.array(page.ground_over_paper[::-1])
-    table = np.round(255 * srgb_from_linear(np.minimum(linear, 1))).astype(np.uint8)
-    is_paper = (inside > 0) & ~majority(is_coloured(log_opponent(image_bgr), np.array(page.paper)), STANDS_PX)
-    shown = np.where(is_paper[..., None], cv2.LUT(image_bgr, table[:, None]), image_bgr)
-    lit = log_opponent_of_linear(linear_rgb(np.array(page.paper)) * page.ground_over_paper)
-    beside = grown(border > 0, BESIDE_PX) & (border == 0)
-    is_other = np.linalg.norm(log_opponent(shown) - lit, axis=2) > OTHER
-    crossed = (border > 0) & grown(majority(is_other, STANDS_PX) & beside, CROSSED_PX)
-    painted = np.asarray(cv2.inpaint(shown, crossed.astype(np.uint8), PAINTED_PX, cv2.INPAINT_TELEA), np.uint8)
-    return painted, grown(crossed, 1)  # what is no ground beside it is rounded to whole pixels by itself
-
-
-def _outline(sheet: Sheet, camera: Camera, T_cam_marker: Float, side_m: float) -> NDArray[np.int32]:
-    """(m, 2) sixteenths of pixels: the outline of what of a sheet lies before the camera.
-
-    A page whose end is out of the picture may reach behind the camera, as where it ends is not known.
-    """
-    corners = sheet.corners(side_m)
-    points = before_camera(corners, T_cam_marker)
-    outline = project(camera, T_cam_marker, points).clip(-1e4, 1e4)
-    if not np.array_equal(points, corners):  # some of them are where lines meet the near plane, in any order
-        outline = cv2.convexHull(outline.astype(np.float32))[:, 0]
-    return np.asarray(np.round(outline * 16), dtype=np.int32)

@@ -11,12 +11,13 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
-from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE, srgb_from_linear
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import shrunk
 from ashe_live.light.pixels.log_colour import DARKEST
 from ashe_live.light.pixels.mixtures import clusters
 from ashe_live.light.pixels.sheet import ADDED, Sheet
+from ashe_live.light.pixels.shown_as_ground import FRACTION_BITS, in_ground_colour, outline_of, painted_over
 
 # Paper in a shadow is darker than the rest by at least this, in log brightness, on at least this share of the margin;
 # curled paper differs by less. Paper is plain: either level scatters by less than this share of their difference.
@@ -36,8 +37,9 @@ ALIKE, SHADED_ALIKE = 0.2, 0.3  # distances of log colours within which two are 
 # Of the places beside paper in the shade, as many and such a share are as beside lit paper where a shadow crosses the
 # end of the sheet: not all, as a shadow's edge may run along it.
 FEWEST_SHADED, LEAST_ALIKE = 3, 0.2
+LIT_INK = 0.75  # quantile of the border's ink that stands for ink in the light: what is brighter may be white's blur
 CERTAIN_PX = 2  # from ink: nearer white is mixed with it
-PAINTED_PX = 3  # distance of the pixels that others are painted with
+PAINTED_PX = 3  # distance of the pixels that ink, and the sheet's end, are painted over with
 
 
 def shaded_sheet_as_ground(
@@ -67,17 +69,16 @@ def shaded_sheet_as_ground(
     least = shaded + float(np.log(LEAST_WHITE))
     paper, in_shadow = (np.log(np.median(linear[margin][each], axis=0) + DARKEST) for each in (is_lit, ~is_lit))
     shift = in_shadow - paper
-    if np.quantile(ink, 0.75) > least or abs(shift[1] - shift.mean()) > MOST_GREEN:
+    if np.quantile(ink, LIT_INK) > least or abs(shift[1] - shift.mean()) > MOST_GREEN:
         return None
     change = _from_paper_to_ground(plane, ends, farthest, paper, 0.5 * (shaded + lit))
     if change is None:
         return None
     white = margin | shrunk(square & (brightness > least), CERTAIN_PX)
-    blank = _painted(image, inner & ~white)
-    table = srgb_from_linear(np.minimum(LINEAR_FROM_SRGB_8BIT[:, None] * np.exp(change), 1))
-    shown = np.where(inner[..., None], cv2.LUT(blank, np.round(255 * table[:, None]).astype(np.uint8)), image)
+    blank = painted_over(image, inner & ~white, PAINTED_PX)
+    shown = np.where(inner[..., None], in_ground_colour(blank, np.exp(change[::-1])), image)
     whole, where = image_bgr.copy(), np.zeros(image_bgr.shape[:2], np.bool_)
-    whole[plane.window], where[plane.window] = _painted(shown, outer & ~inner), outer
+    whole[plane.window], where[plane.window] = painted_over(shown, outer & ~inner, PAINTED_PX), outer
     return whole, where
 
 
@@ -114,23 +115,19 @@ class _Plane:
         """(h, w, 3) of the window."""
         return np.ascontiguousarray(self.whole_bgr[self.window])
 
-    def pixels(self, places: Float) -> Float:
-        """(n, 2) of places (n, 2); NaN behind the camera."""
-        points = np.column_stack([self.side_m * places, np.zeros(len(places))])
-        return np.asarray(project(self.camera, self.T_cam_marker, points))
-
     def area(self, ends: Float) -> Mask:
         """(h, w) the rectangle that ends there (4,) right, above, left and below of the centre."""
         rows, columns = self.window
         mask = np.zeros((rows.stop - rows.start, columns.stop - columns.start), np.uint8)
-        outline = self.pixels(Sheet(*ends).corners(1.0)[:, :2]) - (columns.start, rows.start)
-        if np.isfinite(outline).all():
-            cv2.fillConvexPoly(mask, np.round(outline.clip(-1e4, 1e4) * 16).astype(np.int32), 1, shift=4)
+        outline = outline_of(Sheet(*ends), self.camera, self.T_cam_marker, self.side_m)
+        start = np.array((columns.start, rows.start), np.int32) << FRACTION_BITS
+        cv2.fillConvexPoly(mask, outline - start, 1, shift=FRACTION_BITS)
         return mask.view(np.bool_)
 
     def logs(self, places: Float) -> Float:
         """(n, 3) log linear BGR at places (n, 2); NaN outside of the picture."""
-        x, y = np.nan_to_num(self.pixels(places), nan=-1).clip(-1, 1e4).astype(np.float32).T
+        points = np.column_stack([self.side_m * places, np.zeros(len(places))])
+        x, y = np.nan_to_num(project(self.camera, self.T_cam_marker, points), nan=-1).clip(-1, 1e4).astype(np.float32).T
         height, width = self.whole_bgr.shape[:2]
         seen = (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
         colours = cv2.remap(self.whole_bgr, x.copy(), y.copy(), cv2.INTER_LINEAR).reshape(-1, 3)
@@ -186,8 +183,3 @@ def _along(ends: Float) -> Float:
     x, y = 0.5 * (right - left + (right + left) * ALONG), 0.5 * (above - below + (above + below) * ALONG)
     sides = ((right * one, y), (x, above * one), (-left * one, y), (x, -below * one))
     return np.concatenate([np.column_stack(each) for each in sides])
-
-
-def _painted(image_bgr: Image, hidden: Mask) -> Image:
-    """The picture where what is `hidden`, (h, w), continues what lies around it."""
-    return np.asarray(cv2.inpaint(image_bgr, hidden.astype(np.uint8), PAINTED_PX, cv2.INPAINT_TELEA), dtype=np.uint8)

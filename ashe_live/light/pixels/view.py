@@ -13,11 +13,12 @@ from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.pixels.near_plane import before_camera
-from ashe_live.light.pixels.page import Page, page_around, shown_as_ground
+from ashe_live.light.pixels.page import Page, page_around
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
 from ashe_live.light.pixels.shaded_sheet import shaded_sheet_as_ground
 from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
+from ashe_live.light.pixels.shown_as_ground import page_shown_as_ground
 
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
 FARTHEST = 4.0
@@ -41,8 +42,8 @@ class View:
     body: Proxy | None = None  # that the marker is printed on, if it is no sheet
     beside: tuple[PlaneMarker, ...] = ()  # other printed sheets on the plane
     page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
-    # The whole picture's: what of the page's border is ground, as something crosses it, or a sheet that is shown as it.
-    crossed: Mask | None = None
+    # (h, w) of the whole picture: paper that is ground. Of a page's border what something crosses; a sheet in a shadow.
+    paper_as_ground: Mask | None = None
     measured: MarkerPose | None = None  # the pose that it was given, about which T_cam_marker may be moved
 
     @staticmethod
@@ -58,36 +59,36 @@ class View:
         made = _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
         return replace(made, measured=tracked.marker)
 
-    def with_page_as_ground(self) -> "View":
-        """This view, in which a whole page that the marker is printed on is ground, and shown in its colour.
+    def with_paper_as_ground(self) -> "View":
+        """This view, in which paper that things or shadows fall onto is ground, and shown in its colour: a whole page
+        that the marker is printed on, and a sheet that a shadow falls onto.
 
         A device whose screen shows the marker is no ground.
         """
         if self.body is not None:
             return self
-        seen = self.image_bgr, self.camera, self.T_cam_marker, self.side_m
-        lines = PageLines.of(*seen)
+        image, pose = self.image_bgr, (self.camera, self.T_cam_marker, self.side_m)
+        lines = PageLines.of(image, *pose)
         screen = screen_around(lines)
         if screen is not None:
-            return replace(_made(*seen, screen, None, self.beside), measured=self.measured)
-        page = page_around(lines, *seen)
-        if page is None:
-            return self._with_shaded_sheet_as_ground()
-        image, crossed = shown_as_ground(page, *seen)
-        shown = shaded_sheet_as_ground(image, *seen[1:], USUAL_SHEET)
-        if shown is not None:
-            image, crossed = shown[0], crossed | shown[1]
-        made = _made(image, self.camera, self.T_cam_marker, self.side_m, USUAL_SHEET, None, self.beside, page, crossed)
-        return replace(made, measured=self.measured)
+            return self._shown(image, screen)
+        sheet, as_ground = self.sheet, None
+        page = page_around(lines, image, *pose)
+        if page is not None:
+            sheet = USUAL_SHEET
+            image, as_ground = page_shown_as_ground(page, image, *pose)
+        shaded = shaded_sheet_as_ground(image, *pose, sheet)
+        if shaded is not None:
+            image, where = shaded
+            as_ground = where if as_ground is None else as_ground | where
+        return self if as_ground is None else self._shown(image, sheet, page, as_ground)
 
-    def _with_shaded_sheet_as_ground(self) -> "View":
-        """This view, in which the sheet is ground as well if a shadow falls onto it."""
+    def _shown(
+        self, image: Image, sheet: Sheet, page: Page | None = None, paper_as_ground: Mask | None = None
+    ) -> "View":
         pose = self.camera, self.T_cam_marker, self.side_m
-        shown = shaded_sheet_as_ground(self.image_bgr, *pose, self.sheet)
-        if shown is None:
-            return self
-        image, where = shown
-        return replace(_made(image, *pose, self.sheet, None, self.beside, None, where), measured=self.measured)
+        made = _made(image, *pose, sheet, self.body, self.beside, page, paper_as_ground)
+        return replace(made, measured=self.measured)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -112,7 +113,7 @@ class View:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
         pose = self.T_cam_marker, self.side_m
-        made = _made(image, camera, *pose, self.sheet, self.body, self.beside, self.page, self.crossed)
+        made = _made(image, camera, *pose, self.sheet, self.body, self.beside, self.page, self.paper_as_ground)
         return replace(made, measured=self.measured)
 
     def cut(self, window: Window) -> "View":
@@ -143,15 +144,15 @@ def _made(
     body: Proxy | None,
     beside: tuple[PlaneMarker, ...],
     page: Page | None = None,
-    crossed: Mask | None = None,
+    paper_as_ground: Mask | None = None,
 ) -> View:
     printed = [sheet.corners(side_m) if body is None else body.points_marker()]
     printed += [one.on_plane(USUAL_SHEET.corners(one.side_m)) for one in beside]
     printed += [] if page is None else page.between(side_m)
     is_ground = _ground_mask(camera, T_cam_marker, printed)
-    if crossed is not None:
-        is_ground |= cv2.resize(crossed.astype(np.uint8), camera.size, interpolation=cv2.INTER_NEAREST) > 0
-    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside, page, crossed)
+    if paper_as_ground is not None:
+        is_ground |= cv2.resize(paper_as_ground.astype(np.uint8), camera.size, interpolation=cv2.INTER_NEAREST) > 0
+    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside, page, paper_as_ground)
 
 
 def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[Float]) -> Mask:

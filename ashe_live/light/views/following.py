@@ -49,7 +49,7 @@ def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | No
 def _followed(estimate: LightEstimate, body: Proxy, tracked: TrackedFrame) -> LightEstimate | None:
     """As `follow`, of a body that stands on the plane z = 0."""
     lights = estimate.lights
-    fine = View.of(tracked, FINE_WIDTH_PX).with_page_as_ground()
+    fine = View.of(tracked, FINE_WIDTH_PX).with_paper_as_ground()
     coarse = fine.scaled(WIDTH_PX)
     ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, STEPS)
     ratios = [light.shadow_rgb_ratio for light in lights]

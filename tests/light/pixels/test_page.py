@@ -82,7 +82,7 @@ def test_printed_pages_are_those_that_are_printed(tmp_path: Path) -> None:
 
 def test_what_stands_at_the_end_of_a_page_keeps_its_colour_on_both_sides() -> None:
     scene = paint(Caster(at=(0.02, 0.10), height_m=0.1), azimuth_deg=280, T_cam_marker=ABOVE, page_m=A4)
-    shown = View.of(scene.tracked, 640).with_page_as_ground().image_bgr.astype(int)
+    shown = View.of(scene.tracked, 640).with_paper_as_ground().image_bgr.astype(int)
     image = np.asarray(scene.tracked.frame.image_bgr).astype(int)
     inside = cv2.erode(scene.body.astype(np.uint8), np.ones((9, 9))) > 0
     is_lit = inside & (image.max(axis=-1) > 40)
@@ -96,7 +96,7 @@ def test_what_stands_at_the_end_of_a_page_keeps_its_colour_on_both_sides() -> No
 
 def test_the_border_of_a_page_is_ground_where_a_shadow_crosses_it() -> None:
     scene = paint(Caster(at=(0.075, 0.05)), azimuth_deg=170, elevation_deg=30, T_cam_marker=ABOVE, page_m=A4)
-    view = View.of(scene.tracked, 640).with_page_as_ground()
+    view = View.of(scene.tracked, 640).with_paper_as_ground()
     sheet, shadow = scene.sheet.astype(np.uint8), scene.shadow.astype(np.uint8)
     border = (cv2.dilate(sheet, np.ones((5, 5))) > 0) & (cv2.erode(sheet, np.ones((5, 5))) == 0)
     in_shadow, far = cv2.erode(shadow, np.ones((9, 9))) > 0, cv2.dilate(shadow, np.ones((61, 61))) == 0
@@ -141,7 +141,7 @@ def test_a_marker_that_is_cut_out_lies_on_no_page(ground: str, margin_m: float) 
 
 def test_lit_and_in_shadow_a_page_looks_like_the_ground_around_it() -> None:
     scene = paint(Caster(at=(0.075, 0.05)), azimuth_deg=170, elevation_deg=30, T_cam_marker=ABOVE, page_m=A4)
-    view = View.of(scene.tracked, 640).with_page_as_ground()
+    view = View.of(scene.tracked, 640).with_paper_as_ground()
     inside = cv2.erode(scene.shadow.astype(np.uint8), np.ones((5, 5))) > 0
     for these in (inside, ~scene.shadow & ~scene.body):
         on_page, beside = these & view.is_ground & scene.sheet, these & view.is_ground & ~scene.sheet
@@ -183,7 +183,7 @@ def test_a_page_that_may_reach_behind_the_camera_is_shown_as_ground_before_it(
     assert page is not None
     lowest = camera @ (0.0, -page.ends[3] * SIDE_M, 0.0, 1.0)
     assert lowest[2] < 0  # its end is out of the picture, and looked for no farther than so
-    shown = view.with_page_as_ground()
+    shown = view.with_paper_as_ground()
     on_page, beside = shown.is_ground & scene.sheet, shown.is_ground & ~scene.sheet
     assert min(on_page.sum(), beside.sum()) > 5000
     before, after = (

@@ -70,7 +70,7 @@ def test_a_device_is_found_with_its_shadow(device: tuple[float, ...], ground: st
 
 def test_it_is_neither_ground_nor_a_page() -> None:
     tracked = seen_on(PHONE)
-    view = View.of(tracked, 640).with_page_as_ground()
+    view = View.of(tracked, 640).with_paper_as_ground()
     assert view.page is None
     assert not view.is_ground[_area(tracked, PHONE)].any()
     assert view.is_ground[~_area(tracked, [end + 0.02 for end in PHONE])].mean() > 0.99

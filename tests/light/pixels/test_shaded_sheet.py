@@ -17,7 +17,7 @@ BESIDE = Caster(at=(0.115, 0.02))
 
 
 def shown(scene: Painted) -> View:
-    return View.of(scene.tracked, 640).with_page_as_ground()
+    return View.of(scene.tracked, 640).with_paper_as_ground()
 
 
 def linear_rgb(image_bgr: Image) -> np.ndarray:

@@ -1,0 +1,75 @@
+"""Paper shown in the colour of the ground that it lies on, by the ratio of linear light that parts both."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.transforms import project
+from ashe_live.light.pixels.areas import grown, majority
+from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent, log_opponent_of_linear
+from ashe_live.light.pixels.near_plane import before_camera
+from ashe_live.light.pixels.page import Page
+from ashe_live.light.pixels.page_lines import is_coloured
+from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
+
+STANDS_PX = 5  # across a neighbourhood whose majority tells what stands on the page from noise
+# Where the colour this near to a page's border differs by so much from the lit ground's, in log-opponent distance,
+# something may cross the border so near.
+BESIDE_PX, OTHER, CROSSED_PX = 3, 0.6, 8
+FRACTION_BITS = 4  # of the coordinates of outlines, as OpenCV fills them
+PAINTED_PX = 2  # distance from a page's border of the pixels that it is painted over with
+
+
+def page_shown_as_ground(
+    page: Page, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float
+) -> tuple[Image, Mask]:
+    """The picture (h, w, 3) without distortion as if the page had the colour of the ground that it lies on; and where
+    something crosses the page's border, (h, w), which is painted over there with what lies on either side of it.
+
+    What stands on the page keeps its colour, as far as that is not paper's. Beside the marker it stays paper, by which
+    the exposure is judged.
+    """
+    larger = Sheet(*(end + ADDED for end in page.ends))
+    smaller = Sheet(*(end - ADDED if seen else end + ADDED for end, seen in zip(page.ends, page.is_seen, strict=True)))
+    whole, marker, outer, inner = (
+        outline_of(sheet, camera, T_cam_marker, side_m) for sheet in (Sheet(*page.ends), USUAL_SHEET, larger, smaller)
+    )
+    inside, border = (np.zeros(image_bgr.shape[:2], np.uint8) for _ in range(2))
+    for mask, outline, value in ((inside, whole, 1), (inside, marker, 0), (border, outer, 1), (border, inner, 0)):
+        cv2.fillConvexPoly(mask, outline, value, shift=FRACTION_BITS)
+    is_paper = (inside > 0) & ~majority(is_coloured(log_opponent(image_bgr), np.array(page.paper)), STANDS_PX)
+    shown = np.where(is_paper[..., None], in_ground_colour(image_bgr, np.array(page.ground_over_paper)), image_bgr)
+    lit = log_opponent_of_linear(linear_rgb(np.array(page.paper)) * page.ground_over_paper)
+    beside = grown(border > 0, BESIDE_PX) & (border == 0)
+    is_other = np.linalg.norm(log_opponent(shown) - lit, axis=2) > OTHER
+    crossed = (border > 0) & grown(majority(is_other, STANDS_PX) & beside, CROSSED_PX)
+    # What is no ground beside it is rounded to whole pixels by itself.
+    return painted_over(shown, crossed, PAINTED_PX), grown(crossed, 1)
+
+
+def in_ground_colour(image_bgr: Image, ground_over_paper: Float) -> Image:
+    """A picture of paper as one of ground, which has so many times the paper's linear RGB (3,)."""
+    linear = LINEAR_FROM_SRGB_8BIT[:, None] * ground_over_paper[::-1]
+    table = np.round(255 * srgb_from_linear(np.minimum(linear, 1))).astype(np.uint8)
+    return np.asarray(cv2.LUT(image_bgr, table[:, None]), dtype=np.uint8)
+
+
+def painted_over(image_bgr: Image, hidden: Mask, from_px: int) -> Image:
+    """The picture where what is `hidden`, (h, w), continues what lies around it, as far as `from_px` away."""
+    return np.asarray(cv2.inpaint(image_bgr, hidden.astype(np.uint8), from_px, cv2.INPAINT_TELEA), dtype=np.uint8)
+
+
+def outline_of(sheet: Sheet, camera: Camera, T_cam_marker: Float, side_m: float) -> NDArray[np.int32]:
+    """(m, 2) in 2 ** -FRACTION_BITS pixels: the outline of what of a sheet lies before the camera.
+
+    A page whose end is out of the picture may reach behind the camera, as where it ends is not known.
+    """
+    corners = sheet.corners(side_m)
+    points = before_camera(corners, T_cam_marker)
+    outline = project(camera, T_cam_marker, points).clip(-1e4, 1e4)
+    if not np.array_equal(points, corners):  # some of them are where lines meet the near plane, in any order
+        outline = cv2.convexHull(outline.astype(np.float32))[:, 0]
+    return np.asarray(np.round(outline * 2**FRACTION_BITS), dtype=np.int32)
