@@ -79,9 +79,8 @@ def refined(
         fit = _moved_onto_edges(seen, start, darkening, room)
         if fit is None and steps[index] >= 0 and start is not template:
             # The map is misled by its stains, and may have led away from what is there.
-            again = _moved_onto_edges(seen, template, by_template, room)
-            if again is not None and again.clear > CLEAR:
-                fit, darkening = again, by_template
+            fit = _clear_at(seen, template, by_template, room)
+            darkening = darkening if fit is None else by_template
         is_denied = fit is not None and seen.observed.sides.deny(fit.light, darkening)
         if fit is not None and not is_denied:
             one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
@@ -101,6 +100,12 @@ def refined(
 def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
     """Whether a fit from a light (4,) would end at one that was found, whose edges are clear."""
     return bool(normalised(start[:3]) @ found.sun_alike(height_of(seen.body)) > math.cos(APART_RAD))
+
+
+def _clear_at(seen: Seen, start: Float, darkening: float, room: Room) -> EdgeFit | None:
+    """As `_moved_onto_edges`; None where the edges found are not clear."""
+    fit = _moved_onto_edges(seen, start, darkening, room)
+    return fit if fit is not None and fit.clear > CLEAR else None
 
 
 def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) -> EdgeFit | None:
