@@ -7,6 +7,7 @@ to a centimetre or two. Where that is lower than the object's top, and not where
 nothing to state, unless the explanation is surer than the ground: uneven paint may look like a spot as well.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -31,7 +32,9 @@ MARGIN = 1.5  # over their height, by which they may stand beside the ground tha
 REACH_M = 0.6  # from the marker, along x and y, of that ground
 SHARES = (0.3, 0.6, 0.85, 0.95)  # of all light that are the lamp's, where it is brightest
 EVERY = 4  # samples of the ground
-# Deviance of other lights from the likeliest low lamp, that chance exceeds once in twenty with three parameters more.
+WIDTH = 1.53  # of a spot at half of its brightness, over its lamp's height: twice the r where (1 + r²)^-1.5 = 1/2
+# Deviance of other lights from a low lamp, that chance exceeds once in twenty with three parameters more. The likeliest
+# of many lamps exceeds it by chance more often: by twice the logarithm of how many spots there is room for.
 ELSEWHERE = 7.8
 
 
@@ -68,9 +71,10 @@ def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float, log_odds:
     if not len(low_lamps):
         return False
     low, even = _least_cost(replace(some, gloss=None), low_lamps), _least_cost(some, np.zeros((1, 3)))
-    outweighed = ELSEWHERE + max(2 * log_odds, 0.0)
+    elsewhere = ELSEWHERE + 2 * math.log(max(len(low_lamps) * (SPACING / WIDTH) ** 2, 1.0))
+    outweighed = elsewhere + max(2 * log_odds, 0.0)
     # What lamps of ordinary heights explain as well, as they do a table's slow shading, is no low lamp's spot.
-    is_spot = even - low > max(LAMP_DEVIANCE, deviance + ELSEWHERE)
+    is_spot = even - low > max(LAMP_DEVIANCE, deviance + elsewhere)
     return is_spot and _least_cost(some, lights) - low > outweighed
 
 
