@@ -1,5 +1,7 @@
 """Lamps lower than an object, told by the spot that they make on painted ground."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -49,3 +51,11 @@ def test_an_explanation_that_is_surer_than_the_ground_stays(lamp_m: tuple[float,
     of = fall_off("plain", lamp_m)
     assert low_lamp_elsewhere(of, TOP_M, ELSEWHERE, log_odds=-5.0)
     assert not low_lamp_elsewhere(of, TOP_M, ELSEWHERE, log_odds=1e3)
+
+
+def test_a_pale_blot_of_paint_is_no_lamp() -> None:
+    """By 6 %: among so many places there is always one where such a spot may be by chance."""
+    of = fall_off("plain")
+    away = np.linalg.norm(of.samples.places - (0.0035, 0.135), axis=1)
+    blot = replace(of.samples, brightness=of.samples.brightness + 0.06 * np.exp(-0.5 * (away / 0.06) ** 2))
+    assert not low_lamp_elsewhere(replace(of, samples=blot), TOP_M, ELSEWHERE)
