@@ -19,6 +19,14 @@ from ashe_live.light.pixels.view import View, Window
 APART_PX = 3  # of the coarse picture: areas nearer to each other than twice this belong together
 MARGIN_PX = 10  # of a region around what is unlit
 UNRELIABLE_PX = 2  # beside what is no ground
+# A group with a bounding box of more than this share of the picture, most of which the lit ground nearly explains, is
+# sheen, grout or a wall's reflection that connects an object and its shadow with things all over the picture. Then so
+# many of its clear parts become regions, if their boxes are at most this share of the group's.
+HUGE, MOSTLY_FAINT, CLEAR_PARTS, MUCH_SMALLER = 0.25, 0.5, 2, 0.4
+LEAST_CLEAR_PX = 40  # of such a part
+# Log brightness below the median of the lit ground's from which on a pixel may be in shadow: a part without any shows
+# no light. A part counts by its shadows if they are at least this fraction of the largest part's.
+DARKER, LESSER_PART = 0.1, 0.3
 # An object that partly looks like lit ground leaves a gap between the rest of it and its shadow. Of so many of the
 # largest areas, pairs are also tried as one, where the gap is at most this fraction of the smaller one's size. The
 # gap's pixels are those whose distances to both add up to less than BULGE times its width.
@@ -68,18 +76,50 @@ class Region:
 def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
     """The regions around the largest groups of unlit areas of a coarser picture, `count` at most.
 
-    A pixel counts less the farther its ground is from the marker, beside which people put their object. The last region
-    is around two of the groups and the gap between, where that is small. Each is scaled to about `size_px`, as far as
-    the resolution of `fine` allows.
+    A pixel counts less the farther its ground is from the marker, beside which people put their object. The clear parts
+    of a group that the lit ground nearly explains come before it. The last region is around two of the groups and the
+    gap between, where that is small. Each is scaled to about `size_px`, as far as the resolution of `fine` allows.
     """
-    _, labels = cv2.connectedComponents(grown(coarse_unlit, APART_PX).astype(np.uint8), connectivity=8)
-    labels[~coarse_unlit] = 0
-    sizes = np.bincount(labels[coarse_unlit], _nearness(fine, coarse_unlit), minlength=1)[1:]
-    largest = np.argsort(-sizes, kind="stable")[:count]
-    areas = [labels == index + 1 for index in largest if sizes[index] > 0]
-    pairs = (_joined(one, other) for one, other in combinations(areas[:JOINED], 2))
+    groups = [area for area, _ in _groups(coarse_unlit, coarse_unlit, fine)[:count]]
+    parts = [_clear_parts(group, ground, fine) for group in groups]
+    areas = [one for own, group in zip(parts, groups, strict=True) for one in (*own, group)]
+    apart = [one for own, group in zip(parts, groups, strict=True) for one in own or [group]]
+    pairs = (_joined(one, other) for one, other in combinations(apart[:JOINED], 2))
     together = [area for area in pairs if area is not None]
     return [region_of(fine, area, ground, size_px) for area in areas[: count - len(together)] + together]
+
+
+def _groups(area: Mask, counted: Mask, fine: View) -> list[tuple[Mask, float]]:
+    """Parts of `area` near each other, by how many of the pixels in `counted` they hold, the most first; and how many.
+
+    Masks are (h, w) of a coarser picture than `fine`, in which a pixel counts by its nearness to the marker.
+    """
+    _, labels = cv2.connectedComponents(grown(area, APART_PX).astype(np.uint8), connectivity=8)
+    labels[~area] = 0
+    sizes = np.bincount(labels[counted], _nearness(fine, counted), minlength=1)[1:]
+    return [(labels == i + 1, float(sizes[i])) for i in np.argsort(-sizes, kind="stable") if sizes[i] > 0]
+
+
+def _clear_parts(group: Mask, ground: LitGround, fine: View) -> list[Mask]:
+    """The parts of a group (h, w) that the lit ground does not even nearly explain, where these are few of it."""
+    clear = group & (ground.squared_distance > FAINT_DISTANCE)
+    is_mostly_faint = np.count_nonzero(clear) < (1 - MOSTLY_FAINT) * np.count_nonzero(group)
+    if not is_mostly_faint or _box_px(group) < HUGE * group.size:
+        return []
+    lit = ground.colours[..., 0][ground.squared_distance < UNLIT_DISTANCE]
+    dark = clear & (ground.colours[..., 0] < (np.median(lit) if len(lit) else -np.inf) - DARKER)
+    parts = _groups(clear, dark, fine)[:CLEAR_PARTS]
+    largest_px = MUCH_SMALLER * _box_px(group)
+    return [
+        grown(part, 2) & group
+        for part, size in parts
+        if size > LESSER_PART * parts[0][1] and np.count_nonzero(part) >= LEAST_CLEAR_PX and _box_px(part) < largest_px
+    ]
+
+
+def _box_px(mask: Mask) -> int:
+    _, _, across, down = cv2.boundingRect(mask.astype(np.uint8))
+    return across * down
 
 
 def _nearness(view: View, mask: Mask) -> Float:

@@ -170,3 +170,22 @@ def test_what_other_views_tell_is_the_same_for_a_region_that_was_found_without_t
         for each in alone.window
     )
     assert beside.on_plane.mean() == pytest.approx(told[rows, columns].mean(), abs=0.05)
+
+
+def test_what_the_ground_nearly_explains_takes_no_room_from_an_object_and_its_shadow() -> None:
+    """Sheen all over a table reaches the object; its region would show little of the object itself."""
+    here = painted_region(BOX)
+    painted = here.unlit
+    glow = np.zeros_like(painted)
+    glow[10:-10, 10:-10] = True
+    nearly = replace(here.ground, squared_distance=np.where(painted, 60.0, np.where(glow, 12.0, 0.0)))
+    clear, whole = unlit_regions(fine_of(), painted | glow, nearly, BALANCED.region_px, 3)
+    assert overlap(clear.unlit, in_region(clear, here.scene.body | here.scene.shadow)) > 0.8
+    assert clear.frame_shape[1] > 1.3 * whole.frame_shape[1]
+
+
+def test_bright_parts_alone_are_no_regions_of_their_own() -> None:
+    """Without anything dark there is no shadow."""
+    here = painted_region(BOX)
+    bright = replace(here.ground, squared_distance=np.where(here.unlit, 60.0, 12.0), colours=0 * here.ground.colours)
+    assert len(unlit_regions(fine_of(), np.ones_like(here.unlit), bright, BALANCED.region_px, 3)) == 1
