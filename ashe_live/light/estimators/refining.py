@@ -10,6 +10,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, is_settled
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.first_shadow import with_shadows_searched
+from ashe_live.light.explanation.searches.other_heights import with_other_heights
 from ashe_live.light.explanation.searches.second_light import is_part_of, with_lights_counted
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.hypotheses import LampHypotheses
@@ -40,10 +41,11 @@ def refined_and_others(
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
     sharp = _sharp_and_decided(found, sharpener, steps, lamps)
+    refine = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
+    sharp = with_other_heights(sharp, sharpener, steps.fine_fit, refine, log_odds)
     judged = [*sharp, *others]
     if leaves_no_doubt(judged, log_odds):
         return judged
-    refine = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
     by_two = [each for each in sharp if len(each.lights) > 1]
     searched = with_shadows_searched(judged, view, steps.region_px, refine, log_odds)
     new = [each for each in searched if not any(each is one for one in judged)]

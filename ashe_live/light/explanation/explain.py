@@ -3,12 +3,14 @@
 An explanation is a hypothesis of what a region shows: a body, its lights, and the labels that follow from both.
 """
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.light_covariance import lights_of, relative_misfit
@@ -35,6 +37,8 @@ FEW_PX = 20  # of a silhouette: too few to learn an object's colours from
 END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
+# Explanations of two regions are of one object in one light within this angle, and this fraction of its size.
+SAME_RAD, SAME_PLACE = math.radians(3), 0.2
 
 
 # Fits explanations anew, each with its first light held at a nearness: `explained_near` with some preset.
@@ -155,12 +159,25 @@ def different(explanations: Iterable[Explanation], count: int | None = None) -> 
 
 
 def are_alike(one: Explanation, other: Explanation) -> bool:
-    """Whether two explanations of one region label nearly all of its pixels alike."""
+    """Whether two explanations say the same: of one region, whose pixels they label alike; of two, where they overlap.
+
+    To see an object in two regions does not make its light likelier.
+    """
     if one.region is not other.region:
-        return False
+        return _have_one_object_in_one_light(one, other)
     a, b = one.predicted, other.predicted
     differing = np.count_nonzero((a.body != b.body) | (a.shadow != b.shadow))
     return bool(differing < DIFFERING_SHARE * np.count_nonzero(a.whole | b.whole))
+
+
+def _have_one_object_in_one_light(one: Explanation, other: Explanation) -> bool:
+    if len(one.lights) != len(other.lights):
+        return False
+    a, b = one.alignment.placed.lit.body.frame, other.alignment.placed.lit.body.frame
+    if np.linalg.norm(a.origin_marker - b.origin_marker) > SAME_PLACE * min(a.unit_m, b.unit_m):
+        return False
+    turns = (angle_between(p.to_light_marker, q.to_light_marker) for p, q in zip(one.lights, other.lights, strict=True))
+    return max(turns) < SAME_RAD
 
 
 def _masks(proposal: Proposal) -> Masks:

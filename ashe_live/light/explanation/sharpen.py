@@ -93,7 +93,7 @@ class Sharpener:
         """Each explanation's bodies with their lights, moved, without those whose shadows show too few steps to tell
         their lights.
         """
-        shifts = np.repeat([_shifts(each) for each in several], [len(own) for own in bodies], axis=0)
+        shifts = np.repeat([shifts_of(each) for each in several], [len(own) for own in bodies], axis=0)
         fits = iter(aligned_with_steps([lit for own in bodies for lit in own], self.pictures, shifts, near))
         moved = [[next(fits) for _ in own] for own in bodies]
         return [[fit for fit in own if fit is not None and fit.mean_cost < MISSED] for own in moved]
@@ -103,7 +103,7 @@ class Sharpener:
         found = list(explanations)
         for members in _by_lights(explanations):
             bodies = [explanations[i].alignment.placed.lit for i in members]
-            shifts = np.array([_shifts(explanations[i]) for i in members])
+            shifts = np.array([shifts_of(explanations[i]) for i in members])
             for i, costs in zip(members, step_costs(bodies, self.pictures, shifts), strict=True):
                 found[i] = replace(explanations[i], steps=costs)
         return found
@@ -150,6 +150,6 @@ def _likeliest(several: Sequence[tuple[EdgeFit, PlacedBody]]) -> tuple[EdgeFit, 
     return *seen[best], criteria[best]
 
 
-def _shifts(explanation: Explanation) -> list[float]:
+def shifts_of(explanation: Explanation) -> list[float]:
     """Each light's shift of the log of brightness in its shadow; negative."""
     return [float(shift[0]) for shift in explanation.materials.shifts[: len(explanation.lights)]]

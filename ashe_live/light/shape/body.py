@@ -1,5 +1,6 @@
 """Bodies on the ground and the lights that they stand in: geometry in the marker frame, independent of any camera."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -110,6 +111,19 @@ class LitBody:
         x, y, z, w = self.lights[0]
         seen = (np.array([x, y]) / z - w / z * foot) / (1 - w / z * middle)
         return np.hstack([seen * (1 - near * middle) + near * foot, np.ones_like(near), near])
+
+    def stretched(self, factor: float) -> "LitBody | None":
+        """So many times as high, in lights so much higher that the shadows on the ground stay; None for a fixed shape.
+
+        A shadow keeps its place, as a point (x, y, z) and its light (X, Y, Z) give that of (x, y, f z) and (X, Y, f Z).
+        """
+        heights = list(self.body.family.heights)
+        if not heights:
+            return None
+        shape, lights = self.body.shape.copy(), self.lights.copy()
+        shape[heights] += math.log(factor)
+        lights[:, 2] *= factor
+        return replace(self, body=replace(self.body, shape=shape), lights=lights / lights[:, 2:3])
 
     def moved(self, step: Float, with_nearness: bool = False) -> "LitBody":
         """After a step in theta; a step longer than (split + q,) is padded for others of its batch, and cut.

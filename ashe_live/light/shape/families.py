@@ -176,14 +176,14 @@ INF = math.inf
 FAMILIES = {
     family.name: family
     for family in (
-        Family("frustum", None, _frustum, _upright_starts, (INF, INF, 1.0, INF, INF)),
-        Family("box", None, _box, _box_starts, (INF, INF, INF, 1.0, 1.0, 1.0)),
+        Family("frustum", None, _frustum, _upright_starts, (INF, INF, 1.0, INF, INF), (2,)),
+        Family("box", None, _box, _box_starts, (INF, INF, INF, 1.0, 1.0, 1.0), (5,)),
         Family("sphere", None, _sphere, _ball_starts, (INF, INF, 1.0)),
-        Family("vase", "frustum", _vase, _vase_starts, (INF, INF, 1.0, INF, INF, INF, 1.5)),
-        Family("mug", "frustum", _mug, _mug_starts, (INF, INF, 1.0, INF, INF, 1.0, 1.0, 1.0, 0.7, 0.7)),
-        Family("pylon", "frustum", _pylon, _pylon_starts, (INF, INF, INF, 1.0, 1.0, 1.0, INF)),
-        Family("wagon", "box", _wagon, _wagon_starts, (INF, INF, INF, 1.0, 1.0, 1.0, 1.0, 1.5, 0.7, 0.7)),
-        Family("ell", "box", _ell, _ell_starts, (INF, INF, INF, 1.0, 1.0, 1.0, 1.0, 1.5)),
-        Family("lump", "sphere", _lump, _lump_starts, (INF, INF, 1.0, 0.5, *(0.7, 0.7, 1.0, 0.5) * 2)),
+        Family("vase", "frustum", _vase, _vase_starts, (INF, INF, 1.0, INF, INF, INF, 1.5), (2,)),
+        Family("mug", "frustum", _mug, _mug_starts, (INF, INF, 1.0, INF, INF, 1.0, 1.0, 1.0, 0.7, 0.7), (2, 9)),
+        Family("pylon", "frustum", _pylon, _pylon_starts, (INF, INF, INF, 1.0, 1.0, 1.0, INF), (5,)),
+        Family("wagon", "box", _wagon, _wagon_starts, (INF, INF, INF, 1.0, 1.0, 1.0, 1.0, 1.5, 0.7, 0.7), (5,)),
+        Family("ell", "box", _ell, _ell_starts, (INF, INF, INF, 1.0, 1.0, 1.0, 1.0, 1.5), (5,)),
+        Family("lump", "sphere", _lump, _lump_starts, (INF, INF, 1.0, 0.5, *(0.7, 0.7, 1.0, 0.5) * 2), (3,)),
     )
 }

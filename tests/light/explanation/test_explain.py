@@ -9,6 +9,7 @@ import pytest
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explain import Proposal, are_alike, explained, refined, refined_by_tangents
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit import preset
@@ -17,6 +18,8 @@ from ashe_live.light.shape.predicted import Predicted
 from tests.light.painted_bodies import explanation_of
 from tests.light.painted_regions import PaintedRegion, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
+
+ELSEWHERE = Caster("cylinder", at=(-0.1, -0.02))
 
 
 def true_proposal(here: PaintedRegion) -> Proposal:
@@ -100,7 +103,7 @@ def test_explanations_of_nearly_the_same_pixels_are_alike_either_way_round() -> 
     different = [
         seen_as(here, Predicted(here.shadow, here.body)),
         seen_as(here, Predicted(here.body, here.shadow & False)),
-        explanation_of(painted_region(CYLINDER), CYLINDER),
+        explanation_of(painted_region(ELSEWHERE), ELSEWHERE),
     ]
     for other in alike:
         assert are_alike(truth, other)
@@ -108,6 +111,16 @@ def test_explanations_of_nearly_the_same_pixels_are_alike_either_way_round() -> 
     for other in different:
         assert not are_alike(truth, other)
         assert not are_alike(other, truth)
+
+
+def test_one_object_in_one_light_is_alike_in_two_regions() -> None:
+    here, turned = painted_region(BOX), painted_region(BOX, azimuth_deg=100.0)
+    (larger,) = unlit_regions(here.view.fine, here.unlit, here.ground, 140, 3)
+    one = explanation_of(here)
+    assert are_alike(one, replace(one, region=larger))
+    assert are_alike(replace(one, region=larger), one)
+    assert not are_alike(one, explanation_of(turned))
+    assert not are_alike(one, replace(one, region=larger, lights=one.lights * 2))
 
 
 def test_lights_are_less_certain_in_a_soft_shadow() -> None:

@@ -96,3 +96,30 @@ def test_outlines_of_several_bodies_are_those_of_each() -> None:
             directions = np.array([np.cos(angles), np.sin(angles)])
             # Circles are drawn with corners, which need not be the same.
             np.testing.assert_allclose((hull @ directions).max(axis=0), (expected @ directions).max(axis=0), atol=0.2)
+
+
+@pytest.mark.parametrize("lamp", [False, True], ids=["sun", "lamp"])
+@pytest.mark.parametrize("factor", [0.7, 1.6])
+@pytest.mark.parametrize("name", [name for name, family in FAMILIES.items() if family.heights and name != "lump"])
+def test_a_stretched_body_throws_the_same_shadow(name: str, factor: float, lamp: bool) -> None:
+    here = painted_region(BOX)
+    frame, sight = body_of(here, BOX).body.frame, Sight.of(here.region.view)
+    body = Body(frame, FAMILIES[name], np.full(len(FAMILIES[name].spread), -0.6))
+    light = np.array([0.4, -0.2, 0.5, 1.0 if lamp else 0.0])
+    lit = LitBody(body, light[None])
+    taller = lit.stretched(factor)
+    assert taller is not None
+    own, stretched = (each.body.proxy.points_marker()[:, 2].max() for each in (lit, taller))
+    assert stretched == pytest.approx(factor * own)
+    (_, before), (_, after) = lit_outlines([lit, taller], [sight] * 2)
+    assert before is not None
+    assert after is not None
+    angles = np.linspace(0, 2 * np.pi, 60)
+    directions = np.array([np.cos(angles), np.sin(angles)])
+    # Circles are drawn with corners, which need not be the same.
+    np.testing.assert_allclose((after @ directions).max(axis=0), (before @ directions).max(axis=0), atol=0.2)
+
+
+def test_a_ball_is_no_stretched_ball() -> None:
+    body = Body(painted(BOX).frame, FAMILIES["sphere"], np.zeros(3))
+    assert LitBody(body, np.array([[0.3, 0.2, 1.0, 0.0]])).stretched(1.5) is None
