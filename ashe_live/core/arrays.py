@@ -70,6 +70,15 @@ def upper_quantile(values: Float | Float32, share: float) -> float:
     return float(np.partition(values, rank)[rank])
 
 
+def lowest_on_parabola(at: Float, values: Float) -> float:
+    """Where the parabola through three points is lowest, between the outer two; the middle one where it has no bottom.
+
+    at, values: (3,) of the points, `at` rising.
+    """
+    second, slope, _ = np.polyfit(at - at[1], values, 2)
+    return float(np.clip(at[1] - slope / (2 * second), at[0], at[2])) if second > 0 else float(at[1])
+
+
 def directions_on_spiral(count: int, first_z: float = 1.0, last_z: float = -1.0) -> Float:
     """(count, 3) unit vectors, evenly spread over the zone of the sphere between two z, by default all of it.
 

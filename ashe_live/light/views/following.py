@@ -31,8 +31,9 @@ def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | No
     """The light of `estimate` as the frame `tracked` shows it; None where that does not show the body and its shadows.
 
     The body stays as it is; the lights move until the shadows lie on their borders in the picture, lamps at their
-    height. Their uncertainty comes mostly from the body, and stays as well. An estimate without a light or a body, or a frame without
-    a marker, gives None. The masks are left out. A body that stands below the marker's plane stands on its own.
+    height. Their uncertainty comes mostly from the body, and stays as well. An estimate without a light or a body, or a
+    frame without a marker, gives None. The masks are left out. A body that stands below the marker's plane stands on
+    its own.
     """
     body = estimate.illumination.real_object
     if tracked.marker is None or body is None or not estimate.lights:
