@@ -75,6 +75,8 @@ def on_plane(reference: View, colours: Float32, other: View, other_colours: Floa
         return None
     residual = colours - theirs
     exposure = _exposure(residual, seen)
+    if exposure is None:
+        return None
     theirs, residual = theirs + exposure, residual - exposure
     variance = _variance(colours, theirs)
     # Noise as strong as on what agrees, at least as expected: half of a normal variable's squares are below 0.455.
@@ -130,10 +132,11 @@ def _log_odds(one: OnPlane) -> Float32:
     return np.where(one.seen, ratio, 0).astype(np.float32)
 
 
-def _exposure(residual: Float32, seen: Mask) -> Float32:
+def _exposure(residual: Float32, seen: Mask) -> Float32 | None:
     """(h, w, 3) the smooth difference of two pictures of the plane: exposure, white balance, vignetting, gloss.
 
     A robust quadratic in the image's coordinates, then what remains, by a normalised convolution with robust weights.
+    None where only strips are `seen` that are too narrow for the reduced picture.
     """
     height, width = seen.shape
     small = max(1, width // REDUCED), max(1, height // REDUCED)
@@ -142,6 +145,8 @@ def _exposure(residual: Float32, seen: Mask) -> Float32:
     v, u = np.meshgrid(np.linspace(-1, 1, small[1]), np.linspace(-1, 1, small[0]), indexing="ij")
     bases = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=2).reshape(-1, 6)
     flat, shown = values.reshape(-1, 3).astype(np.float64), inside.ravel() > 0
+    if not shown.any():
+        return None
     field = np.zeros((6, 3))
     field[0] = np.median(flat[shown], axis=0)
     prior = np.diag([0.0, 1, 1, 1, 1, 1]) * FLATNESS * np.count_nonzero(shown)

@@ -1,5 +1,7 @@
 """What several views tell about the plane: by geometry, on painted pictures of known scenes."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -82,4 +84,12 @@ def test_from_one_place_nothing_can_be_told() -> None:
 def test_views_of_different_grounds_tell_nothing() -> None:
     away = paint(size=(320, 240), T_cam_marker=camera_towards((5.0, 0.0), 0.5, 60.0))
     here, there = (View.of(painted.tracked, WIDTH) for painted in (painted_from(90, BOX), away))
+    assert on_plane(here, log_opponent(here.image_bgr), there, log_opponent(there.image_bgr)) is None
+
+
+def test_a_strip_that_is_narrower_than_the_reduced_picture_resolves_tells_nothing() -> None:
+    here, there = (View.of(painted_from(heading).tracked, 160) for heading in (90, 95))
+    strip = np.zeros_like(here.is_ground)
+    strip[29:32] = here.is_ground[29:32]
+    here = replace(here, is_ground=strip)
     assert on_plane(here, log_opponent(here.image_bgr), there, log_opponent(there.image_bgr)) is None
