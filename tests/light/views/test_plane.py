@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
-from ashe_live.light.views.plane import log_likelihood_ratio, on_plane, plane_homography
+from ashe_live.light.views.plane import log_likelihood_ratio, on_plane, plane_homography, where_in
 from tests.light.painted_scenes import BOX, Caster, Painted, paint
 from tests.light.synthetic_masks import camera_towards
 
@@ -45,6 +45,19 @@ def test_the_homography_takes_points_of_the_plane_where_the_other_camera_sees_th
     np.testing.assert_allclose(
         taken[:, :2] / taken[:, 2:], project(other.camera, other.T_cam_marker, points), atol=1e-9
     )
+
+
+def test_what_another_camera_has_behind_it_is_in_no_mask_of_its_picture() -> None:
+    above = View.of(paint(T_cam_marker=camera_towards((0.0, 0.0), 1.0, 75.0)).tracked, WIDTH)
+    low = View.of(paint(T_cam_marker=camera_towards((0.0, 0.0), 0.12, 8.0)).tracked, WIDTH)
+    found = where_in(np.ones_like(low.is_ground), low, above)
+    rows, columns = np.nonzero(np.ones_like(above.is_ground))
+    points = raycast_to_plane(above.camera, above.T_cam_marker, np.column_stack([columns, rows]))
+    seen = project(low.camera, low.T_cam_marker, points).reshape(*above.is_ground.shape, 2)
+    width, height = low.size
+    inside = (seen > -0.5).all(axis=2) & (seen[..., 0] < width - 0.5) & (seen[..., 1] < height - 0.5)
+    assert np.isnan(seen).any()
+    assert np.mean(found != inside) < 0.01
 
 
 @pytest.mark.parametrize("ground", ["plain", "bricks"])
