@@ -9,10 +9,11 @@ import re
 import pytest
 
 from ashe_live.files.resources import resource
+from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
 from ashe_live.light.explanation.judgement.evidence import SIGNS
-from ashe_live.light.explanation.light_covariance import BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE
+from ashe_live.light.explanation.light_covariance import MODEL_ERROR_SHARE
 from ashe_live.light.explanation.searches.second_light import LEAST_GAIN
 from ashe_live.light.lamps.companions import LEAST_PROBABILITY
 from ashe_live.light.lamps.doubt import CHANCE_DEVIANCE, LAMPS_NEARNESS

@@ -1,6 +1,7 @@
 """Types of arrays, the checks with which value types freeze theirs, and a few computations that many parts need."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,9 @@ Image = NDArray[np.uint8]
 
 # The standard deviation of a normal variable over the median of its absolute value.
 SIGMA_OVER_MEDIAN = 1.48
+# Multiples of the golden section of 1, or of a whole turn, taken modulo that, are spread evenly, however many.
+GOLDEN_SHARE = (math.sqrt(5) - 1) / 2
+GOLDEN_ANGLE_RAD = math.pi * (3 - math.sqrt(5))
 
 
 def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
@@ -59,6 +63,11 @@ def set_given_frozen(instance: object, **shapes: tuple[int, ...]) -> None:
             set_frozen(instance, **{name: frozen_floats(values, shape, name)})
 
 
+def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:
+    """Whether both hold the same objects in the same order; equal ones do not count."""
+    return len(some) == len(others) and all(a is b for a, b in zip(some, others, strict=True))
+
+
 def upper_median(values: Float | Float32) -> float:
     """The median of values (n,), or the upper of the two middle ones; many times as fast as NumPy's for few values."""
     return upper_quantile(values, 0.5)
@@ -70,12 +79,21 @@ def upper_quantile(values: Float | Float32, share: float) -> float:
     return float(np.partition(values, rank)[rank])
 
 
+def lowest_on_parabola(at: Float, values: Float) -> float:
+    """Where the parabola through three points is lowest, between the outer two; the middle one where it has no bottom.
+
+    at, values: (3,) of the points, `at` rising.
+    """
+    second, slope, _ = np.polyfit(at - at[1], values, 2)
+    return float(np.clip(at[1] - slope / (2 * second), at[0], at[2])) if second > 0 else float(at[1])
+
+
 def directions_on_spiral(count: int, first_z: float = 1.0, last_z: float = -1.0) -> Float:
     """(count, 3) unit vectors, evenly spread over the zone of the sphere between two z, by default all of it.
 
     A golden-angle spiral from the first to the last (Vogel, "A better way to construct the sunflower head", 1979).
     """
     z = first_z + (last_z - first_z) * (np.arange(count) + 0.5) / count
-    azimuth = np.arange(count) * (math.pi * (3 - math.sqrt(5)))
+    azimuth = np.arange(count) * GOLDEN_ANGLE_RAD
     flat = np.sqrt(1 - z**2)
     return np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), z])

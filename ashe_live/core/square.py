@@ -8,6 +8,8 @@ import numpy as np
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
 from ashe_live.core.ranges import MARKER_SIDE
 
+PAGE_FOOT_MM = 45  # of a page as it is printed: below the middle part, in whose middle the marker is
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneMarker:

@@ -1,6 +1,7 @@
 """What the tracker remembers of a frame for the next one: the pose, the picture, and how each marker was moving."""
 
-from dataclasses import dataclass
+from collections.abc import Container
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +22,11 @@ class Memory:
     aligned_sigmas: dict[int, float]  # by member, as in FittedSquare
     bridged: int  # frames in a row
     is_predictable: bool  # each member was where its motion had led one to expect it
+
+    def of_members(self, numbers: Container[int]) -> "Memory":
+        """Without members of other numbers."""
+        kept = {number: corners_px for number, corners_px in self.corners_px.items() if number in numbers}
+        return self if len(kept) == len(self.corners_px) else replace(self, corners_px=kept)
 
     def expected_px(self, time_s: float) -> dict[int, Float]:
         """By member, the corners (4, 2), picture pixels, at `time_s` if it moves on as it did."""

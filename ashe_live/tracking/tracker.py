@@ -93,11 +93,11 @@ class MarkerTracker:
         camera = self._camera_for(frame.size)
         last = self._recent(frame.time_s)
         squares = self._look(frame, camera, last)
-        pose = self._pose(squares, camera, last)
+        pose, last = self._pose(squares, camera, last)
         bridged = 0
         if pose is None and last is not None and last.bridged < BRIDGED_FRAMES:
             squares, bridged = self._flowed(frame.image_bgr, camera, last), last.bridged + 1
-            pose = self._pose(squares, camera, last)
+            pose, last = self._pose(squares, camera, last)
         if pose is None:
             self._lost_frames += 1
         else:
@@ -211,13 +211,14 @@ class MarkerTracker:
         several = f"{len(found)} equal markers in view: one of them is tracked, cover the others"
         self._note = several if len(found) > 1 else None
 
-    def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: Memory | None) -> MarkerPose | None:
+    def _pose(
+        self, squares: dict[int, FittedSquare], camera: Camera, last: Memory | None
+    ) -> tuple[MarkerPose | None, Memory | None]:
+        """The pose, and the last frame's memory without a flat marker that was forgotten as it has moved."""
         previous = self._before_jump if last is None else last.pose
         pose, self._sightings = self._members.pose(squares, camera, previous, self.preset.refines_pose)
-        if last is not None:
-            for number in last.corners_px.keys() - range(len(self._members.all)):
-                del last.corners_px[number]  # of a flat marker that was forgotten
-        return pose
+        self._last = last and last.of_members(range(len(self._members.all)))
+        return pose, self._last
 
     def _flowed(self, image: Image, camera: Camera, last: Memory) -> dict[int, FittedSquare]:
         squares = {}

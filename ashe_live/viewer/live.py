@@ -220,7 +220,7 @@ class LiveViewer:
         self.followed.begin_anew(opened.pipeline)
         self._take_up(opened.pipeline)
         self._pipeline.track_with(self._quality.now.tracking)
-        self._session.begin_anew(Steadiness(1) if opened.pipeline.is_photo else Steadiness())
+        self._session.begin_anew(Steadiness.of(opened.pipeline.is_photo))
         self._session.take(opened.first, now_s)
         self._window.set_title(f"ashe-live: {opened.name}")
         return True

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import GOLDEN_ANGLE_RAD, Float
 
 Lit = tuple[Float, Float]  # (3,) what a light gives to the open table, and (m, 2) points whose hull its shadow is
 
@@ -53,7 +53,7 @@ def part_from_facet(corners: Float, x: Float, y: Float) -> Float:
 def _places_before(normal: Float, place: Float) -> Float:
     """(n, 2) where rays from a facet meet the table: each stands for one of RAYS equal parts of all that reaches it."""
     number = np.arange(RAYS) + 0.5
-    radius, angle = np.sqrt(number / RAYS), number * math.pi * (3 - math.sqrt(5))
+    radius, angle = np.sqrt(number / RAYS), number * GOLDEN_ANGLE_RAD
     aside = np.linalg.svd(normal[None])[2][1:]
     rays = (radius * np.cos(angle))[:, None] * aside[0] + (radius * np.sin(angle))[:, None] * aside[1]
     rays += np.sqrt(1 - radius**2)[:, None] * normal

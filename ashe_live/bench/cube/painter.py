@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ashe_live.bench.cube.bounce import light_from_table, part_from_facet
 from ashe_live.bench.cube.painted_scene import CubeScene, PaintedLight, hull_of, level_of, on_table
-from ashe_live.core.arrays import Float, Float32, Image
+from ashe_live.core.arrays import GOLDEN_ANGLE_RAD, Float, Float32, Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.transforms import image_from_plane
@@ -181,7 +181,7 @@ def _disc(one: PaintedLight) -> Float:
     to_light = one.point[:3] / np.linalg.norm(one.point[:3])
     aside = np.linalg.svd(to_light[None])[2][1:]
     number = np.arange(DISC)
-    radius, angle = np.sqrt((number + 0.5) / DISC) * math.tan(one.size_rad / 2), number * math.pi * (3 - math.sqrt(5))
+    radius, angle = np.sqrt((number + 0.5) / DISC) * math.tan(one.size_rad / 2), number * GOLDEN_ANGLE_RAD
     spread = radius[:, None] * (np.cos(angle)[:, None] * aside[0] + np.sin(angle)[:, None] * aside[1])
     points = np.empty((DISC, 4))
     points[:, :3] = np.linalg.norm(one.point[:3]) * (to_light + spread)

@@ -26,6 +26,7 @@ from ashe_live.bench.judge.validation import (
     scores_by_others,
 )
 from ashe_live.core.contract import Json
+from ashe_live.errors import UserError
 from ashe_live.files.writing import write_json
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import PRESETS, ProxySteps
@@ -87,6 +88,8 @@ class JudgeBench(Bench):
     def parts(self) -> Iterator[Json]:
         cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit : self.every]]
         cases = [case for case in cases if case.to_lights_marker is not None]
+        if not cases:
+            raise UserError("there is no picture with a known light in these sets", "give a training set of scenes")
         few = cases[::FIRST_EVERY]
         first = self._pictures(few, Judge(first_tables()), f"{len(few)} of {len(cases)} pictures", FIRST_TRIED)
         splits = splits_score(first)

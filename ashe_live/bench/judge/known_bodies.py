@@ -23,6 +23,7 @@ from ashe_live.bench.judge.validation import Pictures, judged, scores_by_others
 from ashe_live.bench.light.known_casters import caster_specs
 from ashe_live.core.caster import parsed_caster
 from ashe_live.core.contract import Json
+from ashe_live.errors import UserError
 from ashe_live.files.writing import write_json
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
@@ -89,6 +90,10 @@ class KnownBodiesBench(Bench):
             for case in read_cases(folder)[: self.limit]
             if case.id in specs and case.to_lights_marker is not None
         ]
+        if not known:
+            raise UserError(
+                "there is no box, cylinder or sphere with a known light in these sets", "give a training set of scenes"
+            )
         looked = partial(_looked_at, json.dumps(judge.tables.as_json()))
         return in_processes(looked, known[:: self.every], self.jobs, self.console, "known casters")
 

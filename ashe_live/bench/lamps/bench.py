@@ -31,7 +31,7 @@ class LampBench(Bench):
     which it errs beyond what the ground's noise and unevenness explain give FALL_ERROR_SHARE.
     """
 
-    SCHEMA: ClassVar[int] = 1
+    SCHEMA: ClassVar[int] = 2
 
     scenes: Sequence[Path]
     limit: int | None = None  # number of pictures of each folder, the first ones; None: all
@@ -39,7 +39,8 @@ class LampBench(Bench):
     def parts(self) -> Iterator[Json]:
         cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit]]
         looked_at = track(cases, "pictures", console=self.console, transient=True)
-        found = {case.id: error for case in looked_at if (error := fall_error(case, BALANCED)) is not None}
+        several = ((case, fall_error(case, BALANCED)) for case in looked_at)
+        found = {f"{case.folder}/{case.id}": error for case, error in several if error is not None}
         groups = _by_deviance(list(found.values()))
         used = groups["all that tell"]
         if len(used) < FEWEST:

@@ -54,17 +54,17 @@ def print_takes(console: Console, results: Sequence[TakeResult]) -> None:
         for span, of_span in grouped_by_span(members).items():
             for views in dict.fromkeys(each.views for each in of_span):
                 some = summarise([each.result for each in of_span if each.views == views])
-                answered = [each for each in of_span if each.views == views and each.result.is_lit]
-                p95 = p95_deg([each.result for each in answered])
+                lit = [each for each in of_span if each.views == views and each.result.is_lit]
+                p95 = p95_deg([each.result for each in lit])
                 table.add_row(
                     span,
                     str(views),
-                    str(len(answered)),
-                    percent(share([each.result.is_answered for each in answered])),
+                    str(len(lit)),
+                    percent(share([each.result.is_answered for each in lit])),
                     degrees(some.median_deg),
                     degrees(p95),
                     *map(percent, (some.within_1_sigma, some.within_ellipse_95, some.bad_share)),
-                    fraction(_mean([each.result.confidence for each in answered])),
+                    fraction(_mean([each.result.confidence for each in lit])),
                     "-" if some.median_ms is None else f"{some.median_ms:.0f}",
                 )
         console.print(table)

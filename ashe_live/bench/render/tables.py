@@ -34,7 +34,7 @@ def print_render_figures(console: Console, record: Json) -> None:
     for name, row in record["lamps"].items():
         pairs_of_ms = ((row["sun"], row["lamp"]), (row["sun_cpu"], row["lamp_cpu"]))
         lamps.add_row(name, *(f"{ms:.2f}" for sun, lamp in pairs_of_ms for ms in (sun, lamp, lamp / sun)))
-    pairs = [_pairs(record["pairs"])] if record["pairs"] else []
+    pairs = [pairs_table(record["pairs"])] if record["pairs"] else []
     for table in (loop, costs, lamps, errors, scene_table(record["errors"]), *pairs):
         console.print(table)
     memory = record["memory"]
@@ -73,7 +73,7 @@ def _size(size: list[int]) -> str:
     return f"{size[0]}x{size[1]}"
 
 
-def _pairs(rows: list[Json]) -> Table:
+def pairs_table(rows: list[Json]) -> Table:
     """A row a preset; medians of borders and relief, means of the others, of the scenes in which each is told."""
     table = figures_table(
         "against photos of the same with the model",
@@ -93,7 +93,7 @@ def _pairs(rows: list[Json]) -> Table:
         means = [
             float(np.nanmean([row[key] for row in own])) for key in ("ground_de", "paper_de", "model_de", "hidden_de")
         ]
-        flip = float(np.mean([row["flip"] for row in own]))
+        flip = float(np.nanmean([row["flip"] for row in own]))
         seams = str(sum(row["seam_px"] for row in own))
         reliefs = ("relief_ratio", "hidden_relief_ratio")
         border = float(np.nanmedian([row["border_ratio"] for row in own]))

@@ -75,14 +75,14 @@ class TrackBench(Bench):
     def _measured(self) -> Json:
         # First, so that an unreadable folder is reported at once.
         clips: list[ClipFigures] = [] if self.real is None else follow_clips(self.real, self.preset)
-        seen = {folder.name: look_at(read_cases(folder), self.preset) for folder in self.scenes}
+        seen = [(folder.resolve().name, look_at(read_cases(folder), self.preset)) for folder in self.scenes]
         figures = list(self._figures())
-        for name, own in seen.items():
+        for name, own in seen:
             figures += certainty_figures(name, own)
         print_figures(self.console, figures)
         fit = None
         if seen and not self.quick:
-            fit = asdict(fitted([one for own in seen.values() for one in own]))
+            fit = asdict(fitted([one for _, own in seen for one in own]))
             print_errors(self.console, asdict(FITTED), fit)
         if clips:
             print_clips(self.console, clips)

@@ -52,14 +52,24 @@ def follow_clips(folder: Path, preset: TrackingPreset) -> list[ClipFigures]:
         raise UserError(f"{path} is no list of clips ({error})", "it needs `marker` and `clips`") from error
 
 
-def trembling_px(poses: Sequence[Float], camera: Camera, side_m: float) -> float:
-    """Median second difference of the corners projected by `poses` (4, 4) of consecutive frames, over sqrt(6).
+def trembling_px(poses: Sequence[Float | None], camera: Camera, side_m: float) -> float:
+    """Median second difference of the corners projected by the `poses` (4, 4) of a clip's frames, over sqrt(6).
 
     A hand's motion is nearly linear over three frames, whereas white noise has a second difference of sqrt(6) sigma.
+    Frames without a pose, None, have no neighbours.
     """
-    corners = np.array([project(camera, T, square_corners(side_m)) for T in poses])
-    bends = corners[2:] - 2 * corners[1:-1] + corners[:-2]
-    return float(np.median(np.linalg.norm(bends, axis=2))) / math.sqrt(6) if len(bends) else 0.0
+    unseen = np.full((4, 2), np.nan)
+    corners = np.array([unseen if T is None else project(camera, T, square_corners(side_m)) for T in poses])
+    bends = np.linalg.norm(corners[2:] - 2 * corners[1:-1] + corners[:-2], axis=2) if len(corners) > 2 else np.empty(0)
+    told = bends[np.isfinite(bends)]
+    return float(np.median(told)) / math.sqrt(6) if len(told) else 0.0
+
+
+def largest_turn_deg(markers: Sequence[MarkerPose | None]) -> float:
+    """The largest turn of the surface's normal from one frame of a clip to the next; None where it is not found."""
+    pairs = ((a, b) for a, b in pairwise(markers) if a is not None and b is not None)
+    turns = [angle_between(a.T_cam_marker[:3, 2], b.T_cam_marker[:3, 2]) for a, b in pairs]
+    return math.degrees(max(turns, default=0.0))
 
 
 def _followed(path: Path, pattern: Path, side_m: float, focal_px: float, preset: TrackingPreset) -> ClipFigures:
@@ -73,15 +83,13 @@ def _followed(path: Path, pattern: Path, side_m: float, focal_px: float, preset:
             markers.append(tracked.marker)
             times_ms.append(tracked.detect_ms)
     found = [marker for marker in markers if marker is not None]
-    normals = [marker.T_cam_marker[:3, 2] for marker in found]
-    turns = [angle_between(a, b) for a, b in pairwise(normals)]
     return ClipFigures(
         path.name,
         len(markers),
         len(found) / max(1, len(markers)),
         sum(marker.bridged for marker in found),
-        math.degrees(max(turns, default=0.0)),
-        trembling_px([marker.T_cam_marker for marker in found], camera, side_m),
-        trembling_px([marker.measured_T_cam_marker for marker in found], camera, side_m),
+        largest_turn_deg(markers),
+        trembling_px([None if marker is None else marker.T_cam_marker for marker in markers], camera, side_m),
+        trembling_px([None if marker is None else marker.measured_T_cam_marker for marker in markers], camera, side_m),
         float(np.median(times_ms)) if times_ms else 0.0,
     )

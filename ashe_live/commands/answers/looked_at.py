@@ -45,7 +45,7 @@ def look_at(source: Source, tracker: MarkerTracker, wanted: Wanted) -> LookedAt:
     """
     if isinstance(tracker, FocalTracker):
         _learn_focal_length(source, tracker)
-    steadiness = Steadiness(1) if source.is_photo else Steadiness()
+    steadiness = Steadiness.of(source.is_photo)
     kept = KeyViews(max(2, wanted.views))
     frozen: TrackedFrame | None = None
     found: TrackedFrame | None = None

@@ -84,7 +84,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     options = setup.options
     leave_cores_to_renderer()
     policy = EstimatePolicy(not setup.source.is_live, options.estimate_at, options.auto)
-    steadiness = Steadiness(1) if setup.source.is_photo else Steadiness()
+    steadiness = Steadiness.of(setup.source.is_photo)
     first, *others = chosen_models(options)
     side_m, names = setup.tracker.side_m, [other.name for other in others]
     shelf = Shelf(first.name, side_m, options.up, ModelMemory(has_places=not options.headless), names)

@@ -12,8 +12,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.edges.measured_steps import MeasuredSteps, measured_steps
-from ashe_live.light.edges.moved_views import POINTS_PER_SAMPLE, moved_view
+from ashe_live.light.edges.moved_views import moved_view
 from ashe_live.light.edges.nearness import NearnessBySteps, without_offset
+from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE
 from ashe_live.light.edges.step_costs import FEWEST_STEPS, MISSED, StepCosts, mean_costs
 from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, prior_information
@@ -57,7 +58,7 @@ class EdgeFit:
 
     @property
     def _points_per_sample(self) -> float:
-        return POINTS_PER_SAMPLE * max(self.mean_cost, 1.0)
+        return BORDERS_PER_SAMPLE * max(self.mean_cost, 1.0)
 
     @property
     def criterion(self) -> float:
@@ -65,7 +66,7 @@ class EdgeFit:
 
         That penalty is the logarithm of the effective sample size.
         """
-        samples = max(self.count / POINTS_PER_SAMPLE, FEWEST_SAMPLES)
+        samples = max(self.count / BORDERS_PER_SAMPLE, FEWEST_SAMPLES)
         return self.mean_cost * samples / math.log(samples) + len(self.lit.body.shape)
 
 
@@ -111,7 +112,7 @@ class _Seen:
         equations = [view.equations(loss_factor, with_nearness, offset) for view in self.views]
         normal, gradient = (np.sum(each, axis=0) for each in zip(*equations, strict=True))
         if offset:
-            normal, gradient = without_offset(normal, gradient, POINTS_PER_SAMPLE)
+            normal, gradient = without_offset(normal, gradient, BORDERS_PER_SAMPLE)
         bodies, diagonal = self.views[0].bodies, np.arange(normal.shape[1])
         layout = Layout(len(bodies[0].lights), with_nearness)
         normal[:, diagonal, diagonal] += padded([prior_information(one.body.family, layout) for one in bodies])
@@ -123,8 +124,8 @@ class _Seen:
         if self.near is not None:
             at = Layout(1, with_nearness=True).split - 1
             information, towards = self.near.applied(self.views[0].bodies)
-            normal[:, at, at] += POINTS_PER_SAMPLE * information
-            gradient[:, at] += POINTS_PER_SAMPLE * towards
+            normal[:, at, at] += BORDERS_PER_SAMPLE * information
+            gradient[:, at] += BORDERS_PER_SAMPLE * towards
         poses = [view.pose(loss_factor, self.near is not None) if self.moves else None for view in self.views]
         for pose in poses:
             if pose is not None:

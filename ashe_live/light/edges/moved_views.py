@@ -14,11 +14,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import camera_centre, pixels_by_pose, rigid
-from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE
+from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE, POINTS_PER_OUTLINE
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody
 
-POINTS_PER_SAMPLE = 2.3  # points of outlines over their effective sample size, as neighbours' errors are correlated
 HIGHEST = 0.9  # of a point on a body below the camera, over the camera's height
 
 
@@ -70,7 +69,9 @@ class PoseEquations:
         # Points are counted one by one, though neighbours' errors are correlated, and by their own variances, though a
         # body that is no good model misses them by more; so the prior counts as often.
         squares = (weight * offset_px**2)[weight > 0]
-        prior = POINTS_PER_SAMPLE * max(float(squares.mean()) if squares.size else 1.0, 1.0) * np.linalg.inv(covariance)
+        prior = (
+            BORDERS_PER_SAMPLE * max(float(squares.mean()) if squares.size else 1.0, 1.0) * np.linalg.inv(covariance)
+        )
         return PoseEquations(
             weighted @ by_pose.T + prior, weighted @ offset_px - prior @ pose_offset(view), by_theta @ weighted.T
         )

@@ -14,6 +14,8 @@ from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.supports import outline_reaches
 
 POINTS_PER_OUTLINE = 48  # points of an outline at which its border is searched
+BORDERS_PER_SAMPLE = 2.3  # such borders over their effective sample size, as neighbours' errors are correlated
+EXPECTED_SHARE = 0.6  # sigma of the prior on a border's distance from the outline, as a fraction of what is searched
 BENT_PX = 0.01  # a corner that stands out less than this from an edge is taken to lie on it
 FARTHEST_PX = 5e3  # of an outline from the picture's corner
 TURN_RAD = 0.03  # by which a supporting line is rotated to touch one end of a straight edge or the other

@@ -13,7 +13,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.light.edges.outline_points import OutlinePoints
+from ashe_live.light.edges.outline_points import EXPECTED_SHARE, OutlinePoints
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 
@@ -22,7 +22,6 @@ WINDOW_PX = 3.0  # on either side of a step, in which that side's level is measu
 GAP_PX = 0.75  # between the step and either window: the picture's blur
 # Parallel profiles that are averaged, evenly spread over at most so many pixels to either side along the outline.
 PARALLEL, SIDEWAYS_PX = 5, 4.0
-EXPECTED_SHARE = 0.6  # sigma of the prior on a step's distance from the outline, as a fraction of the reach
 NOISE = 2e-4  # variance of linear light, of all three channels together, that any picture has
 # Independent samples in both windows together, as blurred neighbours are correlated; and the distance in pixels over
 # which a blurred step rises. Together they give the variance of a step's place.

@@ -14,8 +14,8 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import Proposal, explained, refined_by_tangents
 from ashe_live.light.explanation.sharpen import Sharpener
-from ashe_live.light.ground.lit_ground import fit_lit_ground
-from ashe_live.light.ground.regions import region_of
+from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
+from ashe_live.light.ground.regions import Region, region_of
 from ashe_live.light.ground.shadow_shift import shift_within
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_each
@@ -50,15 +50,9 @@ def directions_from_labels(
         region = replace(region, view=replace(region.view, is_ground=region.is_ground & ~here(not_ground)))
     body = here(object_mask)
     shadows = tuple(here(mask) & ~body for mask in shadow_masks)
-    shifts = []
-    for i, shadow in enumerate(shadows):
-        alone = np.logical_and.reduce(
-            [shadow & region.is_ground, *(~other for other in shadows[:i] + shadows[i + 1 :])]
-        )
-        shift = shift_within(region.colours[alone], ground)
-        if shift is None:
-            return None
-        shifts.append(shift)
+    shifts = _shifts_alone(shadows, region, ground)
+    if shifts is None:
+        return None
     # As everywhere, the deeper shadow's light comes first.
     order = sorted(range(len(shadows)), key=lambda i: shifts[i][0])
     parts = tuple(shadows[i] for i in order)
@@ -71,6 +65,17 @@ def directions_from_labels(
         return None
     (sharp,) = Sharpener.of([fine]).sharpened([refined_by_tangents(found)])
     return [sharp.lights[order.index(i)].to_light_marker for i in range(len(order))]
+
+
+def _shifts_alone(shadows: Sequence[Mask], region: Region, ground: LitGround) -> list[Float] | None:
+    """(3,) the shift of the ground's colours in each of the shadows (h, w) alone; None where one shows too little."""
+    shifts = []
+    for shadow in shadows:
+        others = [~other for other in shadows if other is not shadow]
+        alone = np.logical_and.reduce([shadow & region.is_ground, *others])
+        shifts.append(shift_within(region.colours[alone], ground))
+    known = [shift for shift in shifts if shift is not None]
+    return known if len(known) == len(shadows) else None
 
 
 def _resized(mask: Mask, size: tuple[int, int]) -> Mask:

@@ -18,60 +18,24 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.edges.outline_points import (
-    POINTS_PER_OUTLINE,
-    OutlinePoints,
-    are_in_view,
-    derivatives_by_theta,
-    evenly_spaced,
-)
-from ashe_live.light.explanation.borders import Borders, borders_at
+from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE
+from ashe_live.light.explanation.normal_equations import PlacedBody, added_up, normal_equations, placed_in
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.outline_fit.search import damped_steps, offset_of_lights, prior_information
+from ashe_live.light.outline_fit.search import offset_of_lights
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.family import padded
 from ashe_live.light.shape.layout import Layout, light_parameters
-from ashe_live.light.shape.predicted import Predicted, lit_outlines, painted
 from ashe_live.light.shape.sight import Sight
 
-# Search range for a border on either side of the outline: a fraction of the object's size in each round, and the least.
-SEARCH_RANGES, LEAST_RANGE_PX = (0.14, 0.1, 0.06, 0.05), 3.0
-OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # scale of Cauchy's loss in the last round: of the object's size, and at least
-EARLY_LOSS_FACTOR = 3.0  # times that scale in the rounds before
+# Search range for a border on either side of the outline: a fraction of the object's size in each round.
+SEARCH_RANGES = 0.14, 0.1, 0.06, 0.05
+EARLY_LOSS_FACTOR = 3.0  # times the scale of Cauchy's loss in all rounds but the last
 # Penalty per parameter: the ln n of the Bayesian information criterion, n the region's pixels, times the number of
 # pixels whose errors are correlated, as a colour model is wrong over whole patches.
 COST_PER_PARAMETER = 250.0
 # Number of bodies, each of another family, that are moved. The second costs 6 % of an estimate's time; of 250 training
 # pictures 13 answers are sure and wrong with it, and 18 without.
 TRIED_BODIES = 2
-LEAST_OBJECT_PX = 30  # area that the size of smaller silhouettes is counted by
 WIDEST_NEARNESS = 10.0  # one over the body's size: sigma of the prior on nearness, for lights that no border constrains
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlacedBody:
-    """A body in a picture, and the region's total unary cost with it there."""
-
-    lit: LitBody
-    sight: Sight  # pixels are counted from near the object, which keeps the derivatives well conditioned
-    costs: Costs
-    hulls_px: list[Float | None]  # (m, 2) the outlines of the body and of its shadows
-    predicted: Predicted
-    cost: float
-
-    @property
-    def object_px(self) -> float:
-        """The object's size in pixels: the square root of its silhouette's area."""
-        return math.sqrt(max(int(np.count_nonzero(self.predicted.body)), LEAST_OBJECT_PX))
-
-    @property
-    def outlier_px(self) -> float:
-        return max(OUTLIER_SHARE * self.object_px, OUTLIER_PX)
-
-    @property
-    def is_in_view(self) -> bool:
-        """Whether all its outlines can be projected, and none of them is unreasonably large."""
-        return are_in_view(self.hulls_px)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,9 +85,7 @@ def lights_as_lamps(several: Sequence[PlacedBody]) -> tuple[Float, Float]:
     lit = several[0].lit
     layout = Layout(len(lit.lights), with_nearness=True)
     pull = normal_equations(several, SEARCH_RANGES[-1], 1.0, layout.with_nearness)
-    normal, gradient = pull.normal.sum(axis=0), pull.gradient.sum(axis=0)
-    prior, diagonal = prior_information(lit.body.family, layout), np.arange(len(normal))
-    normal[diagonal, diagonal] -= (len(several) - 1) * prior  # which each view's includes
+    normal, gradient = added_up(pull.normal, lit.body.family, layout), pull.gradient.sum(axis=0)
     nearness = [layout.light(i).stop - 1 for i in range(layout.lights)]
     normal[nearness, nearness] += 1 / WIDEST_NEARNESS**2
     return offset_of_lights(normal, gradient, layout)
@@ -156,64 +118,6 @@ def _aligned(several: Sequence[Start], ranges: Sequence[float]) -> list[Alignmen
     cheapest = [min((next(each) for _ in bodies), key=criterion) for bodies in tried]
     seen = iter(measured([one for one in cheapest if one.is_in_view]))
     return [next(seen) if one.is_in_view else None for one in cheapest]
-
-
-def placed_in(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[PlacedBody]:
-    """Projects and paints each body in its picture, and adds up the unary costs."""
-    if not several:
-        return []
-    outlines = lit_outlines([lit for lit, _, _ in several], [Sight.of(costs.region.view) for _, _, costs in several])
-    found = []
-    for (lit, sight, costs), hulls in zip(several, outlines, strict=True):
-        predicted = painted(hulls, costs.as_object.shape)
-        found.append(PlacedBody(lit, sight, costs, hulls, predicted, costs.of(predicted)))
-    return found
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class NormalEquations:
-    """Weighted normal equations of n bodies, from the residuals at r = (1 + l) p points of their outlines."""
-
-    borders: Borders
-    offset_px: Float  # (n, r) distance of each border outside of the outline
-    weight: Float  # (n, r) information of each border, reduced for outliers
-    by_theta: Float  # (n, split + q, r) derivatives of the points' outward movement by theta
-    normal: Float  # (n, split + q, split + q) information matrix of theta, the prior included
-    places: OutlinePoints  # the points, p on each of n (1 + l) outlines
-
-    @property
-    def gradient(self) -> Float:
-        """(n, split + q) towards the borders."""
-        return np.asarray((self.by_theta @ (self.weight * self.offset_px)[..., None])[..., 0])
-
-    def steps(self) -> Float:
-        """(n, split + q) damped Gauss-Newton steps of theta towards the borders."""
-        return damped_steps(self.normal, self.gradient)
-
-
-def normal_equations(
-    several: Sequence[PlacedBody], range_share: float, loss_factor: float, with_nearness: bool = False
-) -> NormalEquations:
-    """Sets up the normal equations of bodies in view, with borders searched within `range_share` of the object's size.
-
-    loss_factor: factor on the scale of Cauchy's loss. with_nearness: as in the Layout of theta.
-    """
-    n, outlines = len(several), len(several[0].hulls_px)
-    reach_px = np.array([max(range_share * one.object_px, LEAST_RANGE_PX) for one in several])
-    sides = [
-        side for one, reach in zip(several, reach_px, strict=True) for side in one.costs.sides(one.predicted, reach)
-    ]
-    points = evenly_spaced([hull for one in several for hull in one.hulls_px if hull is not None])
-    borders = borders_at(points, sides, reach_px.repeat(outlines))
-    away = borders.offset_px.reshape(n, -1)
-    scale_px = np.array([[loss_factor * one.outlier_px] for one in several])
-    weight = borders.information.reshape(n, -1) / (1 + (away / scale_px) ** 2)
-    by_theta = derivatives_by_theta([one.lit for one in several], [one.sight for one in several], points, with_nearness)
-    normal = (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2)
-    diagonal = np.arange(normal.shape[1])
-    layout = Layout(len(several[0].lit.lights), with_nearness)
-    normal[:, diagonal, diagonal] += padded([prior_information(one.lit.body.family, layout) for one in several])
-    return NormalEquations(borders, away, weight, by_theta, normal, points)
 
 
 def measured(several: Sequence[PlacedBody]) -> list[Alignment]:

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.light.edges.outline_points import OutlinePoints
+from ashe_live.light.edges.outline_points import EXPECTED_SHARE, OutlinePoints
 from ashe_live.light.labels.costs import Side
 
 STEPS = 33  # samples of the search along the normal at a point, from inside to outside
-EXPECTED_SHARE = 0.6  # sigma of the prior on a border's distance from the outline, as a fraction of the reach
 # Pixels over their effective sample size: the picture is blurred and costs are smoothed, so neighbours are correlated.
 PIXELS_PER_SAMPLE = 2.0
 LEAST_VARIANCE = 0.35**2

@@ -26,11 +26,10 @@ from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import fitted_lights, information_on_displacement
 from ashe_live.light.shape.layout import nearness_of
-from ashe_live.light.shape.outlines.silhouettes import observe_outlines
+from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, observe_outlines
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
 
-EDGE_SIGMA_PX = 0.7  # standard deviation of the masks' edges from the truth
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
 LOWEST_Z = 0.03  # of a light's direction: lower ones do not serve as a start of a fit, as their shadows are too long
 FEW_PX = 20  # of a silhouette: too few to learn an object's colours from

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.outline_fit.search import information_on_lights
 from ashe_live.light.shape.directions import (
@@ -12,10 +13,9 @@ from ashe_live.light.shape.directions import (
     with_hemisphere_prior,
 )
 
-# The number of borders over their effective sample size, as errors of neighbouring borders are correlated; and the
-# misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. What
-# the two do not explain is fitted as the overdispersion of `uncertainty.Calibration`.
-BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE = 2.3, 0.007
+# The misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders.
+# What this and BORDERS_PER_SAMPLE do not explain is fitted as the overdispersion of `uncertainty.Calibration`.
+MODEL_ERROR_SHARE = 0.007
 
 
 def lights_of(alignment: Alignment) -> tuple[FittedLight, ...]:

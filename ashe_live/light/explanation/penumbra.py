@@ -5,12 +5,12 @@ import math
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Float32, Mask
+from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import along_sides
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.core.types import Light, MarkerPose, TrackedFrame
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.pixels.areas import grown
@@ -62,20 +62,30 @@ def soft_size(proxy: Proxy, light: Float, tracked: TrackedFrame) -> float | None
     that the edges of the marker's black square have.
     """
     assert tracked.marker is not None
+    picture, camera, corners_px = _without_distortion(tracked.frame.image_bgr, tracked.camera, tracked.marker)
     scale = max(1.0, tracked.frame.size[0] / FINE_WIDTH_PX)
-    sides, normals = along_sides(tracked.marker.corners_px, MARKER_PLACES)
+    sides, normals = along_sides(corners_px, MARKER_PLACES)
     normals = np.repeat(normals, len(MARKER_PLACES), axis=0)
-    blur = border_widths(tracked.frame.image_bgr, sides.reshape(-1, 2), normals, MARKER_REACH * scale)
-    places, outward, spreads = _outline(proxy, light, tracked.camera, tracked.marker.T_cam_marker)
+    blur = border_widths(picture, sides.reshape(-1, 2), normals, MARKER_REACH * scale)
+    places, outward, spreads = _outline(proxy, light, camera, tracked.marker.T_cam_marker)
     if not np.isfinite(blur).any() or not len(places):
         return None
-    widths = border_widths(tracked.frame.image_bgr, places, outward, scale)
+    widths = border_widths(picture, places, outward, scale)
     told = np.isfinite(widths) & (spreads > LEAST_SPREAD_PX)
     if told.sum() < FEWEST_PLACES:
         return None
     added = np.sqrt(np.maximum(widths[told] ** 2 - np.nanmedian(blur) ** 2, 0))
     low, size, high = np.percentile(added / (DISC_SIGMAS * spreads[told]), (25, 50, 75))
     return float(size) if LEAST_SOFT_RAD < size < LARGEST_RAD and high < MOST_SPREAD_OUT * low else None
+
+
+def _without_distortion(picture: Image, camera: Camera, marker: MarkerPose) -> tuple[Image, Camera, Float]:
+    """The picture (h, w, 3), its camera, and the marker's corners (4, 2) in it, as a pinhole camera has them."""
+    if not camera.is_distorted:
+        return picture, camera, marker.corners_px
+    straight = cv2.undistort(np.asarray(picture), camera.K, camera.dist)
+    corners_px = cv2.undistortPoints(marker.corners_px[:, None], camera.K, camera.dist, P=camera.K)[:, 0]
+    return np.asarray(straight, np.uint8), camera.without_distortion(), np.asarray(corners_px, np.float64)
 
 
 def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predicted, view: View) -> float | None:

@@ -8,9 +8,10 @@ import numpy as np
 from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
-from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, PlacedBody, measured, placed_in
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, measured
 from ashe_live.light.explanation.explain import refined_by_tangents
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
+from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody, NearnessPrior
@@ -36,13 +37,7 @@ class Sharpener:
 
     def seen_from(self, views: Sequence[View]) -> "Sharpener":
         """With the poses of those of the views, at any size, that are of the same pictures."""
-        poses = [next((v.T_cam_marker for v in views if p.view.shows(v.measured)), None) for p in self.pictures]
-        return Sharpener(
-            [
-                picture if pose is None else replace(picture, view=replace(picture.view, T_cam_marker=pose))
-                for picture, pose in zip(self.pictures, poses, strict=True)
-            ]
-        )
+        return Sharpener([replace(picture, view=picture.view.seen_from(views)) for picture in self.pictures])
 
     def sharpened(self, several: Sequence[Explanation], near: NearnessPrior | None = None) -> list[Explanation]:
         """Each explanation by the body and the lights that agree best with the steps of light.

@@ -12,14 +12,13 @@ from ashe_live.light.edges.steps import steps_across
 from ashe_live.light.hull.labelled import Labelled
 from ashe_live.light.hull.supports import Planes, ShadowLines, SupportFunction, planes_of_lines, shadow_lines
 from ashe_live.light.pixels.areas import areas_by_size, grown, majority, shrunk
-from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
+from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, Outlines, observe_outlines
 from ashe_live.light.shape.predicted import Predicted
+from ashe_live.light.views.joint import views_as_one
 
 DIRECTIONS = 24  # of tangents in each view
-EDGE_SIGMA_PX = 0.7  # standard deviation of a mask's edge
 REACH_PX = 5.0  # of the full picture, within which a tangent's step of light is looked for
 STEP_SIGMA_PX, UNSEEN_SIGMA_PX = 0.5, 1.5  # standard deviation of a tangent on a step of light, and where none is seen
-SHARED = 0.3  # correlation between views of a shadow border's errors, as where a body is aligned in several
 NEAR_PX = 2  # of a hull's silhouette: so far from it labels decide
 LEAST_LINES = 6  # tangents of shadows, in all views
 HALF_SIZE = 0.6  # a body's half size over the root of its silhouette's area: between a disc's 0.56 and a square's 0.71
@@ -43,7 +42,7 @@ def shape_and_shadow(
     planes: list[Planes] = []
     shadows: list[ShadowLines] = []
     sizes_m = []
-    shared = math.sqrt(1 + SHARED * (len(views) - 1))
+    shared = math.sqrt(views_as_one(len(views)))  # as where a body is aligned in several views
     for view, seen in zip(views, masks, strict=True):
         body, shadow = _relabelled(view, seen)
         outlines = observe_outlines(body, [shadow], view.unreliable, DIRECTIONS, EDGE_SIGMA_PX)

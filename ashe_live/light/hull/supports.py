@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE
 from ashe_live.light.shape.directions import displacement_of
 
 # Standard deviation of h about a ball's, over half the body's size: a cube's is 0.2, a pole's 0.5. Its correlation
@@ -21,8 +22,6 @@ ROUGHNESS, CHORD = 0.35, 0.8
 ANYWHERE_M, ANY_SIZE = 1.0, 2.0  # standard deviations of the place, and of the radius over half the body's size
 ON_GROUND_M = 1e-4  # standard deviation of the lowest point's height: the body stands
 OUTLIER, WIDENED, ROUNDS = 2.5, 1.7, 4  # beyond so many sigmas of what all others predict, a sigma is widened
-# Errors of neighbouring tangents are correlated: their number over the effective sample size, as of borders.
-TANGENTS_PER_SAMPLE = 2.3
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +81,7 @@ class SupportFunction:
         factor = np.linalg.cholesky(spread)
         whitened = np.linalg.solve(factor, off)
         log_likelihood = -0.5 * whitened @ whitened - np.log(np.diag(factor)).sum() - np.log(length).sum()
-        return float(log_likelihood) / TANGENTS_PER_SAMPLE
+        return float(log_likelihood) / BORDERS_PER_SAMPLE  # a tangent's error is that of the border it touches
 
     def without_outliers(self, shadow: ShadowLines, to_light: Float) -> ShadowLines:
         """The tangents, those that disagree with the others in a light with a larger sigma."""

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float32, Mask, set_frozen
+from ashe_live.core.arrays import Float, Float32, Mask, set_frozen
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.materials import Materials
 from ashe_live.light.pixels.areas import grown
@@ -35,6 +35,10 @@ class Costs:
 
     def __post_init__(self) -> None:
         set_frozen(self, trusted=~self.region.unreliable)
+
+    def with_pose(self, T_cam_marker: Float) -> "Costs":
+        """The same pixels' costs, seen by a camera with another pose (4, 4)."""
+        return replace(self, region=self.region.with_pose(T_cam_marker))
 
     def of(self, masks: Predicted) -> float:
         """Total unary cost of the region's ground pixels under the labels of the masks (docs/maths.md, (15))."""

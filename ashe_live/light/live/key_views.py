@@ -16,12 +16,13 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.ranges import VIEWS
-from ashe_live.core.transforms import project, view_direction
+from ashe_live.core.transforms import transform_points, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.views.which import span_rad
 
 MOST_VIEWS = int(VIEWS.high)
-# The widest picture that a preset of the estimator works on; halving keeps at least that.
+# The widest picture that a preset of the estimator works on; halving keeps at least that of a landscape picture, where
+# MOST_PIXELS allow it.
 WORKING_WIDTH_PX = 640
 MOST_BYTES = 40e6  # of all pictures together
 MOST_PIXELS = MOST_BYTES / MOST_VIEWS / 3
@@ -183,20 +184,15 @@ def blur_px(tracked: TrackedFrame) -> float:
     """Standard deviation of the blur at the marker's corner, in pixels, across the more blurred of its two sides.
 
     The border of a black square on white paper is a step: blurred by a normal distribution of deviation s, its steepest
-    slope is its height over s sqrt(2 pi). Both sides are measured, as motion along one of them blurs only the other. On
-    a body with prints on its faces, the blur is measured at its middle, along the picture's axes. Infinity where there
-    is nothing to measure.
+    slope is its height over s sqrt(2 pi). Both sides are measured, as motion along one of them blurs only the other. Of
+    the corners it is the first in the picture. On a body with prints on its faces, the blur is measured at its middle,
+    along the picture's axes. Infinity where there is nothing to measure.
     """
-    marker = tracked.marker
-    if marker is None:
+    measured = _corner_in_picture(tracked)
+    if measured is None:
         return math.inf
-    place, sides = marker.corners_px[0], marker.corners_px[[1, 3]] - marker.corners_px[0]
-    if marker.body is not None:
-        place = project(tracked.camera, marker.T_cam_marker, [(0.0, 0.0, marker.side_m / 2)])[0]
-        sides = np.eye(2)
-    if not (np.isfinite(place).all() and sides.any(axis=1).all()):
-        return math.inf
-    left, top = np.clip(np.round(place) - CROP_PX // 2, 0, 1e6).astype(int)
+    place, sides = measured
+    left, top = np.maximum(np.round(place) - CROP_PX // 2, 0).astype(int)
     crop = tracked.frame.image_bgr[top : top + CROP_PX, left : left + CROP_PX]
     if min(crop.shape[:2]) < 3:
         return math.inf
@@ -211,3 +207,18 @@ def blur_px(tracked: TrackedFrame) -> float:
     rank = int(0.99 * len(across_x))
     slope = min(float(np.partition(np.abs(x * across_x + y * across_y), rank)[rank]) for x, y in normals)
     return height / (slope * math.sqrt(2 * math.pi)) if height > 0 and slope > 0 else math.inf
+
+
+def _corner_in_picture(tracked: TrackedFrame) -> tuple[Float, Float] | None:
+    """(2,) where in the picture the blur is measured, and (2, 2) the two sides across which it is; None for nowhere."""
+    marker, camera = tracked.marker, tracked.camera
+    if marker is None:
+        return None
+    if marker.body is not None:
+        middle_cam = transform_points(marker.T_cam_marker, [(0.0, 0.0, marker.side_m / 2)])
+        seen, _ = cv2.projectPoints(middle_cam, np.zeros(3), np.zeros(3), camera.K, camera.dist)
+        corners = [(seen[0, 0], np.eye(2))]
+    else:
+        corners = [(at, marker.corners_px[[i - 1, (i + 1) % 4]] - at) for i, at in enumerate(marker.corners_px)]
+    inside = (each for each in corners if (each[0] >= 0).all() and (each[0] <= np.array(camera.size) - 1).all())
+    return next(((place, sides) for place, sides in inside if sides.any(axis=1).all()), None)

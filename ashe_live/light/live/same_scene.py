@@ -1,7 +1,7 @@
 """Decides whether two views show the same scene, by comparing their ground and shadows on the marker's plane.
 
 Both views are drawn onto the plane, with ten cells to the marker's side, and brought to one exposure. Where they still
-differ, there is either a thing above the plane, which shifts between the views by at most its height times the
+differ, there is either a thing above the plane, which shifts between the views by about its height times the
 difference of their slopes, or something has changed: the light, an object, or the marker's place. Views from very
 different directions cannot be compared.
 """

@@ -8,7 +8,6 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 from multiprocessing.connection import Connection
 from types import TracebackType
@@ -182,16 +181,6 @@ def _send(connection: Connection, request: Request) -> None:
 def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
     try:
         while True:
-            outcome: Outcome = receive_value(connection)
-            if isinstance(outcome, Answer) and outcome.estimate is not None:
-                outcome = replace(outcome, estimate=_refrozen(outcome.estimate))
-            outcomes.put(outcome)
+            outcomes.put(receive_value(connection))
     except (EOFError, OSError):
         outcomes.close(EOFError())
-
-
-def _refrozen(estimate: LightEstimate) -> LightEstimate:
-    """The estimate with its arrays checked and read-only again, as unpickling makes them writable."""
-    found = estimate.illumination
-    lights, body = tuple(replace(light) for light in found.lights), found.real_object and replace(found.real_object)
-    return replace(estimate, illumination=replace(found, lights=lights, real_object=body))

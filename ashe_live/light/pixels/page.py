@@ -11,6 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import PAGE_FOOT_MM
 from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb
 from ashe_live.light.pixels.page_lines import (
     BESIDE,
@@ -22,11 +23,8 @@ from ashe_live.light.pixels.page_lines import (
     around,
     largest_beside,
 )
-from ashe_live.light.pixels.sheet import ADDED, Sheet
+from ashe_live.light.pixels.sheet import ADDED, LARGEST_SHEET, Sheet
 
-# From the marker's centre to a page's far end, in sides: a smaller sheet is a marker with its margin, on which nothing
-# stands.
-LEAST = 1.1
 EVEN = 0.1  # largest difference between a page's right and left
 # Least share, and number, of the lines beside the marker that end together where a side's paper does, as shadows and
 # objects end the others; and of lines all along that side.
@@ -36,7 +34,7 @@ MOST = 0.75  # share of the lines both right and left that end together, above w
 SIDES = 2  # of a page whose ends are seen, at least
 ALIKE = 0.2  # log-opponent distance within which two changes of colour are alike
 # Width and height of pages (mm) as they are printed: the marker is in their middle above a foot.
-PRINTED_MM, FOOT_MM = ((210, 297), (215.9, 279.4), (297, 420)), 45
+PRINTED_MM = (210, 297), (215.9, 279.4), (297, 420)
 PLACED = 0.06  # how far, in sides, an end may be from where it is on such a page
 
 
@@ -45,14 +43,15 @@ class Page:
     """Where a page ends right, above, left and below of the marker's centre, in its sides; and what lies around it."""
 
     ends: tuple[float, ...]
-    is_seen: tuple[bool, ...]  # whether that end is; if not, it is not told what is paper and what ground beyond LEAST
+    # Whether that end is; if not, it is not told what is paper and what ground beyond LARGEST_SHEET.
+    is_seen: tuple[bool, ...]
     ground_over_paper: tuple[float, ...]  # linear RGB
     paper: tuple[float, ...]  # log-opponent colour where it is lit
 
     def between(self, side_m: float) -> list[Float]:
         """(4, 3) m each, marker frame: the corners of areas along its border that may be paper or ground."""
         right, above, left, below = (end + ADDED for end in self.ends)
-        begins = [(end if seen else LEAST) - ADDED for end, seen in zip(self.ends, self.is_seen, strict=True)]
+        begins = [(end if seen else LARGEST_SHEET) - ADDED for end, seen in zip(self.ends, self.is_seen, strict=True)]
         return [
             Sheet(right, above, -begins[0], below).corners(side_m),
             Sheet(right, above, left, -begins[1]).corners(side_m),
@@ -96,7 +95,7 @@ def _is_page(ends: Float, seen: Mask) -> bool:
     """
     right, _, left, _ = ends
     upright = bool(seen[[0, 2]].all() and abs(right - left) < EVEN)
-    large = seen & (ends >= LEAST)
+    large = seen & (ends >= LARGEST_SHEET)
     return int(np.count_nonzero(seen)) >= SIDES and bool(large.any() if upright else (large == seen).all())
 
 
@@ -133,7 +132,7 @@ def _as_printed(lines: PageLines, half: int | None, ground: Float) -> Float:
     if half is None:
         return none
     across, up, down = (
-        np.array(each) for each in zip(*((w, h - FOOT_MM, h + FOOT_MM) for w, h in PRINTED_MM), strict=True)
+        np.array(each) for each in zip(*((w, h - PAGE_FOOT_MM, h + PAGE_FOOT_MM) for w, h in PRINTED_MM), strict=True)
     )
     places = lines.outwards[half] * np.column_stack([across, up, across, down]) / across[:, None]
     there = np.zeros(places.shape)

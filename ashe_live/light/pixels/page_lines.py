@@ -11,10 +11,11 @@ from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.sheet import PAPER_FROM
 
-# Distances from the marker's centre, in its sides: from where on there is paper, and how far its end is looked for. The
-# lower end of an A4 page lies 3.4 sides below a marker of 50 mm.
-PAPER, FARTHEST = 0.555, 3.6
+# Distance from the marker's centre, in its sides, up to which paper's end is looked for: the lower end of an A4 page
+# lies 3.4 sides below a marker of 50 mm.
+FARTHEST = 3.6
 STEP = 0.02  # between samples
 LINES = 24  # of samples across a side
 BESIDE = 0.45  # their reach from a side's middle: across the marker's square alone
@@ -49,7 +50,7 @@ class PageLines:
 
         image_bgr: (h, w, 3) without distortion.
         """
-        outwards = np.arange(PAPER, FARTHEST, STEP)
+        outwards = np.arange(PAPER_FROM, FARTHEST, STEP)
         right, above, left, below = reaches
         out, y = np.meshgrid(outwards, np.linspace(-below, above, LINES))
         x = np.meshgrid(outwards, np.linspace(-left, right, LINES))[1]

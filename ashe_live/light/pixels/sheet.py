@@ -15,7 +15,8 @@ from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.log_colour import log_opponent
 
 # Distances from the marker's centre, in its sides: where the margin is surely paper, and how far its end is looked for.
-PAPER, FARTHEST = (0.555, 0.605), 1.1
+# What is larger is a page, on which things stand.
+PAPER_FROM, PAPER_TO, LARGEST_SHEET = 0.555, 0.605, 1.1
 USUAL = 0.725  # where no end is seen, as on a white table
 STEP = 0.02  # between samples
 ALONG = np.linspace(-0.45, 0.45, 16)  # lines of samples across a side
@@ -49,7 +50,7 @@ def measured_sheet(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m
     From the black square outwards, the paper ends where most lines of samples leave the colour that they begin with.
     A side whose end is not seen is taken to be like the others.
     """
-    outwards = np.arange(PAPER[0], FARTHEST, STEP)
+    outwards = np.arange(PAPER_FROM, LARGEST_SHEET, STEP)
     out, along = np.meshgrid(outwards, ALONG)
     places = np.stack([(out, along), (along, out), (-out, along), (along, -out)])  # right, above, left, below
     plane = np.insert(side_m * places.transpose(0, 2, 3, 1), 2, 1.0, axis=3)
@@ -62,7 +63,7 @@ def measured_sheet(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m
     is_seen = ((x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)).all(axis=(1, 2))
     samples = cv2.remap(image_bgr, x.reshape(-1, len(outwards)), y.reshape(-1, len(outwards)), cv2.INTER_LINEAR)
     colours = log_opponent(np.asarray(samples, dtype=np.uint8), 0).reshape(*x.shape, 3)
-    paper = np.median(colours[:, :, outwards <= PAPER[1]], axis=2, keepdims=True)
+    paper = np.median(colours[:, :, outwards <= PAPER_TO], axis=2, keepdims=True)
     change = np.median(np.linalg.norm(colours - paper, axis=3), axis=1)
     ends = [_end(outwards, each) if seen else None for each, seen in zip(change, is_seen, strict=True)]
     known = [end + ADDED for end in ends if end is not None]

@@ -107,6 +107,11 @@ class View:
         """Whether the picture is the one in which this pose was measured."""
         return self.measured is not None and self.measured is marker
 
+    def seen_from(self, views: Sequence["View"]) -> "View":
+        """This view with the pose of that one of the views which is of the same picture; as it is where none is."""
+        same = next((view for view in views if view.shows(self.measured)), None)
+        return self if same is None else replace(self, T_cam_marker=same.T_cam_marker)
+
     def scaled(self, width_px: int) -> "View":
         """This view scaled down to `width_px`, if it is wider."""
         if width_px >= self.size[0]:

@@ -6,7 +6,6 @@ body hides it. Where the shadow has gone, the body stands elsewhere, or the prin
 
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
@@ -19,7 +18,7 @@ from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.views.joint import in_each_view
-from ashe_live.light.views.plane import OnPlane, on_plane, plane_homography
+from ashe_live.light.views.plane import OnPlane, on_plane, where_in
 
 WIDTH_PX = 160  # at which views are compared: displacements that matter are larger than its pixels
 SQUARED_SIGMAS = 21.1  # of a residual in three channels, exceeded once in ten thousand
@@ -46,7 +45,7 @@ def agreeing(views: Sequence[View], body: Proxy, lights: Float, depth: float = 0
         if plane is None:
             found.append(True)
             continue
-        hidden = grown(seen.body | _on_first(predicted(body, lights, other).body, first, other), HIDDEN_PX)
+        hidden = grown(seen.body | where_in(predicted(body, lights, other).body, other, first), HIDDEN_PX)
         clear = plane.seen & ~hidden
         differs = _differs(plane, 0.5 * depth)
         around = grown(seen.whole, AROUND_PX) & clear
@@ -65,12 +64,6 @@ def without_confirming(several: Sequence[TrackedFrame], explanation: Explanation
     least = judge.log_odds(first) - MOST_BEHIND_FIRST
     confirming = [each.region.view for each in others if judge.log_odds(each) > least]
     return [each for each in several if not any(view.shows(each.marker) for view in confirming)]
-
-
-def _on_first(mask: Mask, first: View, other: View) -> Mask:
-    """(h, w) of the first view: the pixels whose points of the plane the other view has in `mask`."""
-    flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
-    return cv2.warpPerspective(mask.astype(np.uint8), plane_homography(first, other), first.size, flags=flags) > 0
 
 
 def _differs(plane: OnPlane, least: float) -> Mask:

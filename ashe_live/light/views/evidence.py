@@ -23,7 +23,7 @@ from ashe_live.light.ground.lit_ground import OFF_PLANE
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import areas_by_size, grown
 from ashe_live.light.views.joint import JointExplanation
-from ashe_live.light.views.plane import plane_homography
+from ashe_live.light.views.plane import where_in
 
 JUDGED = 4  # number of views whose appearance is judged: further ones only repeat what these show
 PIXELS_PER_SAMPLE = 40.0  # pixels over their effective sample size: colours and errors of poses are alike over patches
@@ -116,14 +116,11 @@ def _hidden_elsewhere(explanation: JointExplanation) -> Mask:
     """
     first, *others = explanation.each
     hidden = np.zeros(first.predicted.body.shape, np.bool_)
-    flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
     for other in others:
-        H = plane_homography(first.region.view, other.region.view)
         before = other.predicted.body
         if angle_between(*(view_direction(each.region.view.T_cam_marker) for each in (first, other))) > ASIDE_RAD:
             before = before | _other_objects(other)
-        standing = grown(before, BESIDE_PX).astype(np.uint8)
-        hidden |= cv2.warpPerspective(standing, H, first.region.view.size, flags=flags) > 0
+        hidden |= where_in(grown(before, BESIDE_PX), other.region.view, first.region.view)
     return hidden
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.alignment import SEARCH_RANGES, Alignment, Start, aligned
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import fit_lit_ground
@@ -30,9 +30,10 @@ LEAST_CLARITY, MOST_MISFIT = 0.3, 0.06
 def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | None:
     """The light of `estimate` as the frame `tracked` shows it; None where that does not show the body and its shadows.
 
-    The body stays as it is; the lights' directions move until the shadows lie on their borders in the picture. Their
-    uncertainty comes mostly from the body, and stays as well. An estimate without a light or a body, or a frame without
-    a marker, gives None. The masks are left out. A body that stands below the marker's plane stands on its own.
+    The body stays as it is; the lights move until the shadows lie on their borders in the picture, lamps at their
+    height. Their uncertainty comes mostly from the body, and stays as well. An estimate without a light or a body, or a
+    frame without a marker, gives None. The masks are left out. A body that stands below the marker's plane stands on
+    its own.
     """
     body = estimate.illumination.real_object
     if tracked.marker is None or body is None or not estimate.lights:
@@ -63,14 +64,17 @@ def _followed(estimate: LightEstimate, body: Proxy, tracked: TrackedFrame) -> Li
     (found,) = aligned([Start([lit], Sight.of(costs.region.view), costs)], RANGES)
     if found is None or not _is_clear(found):
         return None
-    moved = [
-        replace(light, to_light_marker=now[:3]) for light, now in zip(lights, found.placed.lit.lights, strict=True)
-    ]
+    moved = [_moved(light, now) for light, now in zip(lights, found.placed.lit.lights, strict=True)]
     index = tracked.frame.index
     illumination = replace(estimate.illumination, lights=tuple(moved))
     return LightEstimate(
         estimate.estimator, index, illumination, None, views=(index, *estimate.views[1:]), span_rad=estimate.span_rad
     )
+
+
+def _moved(light: Light, now: Float) -> Light:
+    """The light in the place to which its shadow leads, a homogeneous point (4,): a lamp stays at its height."""
+    return replace(light, to_light_marker=now[:3], inverse_distance=float(now[3] / np.linalg.norm(now[:3])))
 
 
 def _is_clear(found: Alignment) -> bool:

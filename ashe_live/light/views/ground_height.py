@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float, Float32, lowest_on_parabola
 from ashe_live.core.transforms import pixels_by_pose, raycast_to_plane
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
@@ -56,8 +56,8 @@ def height_above_ground(several: Sequence[TrackedFrame]) -> float:
     around = tried[best] + step * np.array([-0.5, 0.0, 0.5])
     by_pair = np.array([_misfits(first, other, np.append(around, 0.0)) for other in others])
     below, here, above, flat = by_pair.sum(axis=0)
-    curvature = below - 2 * here + above
-    height = float(around[1] + (0.25 * step * (below - above) / curvature if curvature > 0 else 0.0))
+    # The best height in one pair need not be the best in all, so that the parabola's bottom may lie elsewhere.
+    height = lowest_on_parabola(around, np.array([below, here, above]))
     surely = flat - here > LEAST_LOG_ODDS and bool((by_pair[:, 1] <= by_pair[:, 3]).all())
     least_px = max(LEAST_PX, math.hypot(_misplaced_px(first), _misplaced_px(others[widest])))
     return height if surely and moves[widest] * height > least_px else 0.0

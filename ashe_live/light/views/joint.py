@@ -12,26 +12,26 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, project
-from ashe_live.light.explanation.alignment import (
-    SEARCH_RANGES,
-    Alignment,
-    NormalEquations,
-    PlacedBody,
-    measured,
-    normal_equations,
-    placed_in,
-)
+from ashe_live.light.explanation.alignment import EARLY_LOSS_FACTOR, SEARCH_RANGES, Alignment, measured
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.light_covariance import lights_of
-from ashe_live.light.explanation.pose_steps import cost_of_moves, pose_equations, with_pose_moved
+from ashe_live.light.explanation.normal_equations import (
+    NormalEquations,
+    PlacedBody,
+    added_up,
+    cost_of_moves,
+    normal_equations,
+    placed_in,
+    pose_equations,
+    with_pose_moved,
+)
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.outline_fit.search import damped_steps, prior_information
+from ashe_live.light.outline_fit.search import damped_steps
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.sight import Sight
 
-EARLY_LOSS_FACTOR = 3.0  # factor on the scale of Cauchy's loss in all rounds but the last
 # Correlation between views of a border's errors: the ground's texture along it, the body's model and the systematic
 # errors of poses are the same in all of them.
 SHARED = 0.3
@@ -171,7 +171,7 @@ def _stepped(start: JointStart, placed: Sequence[PlacedBody], pull: NormalEquati
     lit, costs = placed[0].lit, [one.costs for one in placed]
     if not own:
         return replace(start, lit=lit, costs=costs)
-    normal = _summed(pull.normal[own.start : own.stop], lit)
+    normal = added_up(pull.normal[own.start : own.stop], lit.body.family, lit.layout)
     gradient = pull.gradient[own.start : own.stop].sum(axis=0)
     in_view = [i for i, one in enumerate(placed) if one.is_in_view]
     poses = [(i, pose_equations(placed[i], pull, number)) for i, number in zip(in_view, own, strict=True)]
@@ -204,15 +204,6 @@ def _apart_rad(one: LitBody, other: LitBody) -> float:
     return max(angle_between(a, b) for a, b in pairs)
 
 
-def _summed(normals: Float, lit: LitBody) -> Float:
-    """(t, t) the sum of normal matrices (v, t, t), each of which includes the prior, with the prior counted once."""
-    total = normals.sum(axis=0)
-    prior = prior_information(lit.body.family, lit.layout)
-    diagonal = np.arange(len(prior))
-    total[diagonal, diagonal] -= (len(normals) - 1) * prior
-    return np.asarray(total)
-
-
 def _together(alignments: Sequence[Alignment]) -> Alignment:
     """The first alignment with the information of all, and with their mean misfit and clarity.
 
@@ -222,9 +213,11 @@ def _together(alignments: Sequence[Alignment]) -> Alignment:
     relative = [(one.misfit_px / one.placed.object_px) ** 2 for one in alignments]
     shadows = np.mean([one.clear_shadows for one in alignments], axis=0)
     ends = np.max([one.ends_in_view for one in alignments], axis=0)
+    lit = first.placed.lit
+    normal = added_up(np.array([one.normal for one in alignments]), lit.body.family, lit.layout)
     return replace(
         first,
-        normal=_summed(np.array([one.normal for one in alignments]), first.placed.lit) / views_as_one(len(alignments)),
+        normal=normal / views_as_one(len(alignments)),
         misfit_px=math.sqrt(float(np.mean(relative))) * first.placed.object_px,
         clear_body=float(np.mean([one.clear_body for one in alignments])),
         clear_shadow=float(np.mean([one.clear_shadow for one in alignments])),

@@ -6,7 +6,6 @@ from dataclasses import replace
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, criterion
 from ashe_live.light.explanation.explain import refined_by_tangents, refitted_bodies
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES
-from ashe_live.light.explanation.pose_steps import seen_from
 from ashe_live.light.explanation.sharpen import Sharpener, lights_by_steps
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.outline_fit.preset import FitPreset
@@ -69,7 +68,8 @@ def sharpened_in_views(
     best = sharpener.best_fit(explanation.joint, near)
     if best is None:
         return explanation
-    costs = [seen_from(own_costs(each), best.views) for each in explanation.each]
+    seen = [own_costs(each) for each in explanation.each]
+    costs = [each.with_pose(each.region.view.seen_from(best.views).T_cam_marker) for each in seen]
     moved = explained_where_it_stands(JointStart(explanation.origin, best.lit, costs))
     if moved is None:
         return explanation

@@ -56,25 +56,32 @@ def plane_homography(of: View, to: View) -> Float:
     return np.asarray(onto_to @ np.linalg.inv(onto_of))
 
 
+def where_in(mask: Mask, of: View, to: View) -> Mask:
+    """(h, w) of `to`: the pixels whose points of the marker's plane the other view has in its `mask` (h, w)."""
+    H = plane_homography(to, of)
+    flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
+    found = cv2.warpPerspective(mask.astype(np.uint8), H, to.size, flags=flags) > 0
+    # Pixels whose rays meet the plane behind the other camera are mapped with a negative third coordinate.
+    width, height = to.size
+    depth = H[2, 0] * np.arange(width) + (H[2, 1] * np.arange(height) + H[2, 2])[:, None]
+    return np.asarray(found & (depth * np.sign(H[2] @ _marker_px(to)) > 0))
+
+
 def on_plane(reference: View, colours: Float32, other: View, other_colours: Float32) -> OnPlane | None:
     """What `other` shows on the plane, at the pixels of `reference`; None where both see too little of the plane.
 
     colours, other_colours: (h, w, 3) log-opponent, of each view.
     """
     H = plane_homography(reference, other)
-    width, height = reference.size
-    size = (width, height)
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    theirs = np.asarray(cv2.warpPerspective(other_colours, H, size, flags=flags), dtype=np.float32)
-    ground = shrunk(other.is_ground, 1).astype(np.uint8)
-    seen = cv2.warpPerspective(ground, H, size, flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP) > 0
-    # Pixels whose rays meet the plane behind the other camera are mapped with a negative third coordinate.
-    depth = H[2, 0] * np.arange(width) + (H[2, 1] * np.arange(height) + H[2, 2])[:, None]
-    seen &= reference.is_ground & (depth * np.sign(H[2] @ _marker_px(reference)) > 0)
+    theirs = np.asarray(cv2.warpPerspective(other_colours, H, reference.size, flags=flags), dtype=np.float32)
+    seen = reference.is_ground & where_in(shrunk(other.is_ground, 1), other, reference)
     if np.count_nonzero(seen) < SEEN_SHARE * seen.size:
         return None
     residual = colours - theirs
     exposure = _exposure(residual, seen)
+    if exposure is None:
+        return None
     theirs, residual = theirs + exposure, residual - exposure
     variance = _variance(colours, theirs)
     # Noise as strong as on what agrees, at least as expected: half of a normal variable's squares are below 0.455.
@@ -130,10 +137,11 @@ def _log_odds(one: OnPlane) -> Float32:
     return np.where(one.seen, ratio, 0).astype(np.float32)
 
 
-def _exposure(residual: Float32, seen: Mask) -> Float32:
+def _exposure(residual: Float32, seen: Mask) -> Float32 | None:
     """(h, w, 3) the smooth difference of two pictures of the plane: exposure, white balance, vignetting, gloss.
 
     A robust quadratic in the image's coordinates, then what remains, by a normalised convolution with robust weights.
+    None where only strips are `seen` that are too narrow for the reduced picture.
     """
     height, width = seen.shape
     small = max(1, width // REDUCED), max(1, height // REDUCED)
@@ -142,6 +150,8 @@ def _exposure(residual: Float32, seen: Mask) -> Float32:
     v, u = np.meshgrid(np.linspace(-1, 1, small[1]), np.linspace(-1, 1, small[0]), indexing="ij")
     bases = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=2).reshape(-1, 6)
     flat, shown = values.reshape(-1, 3).astype(np.float64), inside.ravel() > 0
+    if not shown.any():
+        return None
     field = np.zeros((6, 3))
     field[0] = np.median(flat[shown], axis=0)
     prior = np.diag([0.0, 1, 1, 1, 1, 1]) * FLATNESS * np.count_nonzero(shown)

@@ -7,7 +7,7 @@ CVPR 2004): chroma is a linear function of brightness there, or, if it was blurr
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Image, lowest_on_parabola
 
 # Sigmas in pixels that are tried. Half the resolution, with what JPEG and H.264 round off, has 1.3 to 2.5.
 TRIED_PX = np.array([0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
@@ -44,10 +44,4 @@ def chroma_blur_px(image_bgr: Image) -> float | None:
     best = int(left.argmin())
     if best in (0, len(TRIED_PX) - 1):
         return float(TRIED_PX[best])
-    return _lowest(TRIED_PX[best - 1 : best + 2], left[best - 1 : best + 2])
-
-
-def _lowest(at: Float, values: Float) -> float:
-    """Where the parabola through three points, the lowest in the middle, is lowest."""
-    second, slope, _ = np.polyfit(at, values, 2)
-    return float(np.clip(-slope / (2 * second), at[0], at[2])) if second > 0 else float(at[1])
+    return lowest_on_parabola(TRIED_PX[best - 1 : best + 2], left[best - 1 : best + 2])

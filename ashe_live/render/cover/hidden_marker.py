@@ -12,7 +12,7 @@ import cv2
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, same_objects
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import view_direction
@@ -22,7 +22,6 @@ from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
 from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
-from ashe_live.render.lights.shadow_maps import same_objects
 
 NEARER = 1.5  # the cover is made anew once the marker appears this many times as large, as it then lacks detail
 TURNED_COS = np.cos(np.radians(30.0))  # and once the camera has turned by this, as the ground's relief looks different

@@ -12,7 +12,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.masked_blur import HOLE_FROM, KNOWN_FROM, blurred_within
 from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches, standing_out
-from ashe_live.render.cover.repetition import pattern_of
+from ashe_live.render.cover.repetition import Pattern, pattern_of
 from ashe_live.render.cover.straight_lines import straight_lines
 
 # "Sides" below is the length of a side of the marker; "roots" are square roots of linear RGB.
@@ -51,23 +51,15 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     # Roots: dark and bright patches are compared alike.
     roots = np.sqrt(np.clip(lit, 0, 4)).astype(np.float32)
     bleeds = with_rim(hole, side_px)
-    trusted = is_source & ~bleeds
     size = max(PATCH + 2, round(len(hole) * COARSE_SIDE_PX / side_px))
-    unknown, ground = _scaled(bleeds, size) > HOLE_FROM, _scaled(trusted, size) > KNOWN_FROM
-    coarse = _scaled(roots, size)
-    ground &= _like_the_ground_around(coarse, ground, unknown)
-    things = _things(coarse, ground)
-    ground &= ~things
-    trusted &= _scaled(things, len(hole)) < 0.5
+    unknown, ground, trusted = _ground_to_copy(roots, bleeds, is_source & ~bleeds, size)
     sources = cv2.erode(ground.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
     if not sources.any() or not unknown.any():
         return None
     shading = _mean_around(roots, trusted, SHADING_SIDES * side_px)
     detail = np.where(trusted[..., None], roots - shading, 0)
     plain = trusted & (_scaled(ground, len(hole)) > 0.5)
-    pattern = pattern_of(np.where(plain[..., None], detail / np.maximum(shading, DIMMEST), 0), plain, bleeds, side_px)
-    if pattern is not None and pattern.is_there[bleeds].mean() < WHOLE:
-        pattern = None  # it may be grain, which repeats itself along a seam
+    pattern = _pattern_of_all(detail, shading, plain, bleeds, side_px)
     lines, told = np.zeros_like(detail), np.zeros_like(bleeds)
     if pattern is None:
         lines = straight_lines(detail, bleeds, trusted, side_px)
@@ -80,14 +72,8 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     # Lines are drawn, and not copied with patches: those would add to them. The ground on them is darker or brighter.
     on_line = np.maximum(1 + lines / np.maximum(shading, DIMMEST), DARKEST_LINE)
     plainer = np.asarray(np.where((trusted | told)[..., None], (detail - lines) / on_line, 0), np.float32)
-    copied = CopiedPatches(plainer, trusted | told, len(hole) / size)
     is_told = _scaled(told, size) > 0.5
-    unknown &= ~is_told
-    brightness, outstanding = _scaled(shading.mean(axis=2), size), _scaled(standing_out(plainer, trusted | told), size)
-    for place, source in chosen_patches(
-        _scaled(plainer, size), brightness, outstanding, unknown, ground | is_told, sources
-    ):
-        copied.paste(place, source)
+    copied = _copied(plainer, trusted | told, shading.mean(axis=2), (unknown & ~is_told, ground | is_told, sources))
     copied.keep(told)
     texture = copied.blended(bleeds, COARSER_SIDES * side_px)
     if pattern is None:
@@ -95,6 +81,41 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     texture = np.asarray(texture * on_line + lines, np.float32)
     found = np.square(np.maximum(texture + _spread_difference(roots, texture, trusted, bleeds, side_px), 0))
     return np.asarray(np.where(bleeds[..., None], found, lit), np.float32)
+
+
+def _ground_to_copy(roots: Float32, bleeds: Mask, trusted: Mask, size: int) -> tuple[Mask, Mask, Mask]:
+    """(size, size) what is filled, and the ground like that around it; (n, n) what shows ground rather than things.
+
+    bleeds, trusted: (n, n) what is filled, and what else may be ground.
+    """
+    unknown, ground = _scaled(bleeds, size) > HOLE_FROM, _scaled(trusted, size) > KNOWN_FROM
+    coarse = _scaled(roots, size)
+    ground &= _like_the_ground_around(coarse, ground, unknown)
+    things = _things(coarse, ground)
+    return unknown, ground & ~things, trusted & (_scaled(things, len(bleeds)) < 0.5)
+
+
+def _pattern_of_all(detail: Float32, shading: Float32, plain: Mask, bleeds: Mask, side_px: float) -> Pattern | None:
+    """The pattern that repeats on plain ground (n, n), if it fills the hole; None for another, or none."""
+    contrast = np.where(plain[..., None], detail / np.maximum(shading, DIMMEST), 0)
+    pattern = pattern_of(contrast, plain, bleeds, side_px)
+    # One that fills only a part may be grain, which repeats itself along a seam.
+    return None if pattern is None or pattern.is_there[bleeds].mean() < WHOLE else pattern
+
+
+def _copied(plainer: Float32, known: Mask, brightness: Float32, coarse: tuple[Mask, Mask, Mask]) -> CopiedPatches:
+    """The patches that are copied into the hole.
+
+    plainer: (n, n, 3) detail without lines, where it is `known` (n, n). brightness: (n, n) of the ground. coarse:
+    (m, m) each: what is filled, what else is known, and where patches are ground alone.
+    """
+    unknown, ground, sources = coarse
+    size = len(unknown)
+    copied = CopiedPatches(plainer, known, len(known) / size)
+    level, outstanding = _scaled(brightness, size), _scaled(standing_out(plainer, known), size)
+    for place, source in chosen_patches(_scaled(plainer, size), level, outstanding, unknown, ground, sources):
+        copied.paste(place, source)
+    return copied
 
 
 def with_rim(hole: Mask, side_px: float) -> Mask:

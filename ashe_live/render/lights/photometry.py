@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ashe_live.core.arrays import same_objects
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2
 from ashe_live.render.camera.relief import Relief, relief_of
@@ -15,7 +16,6 @@ from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.lighting import Lighting, lighting_of
 from ashe_live.render.lights.open_sky import open_sky
 from ashe_live.render.lights.shadow_colour import steadied
-from ashe_live.render.lights.shadow_maps import same_objects
 
 LOOK_HELD_S = 0.2  # of the video's time
 CHROMA_HELD_S = 10.0  # that a camera's colours count as blurred as they were found to be

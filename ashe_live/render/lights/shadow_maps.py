@@ -12,7 +12,7 @@ from typing import Protocol
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, same_objects
 from ashe_live.core.transforms import orthographic, translated_and_scaled
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import set_uniforms
@@ -202,11 +202,6 @@ def _is_seen_soft(caster: Caster, receiver: Caster, sun: Sun) -> bool:
     shaded = view.seen(receiver.points)
     deep = view.seen(caster.points)[:, 2].max() - shaded[:, 2].min()
     return bool(2 * view.tan_half_size * deep > SEEN_PENUMBRA * np.ptp(shaded[:, :2], axis=0).max())
-
-
-def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:
-    """Whether both hold the same objects in the same order; equal ones do not count."""
-    return len(some) == len(others) and all(a is b for a, b in zip(some, others, strict=True))
 
 
 def tile_corners(count: int) -> Float:

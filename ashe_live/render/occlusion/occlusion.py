@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, directions_on_spiral
+from ashe_live.core.arrays import GOLDEN_SHARE, Float, directions_on_spiral
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.preset import FAST
@@ -30,7 +30,6 @@ DIRECTIONS = 80
 AT_ONCE = 4
 DEPTHS = replace(FAST, shadow_map_size=192, soft_on_model=False, pcf_radius=1)
 NO_LIGHT = (0.0, 0.0, 0.0)
-GOLDEN_SHARE = 0.618034  # the fractional parts of its multiples are spread evenly
 
 
 @dataclass(frozen=True, slots=True, eq=False)

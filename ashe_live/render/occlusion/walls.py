@@ -2,14 +2,13 @@
 
 import moderngl
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, same_objects
 from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import Lighting
-from ashe_live.render.lights.shadow_maps import same_objects
 from ashe_live.render.occlusion.contact import PATCH_SIZE, ContactPatch
 
 

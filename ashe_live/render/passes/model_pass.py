@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import GOLDEN_SHARE, Float
 from ashe_live.core.transforms import transform_points
 from ashe_live.models.material import BLACK, Alpha, Material
 from ashe_live.render.gl.framing import Framing
@@ -22,7 +22,6 @@ from ashe_live.render.passes.standing import StandingGroup, StandingModel
 NOWHERE: Float = np.zeros((4, 4))  # as a projection: nothing is drawn, but the shader gets compiled
 # A narrower specular lobe would be a point that flickers between pixels.
 MIN_ROUGHNESS = 0.06
-PART_STEP = 0.618034  # multiples of the golden ratio, taken modulo 1, are far apart
 SOLID = 0.95  # opacity from which on a blended surface hides what is drawn later behind it
 
 
@@ -134,7 +133,7 @@ class ModelPass:
             occlusion_strength=material.occlusion_strength,
             emissive=material.emissive,
             alpha_cutoff=material.alpha_cutoff,
-            part_number=part.number * PART_STEP % 1,
+            part_number=part.number * GOLDEN_SHARE % 1,
             sky=inputs.lighting.sky,
             sky_slope=inputs.lighting.sky_slope,
             ground_bounce=inputs.lighting.bounce,

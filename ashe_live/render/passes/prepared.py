@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator, Sequence
 
 import moderngl
 
+from ashe_live.core.arrays import same_objects
 from ashe_live.models.placement import PlacedModel, Placement
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.programs import Programs
-from ashe_live.render.lights.shadow_maps import same_objects
 from ashe_live.render.occlusion.contact import ContactPatch
 from ashe_live.render.occlusion.occlusion import Known, occlusion_steps
 from ashe_live.render.passes.standing import StandingGroup, StandingModel

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ashe_live.core.square import PAGE_FOOT_MM
 from ashe_live.errors import UserError
 from ashe_live.tracking.boards.calibration_board import CalibrationBoard
 from ashe_live.tracking.families.layout import Layout, members_of
@@ -12,7 +13,6 @@ MIN_SIDE_MM = 10
 MIN_SQUARE_MM = 5
 # White around the black square: without it no detector finds the square's edge on a dark table.
 QUIET_ZONE = 1 / 8
-FOOT_MM = 45
 
 
 def write_marker_sheet(
@@ -62,7 +62,7 @@ def write_board_sheet(
 def _blank_page(size_mm: Millimetres, quiet_mm: float, paper: str) -> Page | None:
     """The smallest page that holds a picture of `size_mm` with white around it, or None."""
     for width, height in PAPERS_MM[paper]:
-        room = width - 2 * PRINTER_EDGE_MM, height - FOOT_MM - 2 * PRINTER_EDGE_MM - 12
+        room = width - 2 * PRINTER_EDGE_MM, height - PAGE_FOOT_MM - 2 * PRINTER_EDGE_MM - 12
         if all(0 < side + 2 * quiet_mm <= most for side, most in zip(size_mm, room, strict=True)):
             return Page.blank((width, height))
     return None
@@ -70,15 +70,15 @@ def _blank_page(size_mm: Millimetres, quiet_mm: float, paper: str) -> Page | Non
 
 def _middle_mm(page: Page) -> Millimetres:
     """The middle of the page above the foot."""
-    return page.width_mm / 2, (page.height_mm - FOOT_MM) / 2
+    return page.width_mm / 2, (page.height_mm - PAGE_FOOT_MM) / 2
 
 
 def _write(path: Path, overwrite: bool, page: Page, caption: str) -> None:
     """Saves the page with its foot: what it shows, and a line to check its scale with."""
     (middle_x, _), height = _middle_mm(page), page.height_mm
-    page.text((middle_x, height - FOOT_MM + 8), caption)
-    page.text((middle_x, height - FOOT_MM + 15), "print at 100 %, do not scale, then check with this line:", 3.5)
-    page.ruler((middle_x - 50, height - FOOT_MM + 24))
+    page.text((middle_x, height - PAGE_FOOT_MM + 8), caption)
+    page.text((middle_x, height - PAGE_FOOT_MM + 15), "print at 100 %, do not scale, then check with this line:", 3.5)
+    page.ruler((middle_x - 50, height - PAGE_FOOT_MM + 24))
     page.write(path, overwrite, caption)
 
 

@@ -11,13 +11,18 @@ class Steadiness:
     """Counts the frames in a row in which the marker was read and its corners hardly moved."""
 
     def __init__(self, frames: int = 5, max_motion: float = 0.06) -> None:
-        """`frames`: how many in a row, 1 for a photo; `max_motion` from one to the next, over the shortest side."""
+        """`frames`: how many in a row; `max_motion` from one to the next, over the shortest side."""
         if frames < 1:
             raise ValueError(f"{frames} frames are none")
         self._frames = frames
         self._max_motion = max_motion
         self._last_px: Float | None = None
         self._in_a_row = 0
+
+    @staticmethod
+    def of(is_photo: bool) -> "Steadiness":
+        """For a photo, whose only frame has to do, or for what moves."""
+        return Steadiness(1) if is_photo else Steadiness()
 
     def add(self, marker: MarkerPose | None) -> bool:
         """Takes in the next frame's marker; returns `is_steady`."""

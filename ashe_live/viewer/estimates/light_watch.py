@@ -96,16 +96,16 @@ class LightWatch:
 
     def poll(self) -> Outcome | None:
         """The worker's outcome, returned once; None if there is none."""
-        outcome = self._taken(self._worker.poll())
+        return self.wait(0.0)
+
+    def wait(self, timeout_s: float) -> Outcome | None:
+        """As `poll`, but waits for the outcome of what the worker does for up to `timeout_s`."""
+        outcome = self._taken(self._worker.wait(timeout_s))
         if self._waiting is not None and not self._worker.busy:
             waiting, self._waiting = self._waiting, None
             self.ask(*waiting)
             return None  # the outcome of the background estimate, which would be taken for the user's
         return outcome
-
-    def wait(self, timeout_s: float) -> Outcome | None:
-        """As `poll`, but waits for the outcome."""
-        return self._taken(self._worker.wait(timeout_s)) if self._worker.busy else None
 
     def stands(self, estimate: LightEstimate | None) -> bool:
         """Whether `estimate` is the answer that stands."""

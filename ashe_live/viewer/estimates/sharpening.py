@@ -36,7 +36,7 @@ class Sharpening:
         return self._futile >= FUTILE
 
     def asked(self, views: Sequence[TrackedFrame], now_s: float) -> None:
-        """An estimate of these views, the frozen frame among them, has been requested."""
+        """An estimate of a frame together with these views, of which it may be one, has been requested."""
         self._views, self._looked_at, self._tells_more = views, views, False
         self.span_rad, self._asked_s = span_of(views), now_s
         self._widest_rad = max(self._widest_rad, self.span_rad)

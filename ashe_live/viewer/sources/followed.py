@@ -94,4 +94,4 @@ class Followed:
 
     def _begin_session_anew(self) -> None:
         if self._session.has_seen_marker:
-            self._session.begin_anew(Steadiness(1) if self._pipeline.is_photo else Steadiness())
+            self._session.begin_anew(Steadiness.of(self._pipeline.is_photo))

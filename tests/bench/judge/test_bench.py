@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from ashe_live.bench.judge.bench import TABLES, JudgeBench
+from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
 from ashe_live.light.explanation.judgement.judge_tables import read_tables
 
@@ -29,3 +30,8 @@ def test_the_package_can_load_them(written: list[Path]) -> None:
     tables = read_tables(text)
     assert tables.origin["pictures"] == 3
     assert json.loads(json.dumps(tables.as_json())) == json.loads(text)
+
+
+def test_sets_without_a_known_light_get_a_line() -> None:
+    with pytest.raises(UserError, match="no picture with a known light"):
+        JudgeBench([resource("assets", "scenes")], limit=0).run()

@@ -10,6 +10,7 @@ from ashe_live.bench.bench import RESULTS
 from ashe_live.bench.cases import read_cases
 from ashe_live.bench.judge.known_bodies import LOOK, KnownBodiesBench, fitted_to
 from ashe_live.bench.judge.samples import Candidate, Sample
+from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
 from ashe_live.light.explanation.judgement.judge import fitted_judge
 from ashe_live.light.explanation.judgement.judge_tables import Curve, OfKnownBody, Score, read_tables
@@ -62,3 +63,9 @@ def test_so_many_pictures_are_looked_at_whatever_the_number_of_processes(
     one, other = records
     assert one["pictures"] == limit - 1
     assert one["tables"] == other["tables"]
+
+
+def test_sets_without_a_known_caster_get_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ashe_live.bench.judge.known_bodies.caster_specs", lambda _: {})
+    with pytest.raises(UserError, match="no box, cylinder or sphere"):
+        KnownBodiesBench([resource("assets", "scenes")]).run()

@@ -1,12 +1,14 @@
 """`ashe-live bench fit-lamps`: errors by the fall of light alone, and the share of the nearness that they ask for."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
 from ashe_live.bench.cases import Case
+from ashe_live.bench.lamps import bench
 from ashe_live.bench.lamps.bench import LampBench
 from ashe_live.bench.lamps.fall_errors import FallError, fall_error, fitted_share, whole_share
 from ashe_live.errors import UserError
@@ -76,6 +78,14 @@ def test_suns_and_several_lights_tell_nothing(lamp_case: Case) -> None:
     assert fall_error(replace(lamp_case, lamp_m=None), BALANCED) is None
     two = np.vstack([LAMP_M / np.linalg.norm(LAMP_M), [0.0, 0.0, 1.0]])
     assert fall_error(replace(lamp_case, to_lights_marker=two), BALANCED) is None
+
+
+def test_pictures_of_the_same_name_in_several_sets_all_count(
+    lamp_case: Case, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(bench, "read_cases", lambda folder: [replace(lamp_case, folder=folder.name)])
+    record = LampBench([tmp_path / name for name in ("one", "two", "three")]).run()
+    assert record["lamps"].keys() == {"one/lamp", "two/lamp", "three/lamp"}
 
 
 def test_a_set_without_lamps_gets_a_line() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.render.pairs import drawn, pair_error, read_pairs, relief_ratio
+from ashe_live.bench.render.tables import pairs_table
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.transforms import rigid
 from ashe_live.errors import UserError
@@ -88,3 +89,11 @@ def test_a_smooth_cover_on_grainy_ground_lacks_the_grounds_relief(tmp_path) -> N
 def test_a_folder_without_pairs_is_named(tmp_path) -> None:
     with pytest.raises(UserError, match="holds no pairs"):
         read_pairs(tmp_path)
+
+
+def test_a_pair_that_nothing_changes_in_is_left_out_of_the_means() -> None:
+    told = dict.fromkeys(("flip", "ground_de", "paper_de", "model_de", "hidden_de", "border_ratio"), 0.25)
+    told |= {"relief_ratio": 1.0, "hidden_relief_ratio": 1.0}
+    rows = [each | {"preset": "fast", "seam_px": 0, "forced_choice": 0.5} for each in (told, {**told, "flip": np.nan})]
+    flip, border = (list(column.cells) for column in pairs_table(rows).columns[1:3])
+    assert (flip, border) == (["0.250"], ["0.25"])

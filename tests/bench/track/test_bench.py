@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.clips import follow_clips, trembling_px
+from ashe_live.bench.track.clips import follow_clips, largest_turn_deg, trembling_px
 from ashe_live.bench.track.contenders import Answer, OpencvReference, Ours, answers, found_share
 from ashe_live.bench.track.frames import Flaws, painted
 from ashe_live.bench.track.measures import corner_jitter_px, flipped_share, lag_ms, lasting_flips, rotation_errors_deg
@@ -18,6 +18,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
+from ashe_live.core.types import MarkerPose
 from ashe_live.errors import UserError
 from ashe_live.quality import BALANCED
 
@@ -93,6 +94,14 @@ def test_trembling_sees_noise_and_no_motion() -> None:
     shaken = [rigid(T[:3, :3], T[:3, 3] + 1e-4 * np.append(rng.normal(size=2), 0)) for T in smooth]
     assert trembling_px(smooth, SMALL, SIDE_M) < 0.02
     assert 0.1 < trembling_px(shaken, SMALL, SIDE_M) < 0.4
+    assert trembling_px([T if index % 3 else None for index, T in enumerate(shaken)], SMALL, SIDE_M) == 0
+
+
+def test_what_turns_while_it_is_not_seen_has_not_turned_from_one_frame_to_the_next() -> None:
+    tilts = [30, 31, None, 50, 52, None, None, 20]
+    square = np.zeros((4, 2))
+    markers = [None if tilt is None else MarkerPose(pose_at(0.5, tilt, 0), square, SIDE_M, 0.0, None) for tilt in tilts]
+    assert largest_turn_deg(markers) == pytest.approx(2.0)
 
 
 def test_both_contenders_see_the_same_frames() -> None:

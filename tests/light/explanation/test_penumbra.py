@@ -1,6 +1,7 @@
 """The light's angular size, from penumbrae made by averaging the shadows of a disc of lights."""
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -10,7 +11,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import direction_from_angles, project, tangent_basis
+from ashe_live.core.transforms import direction_from_angles, project, rigid, tangent_basis
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.explanation.penumbra import _blur_per_height, angular_size, soft_size
 from ashe_live.light.pixels.view import View
@@ -125,6 +126,33 @@ def test_a_soft_lights_size_is_told_by_the_width_of_its_shadows_border(diameter_
     found = soft_size(PROXY, SUN, photo_of(diameter_deg, blur_px))
     assert found is not None
     assert math.degrees(found) == pytest.approx(diameter_deg, rel=0.25)
+
+
+def turned_away(photo: TrackedFrame, angle_rad: float) -> TrackedFrame:
+    """As a camera with the same centre and a wider picture sees it that is turned away to the side."""
+    camera = Camera.from_focal((640, 240), photo.camera.K[0, 0])
+    turn = rigid(cv2.Rodrigues(np.array([0.0, angle_rad, 0.0]))[0], np.zeros(3))
+    H = camera.K @ turn[:3, :3] @ np.linalg.inv(photo.camera.K)
+    image = cv2.warpPerspective(np.asarray(photo.frame.image_bgr), H, camera.size, flags=cv2.INTER_CUBIC)
+    corners = np.column_stack([photo.marker.corners_px, np.ones(4)]) @ H.T
+    marker = replace(
+        photo.marker, T_cam_marker=turn @ photo.marker.T_cam_marker, corners_px=corners[:, :2] / corners[:, 2:]
+    )
+    return TrackedFrame(Frame(np.asarray(image, np.uint8), 0, 0.0), camera, marker)
+
+
+@pytest.mark.parametrize("k1", [-0.3, 0.2])
+def test_a_lens_that_bends_the_border_changes_no_size(k1: float) -> None:
+    straight = turned_away(photo_of(5.0, 0.8), math.radians(30))
+    K, dist, (width, height) = straight.camera.K, np.array([k1, 0.0, 0.0, 0.0, 0.0]), straight.camera.size
+    places = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).reshape(-1, 1, 2).astype(np.float64)
+    at = cv2.undistortPoints(places, K, dist, P=K).reshape(height, width, 2).astype(np.float32)
+    bent = cv2.remap(np.asarray(straight.frame.image_bgr), at, None, cv2.INTER_LINEAR)
+    rays = np.column_stack([straight.marker.corners_px, np.ones(4)]) @ np.linalg.inv(K).T
+    corners, _ = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), K, dist)
+    marker = replace(straight.marker, corners_px=corners[:, 0])
+    photo = TrackedFrame(Frame(bent, 0, 0.0), replace(straight.camera, dist=dist), marker)
+    assert soft_size(PROXY, SUN, photo) == pytest.approx(soft_size(PROXY, SUN, straight), rel=0.05)
 
 
 @pytest.mark.parametrize("blur_px", [0.6, 1.0, 1.6])

@@ -140,6 +140,21 @@ def test_blur_is_measured_in_pixels(blur, azimuth_deg) -> None:
 
 
 @pytest.mark.parametrize("blur", [1.5, 3.0])
+def test_blur_is_measured_at_a_corner_that_is_in_the_picture(blur) -> None:
+    """A sharp thing lies at the picture's border where a marker leaves it."""
+    whole = view(-90, blur=blur)
+    shift = round(whole.marker.corners_px[0, 0]) + 20
+    image = np.ascontiguousarray(whole.frame.image_bgr[:, shift:])
+    top = round(whole.marker.corners_px[0, 1])
+    image[top - 10 : top, :10] = 0
+    K = CAMERA.K - np.array([[0, 0, shift], [0, 0, 0], [0, 0, 0]])
+    marker = dataclasses.replace(whole.marker, corners_px=whole.marker.corners_px - (shift, 0))
+    cut = TrackedFrame(Frame(image, 0, 0.0), Camera(image.shape[1::-1], K, np.zeros(5), "flag"), marker)
+    assert (marker.corners_px[0] < 0).any()
+    assert blur_px(cut) == pytest.approx(blur, rel=0.3)
+
+
+@pytest.mark.parametrize("blur", [1.5, 3.0])
 def test_of_a_printed_body_the_blur_is_measured_on_its_faces(blur) -> None:
     """Its corners on the plane are hidden, and the ground there is plain."""
     seen = view(0, blur=0.0)

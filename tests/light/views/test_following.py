@@ -54,6 +54,22 @@ def test_a_body_below_the_markers_plane_stands_on_a_plane_of_its_own(heading_deg
     assert found.illumination.real_object.points_marker()[:, 2].min() == pytest.approx(-card_m)
 
 
+@pytest.mark.parametrize("farther_m", [-0.04, 0.04])
+def test_a_lamp_is_followed_at_its_height(farther_m: float) -> None:
+    at_m = np.array([-0.25, -0.1, 0.35])
+    before_m = at_m * (1 + farther_m / 0.25, 1 + farther_m / 0.25, 1)
+    distance_m = float(np.linalg.norm(before_m))
+    estimate = known()
+    lamp = dataclasses.replace(estimate.light, to_light_marker=before_m, inverse_distance=1 / distance_m)
+    estimate = dataclasses.replace(estimate, illumination=dataclasses.replace(estimate.illumination, lights=(lamp,)))
+    found = follow(estimate, painted_from(90, BOX, lamp_m=at_m))
+    assert found is not None
+    assert found.light is not None
+    assert found.light.position_marker_m is not None
+    assert found.light.position_marker_m[2] == pytest.approx(at_m[2], rel=1e-6)
+    assert np.linalg.norm(found.light.position_marker_m - at_m) < 0.01 < np.linalg.norm(before_m - at_m)
+
+
 def test_a_light_that_is_elsewhere_is_not_followed() -> None:
     assert follow(known(), painted_from(90, BOX, azimuth_deg=300)) is None
 

@@ -1,14 +1,16 @@
 """What several views tell about the plane: by geometry, on painted pictures of known scenes."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
-from ashe_live.light.views.plane import log_likelihood_ratio, on_plane, plane_homography
+from ashe_live.light.views.plane import log_likelihood_ratio, on_plane, plane_homography, where_in
 from tests.light.painted_scenes import BOX, Caster, Painted, paint
 from tests.light.synthetic_masks import camera_towards
 
@@ -43,6 +45,19 @@ def test_the_homography_takes_points_of_the_plane_where_the_other_camera_sees_th
     np.testing.assert_allclose(
         taken[:, :2] / taken[:, 2:], project(other.camera, other.T_cam_marker, points), atol=1e-9
     )
+
+
+def test_what_another_camera_has_behind_it_is_in_no_mask_of_its_picture() -> None:
+    above = View.of(paint(T_cam_marker=camera_towards((0.0, 0.0), 1.0, 75.0)).tracked, WIDTH)
+    low = View.of(paint(T_cam_marker=camera_towards((0.0, 0.0), 0.12, 8.0)).tracked, WIDTH)
+    found = where_in(np.ones_like(low.is_ground), low, above)
+    rows, columns = np.nonzero(np.ones_like(above.is_ground))
+    points = raycast_to_plane(above.camera, above.T_cam_marker, np.column_stack([columns, rows]))
+    seen = project(low.camera, low.T_cam_marker, points).reshape(*above.is_ground.shape, 2)
+    width, height = low.size
+    inside = (seen > -0.5).all(axis=2) & (seen[..., 0] < width - 0.5) & (seen[..., 1] < height - 0.5)
+    assert np.isnan(seen).any()
+    assert np.mean(found != inside) < 0.01
 
 
 @pytest.mark.parametrize("ground", ["plain", "bricks"])
@@ -82,4 +97,12 @@ def test_from_one_place_nothing_can_be_told() -> None:
 def test_views_of_different_grounds_tell_nothing() -> None:
     away = paint(size=(320, 240), T_cam_marker=camera_towards((5.0, 0.0), 0.5, 60.0))
     here, there = (View.of(painted.tracked, WIDTH) for painted in (painted_from(90, BOX), away))
+    assert on_plane(here, log_opponent(here.image_bgr), there, log_opponent(there.image_bgr)) is None
+
+
+def test_a_strip_that_is_narrower_than_the_reduced_picture_resolves_tells_nothing() -> None:
+    here, there = (View.of(painted_from(heading).tracked, 160) for heading in (90, 95))
+    strip = np.zeros_like(here.is_ground)
+    strip[29:32] = here.is_ground[29:32]
+    here = replace(here, is_ground=strip)
     assert on_plane(here, log_opponent(here.image_bgr), there, log_opponent(there.image_bgr)) is None

@@ -14,8 +14,9 @@ def seen(shift_px: float = 0.0, size: float = 1.0) -> MarkerPose:
 
 
 def test_a_photo_is_steady_when_its_marker_is_found() -> None:
-    assert not Steadiness(frames=1).add(None)
-    assert Steadiness(frames=1).add(seen())
+    assert not Steadiness.of(is_photo=True).add(None)
+    assert Steadiness.of(is_photo=True).add(seen())
+    assert not Steadiness.of(is_photo=False).add(seen())
 
 
 def test_steady_only_after_enough_frames_in_a_row() -> None:

@@ -123,3 +123,14 @@ def test_a_hand_before_the_camera_costs_neither_the_light_nor_the_views(watch, t
         assert (len(outcome.outdated) > 0) == (tracked is hand)
         assert watch.key_views.views == views
         assert error_deg(watch, 200.0) < 10
+
+
+def test_what_the_user_asks_meanwhile_is_answered_after_the_estimate_in_progress(watch, table) -> None:
+    clock = Clock()
+    (first, first_s), (asked, asked_s) = clock.now(table[200.0][0]), clock.now(table[200.0][1])
+    assert watch.ask(first, first_s, is_awaited=False)
+    assert watch.ask(asked, asked_s)
+    assert watch.wait(PATIENCE_S) is None, "it would be taken for the user's"
+    outcome = watch.wait(PATIENCE_S)
+    assert outcome is not None
+    assert outcome.estimate.frame_index == asked.frame.index

@@ -13,9 +13,9 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import raycast_to_plane
-from ashe_live.light.explanation.alignment import PlacedBody, placed_in
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.costs import Costs

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.shape.outlines.contours import AnyMask, Contour, are_beside, contour_of, truncation_mask, values_at
 
+EDGE_SIGMA_PX = 0.7  # standard deviation of edges of masks from the truth
 # A shadow's outline this near to the object may continue behind it.
 CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0
 # Points whose reach is within this of the farthest may be the true end of the outline.
