@@ -16,7 +16,7 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.explained import with_hull
 from ashe_live.light.hull.replaced import without_replaced
 from ashe_live.light.lamps.hypotheses import LampHypotheses
-from ashe_live.light.views.average_light import with_average_light
+from ashe_live.light.views.average_light import sharpened_families, with_average_light
 from ashe_live.light.views.costs_around import costs_around
 from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
 from ashe_live.light.views.joint import (
@@ -92,7 +92,8 @@ def explained_together(
     sharpener = Sharpener.of([view.fine for view in views])
     likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
     fit = partial(explained_near, preset=steps.fine_fit)
-    moved = [sharpened_in_views(refined_by_all_tangents(each), sharpener) for each in likely[:REFITTED]]
+    of_steps = [sharpened_families(each, families.get(id(each.origin), ()), sharpener) for each in likely[:REFITTED]]
+    moved = [several[0] for several in of_steps]
     likely[REFITTED:] = [
         sharpened_in_views(refined_by_all_tangents(each), sharpener) if _is_witness(each, likely[0]) else each
         for each in likely[REFITTED:]
@@ -101,7 +102,8 @@ def explained_together(
     # The shape of a known caster needs no hull.
     likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
     overdispersion = judge.calibration.overdispersion
-    averaged = [with_average_light(each, families.get(id(each.origin), ()), overdispersion) for each in likely]
+    averaged = [with_average_light(*pair, overdispersion) for pair in zip(likely, of_steps, strict=False)]
+    averaged += likely[REFITTED:]
     odds = [log_odds(each) for each in likely]
     return sorted(without_replaced(list(zip(averaged, odds, strict=True))), key=itemgetter(1), reverse=True)
 
