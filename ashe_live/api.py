@@ -11,6 +11,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.ranges import MARKER_SIDE, TIME
 from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator as estimators
+from ashe_live.light.live.same_scene import first_of_most, of_one_scene
 from ashe_live.models.caster import read_caster
 from ashe_live.quality import quality_named
 from ashe_live.tracking import tracker
@@ -44,12 +45,13 @@ def estimate_light(
     """Where the light is in a picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
 
     A list or tuple of pictures is of one scene in which nothing has moved, from several sides; the answer is for the
-    first of them that shows the marker. `camera` is scaled to the picture; `side_m` is the black square's side (None:
-    0.08) or the cube's edge (None: 0.06). A `light` that is "auto" is a lamp where the picture tells its distance;
-    "sun" and "lamp" are always the one or the other. `caster` is the object that casts the shadow where its shape and
-    size are known: "box:WxDxH", "cylinder:RxH" or "sphere:R" in metres, or the path of a model whose convex hull it is.
-    Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the marker's or
-    the caster's name or file cannot be used, or the camera is of another shape; ValueError for wrong use.
+    first of them that shows the marker and what most of them show (a hand may be before another). `camera` is scaled to
+    the picture; `side_m` is the black square's side (None: 0.08) or the cube's edge (None: 0.06). A `light` that is
+    "auto" is a lamp where the picture tells its distance; "sun" and "lamp" are always the one or the other. `caster` is
+    the object that casts the shadow where its shape and size are known: "box:WxDxH", "cylinder:RxH" or "sphere:R" in
+    metres, or the path of a model whose convex hull it is. Without a marker, or without a light, the estimate has no
+    lights and says why. Raises UserError when the marker's or the caster's name or file cannot be used, or the camera
+    is of another shape; ValueError for wrong use.
     """
     chosen, tracker = make_estimator(estimator, quality, light, caster), Tracker(camera, marker, side_m, quality)
     pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
@@ -60,8 +62,10 @@ def estimate_light(
         tracker.reset()
         views.append(tracker.track(picture))
     with_marker = [view for view in views if view.marker is not None]
-    first, *others = with_marker or views[:1]
-    return chosen.estimate(first, others)
+    if not with_marker:
+        return chosen.estimate(views[0])
+    first = first_of_most(with_marker)
+    return chosen.estimate(first, of_one_scene(first, [view for view in with_marker if view is not first]))
 
 
 def make_estimator(

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import ashe_live as al
+from ashe_live.core.transforms import angle_between, direction_from_angles
 from tests.checkout import CHECKOUT
 from tests.conftest import box_corners
 
@@ -283,6 +284,18 @@ def test_several_pictures_of_one_scene_have_one_answer_for_the_first_with_a_mark
     assert al.estimate_light([empty], camera).reason == "no marker found"
     with pytest.raises(ValueError, match="no picture"):
         al.estimate_light([], camera)
+
+
+def test_of_several_pictures_one_of_another_scene_is_neither_answered_for_nor_used(picture_of_box):
+    camera = al.Camera.from_hfov((640, 480), 55)
+    odd = picture_of_box(-100, 20.0)
+    estimate = al.estimate_light(
+        [odd, *(picture_of_box(azimuth) for azimuth in (-95, -90, -85))], camera, quality="fast"
+    )
+    assert estimate.frame_index == 1
+    assert set(estimate.views) <= {1, 2, 3}
+    truth = direction_from_angles(np.radians(200.0), np.radians(42))
+    assert np.degrees(angle_between(estimate.light.to_light_marker, truth)) < 5
 
 
 def test_a_known_caster_is_the_real_object_of_the_answer(picture_of_box):

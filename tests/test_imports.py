@@ -58,7 +58,7 @@ ROOMS: dict[str, set[str]] = {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.estimators",
         "light.live", "drawing", "process", "render",
     },
-    "api": {"quality", "core", "models", "capture", "tracking", "light.estimators"},
+    "api": {"quality", "core", "models", "capture", "tracking", "light.estimators", "light.live"},
     "renderer": {"quality", "core", "errors", "models", "render"},
     "": {"core", "errors", "models", "capture", "render", "api", "renderer"},  # `import ashe_live` itself
     "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer", "process"},

@@ -13,14 +13,7 @@ from ashe_live.capture.opening import open_source, openable
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
 from ashe_live.commands.answers.light_page import picture_of
-from ashe_live.commands.answers.looked_at import (
-    LookedAt,
-    Wanted,
-    first_of_most,
-    look_at,
-    of_one_scene,
-    renumbered,
-)
+from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, renumbered
 from ashe_live.commands.answers.steps_sheet import write_steps
 from ashe_live.commands.flags.marker_choice import marker_in, with_marker, with_marker_in
 from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, make_tracker
@@ -32,6 +25,7 @@ from ashe_live.drawing.steps import DebugPicture, debug_pictures
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import Estimator, TracingEstimator
 from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
+from ashe_live.light.live.same_scene import first_of_most, of_one_scene
 from ashe_live.process.messages import printable, tell
 from ashe_live.process.unforeseen import fault, outer_cause, show_traceback
 from ashe_live.tracking.families.in_view import markers_in_view

@@ -9,7 +9,7 @@ from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews, kept_size, scaled
-from ashe_live.light.live.same_scene import PlanePicture, outdated, outdated_with_far
+from ashe_live.light.live.same_scene import first_of_most
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
@@ -84,30 +84,6 @@ def look_at(source: Source, tracker: MarkerTracker, wanted: Wanted) -> LookedAt:
         tracker.reset()
         return look_at(source, tracker, replace(wanted, estimate_at=usual.frame.index))
     return LookedAt(frozen, others)
-
-
-def first_of_most(views: Sequence[TrackedFrame]) -> TrackedFrame:
-    """The first of the views, with markers, that shows the scene which most of them show.
-
-    A hand may still be in the first one. Where no view shows the scene of half of those that it can be compared with,
-    it is the first one all the same.
-    """
-    if len(views) < 3:
-        return views[0]
-    pictures = [PlanePicture.of(view) for view in views]
-    for at, view in enumerate(views):
-        others = pictures[:at] + pictures[at + 1 :]
-        if len(outdated(pictures[at], others)) < len(others):
-            return view
-    return views[0]
-
-
-def of_one_scene(frozen: TrackedFrame, others: Sequence[TrackedFrame]) -> list[TrackedFrame]:
-    """The others without those that show another scene than the frozen frame."""
-    if not others:
-        return []
-    gone = outdated_with_far(PlanePicture.of(frozen), [PlanePicture.of(other) for other in others])
-    return [other for place, other in enumerate(others) if place not in gone]
 
 
 def renumbered(tracked: TrackedFrame, index: int, is_kept_large: bool) -> TrackedFrame:

@@ -1,5 +1,6 @@
 """The answer: the likeliest direction of what a picture's looks found, and all that is stated of its lights."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -10,11 +11,11 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of
 from ashe_live.light.estimators.steps import FIRST_FIT, ProxySteps
-from ashe_live.light.estimators.trace import Look
+from ashe_live.light.estimators.trace import Look, Trace
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import shadow_core
-from ashe_live.light.explanation.judgement.judge import Judge, best_direction, recalibrated
+from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, Judge, best_direction, recalibrated
 from ashe_live.light.explanation.penumbra import size_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
@@ -74,6 +75,8 @@ def illumination_of(
             ground,
             trace.unlit,
             lambda: _other_objects(choice, judge),
+            _judged_beside(best, trace),
+            lambda light: judge.shared_rad2(light, tracked),
             lambda: Sharpener.of([view.fine for view in look.views]),
             partial(explained_near, preset=steps.fine_fit),
             [glint for view in look.views if (glint := glint_in(view.coarse, view.ground)) is not None],
@@ -90,6 +93,13 @@ def illumination_of(
         lights = [with_size(lights[0], size_of(told.explanation, lights[0], tracked))]
     real_object = told.explanation.real_object
     return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), told.explanation
+
+
+def _judged_beside(best: Explanation, trace: Trace) -> list[tuple[Explanation, float]]:
+    """The other explanations that a look has judged, with their log odds against none of them being right."""
+    none = max(1 - sum(trace.probabilities), LEAST_PROBABILITY)
+    pairs = zip(trace.judged, trace.probabilities, strict=True)
+    return [(each, math.log(max(one, LEAST_PROBABILITY) / none)) for each, one in pairs if each is not best]
 
 
 def _other_objects(choice: Choice, judge: Judge) -> list[tuple[Explanation, float]]:

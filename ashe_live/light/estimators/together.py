@@ -5,17 +5,18 @@ from dataclasses import replace
 from functools import cache, partial
 from operator import itemgetter
 
+from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import Company
-from ashe_live.light.explanation.judgement.judge import Judge
+from ashe_live.light.explanation.judgement.company import Company, are_apart
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD, Judge
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.explained import with_hull
 from ashe_live.light.hull.replaced import without_replaced
 from ashe_live.light.lamps.hypotheses import LampHypotheses
-from ashe_live.light.views.average_light import with_average_light
+from ashe_live.light.views.average_light import sharpened_families, with_average_light
 from ashe_live.light.views.costs_around import costs_around
 from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
 from ashe_live.light.views.joint import (
@@ -25,6 +26,7 @@ from ashe_live.light.views.joint import (
     in_each_view,
     lit_body_of,
     own_costs,
+    towards_light,
     turned_from,
 )
 from ashe_live.light.views.joint_refinement import (
@@ -90,12 +92,18 @@ def explained_together(
     sharpener = Sharpener.of([view.fine for view in views])
     likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
     fit = partial(explained_near, preset=steps.fine_fit)
-    moved = [sharpened_in_views(refined_by_all_tangents(each), sharpener) for each in likely[:REFITTED]]
+    of_steps = [sharpened_families(each, families.get(id(each.origin), ()), sharpener) for each in likely[:REFITTED]]
+    moved = [several[0] for several in of_steps]
+    likely[REFITTED:] = [
+        sharpened_in_views(refined_by_all_tangents(each), sharpener) if _is_witness(each, likely[0]) else each
+        for each in likely[REFITTED:]
+    ]
     sharp = [_decided(each, lamps.decided(each.joint, fit, sharpener)) for each in moved]
     # The shape of a known caster needs no hull.
     likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
     overdispersion = judge.calibration.overdispersion
-    averaged = [with_average_light(each, families.get(id(each.origin), ()), overdispersion) for each in likely]
+    averaged = [with_average_light(*pair, overdispersion) for pair in zip(likely, of_steps, strict=False)]
+    averaged += likely[REFITTED:]
     odds = [log_odds(each) for each in likely]
     return sorted(without_replaced(list(zip(averaged, odds, strict=True))), key=itemgetter(1), reverse=True)
 
@@ -108,6 +116,15 @@ def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tup
     ranked = sorted(without_replaced(several), key=itemgetter(1), reverse=True)
     kept = distinct_explanations([each for each, _ in ranked])
     return [(each, odds) for each, odds in ranked if any(each is one for one in kept)]
+
+
+def _is_witness(other: JointExplanation, best: JointExplanation) -> bool:
+    """Whether an explanation is of another object than the best one, in the same light.
+
+    What it tells of that light counts beside the best one's, and is worth being as exact.
+    """
+    agrees = angle_between(towards_light(other), towards_light(best)) < GOOD_RAD
+    return agrees and are_apart(other.joint.proxy, best.joint.proxy)
 
 
 def _decided(explanation: JointExplanation, decided: Explanation) -> JointExplanation:

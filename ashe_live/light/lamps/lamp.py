@@ -28,6 +28,7 @@ from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.mixture import Mixture
 from ashe_live.light.lamps.near_fits import fitted_near
+from ashe_live.light.lamps.one_sun import by_all_objects, place_of_sun
 from ashe_live.light.lamps.place import Place, places_by_glints
 from ashe_live.light.lamps.sources import (
     NEAREST,
@@ -75,6 +76,8 @@ class Scene:
     unlit: Mask  # (h, w) of `view`: what the lit ground does not explain
     # Explanations of other objects with their log odds: looked for where a sun is not certain.
     others: Callable[[], Sequence[tuple[Explanation, float]]]
+    judged: Sequence[tuple[Explanation, float]]  # all explanations that the stated one was chosen from, the same way
+    shared_rad2: Callable[[Light], Float]  # (2, 2) what directions of all objects are off by alike near a light's
     sharpener: Callable[[], Sharpener]  # of all views at full resolution: asked for where lights are aligned as lamps
     fit: NearFit  # of one view
     glints: Sequence[Glint]  # mirror images of lights in the ground: one in each view that shows one
@@ -108,8 +111,17 @@ def stated(
     first = SeenObject(explanation, confidence, covariance_of(explanation, confidence), scene.overdispersion)
     seen = Witnesses([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
+
+    def as_suns() -> tuple[Light, ...]:
+        sun, *more = lights
+        if more:
+            return lights
+        others = companions(first, place_of_sun(first.as_sun), scene.judged, covariance_of, scene.view)
+        suns = [each.as_sun for each in (first, *others)]
+        return (by_all_objects(sun, suns, scene.shared_rad2(sun)) if others else sun,)
+
     if kind == SUN:
-        return Answer(explanation, lights, place)
+        return Answer(explanation, as_suns(), place)
     if kind == LAMP or _may_be_near(place):
         others = companions(first, place, scene.others(), covariance_of, scene.view)
         if others:
@@ -130,7 +142,7 @@ def stated(
             alone, *others_lights = lights_of(best, confidence)
             lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
             return Answer(best, (lamp, *others_lights), believed.mean)
-    alone, *others_lights = lights
+    alone, *others_lights = as_suns()
     # What the outlines say for a lamp, their borders' place has said already.
     deviance, by_outlines = deviance_of_sun(seen, place), min(explanation.sun_by_outlines, 0.0)
     unsure = with_doubt(alone, place, from_sun, deviance, by_outlines)

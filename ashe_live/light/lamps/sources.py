@@ -47,6 +47,11 @@ class SeenObject:
             borders = replace(borders, nearness_sigma=math.sqrt(self.overdispersion) * borders.nearness_sigma)
         return place_by_borders(fitted, borders)
 
+    @property
+    def as_sun(self) -> FittedLight:
+        """The first light, if it is at infinity, with the covariance of all causes."""
+        return FittedLight(np.append(self.explanation.lights[0].to_light_marker, 0.0), self.covariance_rad2)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Witnesses:

@@ -105,6 +105,30 @@ def outdated_with_far(now: PlanePicture, before: Sequence[PlanePicture]) -> list
     return [at for at in range(len(before)) if not shows_it.get(at, True)]
 
 
+def first_of_most(views: Sequence[TrackedFrame]) -> TrackedFrame:
+    """The first of the views, with markers, that shows the scene which most of them show.
+
+    A hand may still be in the first one. Where no view shows the scene of half of those that it can be compared with,
+    it is the first one all the same.
+    """
+    if len(views) < 3:
+        return views[0]
+    pictures = [PlanePicture.of(view) for view in views]
+    for at, view in enumerate(views):
+        others = pictures[:at] + pictures[at + 1 :]
+        if len(outdated(pictures[at], others)) < len(others):
+            return view
+    return views[0]
+
+
+def of_one_scene(frozen: TrackedFrame, others: Sequence[TrackedFrame]) -> list[TrackedFrame]:
+    """The others without those that show another scene than the frozen frame; all must have markers."""
+    if not others:
+        return []
+    gone = outdated_with_far(PlanePicture.of(frozen), [PlanePicture.of(other) for other in others])
+    return [other for place, other in enumerate(others) if place not in gone]
+
+
 def _aside(a: PlanePicture, b: PlanePicture) -> float:
     """By how much a thing shears between two views, over its height."""
     return float(np.hypot(*(a.slope - b.slope)))

@@ -8,43 +8,83 @@ differ by is part of its uncertainty (Hoeting et al., "Bayesian model averaging"
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from operator import itemgetter
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.views.by_pixels import log_likelihoods_by_pixels
-from ashe_live.light.views.joint import JointExplanation, towards_light
-from ashe_live.light.views.joint_refinement import joint_criterion
+from ashe_live.light.views.joint import JointExplanation, JointStart, explained_in_views, own_costs, towards_light
+from ashe_live.light.views.joint_refinement import joint_criterion, refined_by_all_tangents, sharpened_in_views
+
+# By pixels: families less probable than this are not moved onto the steps of light, nor more than so many beside one.
+LEAST_PROBABILITY, MOST_OTHERS = 0.05, 2
 
 
-def family_probabilities(families: Sequence[JointExplanation]) -> Float:
-    """(n,) of n families, the likeliest first, by what all views' pixels and their parameters cost."""
+def probabilities_by_pixels(families: Sequence[JointExplanation]) -> Float:
+    """(n,) probabilities of n families, the likeliest first, by what all views' pixels and their parameters cost."""
     behind = [joint_criterion(each) - joint_criterion(families[0]) for each in families]
     weights = np.exp(log_likelihoods_by_pixels(behind, [one.predicted for one in families[0].each]))
     return np.asarray(weights / weights.sum())
 
 
+def probabilities_by_steps(families: Sequence[JointExplanation]) -> Float:
+    """(n,) probabilities of n families that were moved onto the steps of light, by their criteria.
+
+    A parameter's penalty counts as a unit of twice the log likelihood, and not as the logarithm of the sample size that
+    it is: what no family's model shows costs all of them more than noise does.
+    """
+    criteria = np.array([each.joint.criterion for each in families])
+    weights = np.exp(-0.5 * (criteria - criteria.min()))
+    return np.asarray(weights / weights.sum())
+
+
+def sharpened_families(
+    explanation: JointExplanation, families: Sequence[JointExplanation], sharpener: Sharpener
+) -> list[JointExplanation]:
+    """The explanation, and by other families that its pixels leave, moved onto the steps of light; the likeliest first.
+
+    families: the likeliest first, as some of the views were explained by; none but the explanation's own where there
+    are none. sharpener: of all views at full resolution. Where the explanation's own body shows no steps, it stays as
+    it is, alone.
+    """
+    moved = sharpened_in_views(refined_by_all_tangents(explanation), sharpener)
+    if math.isinf(moved.joint.criterion) or not families:
+        return [moved]
+    own, costs = _family(explanation), [own_costs(each) for each in explanation.each]
+    left = [
+        one
+        for one, probability in zip(families, probabilities_by_pixels(families), strict=True)
+        if probability > LEAST_PROBABILITY and _family(one) != own
+    ]
+    starts = [JointStart(explanation.origin, one.joint.alignment.placed.lit, costs) for one in left[:MOST_OTHERS]]
+    aligned = [one for one in explained_in_views(starts) if one is not None]
+    others = [sharpened_in_views(refined_by_all_tangents(one), sharpener) for one in aligned]
+    several = [moved, *(replace(one, joint=replace(one.joint, bodies=explanation.joint.bodies)) for one in others)]
+    told = [(one.joint.criterion, one) for one in several if math.isfinite(one.joint.criterion)]
+    return [one for _, one in sorted(told, key=itemgetter(0))]
+
+
 def with_average_light(
     explanation: JointExplanation, families: Sequence[JointExplanation], overdispersion: float
 ) -> JointExplanation:
-    """The explanation with its light moved by as much as the mean of the families' lights is from its own family's.
+    """The explanation with its light moved to the mean of the families' lights.
 
-    families: the likeliest first, which is its own, before it was moved onto steps of light. overdispersion: the factor
-    that covariances are multiplied by later, which must not multiply what families differ by. Two lights, a lamp and a
+    families: moved onto the steps of light, the likeliest, which is its own, first. overdispersion: the factor that
+    covariances are multiplied by later, which must not multiply what families differ by. Two lights, a lamp and a
     hull's light stay as they are. Families whose lights are farther apart than GOOD_RAD are other answers, and are left
     out.
     """
     joint, light = explanation.joint, explanation.joint.lights[0]
-    if not families or len(joint.lights) > 1 or nearness_of(light.light) or joint.hull is not None:
+    if len(families) < 2 or len(joint.lights) > 1 or nearness_of(light.light) or joint.hull is not None:
         return explanation
-    probabilities = family_probabilities(families)
+    probabilities = probabilities_by_steps(families)
     directions = np.array([towards_light(each) for each in families])
     near = directions @ directions[0] > math.cos(GOOD_RAD)
-    if light.to_light_marker @ directions[0] < math.cos(GOOD_RAD):
-        return explanation  # a start that alignment has turned into another answer; it has no families
     weights = probabilities[near] / probabilities[near].sum()
     offsets = (directions[near] - directions[0]) @ tangent_basis(directions[0]).T  # (n, 2), rad
     mean = weights @ offsets
@@ -56,3 +96,7 @@ def with_average_light(
         covariance_rad2=light.covariance_rad2 + spread / overdispersion,
     )
     return replace(explanation, joint=replace(joint, lights=(moved,)))
+
+
+def _family(explanation: JointExplanation) -> str:
+    return explanation.joint.alignment.placed.lit.body.family.name

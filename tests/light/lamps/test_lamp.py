@@ -1,5 +1,6 @@
 """How a lamp is stated: by its object's shadow as far as that is believed, else by the light on the ground."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -12,7 +13,7 @@ from ashe_live.light.explanation.judgement.judge import fitted_judge
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.shadow_shift import shadow_ratio
 from ashe_live.light.labels.associate import Split
-from ashe_live.light.lamps.kinds import AUTO, LAMP
+from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.lamp import Answer, Scene, stated
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import painted_region
@@ -23,9 +24,16 @@ FIT = partial(explained_near, preset=BALANCED.fine_fit)
 
 
 def answer(
-    confidence: float, lamp_m: tuple[float, ...] | None = LAMP_M, fit: NearFit = FIT, kind: str = LAMP
+    confidence: float,
+    lamp_m: tuple[float, ...] | None = LAMP_M,
+    fit: NearFit = FIT,
+    kind: str = LAMP,
+    found_again: bool = False,
 ) -> Answer:
-    """A box's explanation, under a lamp or a sun, stated as a light of a kind; fit: of lamps to its labels."""
+    """A box's explanation, under a lamp or a sun, stated as a light of a kind.
+
+    fit: of lamps to its labels; found_again: whether another explanation of the same box was judged beside it.
+    """
     here = painted_region(BOX, lamp_m=lamp_m)
     (sun,) = explained([Proposal(here.region, here.materials, Split(here.body, here.shadow))], BALANCED.fine_fit)
     assert sun is not None
@@ -36,6 +44,8 @@ def answer(
         here.ground,
         here.unlit,
         list,
+        [(replace(sun, as_object=sun.as_object.copy()), 5.0)] if found_again else [],
+        lambda light: judge.shared_rad2(light, tracked),
         lambda: Sharpener.of([fine]),
         fit,
         [],
@@ -79,3 +89,9 @@ def test_no_sun_is_believed_where_the_ground_is_lit_by_a_lamp_and_no_lamp_fits_t
     assert excluded.confidence == 0
     (sun,) = answer(0.9, lamp_m=None, fit=no_fit, kind=AUTO).lights
     assert (sun.confidence or 0.0) > 0.5
+
+
+def test_an_object_that_was_found_again_tells_no_more_of_the_sun() -> None:
+    once, twice = (answer(0.9, lamp_m=None, kind=SUN, found_again=again).lights[0] for again in (False, True))
+    assert (twice.to_light_marker == once.to_light_marker).all()
+    assert twice.sigma_rad == once.sigma_rad

@@ -40,7 +40,7 @@ def company_features(explanation: Explanation, company: Company) -> dict[str, fl
         min(other.alignment.clear_body, other.alignment.clear_shadow)
         for other in company.others
         if first.to_light_marker @ other.lights[0].to_light_marker > math.cos(AGREEING_RAD)
-        and _are_apart(explanation.proxy, other.proxy)
+        and are_apart(explanation.proxy, other.proxy)
     ]
     if company.glint is not None:
         # A lamp is elsewhere as seen from the glint than from the marker.
@@ -51,7 +51,7 @@ def company_features(explanation: Explanation, company: Company) -> dict[str, fl
     return {"agreeing": max(agreeing, default=0.0), "sheet": by_sheet}
 
 
-def _are_apart(one: Proxy, other: Proxy) -> bool:
+def are_apart(one: Proxy, other: Proxy) -> bool:
     """Whether two bodies stand on different ground."""
     distance = float(np.linalg.norm(one.foot_marker - other.foot_marker))
     return distance > _reach(one) + _reach(other)

@@ -25,6 +25,7 @@ from ashe_live.light.explanation.judgement.uncertainty import Calibration, covar
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials
+from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.predicted import Predicted
 
 GOOD_RAD = math.radians(10)
@@ -89,6 +90,11 @@ class Judge:
             sigma_rad = radius_of_68_percent(covariance)
             lights.append(Light(fitted.to_light_marker, covariance, sigma_rad, confidence))
         return tuple(lights)
+
+    def shared_rad2(self, light: Light, tracked: TrackedFrame) -> Float:
+        """(2, 2) rad^2 on a light's tangent basis: what directions by all objects of a frame are off by alike."""
+        exact = FittedLight(np.append(light.to_light_marker, 0.0), np.zeros((2, 2)))
+        return self.calibration.covariance(exact, 1.0, tracked)
 
     def _calibration_of(self, explanation: Explanation) -> Calibration:
         # A hull's light is a posterior mean over all that pixels and tangents allow, so that its covariance is kept as

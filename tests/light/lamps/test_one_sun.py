@@ -1,0 +1,66 @@
+"""A sun by several objects: as sure as independent measurements make it, and no surer of what they err by alike."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import angle_between, direction_from_angles, tangent_basis
+from ashe_live.core.types import Light
+from ashe_live.light.lamps.one_sun import by_all_objects, place_of_sun
+from ashe_live.light.shape.directions import FittedLight
+
+SHARED = math.radians(0.4) ** 2 * np.eye(2)
+
+
+def seen(azimuth_deg: float, elevation_deg: float, sigma_deg: float) -> FittedLight:
+    """A sun as an object shows it, with errors of its own of so many degrees along either axis, and shared ones."""
+    direction = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
+    return FittedLight(np.append(direction, 0.0), math.radians(sigma_deg) ** 2 * np.eye(2) + SHARED)
+
+
+def together(*objects: FittedLight) -> Light:
+    first = objects[0]
+    return by_all_objects(Light(first.to_light_marker, first.covariance_rad2, 0.1, 0.9), objects, SHARED)
+
+
+def test_two_objects_that_are_as_exact_meet_in_the_middle_and_halve_the_variance_of_their_own() -> None:
+    light = together(seen(30, 50, 2.0), seen(30, 54, 2.0))
+    middle = direction_from_angles(math.radians(30), math.radians(52))
+    assert angle_between(light.to_light_marker, middle) < math.radians(0.02)
+    assert light.covariance_rad2 == pytest.approx(math.radians(2.0) ** 2 / 2 * np.eye(2) + SHARED, rel=0.01, abs=1e-5)
+
+
+def test_the_vaguer_object_counts_by_its_information() -> None:
+    light = together(seen(30, 50, 1.0), seen(30, 55, 2.0))
+    expected = direction_from_angles(math.radians(30), math.radians(50 + 5 * (1 / 4) / (1 + 1 / 4)))
+    assert angle_between(light.to_light_marker, expected) < math.radians(0.02)
+
+
+def test_an_object_that_tells_only_the_azimuth_moves_only_that() -> None:
+    exact, vague = math.radians(0.5) ** 2, math.radians(40.0) ** 2
+    of_azimuth = FittedLight(seen(33, 45, 1.0).light, np.diag([exact, vague]) + SHARED)
+    first = seen(30, 40, 2.0)
+    light = together(first, of_azimuth)
+    east, up = tangent_basis(first.to_light_marker) @ (light.to_light_marker - first.to_light_marker)
+    assert east > math.radians(1.8)
+    assert abs(up) < math.radians(0.15)
+
+
+def test_near_the_zenith_covariances_are_turned_with_their_axes() -> None:
+    """Two suns 2° beside the zenith on opposite sides: what is up for one is down for the other."""
+    narrow, wide = math.radians(0.5) ** 2, math.radians(4.0) ** 2
+    several = [FittedLight(seen(azimuth, 88, 1.0).light, np.diag([wide, narrow]) + SHARED) for azimuth in (0, 180)]
+    light = together(*several)
+    assert angle_between(light.to_light_marker, np.array([0.0, 0.0, 1.0])) < math.radians(0.1)
+
+
+def test_more_objects_never_make_the_shared_error_smaller() -> None:
+    light = together(*(seen(30, 50, 1.0) for _ in range(50)))
+    assert (np.linalg.eigvalsh(light.covariance_rad2) >= SHARED[0, 0]).all()
+
+
+def test_the_place_of_a_sun_is_at_infinity_in_its_direction() -> None:
+    place = place_of_sun(seen(30, 50, 1.0))
+    assert place.light == pytest.approx(seen(30, 50, 1.0).light)
+    assert place.nearness_sigma < 0.01
