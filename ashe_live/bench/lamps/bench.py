@@ -16,7 +16,7 @@ from ashe_live.bench.tables import figures_table
 from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.lamps.fall.agreement import LAMP_DEVIANCE
+from ashe_live.light.lamps.fall.agreement import TELLING_DEVIANCE
 from ashe_live.light.lamps.sources import FALL_ERROR_SHARE, WHOLE_ERROR_SHARE
 
 CLEAR_DEVIANCE = 80.0  # of even light, from which on the ground shows a lamp very clearly
@@ -72,11 +72,11 @@ class LampBench(Bench):
 
 def _by_deviance(errors: Sequence[FallError]) -> dict[str, list[FallError]]:
     """By how clearly the ground shows the lamp; all but those whose ground hardly does once more."""
-    weak = [each for each in errors if each.deviance < LAMP_DEVIANCE]
+    weak = [each for each in errors if each.deviance < TELLING_DEVIANCE]
     clear = [each for each in errors if each.deviance >= CLEAR_DEVIANCE]
-    told = [each for each in errors if each.deviance >= LAMP_DEVIANCE]
+    told = [each for each in errors if each.deviance >= TELLING_DEVIANCE]
     return {
-        f"below {LAMP_DEVIANCE:g}": weak,
+        f"below {TELLING_DEVIANCE:g}": weak,
         f"to {CLEAR_DEVIANCE:g}": [each for each in told if each.deviance < CLEAR_DEVIANCE],
         "above": clear,
         "all that tell": told,

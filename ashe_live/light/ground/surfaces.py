@@ -16,7 +16,7 @@ TEXTURE_PX = 7  # side of the median that takes out what is, blurred, thinner th
 # brightness per metre: a fifth of this per pixel of 5 mm, 20 cm below a lamp.
 STEP = 0.2
 CHROMA = 2.0  # weight beside brightness, which light changes as well
-LEAST_SHARE = 0.03  # of the ground, of a surface; smaller ones are texture
+LEAST_SHARE = 0.03  # of the ground, of an area; smaller ones are texture
 LEAST_COVERED = 0.5  # of the ground, by all of them: below that the ground is texture all over
 
 
@@ -25,8 +25,15 @@ def surfaces(image_bgr: Image, ground: Mask) -> NDArray[np.int32]:
 
     A ground that is texture all over is one surface.
     """
-    even = (ground & (_steps(image_bgr) < STEP)).astype(np.uint8)
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(even, connectivity=4)
+    return areas_of(ground & (_steps(image_bgr) < STEP), ground)
+
+
+def areas_of(part: Mask, ground: Mask) -> NDArray[np.int32]:
+    """(h, w) number of the connected area of `part` (h, w) that a pixel is in, the largest one 1; 0 in none.
+
+    Small ones are none. A `ground` (h, w) of which all of them cover too little is one area.
+    """
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(part.astype(np.uint8), connectivity=4)
     sizes, of_ground = stats[:, cv2.CC_STAT_AREA], np.count_nonzero(ground)
     sizes[0] = 0
     large = [i for i in np.argsort(-sizes, kind="stable") if sizes[i] > LEAST_SHARE * of_ground]

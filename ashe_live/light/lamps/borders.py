@@ -9,6 +9,7 @@ from ashe_live.light.explanation.alignment import lights_as_lamps
 from ashe_live.light.explanation.explain import END_IN_VIEW
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.light_covariance import tempered
+from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import information_on_displacement
 from ashe_live.light.shape.layout import Layout, nearness_of
 
@@ -25,7 +26,11 @@ class LampBorders:
 
 
 def lamp_borders(explanation: Explanation) -> list[LampBorders]:
-    """For each light; all are about the explanation's own lights, whose displacement depends on their nearness."""
+    """For each light; all are about the explanation's own lights, whose displacement depends on their nearness.
+
+    They are first-order figures. A shadow grows with height by 1 / (1 - k z), of which they leave out (k z)^2 from the
+    second order on; so where they ask for another nearness by k, they are wrong by as much as k^2 h, h the body's top.
+    """
     placed, frame = explanation.alignment.placed, explanation.alignment.placed.lit.body.frame
     if explanation.nearness is not None:
         offset, information = explanation.nearness.offset, explanation.nearness.information
@@ -33,38 +38,52 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
         offset, unary = lights_as_lamps([placed, *explanation.alignment.elsewhere])
         information = tempered(unary, explanation.alignment) + _of_ends_out_of_view(explanation)
     covariance = _bounded_inverse(information)
-    layout = Layout(len(placed.lit.lights), with_nearness=True)
+    layout, top = Layout(len(placed.lit.lights), with_nearness=True), _top(placed.lit)
     found = []
     for i, held in enumerate(nearness_of(placed.lit.lights)):
         of_light = layout.light(i)
-        spread, nearness = covariance[of_light, of_light], float(held) + offset[of_light][2] / frame.unit_m
+        spread, asked = covariance[of_light, of_light], float(offset[of_light][2])
+        sigma = float(np.hypot(np.sqrt(spread[2, 2]), asked**2 * top))
         at_foot = spread[:2, 2] / spread[2, 2] * frame.unit_m
-        found.append(LampBorders(nearness, float(np.sqrt(spread[2, 2])) / frame.unit_m, at_foot + frame.origin_marker))
+        nearness = float(held) + asked / frame.unit_m
+        found.append(LampBorders(nearness, sigma / frame.unit_m, at_foot + frame.origin_marker))
     return found
+
+
+def length_by_light(light: Float, top: float) -> Float:
+    """(3,) by how much the length of the shadow of what is `top` high grows with a light's displacement and nearness.
+
+    Over how much it grows with the displacement's length. light: (4,) homogeneous, above `top`, with a displacement.
+    """
+    displacement = light[:2] / light[2]
+    length = float(np.linalg.norm(displacement))
+    return np.array([*(displacement / length), length * top / (1 - float(nearness_of(light)) * top)])
 
 
 def _of_ends_out_of_view(explanation: Explanation) -> Float:
     """(3 l, 3 l) what is known of shadows' ends that the picture does not show, about the explanation's own lights.
 
     A shadow ends not far outside of the picture, (22b) of docs/maths.md, in whichever light: its top h casts a shadow
-    of the length s h / (1 - k h), so that a nearer light of the same end has a shorter displacement. Without this the
-    other borders alone, which hardly determine how long a shadow is, would tell what a nearer light does to it.
+    of the length s h / (1 - k h), so that a nearer light of the same end has a shorter displacement, by s h / (1 - k h)
+    for each k. Without this the other borders alone, which hardly determine how long a shadow is, would tell what a
+    nearer light does to it.
     """
     lit, layout = explanation.alignment.placed.lit, Layout(len(explanation.lights), with_nearness=True)
     information = np.zeros((layout.split, layout.split))
-    spheroids = lit.body.spheroids
-    top = float((spheroids[:, 2] + spheroids[:, 4]).max())
     ends = zip(explanation.lights, lit.lights_in_body_frame, explanation.alignment.ends_in_view, strict=True)
     for i, (fitted, light, in_view) in enumerate(ends):
-        displacement = light[:2] / light[2]
-        length = float(np.linalg.norm(displacement))
-        if in_view >= END_IN_VIEW or length == 0:
+        if in_view >= END_IN_VIEW or not light[:2].any():
             continue
-        along = displacement / length
-        variance = along @ np.linalg.solve(information_on_displacement(fitted), along)
-        end = np.array([*along, length * top])
+        end = length_by_light(light, _top(lit))
+        variance = end[:2] @ np.linalg.solve(information_on_displacement(fitted), end[:2])
         information[layout.light(i), layout.light(i)] = np.outer(end, end) / variance
     return information
+
+
+def _top(lit: LitBody) -> float:
+    """The body's height, in its frame."""
+    spheroids = lit.body.spheroids
+    return float((spheroids[:, 2] + spheroids[:, 4]).max())
 
 
 def _bounded_inverse(information: Float) -> Float:

@@ -84,7 +84,8 @@ def _log_ratio_at(place: Place, deviance: float) -> float:
     """The same by Laplace's approximation about a lamp's place, by the deviance of a sun from it."""
     mean, variance = _with_prior(place)
     volume = 0.5 * math.log(variance / LAMPS_NEARNESS**2) + _log_side(mean / math.sqrt(2 * variance))
-    return 0.5 * deviance + volume - 0.5 * (mean / LAMPS_NEARNESS) ** 2
+    # A lamp's nearness lies as far from 0 as its own sigma and the prior's allow together.
+    return 0.5 * deviance + volume - 0.5 * float(place.mean[2]) ** 2 / (place.nearness_sigma**2 + LAMPS_NEARNESS**2)
 
 
 def _log_side(x: float) -> float:

@@ -135,10 +135,10 @@ def stated(
         is_lamp = evidence.is_lamp if len(seen.objects) == 1 else evidence.lamp is None or evidence.deviance > 0
     if is_lamp:
         worth = WORTH_ALIGNING if kind == AUTO else 0.0
-        seen, at = _fitted_as_lamps(seen, place, covariance_of, worth, scene)
-        believed = _believed(seen, covariance_of)
+        as_lamps, at = _fitted_as_lamps(seen, place, covariance_of, worth, scene)
+        believed = _believed(as_lamps, covariance_of)
         if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0) and believed.mean.mean[2] > 0:
-            best = seen.objects[0].explanation
+            best = as_lamps.objects[0].explanation
             alone, *others_lights = lights_of(best, confidence)
             lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
             return Answer(best, (lamp, *others_lights), believed.mean)
@@ -211,7 +211,7 @@ def with_size(light: Light, angular_size_rad: float | None) -> Light:
     """The light with its angular diameter as seen from the marker's centre, and a lamp with its radius."""
     if angular_size_rad is None or light.inverse_distance == 0:
         return replace(light, angular_size_rad=angular_size_rad)
-    radius_m = math.sin(angular_size_rad / 2) / light.inverse_distance
+    radius_m = math.tan(angular_size_rad / 2) / light.inverse_distance  # of the disc that the penumbra shows
     return replace(light, angular_size_rad=angular_size_rad, radius_m=radius_m)
 
 

@@ -1,11 +1,16 @@
 """What borders tell of a lamp where they leave open how long a shadow is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
+from ashe_live.light.edges.nearness import NearnessBySteps
 from ashe_live.light.explanation.explain import END_IN_VIEW
-from ashe_live.light.lamps.borders import lamp_borders
+from ashe_live.light.lamps.borders import lamp_borders, length_by_light
 from ashe_live.light.shape.layout import light_parameters
+from ashe_live.light.shape.light_points import cast_on_ground
 from tests.light.lamps.test_hypotheses import by_a_sun
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, Caster
@@ -28,3 +33,30 @@ def test_a_shadow_that_leaves_the_picture_ends_there_in_a_nearer_light_too(caste
     at_foot = borders.by_nearness - lit.body.frame.origin_marker
     assert np.linalg.norm(at_foot - end_stays) < 3 * np.linalg.norm(end_stays)
     assert 0.1 < borders.nearness_sigma < 3.0
+
+
+@pytest.mark.parametrize("nearness", [0.0, 0.3, 0.8])
+def test_how_a_shadows_length_follows_from_its_light_near_or_far(nearness: float) -> None:
+    """By the projection of a point at the height 0.9, in a light whose displacement and nearness change a little."""
+    top, light = np.array([[0.0, 0.0, 0.9]]), np.array([0.6, -1.1, 1.0, nearness])
+
+    def length(light: Float) -> float:
+        cast = cast_on_ground(top, light)
+        assert cast is not None
+        return float(np.linalg.norm(cast[0, :2]))
+
+    slopes = np.array([(length(light + step) - length(light - step)) / 2e-6 for step in 1e-6 * np.eye(4)[[0, 1, 3]]])
+    along = slopes[:2] @ light[:2] / np.linalg.norm(light[:2])
+    np.testing.assert_allclose(length_by_light(light, 0.9), slopes / along, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("share", "least", "most"), [(0.02, 1.0, 1.02), (3.0, 100.0, np.inf)])
+def test_what_is_beyond_the_first_order_is_not_told(share: float, least: float, most: float) -> None:
+    """Borders may ask for any lamp: nearer than one over the body's height, it would be below the body's top."""
+    explanation, _ = by_a_sun(painted_region(BOX))
+    frame = explanation.alignment.placed.lit.body.frame
+    nearness, sigma = share / explanation.proxy.points_marker()[:, 2].max(), 0.3
+    asked = NearnessBySteps(np.array([0, 0, nearness * frame.unit_m]), np.eye(3) / (sigma * frame.unit_m) ** 2)
+    (borders,) = lamp_borders(replace(explanation, nearness=asked))
+    assert borders.nearness == pytest.approx(nearness)
+    assert least <= borders.nearness_sigma / sigma < most

@@ -119,6 +119,20 @@ def test_a_lamp_is_nearer_than_infinity_even_where_evidence_points_beyond() -> N
     assert off_deg(SUN, np.append(expected, 1.0)) > 3
 
 
+@pytest.mark.parametrize(("nearness", "sigma"), [(3.0, 1.5), (1.5, 0.8), (1.0, 0.1), (2.5, 1.0)])
+def test_the_odds_of_a_lamp_are_those_of_all_the_nearnesses_that_lamps_have(nearness: float, sigma: float) -> None:
+    """By numerical integration over half a normal distribution of 1.5 / m, where the evidence is normal as well."""
+    deviance = (nearness / sigma) ** 2
+    found = with_doubt(SUN, place(nearness, sigma), place(50.0, 0.1), deviance)
+    k = np.linspace(0, 20, 20001)
+    prior = 2 * np.exp(-0.5 * (k / 1.5) ** 2) / (1.5 * math.sqrt(2 * math.pi))
+    weights = prior * np.exp(-0.5 * ((k - nearness) / sigma) ** 2)
+    odds = weights.sum() * (k[1] - k[0]) / math.exp(-0.5 * deviance)
+    at_sun, at_lamp = displacement_of(SUN.to_light_marker), (weights @ k) / weights.sum() * FOOT
+    expected = at_sun + odds / (1 + odds) * at_lamp
+    np.testing.assert_allclose(displacement_of(found.to_light_marker), expected, atol=1e-3 * np.linalg.norm(at_lamp))
+
+
 @pytest.mark.parametrize("nearness", [-5.0, -0.01, 0.0, 0.05, 12.0])
 @pytest.mark.parametrize("sigma", [1e-3, 0.5, 50.0])
 @pytest.mark.parametrize("deviance", [-1e6, 0.0, 1e6])

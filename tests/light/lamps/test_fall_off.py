@@ -1,5 +1,6 @@
 """The fall of light over painted ground: right slopes, right lamps, and suns that are none."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,7 @@ from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.gloss import Gloss, mirrored_and_slopes
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.ground.slow_shading import log_irradiance
-from ashe_live.light.lamps.fall.agreement import NEARNESSES, FallDirections
+from ashe_live.light.lamps.fall.agreement import NEARNESSES, UNEVEN_DEVIANCE, FallDirections
 from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.pixels.view import View
 from tests.light.painted_scenes import SHADOW_RATIO, paint
@@ -108,6 +109,39 @@ def test_pulls_are_finite_everywhere(light: tuple[float, ...], lamp_m: tuple[flo
     assert np.isfinite(pull.cost)
     assert np.isfinite(pull.gradient).all()
     assert (np.linalg.eigvalsh(pull.information) > -1e-6 * np.trace(pull.information)).all()
+
+
+def with_a_strip(lamp_m: tuple[float, ...] | None = None, floor: float = 1.0) -> FallOff:
+    """Of plain ground that a strip divides, unlit as a table's end; beyond it lies ground of another albedo."""
+    scene = paint(lamp_m=None if lamp_m is None else np.array(lamp_m))
+    view = View.of(scene.tracked, BALANCED.coarse_width_px)
+    end = view.size[1] // 3
+    image = view.image_bgr.copy()
+    image[:end] = np.rint(image[:end] * floor ** (1 / 2.2))
+    lit = fit_lit_ground(image, view.is_ground, BALANCED.ground)
+    assert lit is not None
+    free = np.ones(view.is_ground.shape, np.bool_)
+    free[end - 5 : end + 5] = False
+    found = FallOff.of(replace(view, image_bgr=image), lit, free)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("floor", [0.4, 0.7, 1.5])
+def test_a_darker_or_paler_floor_behind_a_table_is_no_fall_of_light(floor: float) -> None:
+    _, deviance = FallDirections(with_a_strip(floor=floor)).likeliest
+    assert deviance < UNEVEN_DEVIANCE
+
+
+@pytest.mark.parametrize("floor", [0.4, 1.0, 1.5])
+def test_a_lamp_is_told_on_either_side_of_a_strip(floor: float) -> None:
+    lamp_m = LAMPS["beside"]
+    at_foot = (np.array(lamp_m[:2]) - FOOT) / lamp_m[2]
+    nearness = np.array([0.0, 0.5, 1, 2]) / lamp_m[2]
+    lamps = np.array([[*(at_foot + k * FOOT), k] for k in nearness])
+    costs = with_a_strip(lamp_m, floor).worst_costs(lamps, SHARE, FOOT)
+    assert int(np.argmin(costs)) == 2
+    assert costs[2] < costs[0] - UNEVEN_DEVIANCE
 
 
 def test_too_little_lit_ground_tells_nothing() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.light.ground.gloss import Gloss
 from ashe_live.light.lamps.fall.low_lamps import low_lamp_elsewhere
 from tests.light.lamps.test_fall_off import fall_off, parameters
 
@@ -24,6 +25,12 @@ def test_a_low_lamp_is_seen_where_no_light_is_stated(ground: str, lamp_m: tuple[
     of = fall_off(ground, lamp_m)
     assert low_lamp_elsewhere(of, TOP_M, ELSEWHERE)
     assert not low_lamp_elsewhere(of, TOP_M, lights_of(lamp_m))
+
+
+@pytest.mark.parametrize("gloss", [None, Gloss(0.3, 0.08), Gloss(0.8, 0.3)])
+def test_it_is_seen_whether_the_ground_may_be_glossy_or_not(gloss: Gloss | None) -> None:
+    of = fall_off("checkered", (0.15, -0.1, 0.05))
+    assert low_lamp_elsewhere(replace(of, gloss=gloss), TOP_M, ELSEWHERE)
 
 
 @pytest.mark.parametrize("ground", ["plain", "checkered", "bricks"])

@@ -24,7 +24,7 @@ SHARE = 0.8  # of the light that is the lamp's, where it is not known yet
 # Deviance of a ground that is lit alike all over, from which on its light tells a direction: chance exceeds it once in
 # a thousand, with a lamp's three parameters.
 UNEVEN_DEVIANCE = 16.3
-LAMP_DEVIANCE = 30.0  # of a sun, from which on the ground is taken to be lit by a lamp
+TELLING_DEVIANCE = 30.0  # of a sun, from which on the ground is taken to be lit by a lamp, and tells where from
 # The fall of light counts as much less: what bends it, as walls do, turns its direction too.
 TEMPERING = 0.25
 MOST = 3.0  # of the log of a likelihood ratio, either way
@@ -75,7 +75,7 @@ class FallDirections:
         """
         light, deviance = self.likeliest
         is_lamp = light[2] > 0
-        if deviance < (LAMP_DEVIANCE if is_lamp else UNEVEN_DEVIANCE):
+        if deviance < (TELLING_DEVIANCE if is_lamp else UNEVEN_DEVIANCE):
             return 0.0
         here = self._costs(np.column_stack([displacements, (0.0, *NEARNESSES)]))
         if is_lamp:

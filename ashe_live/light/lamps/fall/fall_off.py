@@ -17,7 +17,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.ground.gloss import Gloss, mirrored, mirrored_and_slopes
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.ground.slow_shading import irradiances, log_irradiance
+from ashe_live.light.ground.slow_shading import LEAST_LIGHT, irradiances, log_irradiance
 from ashe_live.light.lamps.fall.lit_samples import CONTRAST, LitSamples
 from ashe_live.light.pixels.view import View
 
@@ -112,7 +112,7 @@ class FallOff:
         if self.gloss is not None:
             glossy = 1 + mirrored(self.samples.places, self.eye, parameters, self.gloss)
             relative, shares = np.hstack([relative, relative * glossy]), np.append(shares, shares)
-        lights = np.log(np.maximum(1 - shares + shares * relative, 1e-3))
+        lights = np.log(np.maximum(1 - shares + shares * relative, LEAST_LIGHT))
         weighted, explained = self.samples.weighted(lights)
         by_light = known.T @ weighted - known_explained.T @ explained
         square = (lights * weighted).sum(axis=0) - (explained**2).sum(axis=0)

@@ -3,24 +3,27 @@
 The picture's brightness also has the ground's paint and texture, vignetting, and what else is uneven. Vignetting and a
 little unevenness are fitted along (docs/maths.md, "The fall of light"). Paint and texture are noise that is correlated
 over their size. No colour has a level of its own: a plain ground's colours are the steps of its own brightness, and
-their levels would explain a lamp away. Surfaces that an edge divides have one.
+their levels would explain a lamp away. Areas that what is not lit divides have one, as what is beyond a table's end may
+be a floor; so do surfaces that an edge divides.
 """
 
 import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Mask
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.ground.surfaces import surfaces
+from ashe_live.light.ground.surfaces import areas_of, surfaces
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
 
 BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
+AROUND_PX = 7  # side of the squares of which half has to be lit: what is narrower than half joins no two areas
 LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
 CLIPPED = 250  # value of the brightest channel from which on it tells nothing
 SAMPLES, FEWEST = 1500, 300  # pixels of lit ground: as many as are used, and as few as tell anything
@@ -28,7 +31,7 @@ CELLS = (12, 9)  # in which samples' errors may be correlated: texture is larger
 # Sigmas of what is fitted along: vignetting at the picture's corner (of log brightness), the ground's own unevenness as
 # a gradient (1/m) and a curvature (1/m^2) of log irradiance, and the camera's contrast beside that of sRGB.
 VIGNETTING, GRADIENT, CURVATURE, CONTRAST = 0.2, 0.03, 0.05, 0.1
-LEVEL = 0.5  # the same of a surface's log albedo, beside that of the largest
+LEVEL = 0.5  # the same of an area's log albedo, beside that of the largest
 LARGEST_LEVEL = 1e3  # and of that one's: any
 ROBUST_ROUNDS = 6
 LEAST_NOISE = 0.01  # of log brightness
@@ -53,8 +56,9 @@ class LitSamples:
         """
         exposed = view.image_bgr.max(axis=2) < CLIPPED
         seen = free & view.is_ground
-        parts = surfaces(view.image_bgr, seen) if ground.divided else seen.astype(np.int32)
-        lit = np.flatnonzero((parts > 0) & exposed & (ground.squared_distance < LIT))
+        is_lit = seen & (ground.squared_distance < LIT)
+        parts = surfaces(view.image_bgr, seen) if ground.divided else areas_of(_mostly(is_lit), is_lit)
+        lit = np.flatnonzero((parts > 0) & exposed & is_lit)
         if len(lit) < FEWEST:
             return None
         chosen = lit if len(lit) <= SAMPLES else np.sort(np.random.default_rng(0).choice(lit, SAMPLES, replace=False))
@@ -90,6 +94,11 @@ class LitSamples:
 def clear_of(taken: Mask) -> Mask:
     """(h, w) the ground that is lit as the rest, away from objects and shadows (h, w)."""
     return ~grown(taken, BESIDE_PX)
+
+
+def _mostly(mask: Mask) -> Mask:
+    """(h, w) where at least half of the pixels around are in a mask (h, w)."""
+    return np.asarray(cv2.blur(mask.astype(np.float32), (AROUND_PX, AROUND_PX)) >= 0.5)
 
 
 def _factor(fitted: Float, weights: Float) -> Float:
@@ -132,7 +141,7 @@ def _robust_weights(brightness: Float, fitted: Float, cells: NDArray[np.intp], s
         weighted = fitted * weights[:, None]
         ridge = 1e-6 * np.eye(fitted.shape[1])
         rest = brightness - fitted @ np.linalg.solve(weighted.T @ fitted + ridge, weighted.T @ brightness)
-        noise = 1.48 * float(np.median(np.abs(rest))) + LEAST_NOISE
+        noise = SIGMA_OVER_MEDIAN * float(np.median(np.abs(rest))) + LEAST_NOISE
         weights = 1 / (1 + (rest / (2 * noise)) ** 2)
     bread = np.linalg.inv((fitted * weights[:, None]).T @ fitted + 1e-6 * np.eye(fitted.shape[1]))
     scores = fitted * (weights * rest)[:, None]

@@ -17,7 +17,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import logit
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.slow_shading import irradiances
-from ashe_live.light.lamps.fall.agreement import LAMP_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
+from ashe_live.light.lamps.fall.agreement import EVERY, TELLING_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
 from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.hypotheses import NEARNESSES
@@ -31,7 +31,6 @@ SPACING = 0.7  # of these lamps, over their height: a spot is about as wide as i
 MARGIN = 1.5  # over their height, by which they may stand beside the ground that is seen
 REACH_M = 0.6  # from the marker, along x and y, of that ground
 SHARES = (0.3, 0.6, 0.85, 0.95)  # of all light that are the lamp's, where it is brightest
-EVERY = 4  # samples of the ground
 WIDTH = 1.53  # of a spot at half of its brightness, over its lamp's height: twice the r where (1 + r²)^-1.5 = 1/2
 # Deviance of other lights from a low lamp, that chance exceeds once in twenty with three parameters more. The likeliest
 # of many lamps exceeds it by chance more often: by twice the logarithm of how many spots there is room for.
@@ -70,11 +69,12 @@ def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float, log_odds:
     low_lamps = _lamps(some, top_m * np.array(HEIGHTS))
     if not len(low_lamps):
         return False
-    low, even = _least_cost(replace(some, gloss=None), low_lamps), _least_cost(some, np.zeros((1, 3)))
+    dull = replace(some, gloss=None)  # which is what even light shines on as well, as for `deviance`
+    low, even = _least_cost(dull, low_lamps), _least_cost(dull, np.zeros((1, 3)))
     elsewhere = ELSEWHERE + 2 * math.log(max(len(low_lamps) * (SPACING / WIDTH) ** 2, 1.0))
     outweighed = elsewhere + max(2 * log_odds, 0.0)
     # What lamps of ordinary heights explain as well, as they do a table's slow shading, is no low lamp's spot.
-    is_spot = even - low > max(LAMP_DEVIANCE, deviance + elsewhere)
+    is_spot = even - low > max(TELLING_DEVIANCE, deviance + elsewhere)
     return is_spot and _least_cost(some, lights) - low > outweighed
 
 
