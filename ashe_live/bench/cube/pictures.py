@@ -67,20 +67,27 @@ def traced_pictures(folders: Sequence[Path]) -> dict[str, list[tuple[Path, Mappi
         try:
             content = read_json(path, MOST_TRUTH_BYTES)
             entries = [*content.get("scenes", []), *content.get("marker_not_found", [])]
-            cubes = [each for each in entries if each["marker"].get("dictionary") == CUBE]
+            cubes = [(each["category"], each) for each in entries if each["marker"].get("dictionary") == CUBE]
         except OSError as error:
             raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise UserError(f"{path} is no list of scenes ({error})", "it needs `scenes`") from error
         if not cubes:
             raise UserError(f"{folder} has no pictures of a paper cube", "ashe-live bench light measures on others")
-        for each in cubes:
-            found.setdefault(each["category"], []).append((folder, each))
+        for category, each in cubes:
+            found.setdefault(category, []).append((folder, each))
     return found
 
 
 def traced_picture(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
-    """A path-traced picture; raises UserError where it cannot be read."""
+    """A path-traced picture; raises UserError where it cannot be read, or its entry lacks something."""
+    try:
+        return _read(folder, entry)
+    except (ValueError, KeyError, IndexError, TypeError) as error:
+        raise UserError(f"{folder} has a picture without its truth ({error})", "make the set again") from error
+
+
+def _read(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
     image = decoded(folder / entry["image"], cv2.IMREAD_COLOR)
     if image is None:
         raise UserError(f"cannot read the picture {entry['image']}", "is it there, and a PNG or JPEG?")

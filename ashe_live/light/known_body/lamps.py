@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.found_light import FoundLight, room_beside
+from ashe_live.light.known_body.found_light import FoundLight, points_of, room_beside
 from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, moved, nearness_sigma, profiles_of
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.outline.room import Room
@@ -100,11 +100,11 @@ def _nearness(seen: Seen, light: Float, covariance: Float, others: Sequence[Foun
     A lamp's light falls off over the table, and gives more to what is nearer to it.
     """
     by_nearness, sigma = covariance[:, 2] / covariance[2, 2], math.sqrt(covariance[2, 2])
-    points = np.array([each.light for each in others]).reshape(-1, 4)
-    beside = seen.beside(points)
+    beside = seen.beside(points_of(others))
     most = NEAREST / height_of(seen.body)
     low, high = (float(np.clip(light[3] + sign * WITHIN_SIGMAS * sigma, 0.0, most)) for sign in (-1, 1))
-    mean, variance, sun = float(np.clip(light[3], 0.0, most)), sigma**2, 0.5
+    # Edges that speak against any lamp leave nothing to look for.
+    mean, variance, sun = float(np.clip(light[3], 0.0, most)), sigma**2, float(high < LEAST_NEARNESS)
     for number in range(GRIDS):
         if high - low < LEAST_NEARNESS:
             break

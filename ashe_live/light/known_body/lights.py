@@ -177,9 +177,9 @@ def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
     for number, (one, darkening) in enumerate(zip(found, dark, strict=True)):
         room = room_beside(seen, [*found[:number], *found[number + 1 :]])
         fit = None
-        if one.fit is not None and not one.is_lamp:  # lamps are fitted as such afterwards
-            fit = fitted(seen.body, one.light, float(darkening), seen.light, room, seen.view, size_rad=one.size_rad)
-        if fit is None or normalised(fit.light[:3]) @ normalised(one.light[:3]) < math.cos(APART_RAD):
+        if one.fit is not None and one.fit.light[3] == 0:  # lamps are fitted as such afterwards
+            fit = fitted(seen.body, one.casting, float(darkening), seen.light, room, seen.view, size_rad=one.size_rad)
+        if fit is None or normalised(fit.light[:3]) @ normalised(one.casting[:3]) < math.cos(APART_RAD):
             fitted_again.append(replace(one, darkening=float(darkening)))
         else:
             fitted_again.append(FoundLight(fit.light, fit.covariance, fit, float(darkening)))

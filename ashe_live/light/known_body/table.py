@@ -25,7 +25,7 @@ LINEAR = LINEAR_FROM_SRGB_8BIT.astype(np.float32)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """A map of cells, `places` metres from the marker's centre."""
+    """A map of cells, at `places` around the body's foot."""
 
     light_rgb: Float32  # (n, n, 3) linear, R, G, B
     seen: Mask  # (n, n) cells that are bare table in the picture

@@ -67,6 +67,13 @@ def test_pictures_without_a_cube_are_another_bench_s(tmp_path: Path) -> None:
         traced_pictures([folder_of(tmp_path, flat)])
 
 
+@pytest.mark.parametrize("missing", ["category", "ambient", "lights", "K"])
+def test_a_picture_whose_truth_is_not_whole_is_named(tmp_path: Path, missing: str) -> None:
+    folder = folder_of(tmp_path, {key: value for key, value in entry().items() if key != missing})
+    with pytest.raises(UserError, match=missing):
+        traced_picture(*traced_pictures([folder])["lamp"][0])
+
+
 def test_a_camera_comes_around_the_cube_to_where_it_takes_the_picture() -> None:
     followed = next(one for one in SETS if one.followed)
     (scene,) = followed.scenes(1)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.found_light import FoundLight
+from ashe_live.light.known_body.found_light import FoundLight, points_of
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.shading import SLOPE, UNEVEN, Sides
@@ -19,7 +19,7 @@ def open_sky_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float) -> F
     dark_rgb: (l, 3) part of the table's light that each light gives.
     """
     in_shadow = np.clip(1 - dark_rgb.sum(axis=0), 1e-3, 1.0)
-    shadows = shadows_of(seen.body, np.array([each.light for each in lights])).whole().max(axis=0)
+    shadows = shadows_of(seen.body, points_of(lights)).whole().max(axis=0)
     cells = (shadows * seen.measured.table.seen).reshape(-1)
     hidden = float((seen.templates.hidden_sky * cells).sum() / max(float(cells.sum()), 1e-6))
     # Where a part h of the sky s is hidden, on both sides of a shadow's edge, s (1 - h) / (1 - s h) is left in it.

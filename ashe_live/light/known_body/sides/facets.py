@@ -25,6 +25,7 @@ INK = 0.1  # quantile of a facet's brightness: print is a good third of it
 # clipped facet's light over what is shown. Of 110 sides beside a clipped level facet, path-traced through five cameras.
 INK_SIGMA, OVER_SIGMA = 0.33, 0.43
 INK_PX = 25.0  # width of facets from which on blur leaves the ink dark
+LEAST_INK = 1e-4  # linear light: darker ink is black in the picture, and no share of anything
 WITHIN_SIGMAS, STEPS = 4.0, 65  # of these
 BITS = 4
 FOLDED = 0.08  # of the body's extent: how deep a facet is that was folded by hand
@@ -82,10 +83,11 @@ def _with_level(normals: Float, light: Float, is_clipped: Mask, widths: Float, i
     level = np.flatnonzero(normals[:, 2] > 0.99)
     if not len(level) or not is_clipped[level[0]]:
         return light, 0.0 if len(level) else math.inf
-    told = ~is_clipped & (widths > INK_PX)
-    if not told.any() or widths[level[0]] < INK_PX:
+    shows_ink = (widths > INK_PX) & (inks > LEAST_INK)
+    told = ~is_clipped & shows_ink
+    if not told.any() or not shows_ink[level[0]]:
         return light, math.inf
-    by_ink = np.log(light[told].mean(axis=1) * inks[level[0]] / np.maximum(inks[told], 1e-4)).mean()
+    by_ink = np.log(light[told].mean(axis=1) * inks[level[0]] / inks[told]).mean()
     over = float(by_ink - np.log(light[level[0]].mean()))
     logs = np.linspace(0.0, WITHIN_SIGMAS * OVER_SIGMA, STEPS)
     score = ((logs - over) / INK_SIGMA) ** 2 + (logs / OVER_SIGMA) ** 2

@@ -1,9 +1,13 @@
 """The light of a folded cube's sides, by Lambert's law of a painted one."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.sides.facets import Facets, facets_of
 from ashe_live.light.known_body.table import linear_picture
 from ashe_live.light.pixels.view import View
@@ -15,13 +19,17 @@ from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, look
 DIRECT, SKY = 0.6, 0.3  # of level ground
 
 
-def seen_facets(scene: CubeScene) -> Facets:
-    """Those of the cube where the tracker finds it."""
+def cube_in_view(scene: CubeScene) -> tuple[View, Proxy]:
+    """Where the tracker finds it."""
     tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
     assert tracked.marker is not None
     assert tracked.marker.body is not None
-    view = View.of(tracked, 640)
-    return facets_of(view, tracked.marker.body, linear_picture(view))
+    return View.of(tracked, 640), tracked.marker.body
+
+
+def seen_facets(scene: CubeScene) -> Facets:
+    view, body = cube_in_view(scene)
+    return facets_of(view, body, linear_picture(view))
 
 
 @pytest.mark.parametrize(("azimuth_deg", "seed"), [(25, 0), (40, 1), (25, 2), (40, 3), (25, 4), (40, 5)])
@@ -48,12 +56,15 @@ def test_a_dark_side_is_not_taken_for_its_bright_neighbour(azimuth_deg: float, s
     assert relative[~level] == pytest.approx(np.full(2, 0.5 * SKY / (SKY + direct)), abs=0.04)
 
 
+def half_lit(exposure: float) -> CubeScene:
+    """A cube with one of the two sides in view in the sun."""
+    light = sun(240, 50, on_table=DIRECT)
+    return CubeScene(CAMERA, looking(0.4, 45, 30), [light], sky_rgb=np.full(3, SKY), exposure=exposure)
+
+
 def relative_light(exposure: float) -> tuple[Float, bool, float]:
     """(2,) of a cube's two sides in view over its top's; whether that is overexposed; and how well it is told."""
-    scene = CubeScene(
-        CAMERA, looking(0.4, 45, 30), [sun(240, 50, on_table=DIRECT)], sky_rgb=np.full(3, SKY), exposure=exposure
-    )
-    facets = seen_facets(scene)
+    facets = seen_facets(half_lit(exposure))
     level = facets.normals[:, 2] > 0.99
     relative = facets.light_rgb[~level].mean(axis=1) / facets.light_rgb[level].mean()
     return relative, bool(facets.is_clipped[level].all()), facets.level_sigma
@@ -70,3 +81,14 @@ def test_an_overexposed_top_is_told_by_its_ink(exposure: float) -> None:
     assert (np.abs(np.log(relative / truth)) < np.abs(np.log(as_shown / truth))).all()
     assert np.abs(np.log(relative / truth)).max() < 2 * sigma
     assert 0.1 < sigma < 0.4
+
+
+def test_black_ink_tells_nothing_of_an_overexposed_top() -> None:
+    """As of cameras whose tones sink into black."""
+    view, body = cube_in_view(half_lit(2.0))
+    crushed = view.image_bgr.copy()
+    crushed[crushed < 100] = 0
+    facets = facets_of(view, body, linear_picture(replace(view, image_bgr=crushed)))
+    assert facets.is_clipped[facets.normals[:, 2] > 0.99].all()
+    assert facets.level_sigma == math.inf
+    assert np.isfinite(facets.light_rgb).all()

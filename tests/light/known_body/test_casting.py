@@ -1,0 +1,80 @@
+"""What casts a shadow is not always what is stated: what may be a lamp is stated as another sun than its shadow has."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.light.known_body.found_light import FoundLight
+from ashe_live.light.known_body.lamps import _nearness, as_lamps
+from ashe_live.light.known_body.lights import _refitted
+from ashe_live.light.known_body.outline.fit import fitted
+from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.known_body.sides.ambient import open_sky_rgb
+from ashe_live.light.pixels.view import View
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.families.layout import cube_layout
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, frame_of, looking, sun
+
+ON_TABLE, SKY = 0.3, 0.3
+
+
+@pytest.fixture(scope="module")
+def seen() -> Seen:
+    """A cube in two suns, whose shadows lie apart and in view."""
+    scene = CubeScene(
+        CAMERA, looking(0.45, 45, 30), [sun(80, 40, ON_TABLE), sun(170, 35, ON_TABLE)], sky_rgb=np.full(3, SKY)
+    )
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    assert tracked.marker is not None
+    assert tracked.marker.body is not None
+    prepared = Seen.of(View.of(tracked, 640), tracked.marker.body, tracked.marker.wobble)
+    assert prepared is not None
+    return prepared
+
+
+def on_its_edges(seen: Seen, azimuth_deg: float, elevation_deg: float) -> FoundLight:
+    start, darkening = sun(azimuth_deg, elevation_deg).point, ON_TABLE / (2 * ON_TABLE + SKY)
+    fit = fitted(seen.body, start, darkening, seen.light, seen.room, seen.view)
+    assert fit is not None
+    return FoundLight(fit.light, fit.covariance, fit, darkening)
+
+
+@pytest.fixture(scope="module")
+def suns(seen: Seen) -> list[FoundLight]:
+    return [on_its_edges(seen, 80, 40), on_its_edges(seen, 170, 35)]
+
+
+def stated_elsewhere(one: FoundLight) -> FoundLight:
+    """As what may be a lamp, several degrees lower."""
+    return replace(one, light=one.light * (1.3, 1.3, 1, 0), may_be_lamp=True)
+
+
+def test_it_is_fitted_again_from_where_its_shadow_lies(seen: Seen, suns: list[FoundLight]) -> None:
+    one, _ = _refitted(seen, [stated_elsewhere(suns[0]), suns[1]])
+    assert one.light[:2] == pytest.approx(suns[0].light[:2], abs=0.02)
+
+
+def test_a_lamp_is_told_beside_the_other_shadow(seen: Seen, suns: list[FoundLight]) -> None:
+    first, second = suns
+    beside_it, beside_what_is_stated = (
+        as_lamps(seen, [first, other], told=1)[0] for other in (second, stated_elsewhere(second))
+    )
+    assert beside_what_is_stated.light == pytest.approx(beside_it.light, abs=1e-9)
+    assert beside_what_is_stated.covariance == pytest.approx(beside_it.covariance, abs=1e-12)
+
+
+def test_the_open_sky_is_told_in_the_shadow_that_is_seen(seen: Seen, suns: list[FoundLight]) -> None:
+    dark = np.full((1, 3), suns[0].darkening)
+    by_shadow, by_what_is_stated = (open_sky_rgb(seen, [one], dark) for one in (suns[0], stated_elsewhere(suns[0])))
+    assert by_what_is_stated == pytest.approx(by_shadow, abs=1e-12)
+
+
+def test_edges_that_no_lamp_throws_are_a_suns(seen: Seen, suns: list[FoundLight]) -> None:
+    """A shadow that grows narrower with height, by eight standard deviations."""
+    light, covariance = np.append(suns[0].light[:3], -8.0), np.diag([1e-4, 1e-4, 1.0])
+    probability, nearness, variance = _nearness(seen, light, covariance, suns[1:])
+    assert probability == 1
+    assert nearness == 0
+    assert variance > 0
