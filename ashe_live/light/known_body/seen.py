@@ -31,6 +31,7 @@ from ashe_live.light.known_body.table import (
     table_around,
 )
 from ashe_live.light.known_body.templates import Templates, templates_of
+from ashe_live.light.known_body.texture import without_texture
 from ashe_live.light.pixels.view import View
 
 MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B
@@ -72,7 +73,8 @@ class Seen:
     view: View
     body: Proxy
     picture: Float32  # (h, w, 3) linear light, B, G, R
-    light: Float32  # (h, w) its mean over the channels
+    light: Float32  # (h, w) its mean over the channels, without a rough table's texture
+    around: Float32  # (h, w) the same, on a rough table its means around each pixel: stones shine, but not together
     lit_rgb: Float  # (3,) linear light of the lit table, R, G, B; where lamps are known, at the body's foot
     is_table: Mask  # (n, n) cells that are seen and no brighter than a table in the light of suns
     room: Room
@@ -103,7 +105,8 @@ class Seen:
         measured = Measured(table, relative, facets, PAPER * lit_rgb * sent)
         observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
         is_table, room = observed.weight.reshape(SIDE, SIDE) > 0, Room.of(view, body)
-        return Seen(view, body, picture, light, lit_rgb, is_table, room, templates, measured, observed, wobble)
+        light, around = without_texture(light, view.is_ground, float(lit_rgb.mean()))
+        return Seen(view, body, picture, light, around, lit_rgb, is_table, room, templates, measured, observed, wobble)
 
     def in_light_of(self, lights: Float, darkenings: Float) -> "Seen":
         """The same with the lit table at the body's foot as the measure, which in a lamp's light is as bright nowhere.
@@ -172,9 +175,9 @@ class Seen:
     def _at_outlines(self) -> tuple[Beside, Mask]:
         """The picture beside the outlines of all shadows, and (h, w) what of it is bare table away from the body."""
         if not self._outlines:
-            light = self.light / np.float32(self.lit_rgb.mean())
-            is_table = cv2.erode((self.view.is_ground & (light < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
-            beside = self.templates.rims.beside(light, pixel_from_cell(self.view, self.body))
+            around = self.around / np.float32(self.lit_rgb.mean())
+            is_table = cv2.erode((self.view.is_ground & (around < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
+            beside = self.templates.rims.beside(around, pixel_from_cell(self.view, self.body))
             self._outlines.append((beside, is_table.view(bool)))
         return self._outlines[0]
 

@@ -85,12 +85,11 @@ def _with_level(normals: Float, light: Float, is_clipped: Mask, widths: Float, i
         return light, 0.0 if len(level) else math.inf
     shows_ink = (widths > INK_PX) & (inks > LEAST_INK)
     told = ~is_clipped & shows_ink
-    if not told.any() or not shows_ink[level[0]]:
-        return light, math.inf
-    by_ink = np.log(light[told].mean(axis=1) * inks[level[0]] / inks[told]).mean()
-    over = float(by_ink - np.log(light[level[0]].mean()))
     logs = np.linspace(0.0, WITHIN_SIGMAS * OVER_SIGMA, STEPS)
-    score = ((logs - over) / INK_SIGMA) ** 2 + (logs / OVER_SIGMA) ** 2
+    score = (logs / OVER_SIGMA) ** 2
+    if told.any() and shows_ink[level[0]]:
+        by_ink = np.log(light[told].mean(axis=1) * inks[level[0]] / inks[told]).mean()
+        score += ((logs - float(by_ink - np.log(light[level[0]].mean()))) / INK_SIGMA) ** 2
     weight = np.exp(-0.5 * (score - score.min()))
     weight /= weight.sum()
     mean = float(weight @ logs)
