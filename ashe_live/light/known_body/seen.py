@@ -85,6 +85,7 @@ class Seen:
     # What was asked for, by the known lights.
     _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
     _rims: dict[bytes, Steps] = field(default_factory=dict, init=False)
+    _darkenings: dict[bytes, Float] = field(default_factory=dict, init=False)
     _edges: dict[bytes, ShadowEdges | None] = field(default_factory=dict, init=False)  # of lights
     # Once made: the picture beside shadows' outlines, and (h, w) what of it is table beside no known light.
     _outlines: list[tuple[Beside, Mask]] = field(default_factory=list, init=False)
@@ -200,9 +201,12 @@ class Seen:
 
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""
-        known, nothing = self.lit(lights), self.lit(lights[:0])
-        channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
-        return np.stack([Evidence(channel, known).darkenings for channel in channels], axis=1)
+        key = np.ascontiguousarray(lights).tobytes()
+        if key not in self._darkenings:
+            known, nothing = self.lit(lights), self.lit(lights[:0])
+            channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
+            self._darkenings[key] = np.stack([Evidence(channel, known).darkenings for channel in channels], axis=1)
+        return self._darkenings[key]
 
 
 def _cells_away_from_edges(lit: Lit) -> Mask:

@@ -1,5 +1,6 @@
 """The edges of a known body's shadow: where they are predicted, and how they move with the light."""
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -9,11 +10,12 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy, Wobble
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.light_points import LOWEST_Z, shadow_projection
+from ashe_live.light.shape.light_points import LOWEST_Z
 
 POINTS = 105  # of an outline, spread evenly along it in the picture
 EVENLY: Float = (np.arange(POINTS) + 0.5) / POINTS
 EVENLY.flags.writeable = False
+PLANE = [0, 1, 3]  # of homogeneous coordinates, those that places on the plane have
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,13 +70,18 @@ class ShadowEdges:
 
 def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     """The outline of the body's shadow in a light (4,), marker frame; None where it has none in the picture."""
-    up = float(light[2] / np.linalg.norm(light[:3]))
+    x, y, z, w = light.tolist()
+    up = z / math.sqrt(x * x + y * y + z * z)
     if up <= LOWEST_Z:
         return None
     points, in_image = body.points_marker().T, view.camera.K @ view.T_cam_marker[:3]
-    to_plane = shadow_projection(light)[[0, 1, 3]]
-    cast = to_plane[:, :3] @ points + to_plane[:, 3:]
-    image = in_image[:, [0, 1, 3]] @ cast
+    # The shadow of what is at the height h is there without it, less s h, over 1 - h w / z.
+    s, nearness = light[:2] / z, w / z
+    by_height = np.array([(x / z,), (y / z,), (nearness,)])
+    cast = -by_height * points[2]
+    cast[:2] += points[:2]
+    cast[2] += 1
+    image = in_image[:, PLANE] @ cast
     if not (cast[2].min() > 0 and image[2].min() > 0):
         return None
     rim = cv2.convexHull((cast[:2] / cast[2]).T.astype(np.float32), returnPoints=False)[:, 0].astype(np.intp)
@@ -88,11 +95,10 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     lines = in_image[:2].T @ normals - in_image[2, :, None] * (normals * pixels).sum(axis=0)
     # With pixels a by metres, and s and the distance those of the light from what casts the edge: a turn of it by 1
     # moves the edge by the root of (1 + s's)(a'a + (a's)^2), and a disc's standard deviation is a quarter of its width.
-    s, nearness = light[:2] / light[2], float(light[3] / light[2])
     by_size = np.sqrt((lines[:2] ** 2).sum(axis=0) + (s @ lines[:2] + nearness * lines[3]) ** 2) / (4 * up)
 
     side, along_px = _evenly_along(lengths_px)
-    of_sides = np.concatenate([normals, -lines[[0, 1, 3]], by_size[None], lengths_px[None]])[:, side]
+    of_sides = np.concatenate([normals, -lines[PLANE], by_size[None], lengths_px[None]])[:, side]
     share = along_px / np.maximum(of_sides[6], 1e-9)
     # What is projective along the body's edge is linear along its picture, if it is over the homogeneous scale.
     over_scale = np.concatenate([pixels, points[2:, rim] / scales, cast[2:] / scales])
