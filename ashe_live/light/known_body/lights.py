@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, in_view, mean_near, refined
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
@@ -126,7 +126,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
     if likeliest is None and len(known) == 1 and _is_surely_sun(known[0]):
-        return _hidden(seen, np.where(rims.in_view > MOST_IN_VIEW, -np.inf, score), beside)
+        return _hidden(seen, score, rims.in_view > MOST_IN_VIEW, beside)
     return likeliest
 
 
@@ -153,16 +153,20 @@ def _is_unseen(one: FoundLight) -> bool:
     return one.fit is not None and one.fit.seen > MOST_IN_VIEW and edge_log_odds(one.fit) < 0
 
 
-def _hidden(seen: Seen, score: Float, beside: Evidence) -> FoundLight | None:
+def _hidden(seen: Seen, score: Float, would_be_seen: Mask, beside: Evidence) -> FoundLight | None:
     """The light whose shadow the body hides, if map and sides say that there is one, averaged over where it may be.
 
-    score: (m,) log likelihood of each of the directions; -inf where none is looked for. By the ratio of the marginal
-    likelihoods with and without it, so that directions that explain little pay for those that explain much.
+    score: (m,) log likelihood of each of the directions; -inf where none is looked for. would_be_seen: (m,) whether its
+    shadow's edges would be. By the ratio of the marginal likelihoods with and without it, so that directions that
+    explain little pay for those that explain much. What explains more where edges would be seen, and are not, is
+    another thing, as a stain.
     """
-    odds = float(seen.templates.solid_angle @ np.exp(score)) / math.exp(LOG_NONE_FURTHER)
-    exists = odds / (1 + odds)
-    if exists < LEAST_EXISTS:
+    odds = seen.templates.solid_angle * np.exp(score - LOG_NONE_FURTHER)
+    of_hidden, of_others = float(odds[~would_be_seen].sum()), float(odds[would_be_seen].sum())
+    exists = of_hidden / (1 + of_hidden)
+    if exists < LEAST_EXISTS or of_others > of_hidden:
         return None
+    score = np.where(would_be_seen, -np.inf, score)
     best = seen.templates.lights[int(score.argmax())]
     mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
     if darkening < LEAST_DARKENING or in_view(seen, mean, seen.room) > MOST_IN_VIEW:

@@ -8,11 +8,12 @@ import pytest
 from ashe_live.bench.cube.scenes import SETS
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, direction_from_angles
-from ashe_live.core.types import LightEstimate
+from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
-from ashe_live.light.known_body import candidates
+from ashe_live.light.known_body import candidates, lights
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.layout import cube_layout
@@ -109,3 +110,22 @@ def test_a_second_shadow_is_found_though_stains_lead_the_map_away_from_it(monkey
 def test_a_leaning_sky_beside_a_sun_is_no_second_light(slope: tuple[float, float]) -> None:
     answer = estimate(sun(FROM_DEG + 100, 40, on_table=0.5), sky_slope=np.array([*slope, 0.0]))
     assert len(answer.lights) == 1
+
+
+@pytest.mark.parametrize(("in_view", "is_stated"), [(2.0, True), (12.0, False)])
+def test_what_is_likelier_where_a_shadow_would_be_seen_is_no_hidden_light(in_view: float, is_stated: bool) -> None:
+    """A stain looks a little like a hidden light's absence, too."""
+    view = looking(0.4, TILT_DEG, FROM_DEG)
+    known, behind = sun(FROM_DEG + 100, 35, on_table=0.3), sun(FROM_DEG, 42, on_table=0.4)
+    frame = frame_of(CubeScene(CAMERA, view, [known, behind]))
+    marker = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame).marker
+    assert marker is not None
+    assert marker.body is not None
+    seen = Seen.of(View.of(TrackedFrame(frame, CAMERA, marker), 640), marker.body)
+    assert seen is not None
+    to_lights = seen.templates.lights[:, :3]
+    to_behind, to_aside = behind.point[:3], direction_from_angles(math.radians(FROM_DEG + 180), math.radians(42))
+    score = np.full(len(to_lights), -9.0)
+    score[to_lights @ to_behind > 0.98], score[to_lights @ to_aside > 0.98] = 8.0, in_view
+    hidden = lights._hidden(seen, score, to_lights @ to_behind < 0.9, seen.beside(known.point[None]))
+    assert (hidden is not None) == is_stated
