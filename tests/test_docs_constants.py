@@ -54,7 +54,7 @@ STATED = {
     "dielectrics": (
         "docs/maths.md",
         "F0 = mix({:g}, c, m)",
-        (in_shader(r"GLASS = (0\.\d+)", "model.frag"),),
+        (in_shader(r"GLASS = (0\.\d+)", "glass.glsl"),),
     ),
     "worst unevenness": (
         "docs/maths.md",
