@@ -134,7 +134,7 @@ class Composite:
             "relief": onto.relief is not None,
             "cut_out": is_cut_out,
         }
-        constants: dict[str, float] = bends | {name: int(value) for name, value in switches.items() if value}
+        constants: dict[str, float] = {**bends, **{name: 1 for name, is_on in switches.items() if is_on}}
         if onto.look.is_overexposed:
             constants |= dict(zip(("clips_from", "clips_to"), OVEREXPOSED, strict=True))
         composing = self._programs.get("composite", reach=blurs.reach, **constants)

@@ -79,7 +79,7 @@ class LightSigns:
 
 
 def light_sign(corners: Float, light: Light, camera: Camera, T_cam_marker: Float) -> LightSign:
-    """For a model in a box of `corners` (8, 3): a bulb if the lamp is in the picture that `camera` and its lens give."""
+    """For a model in a box of `corners` (8, 3): a bulb if the lamp is in the picture by the lens of `camera`."""
     centre = corners.mean(axis=0)
     radius = float(np.linalg.norm(corners - centre, axis=1).max())
     lamp = light.position_marker_m
