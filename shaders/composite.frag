@@ -23,7 +23,7 @@ uniform sampler2D coarse_light;  // the layers, blurred as the video's colours a
 uniform sampler2D coarse_gone;  // alpha: 1 plus the largest difference of the layers near by, as in coarse.frag
 #ifdef OVEREXPOSED
 uniform vec3 paper;  // linear RGB of what the picture shows as white, beyond 1 where the picture clips it
-const vec2 WHITE = vec2(0.88, 0.94);  // linear brightness at which clipping begins and is complete (as in camera/white.py)
+// CLIPS_FROM and CLIPS_TO: linear brightness at which clipping begins and is complete.
 #endif
 #ifdef RELIEF
 uniform sampler2D ground_mean;  // as ground_mean.frag draws it
@@ -75,7 +75,7 @@ float noise_sigma(float brightness) {
 // What is left of the video's light.
 vec3 left_of(vec3 seen, vec3 gone) {
 #ifdef OVEREXPOSED
-    float share = smoothstep(WHITE.x, WHITE.y, dot(seen, LUMINANCE));
+    float share = smoothstep(CLIPS_FROM, CLIPS_TO, dot(seen, LUMINANCE));
     // Of clipped light, what exceeds white is lost first.
     return min(mix(seen, max(seen, paper), share) * (1.0 - gone), max(seen, seen * (1.0 - gone)));
 #else

@@ -11,10 +11,9 @@ uniform sampler2D base_map;
 #include "layout.glsl"
 #ifdef BLEND
 #include "triangle.glsl"
+#include "glass.glsl"
 uniform mat4 clip_from_marker;
 in vec3 position;
-
-const float GLASS = 0.04;  // reflectance at normal incidence
 
 // The share of light that a surface of plastic or glass mirrors (Schlick 1994).
 float mirrored_share() {

@@ -27,6 +27,7 @@ uniform float part_number;  // by which surfaces of different parts differ
 #ifdef GLOSSY
 #include "brdf.glsl"
 #endif
+#include "glass.glsl"
 #include "environment.glsl"
 #include "triangle.glsl"
 
@@ -169,7 +170,6 @@ float number_of_surface(vec3 facing, float through) {
     return plane + part_number + 0.04 * through;
 }
 
-const float GLASS = 0.04;  // reflectance of plastic, glass and clear coats at normal incidence
 const float ANYHOW = 0.25;  // mean of the clamped cosine over surfaces that face anywhere
 const float MOST_ALBEDO = 0.9;  // of real surfaces
 // The layers' half precision ends at 65504. Beyond it they would be infinite, and blurring makes 0 * infinity undefined.

@@ -48,6 +48,7 @@ NAMED = {
     "calibrate": ["--out", "FILE.json"],
     "marker": ["--out", "FILE.pdf", "--show"],
 }
+OF_EQUATIONS = [CHECKOUT / "docs" / "maths.md", *sorted((CHECKOUT / "docs" / "maths").glob("*.md"))]
 GUIDE = CHECKOUT / "docs" / "guide.md"
 
 
@@ -204,10 +205,26 @@ def test_code_that_the_pages_name_is_there() -> None:
         text = page.read_text(encoding="utf-8")
         for named in re.findall(r"`([\w/]+\.py)`", text):
             assert any(path.endswith(f"/{named}") for path in paths), f"{page.name}: {named}"
-    of_equations = (CHECKOUT / "docs" / "maths.md").read_text(encoding="utf-8")
+    of_equations = "".join(page.read_text(encoding="utf-8") for page in OF_EQUATIONS)
     for stem, name in re.findall(r"`(?:\w+/)*([a-z_]+)\.(?!(?:py|json|frag|vert|glsl)`)(\w+)[`.]", of_equations):
         homes = [path for path in modules if path.stem == stem]
         assert any(name in names_in(path) for path in homes), f"{stem}.{name}"
+
+
+def test_sections_and_equations_that_the_code_names_are_there() -> None:
+    """`docs/maths, "A section"`, wherever a comment's line ends, and `(10) of docs/maths`."""
+    text = "".join(page.read_text(encoding="utf-8") for page in OF_EQUATIONS)
+    sections = set(re.findall(r"^#+ (.*)$", text, re.MULTILINE))
+    equations = set(re.findall(r"^ {4}.*\((\d+[a-z]*)\)$", text, re.MULTILINE))
+    count = 0
+    for module in (CHECKOUT / "ashe_live").rglob("*.py"):
+        flowing = re.sub(r"\s+(# )?", " ", module.read_text(encoding="utf-8"))
+        named = re.findall(r'docs/maths, "([^"]+)"', flowing)
+        numbers = re.findall(r"\((\w+)\) of docs/maths", flowing) + re.findall(r"docs/maths, \((\w+)\)", flowing)
+        assert set(named) <= sections, module.name
+        assert set(numbers) <= equations, module.name
+        count += len(named) + len(numbers)
+    assert count > 30
 
 
 def reasons() -> Iterator[tuple[str, str]]:

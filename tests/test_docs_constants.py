@@ -41,45 +41,53 @@ def in_shader(pattern: str, name: str) -> float:
 
 STATED = {
     "the ground's map": (
-        "docs/maths.md",
+        "docs/maths/drawing.md",
         "the map holds g at g / (|g| + {:g} sides of the marker)",
         (HALF_RADIUS_SIDES,),
     ),
-    "the sky's pattern": ("docs/maths.md", "the picture, blurred to {} x {} texels", PATTERN_SIZE),
+    "the sky's pattern": ("docs/maths/drawing.md", "the picture, blurred to {} x {} texels", PATTERN_SIZE),
     "what mirrors": (
-        "docs/maths.md",
+        "docs/maths/drawing.md",
         "Dielectrics rougher than {:g} take A instead, and those rougher than {:g} mirror nothing",
         (MIRROR_ROUGHNESS, MATT_ROUGHNESS),
     ),
     "dielectrics": (
-        "docs/maths.md",
+        "docs/maths/drawing.md",
         "F0 = mix({:g}, c, m)",
-        (in_shader(r"GLASS = (0\.\d+)", "model.frag"),),
+        (in_shader(r"GLASS = (0\.\d+)", "glass.glsl"),),
     ),
     "worst unevenness": (
-        "docs/maths.md",
+        "docs/maths/lamps.md",
         "worst unevenness with deviations D ({:g} / m, {:g} / m², and {:g} for the contrast)",
         (fall_off.WORST_GRADIENT, fall_off.WORST_CURVATURE, fall_off.WORST_CONTRAST),
     ),
     "what is fitted beside a lamp": (
-        "docs/maths.md",
+        "docs/maths/lamps.md",
         "vignetting v ({:g}; rho = 1 in the corners), a gradient b ({:g} / m) and a curvature C ({:g} / m²)",
         (lit_samples.VIGNETTING, lit_samples.GRADIENT, lit_samples.CURVATURE),
     ),
-    "cells of texture": ("docs/maths.md", "the design effect of {} x {} cells", lit_samples.CELLS),
-    "another object's odds": ("docs/maths.md", "From {:g} on it counts", (LEAST_PROBABILITY,)),
-    "the nearness of lamps": ("docs/maths.md", "A lamp has k ~ N(0, {:g}²/m²), positive", (LAMPS_NEARNESS,)),
-    "a sun's direction stays": ("docs/maths.md", "Below D = {:g} (one in twenty by chance,", (CHANCE_DEVIANCE,)),
-    "a second light": ("docs/maths.md", "the region would cost {:g} more by (15)", (LEAST_GAIN,)),
-    "where it is looked for": ("docs/maths.md", "or known to less than {:g} / m", (UNTOLD_NEARNESS,)),
-    "a picture's effective sample size": ("docs/maths.md", "the {:g} px (`PIXELS_PER_SAMPLE`)", (PIXELS_PER_SAMPLE,)),
-    "borders' effective sample size": ("docs/maths.md", "{:g} of them (`BORDERS_PER_SAMPLE`)", (BORDERS_PER_SAMPLE,)),
+    "cells of texture": ("docs/maths/lamps.md", "the design effect of {} x {} cells", lit_samples.CELLS),
+    "another object's odds": ("docs/maths/lamps.md", "From {:g} on it counts", (LEAST_PROBABILITY,)),
+    "the nearness of lamps": ("docs/maths/lamps.md", "A lamp has k ~ N(0, {:g}²/m²), positive", (LAMPS_NEARNESS,)),
+    "a sun's direction stays": ("docs/maths/lamps.md", "Below D = {:g} (one in twenty by chance,", (CHANCE_DEVIANCE,)),
+    "a second light": ("docs/maths/colours.md", "the region would cost {:g} more by (15)", (LEAST_GAIN,)),
+    "where it is looked for": ("docs/maths/lamps.md", "or known to less than {:g} / m", (UNTOLD_NEARNESS,)),
+    "a picture's effective sample size": (
+        "docs/maths/explanation.md",
+        "the {:g} px (`PIXELS_PER_SAMPLE`)",
+        (PIXELS_PER_SAMPLE,),
+    ),
+    "borders' effective sample size": (
+        "docs/maths/explanation.md",
+        "{:g} of them (`BORDERS_PER_SAMPLE`)",
+        (BORDERS_PER_SAMPLE,),
+    ),
     "a wrong body": (
-        "docs/maths.md",
+        "docs/maths/explanation.md",
         "{:.1f} % of the object's size (`MODEL_ERROR_SHARE`)",
         (100 * MODEL_ERROR_SHARE,),
     ),
-    "what a parameter costs": ("docs/maths.md", "(15) + {:g} q", (COST_PER_PARAMETER,)),
+    "what a parameter costs": ("docs/maths/explanation.md", "(15) + {:g} q", (COST_PER_PARAMETER,)),
     "the sun": (
         "docs/rendering.md",
         "of a sun {:g} degrees unless it was measured, of a lamp by its radius, or else by that of a bulb, {:g} cm",
@@ -144,6 +152,6 @@ def test_a_page_states_the_constants_of_the_code(name: str) -> None:
 
 
 def test_the_signs_that_physics_gives_the_evidence_are_those_of_the_code() -> None:
-    text = (CHECKOUT / "docs/maths.md").read_text(encoding="utf-8")
+    text = (CHECKOUT / "docs/maths/explanation.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| ([a-z ]+) \| ([+-]) \|", text.split("## Evidence")[1], re.MULTILINE)
     assert {name: int(sign + "1") for name, sign in rows} == SIGNS

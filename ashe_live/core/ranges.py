@@ -17,7 +17,7 @@ class Range:
         return math.isfinite(value) and self.low <= value <= self.high
 
     def __str__(self) -> str:
-        return f"from {self.low:g} to {self.high:g}{self.unit and ' '}{self.unit}"
+        return f"from {_plain(self.low)} to {_plain(self.high)}{self.unit and ' '}{self.unit}"
 
     def checked(self, value: float, name: str) -> float:
         """Returns `value`. Raises TypeError or ValueError, naming it, when it is not a number or lies outside."""
@@ -49,6 +49,11 @@ TURN = Range(-1e6, 1e6, "rad")
 SHIFT = Range(-1e6, 1e6, "m")
 TIME = Range(-1e9, 1e9, "s")  # since a clip or a motion began
 CAMERA_NUMBER = Range(0, 65535)
+
+
+def _plain(number: float) -> str:
+    """Without an exponent, in which nobody would write a whole number."""
+    return f"{number:f}".rstrip("0").rstrip(".")
 
 
 def _shown(value: object) -> str:

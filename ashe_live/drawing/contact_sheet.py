@@ -7,12 +7,12 @@ import PIL.Image
 from PIL import ImageDraw, ImageFont
 
 from ashe_live.core.arrays import Image
+from ashe_live.drawing.colours import INK_BGR, PAPER_BGR
 
 GAP_PX = 8
 LABEL_HEIGHT_PX, INDENT_PX = 24, 2
 FONT_SIZE_PX = 16
-PAPER = (24, 24, 24)
-INK = (235, 235, 235)
+TALLEST = 4.0  # of a thumbnail's height over the width: taller pictures become narrower, or a sheet would have no end
 
 
 def contact_sheet(
@@ -22,6 +22,7 @@ def contact_sheet(
 
     A label wider than its thumbnail goes on below.
     """
+    # Pillow calls the channels red, green and blue, and treats them alike: they can stay in OpenCV's order.
     if not images_bgr or len(images_bgr) != len(labels) or columns < 1:
         raise ValueError(f"{len(images_bgr)} images with {len(labels)} labels make no sheet of {columns} columns")
     thumbnails = [_thumbnail(image, thumbnail_width_px) for image in images_bgr]
@@ -32,7 +33,7 @@ def contact_sheet(
     rows = -(-len(thumbnails) // columns)
     cell_width = thumbnail_width_px + GAP_PX
     cell_height = max(thumbnail.height for thumbnail in thumbnails) + label_height + GAP_PX
-    sheet = PIL.Image.new("RGB", (columns * cell_width + GAP_PX, rows * cell_height + GAP_PX), PAPER)
+    sheet = PIL.Image.new("RGB", (columns * cell_width + GAP_PX, rows * cell_height + GAP_PX), PAPER_BGR)
     draw = ImageDraw.Draw(sheet)
     for number, (thumbnail, lines) in enumerate(zip(thumbnails, wrapped, strict=True)):
         row, column = divmod(number, columns)
@@ -40,8 +41,8 @@ def contact_sheet(
         sheet.paste(thumbnail, (left, top))
         for below, line in enumerate(lines):
             middle = top + thumbnail.height + LABEL_HEIGHT_PX * (below + 0.5)
-            draw.text((left + INDENT_PX, middle), line, INK, font, anchor="lm")
-    return np.ascontiguousarray(np.asarray(sheet)[:, :, ::-1])
+            draw.text((left + INDENT_PX, middle), line, INK_BGR, font, anchor="lm")
+    return np.array(sheet)
 
 
 def _wrapped(label: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, width_px: int) -> list[str]:
@@ -58,5 +59,6 @@ def _wrapped(label: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, wid
 
 def _thumbnail(image_bgr: Image, width_px: int) -> PIL.Image.Image:
     height, width = image_bgr.shape[:2]
-    picture = PIL.Image.fromarray(np.ascontiguousarray(image_bgr[:, :, ::-1]))
-    return picture.resize((width_px, max(1, round(height * width_px / width))), PIL.Image.Resampling.LANCZOS)
+    scale = min(width_px / width, TALLEST * width_px / height)
+    size = max(1, round(scale * width)), max(1, round(scale * height))
+    return PIL.Image.fromarray(np.ascontiguousarray(image_bgr)).resize(size, PIL.Image.Resampling.LANCZOS)

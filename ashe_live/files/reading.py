@@ -67,7 +67,7 @@ def read_text(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> str:
         return read_bytes(path, most_bytes).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise UserError(
-            f"{path} is not UTF-8 text ({error.reason} at byte {error.start})", "save it as UTF-8"
+            f"{path} is not UTF-8 text ({error.reason} at byte {error.start})", "name a text file, saved as UTF-8"
         ) from None
 
 

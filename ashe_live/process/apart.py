@@ -2,6 +2,7 @@
 
 import multiprocessing
 import signal
+import threading
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
@@ -18,6 +19,26 @@ class NoAnswerError(Exception):
     """The process ended without an answer, or was ended; the message says how, e.g. "ended with status -6"."""
 
 
+class _Alarm:
+    """Calls a function, in a thread, if it is not stopped within a time."""
+
+    def __init__(self, after_s: float, ring: Callable[[], None]) -> None:
+        self.has_rung = False
+        self._ring = ring
+        self._timer = threading.Timer(after_s, self._due)
+        self._timer.daemon = True
+        self._timer.start()
+
+    def stop(self) -> None:
+        """Returns once it rings no more."""
+        self._timer.cancel()
+        self._timer.join()
+
+    def _due(self) -> None:
+        self.has_rung = True
+        self._ring()
+
+
 def called_apart(
     function: Callable[..., Result], arguments: tuple[object, ...], name: str, limits: Limits, longest_s: float
 ) -> Result:
@@ -28,14 +49,17 @@ def called_apart(
     """
     receiver, sender = multiprocessing.Pipe(duplex=False)
     process = started(_answer, (function, *arguments), name, limits, sender)
+    # A process may also stop in the middle of its answer; its end ends the wait for the rest.
+    alarm = _Alarm(longest_s, process.kill)
     try:
-        if not receiver.poll(longest_s):
-            raise NoAnswerError(f"no answer within {longest_s:g} s")
         outcome = receive_value(receiver)
     except EOFError:
+        alarm.stop()
         process.join()
-        raise NoAnswerError(_how_it_ended(process.exitcode, limits)) from None
+        how = f"no answer within {longest_s:g} s" if alarm.has_rung else _how_it_ended(process.exitcode, limits)
+        raise NoAnswerError(how) from None
     finally:
+        alarm.stop()
         receiver.close()
         process.kill()
         process.join()

@@ -78,7 +78,8 @@ class ModelsOnVideo:
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         T_cam_marker = tracked.marker.T_cam_marker
         signed = scene.illumination.lights if scene.shows_light else ()
-        signs = tuple(light_sign(models.members[0].corners, light, camera, T_cam_marker) for light in signed)
+        shown_by = tracked.camera if bends else tracked.camera.without_distortion()
+        signs = tuple(light_sign(models.members[0].corners, light, shown_by, T_cam_marker) for light in signed)
         standing = np.concatenate([models.corners, *(sign.corners for sign in signs)])
         drawn = np.concatenate([standing, self.layers.catcher.polygon])
         frame = framing(camera, T_cam_marker, drawn, viewport)

@@ -2,14 +2,17 @@
 
 from dataclasses import replace
 
+import cv2
 import jsonschema
 import pytest
 
+from ashe_live.commands import webcam
 from ashe_live.commands.flags.parser import build_parser
 from ashe_live.commands.flags.setup import light_steps
 from ashe_live.core.caster import Caster
 from ashe_live.light.estimators.steps import BALANCED, FAST
 from tests.checkout import CHECKOUT
+from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 
 WRONG = ["tin", "box:0.1x0.1", "sphere:-1", "cylinder:axb", "none.glb", "sphere:60"]
 
@@ -43,6 +46,25 @@ def test_a_model_that_is_damaged_is_one_line(run, files):
 
 def test_the_paper_cube_needs_none(run, files):
     outcome = run("estimate", files["photo"], "--marker", "cube", "--caster", "sphere:0.03")
+    assert (outcome.status, len(outcome.err)) == (2, 1)
+    assert "leave out --caster" in outcome.err[0]
+
+
+@pytest.mark.parametrize("command", ["estimate", "play"])
+def test_a_cube_in_view_needs_none(run, command, tmp_path):
+    """Also where nobody has named it, and nothing has been done by then."""
+    photo, out = tmp_path / "cube.png", tmp_path / "out.png"
+    assert cv2.imwrite(str(photo), painted(CubeScene(CAMERA, looking(0.4, 40, 30), [sun(200, 40)])))
+    more = ("--headless", "--out", out) if command == "play" else ()
+    outcome = run(command, photo, "--hfov", "60", "--caster", "sphere:0.02", *more)
+    assert outcome.status == 2
+    assert "leave out --caster" in [*outcome.err, *outcome.out][-1]
+    assert not out.exists()
+
+
+def test_no_camera_is_opened_for_a_cube_with_a_caster(run, monkeypatch):
+    monkeypatch.setattr(webcam, "WebcamSource", lambda *_: pytest.fail("the camera was opened"))
+    outcome = run("webcam", "--marker", "cube+aruco:4x4_50:3", "--caster", "sphere:0.03")
     assert (outcome.status, len(outcome.err)) == (2, 1)
     assert "leave out --caster" in outcome.err[0]
 

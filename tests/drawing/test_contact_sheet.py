@@ -29,6 +29,17 @@ def test_a_long_label_is_read_to_its_end_below_its_picture() -> None:
     assert of_short[24:].max() < 50
 
 
+def test_a_very_tall_picture_is_shown_whole_and_makes_no_endless_sheet() -> None:
+    tall = np.zeros((40_000, 4, 3), np.uint8)
+    tall[-400:] = tall[:400] = (0, 0, 255)
+    sheet = contact_sheet([tall, np.full((48, 64, 3), 90, np.uint8)], ["tall", "wide"], thumbnail_width_px=64)
+    assert len(sheet) < 10 * 64
+    column = sheet[:, 8]
+    reds = np.flatnonzero(column[:, 2].astype(int) - column[:, 0] > 100)
+    assert reds.min() == 8, "its top"
+    assert reds.max() == 8 + 4 * 64 - 1, "and its bottom"
+
+
 def test_contact_sheet_of_nothing_is_wrong_use() -> None:
     with pytest.raises(ValueError, match="no sheet"):
         contact_sheet([], [])

@@ -96,7 +96,9 @@ def test_a_signal_ends_it_in_order_also_when_it_comes_twice(endless, number):
     run.process.send_signal(number)
     assert run.wait() == 128 + number
     assert run.recordings == ["walk.mp4"]
-    assert frame_count(run.folder / "walk.mp4") > 40
+    count = frame_count(run.folder / "walk.mp4")
+    assert count > 40
+    assert run.lines[-1] == f"ashe-live: saved walk.mp4 ({count} frames)"
     assert not any("Traceback" in line for line in run.lines)
 
 

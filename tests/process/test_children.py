@@ -14,6 +14,7 @@ import pytest
 
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
+from ashe_live.process import apart
 from ashe_live.process.apart import NoAnswerError, called_apart
 from ashe_live.process.children import Limits, safe_module_path, started
 from tests.checkout import CHECKOUT
@@ -139,6 +140,20 @@ def test_one_that_does_not_answer_is_killed():
     with pytest.raises(NoAnswerError, match=r"within 0\.5 s"):
         called_apart(time.sleep, (PATIENCE_S,), "test", FREE, 0.5)
     assert not [child for child in multiprocessing.active_children() if child.name == "test"]
+
+
+def test_one_that_stops_in_the_middle_of_its_answer_is_killed():
+    with pytest.raises(NoAnswerError, match=r"within 4 s"):  # it begins to answer by then unless all is crowded
+        called_apart(_stop_while_answering, (), "test", FREE, 4)
+    assert not [child for child in multiprocessing.active_children() if child.name == "test"]
+
+
+def _stop_while_answering() -> None:
+    def send_half(connection: Connection, _value: object) -> None:
+        connection.send((1, b"its one buffer never comes"))
+        time.sleep(PATIENCE_S)
+
+    apart.send_value = send_half
 
 
 @POSIX_ONLY

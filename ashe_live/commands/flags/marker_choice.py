@@ -2,12 +2,15 @@
 
 import argparse
 from collections.abc import Callable
+from functools import partial
 
 from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import without_model
-from ashe_live.commands.flags.setup import make_tracker
+from ashe_live.commands.flags.setup import camera_chooser, make_tracker
+from ashe_live.core.camera import Camera
 from ashe_live.process.messages import tell
 from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.tracking.families.layout import parse_target
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
@@ -24,13 +27,19 @@ def with_marker(options: argparse.Namespace, spec: str) -> argparse.Namespace:
 def tracker_maker(
     options: argparse.Namespace, memory: FocalMemory | None = None, source: Source | None = None
 ) -> Callable[[str | None, float | None], MarkerTracker]:
-    """Makes trackers as `options` say, but for another marker's spec, or with another field of view in degrees."""
+    """Makes trackers as `options` say, but for another marker's spec, or with another field of view in degrees.
+
+    Files that `options` name are read now: by the time that a key asks for another tracker they may be gone.
+    """
+    camera_for, marker = camera_chooser(options), parse_target(options.marker)
 
     def tracker_for(spec: str | None, hfov_deg: float | None) -> MarkerTracker:
-        chosen = options if spec is None else with_marker(options, spec)
-        if hfov_deg is not None:
-            chosen = argparse.Namespace(**{**vars(chosen), "camera_file": None, "focal_px": None, "hfov": hfov_deg})
-        return make_tracker(chosen, memory=memory, source=source)
+        seen_by = camera_for if hfov_deg is None else partial(Camera.from_hfov, hfov_deg=hfov_deg)
+        if spec is None:
+            return make_tracker(options, seen_by, memory, source, marker)
+        chosen = with_marker(options, spec)
+        chosen.caster = None  # a cube that is followed from now on casts the shadow itself
+        return make_tracker(chosen, seen_by, memory, source)
 
     return tracker_for
 

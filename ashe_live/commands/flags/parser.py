@@ -1,7 +1,7 @@
 """The command line's parser. Nothing heavy is loaded, so that --help is instant."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NoReturn
 
 from ashe_live import __version__
@@ -23,6 +23,7 @@ EPILOG = (
     "Print a marker with `ashe-live marker --out marker.pdf`."
 )
 START = "start"
+NEAR = 0.75  # likeness, from 0 to 1, of a word that may have been meant: one letter of six is wrong
 
 
 def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
@@ -186,8 +187,24 @@ class CommandParser(argparse.ArgumentParser):
             except argparse.ArgumentTypeError as error:
                 self.error(f"argument FILE: {error}")
         elif left:  # here, where it is known of which command
-            self.error(f"unrecognized arguments: {' '.join(left)}")
+            flags = (word.partition("=")[0] for word in left if word.startswith("--"))
+            near = next((self._near(flag, self._option_string_actions) for flag in flags), "")
+            self.error(f"unrecognized arguments: {' '.join(left)}{near}")
         return options, []
+
+    def _check_value(self, action: argparse.Action, value: object) -> None:
+        near = "" if action.choices is None else self._near(str(value), map(str, action.choices))
+        if near and value not in (action.choices or ()):
+            raise argparse.ArgumentError(action, f"invalid choice: {value!r}{near}")
+        super()._check_value(action, value)
+
+    @staticmethod
+    def _near(word: str, words: Iterable[str]) -> str:
+        """A question for the word that may have been meant; empty where none is like it."""
+        import difflib  # here, as most commands need it never
+
+        near = difflib.get_close_matches(word, list(words), 1, NEAR)
+        return f": did you mean {near[0]}?" if near else ""
 
     def error(self, message: str) -> NoReturn:
         tell(f"{message} (see {self.prog} --help)")

@@ -13,7 +13,8 @@ from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.models.caster import read_caster
 from ashe_live.process.messages import tell
 from ashe_live.quality import BALANCED, QUALITIES, Quality
-from ashe_live.tracking.families.layout import is_of_cube, parse_target, usual_side_m
+from ashe_live.tracking.families.layout import Layout, is_of_cube, parse_target, usual_side_m
+from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.plane_markers import PlaneMarkers
@@ -30,14 +31,10 @@ def quality_of(options: argparse.Namespace) -> Quality:
 def light_steps(options: argparse.Namespace) -> ProxySteps:
     """The estimator's preset, with the kind of light that is assumed and the caster of --caster.
 
-    Raises UserError for a caster that cannot be, and for one given together with the paper cube.
+    Raises UserError for a caster that cannot be.
     """
     steps = replace(quality_of(options).light, light=options.light)
-    if options.caster is None:
-        return steps
-    if is_of_cube(options.marker):
-        raise UserError("the paper cube casts the shadow that is looked for", "leave out --caster")
-    return steps.with_caster(read_caster(options.caster))
+    return steps if options.caster is None else steps.with_caster(read_caster(options.caster))
 
 
 def camera_chooser(options: argparse.Namespace) -> CameraFor:
@@ -93,12 +90,16 @@ def make_tracker(
     camera_for: CameraFor | None = None,
     memory: FocalMemory | None = None,
     source: Source | None = None,
+    marker: Marker | Layout | None = None,
 ) -> MarkerTracker:
     """A tracker. It learns the focal length if nobody gave it, and recalls it from and keeps it in `memory`.
 
-    `source`: may be a photo that states it.
+    `source`: may be a photo that states it. `marker`: what --marker names, if its file has been read already.
+    Raises UserError for a marker or a camera that cannot be, and for the paper cube beside --caster.
     """
-    marker = parse_target(options.marker)
+    if options.caster is not None and is_of_cube(options.marker):
+        raise UserError("the paper cube casts the shadow that is looked for", "leave out --caster")
+    marker = marker or parse_target(options.marker)
     camera_for = camera_for or camera_chooser(options)
     side_m = usual_side_m(options.marker) if options.marker_size is None else options.marker_size
     preset = quality_of(options).tracking

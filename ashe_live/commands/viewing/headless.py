@@ -4,6 +4,7 @@ import argparse
 import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX, LastPicture
@@ -45,6 +46,7 @@ def show_without_window(
         recorder: Recorder | TransparentRecorder | LastPicture | None = None
         if options.out is not None:
             recorder = _recorder(setup)
+            stack.push(partial(_tell_if_cut_short, recorder))  # once it is closed
             stack.enter_context(recorder)
             takers = (*takers, recorder.write)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
@@ -83,6 +85,15 @@ def _recorder(setup: ViewerSetup) -> Recorder | TransparentRecorder | LastPictur
         return LastPicture(options.out, options.overwrite)
     wanted = options.out, setup.size, setup.source.fps or 1.0, options.overwrite
     return Recorder(*wanted) if options.layers is None else TransparentRecorder(*wanted)
+
+
+def _tell_if_cut_short(
+    recorder: Recorder | TransparentRecorder | LastPicture, kind: type[BaseException] | None, *_: object
+) -> None:
+    """Says where a recording is that a request to end the program has ended."""
+    is_asked = kind is not None and issubclass(kind, KeyboardInterrupt | SystemExit)
+    if is_asked and not isinstance(recorder, LastPicture) and recorder.frame_count:
+        tell(f"saved {recorder.path} ({recorder.frame_count} frames)")
 
 
 def _layers(scene: Scene, wanted: str | None) -> Scene:

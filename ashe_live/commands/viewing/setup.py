@@ -87,6 +87,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     steadiness = Steadiness.of(setup.source.is_photo)
     first, *others = chosen_models(options)
     side_m, names = setup.tracker.side_m, [other.name for other in others]
+    preset = light_steps(options)
     shelf = Shelf(first.name, side_m, options.up, ModelMemory(has_places=not options.headless), names)
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)
@@ -94,7 +95,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
         session.show_light = setup.shows_light
         session.covers_marker = options.hide_marker
         session.is_mirrored = options.mirror
-        session.watch.preset = light_steps(options)
+        session.watch.preset = preset
         if options.headless:
             for line in shelf.take_words():
                 tell(line)

@@ -1,7 +1,7 @@
 """Bodies and their lights moved onto the steps of light in a picture, and which family explains these best.
 
 Gauss-Newton steps with Geman and McClure's weights from a start that is right to a few pixels, much as in
-`explanation.alignment`, whose borders come from unary costs instead (docs/maths.md, "Steps of light").
+`explanation.alignment`, whose borders come from unary costs instead (docs/maths, "Steps of light").
 """
 
 import math

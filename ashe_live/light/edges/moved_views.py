@@ -3,7 +3,7 @@
 A marker that is small in the picture leaves the camera's tilt uncertain by half a degree, and rolling shutters and
 focal lengths that breathe bend it by more. What stands on the plane is then misplaced by other pixels in each view, so
 that no one body fits them all. Poses are nuisance parameters of the joint fit, as in bundle adjustment (Triggs et al.,
-"Bundle adjustment: a modern synthesis", 2000), with what the tracker says of them as their prior (docs/maths.md, "One
+"Bundle adjustment: a modern synthesis", 2000), with what the tracker says of them as their prior (docs/maths, "One
 body in all views").
 """
 

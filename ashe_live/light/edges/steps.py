@@ -3,7 +3,7 @@
 Unary costs (`labels`) distinguish materials by their colours in the whole region, and locate a border to about a third
 of a coarse pixel. Once an outline is nearly right, the step of light across it can be measured by itself, like the
 edges of model-based tracking (Harris and Stennett, "RAPID", 1990): the level on each side comes from the pixels beside
-the point. As light adds up, the border lies where half of the step is reached (docs/maths.md, "Steps of light").
+the point. As light adds up, the border lies where half of the step is reached (docs/maths, "Steps of light").
 """
 
 from dataclasses import dataclass

@@ -4,7 +4,7 @@ The stages are segment -> associate -> fit -> judge, each made of pure functions
 the pixels that the lit ground does not explain, and how shadows shift its colours. `labels` proposes which of these
 pixels are shadow and which are object. `outline_fit` fits bodies and lights to both outlines. `explanation` aligns the
 likeliest of them with the borders in the picture, relabels and refits, and finally states the best one with its
-confidence, or rejects it. `looking` calls the stages; docs/maths.md has the equations.
+confidence, or rejects it. `looking` calls the stages; docs/maths.md leads to the equations.
 """
 
 from collections.abc import Sequence

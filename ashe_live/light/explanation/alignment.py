@@ -4,7 +4,7 @@ Each pixel has a unary cost: that of its colour under the material which the bod
 the normal at each sampled point of a predicted outline, these costs give the position of the border and its variance.
 The body's parameters follow by least squares, as in model-based tracking (Harris and Stennett, "RAPID", 1990), but from
 region statistics in place of gradients. Unlike outlines of masks, such borders are not spoilt by single areas that look
-like another material (docs/maths.md, "Alignment").
+like another material (docs/maths, "Alignment").
 
 The bodies of several explanations are moved as one batch: the arrays are small, so the overhead of NumPy's calls
 dominates.
@@ -65,7 +65,7 @@ def aligned(several: Sequence[Start], ranges: Sequence[float] = SEARCH_RANGES) -
     """For each start the cheapest of its bodies, moved onto the borders around it; None if that body is not in view.
 
     The TRIED_BODIES that are cheapest before they move are tried, as the family that fits the masks best need not fit
-    the pixels best. Steps of Harris and Stennett, with Cauchy's weights (docs/maths.md). ranges: as SEARCH_RANGES.
+    the pixels best. Steps of Harris and Stennett, with Cauchy's weights (docs/maths). ranges: as SEARCH_RANGES.
     """
     found: list[Alignment | None] = [None] * len(several)
     lights = [len(start.bodies[0].lights) for start in several]

@@ -33,7 +33,7 @@ class Borders:
 def borders_at(places: OutlinePoints, sides: Sequence[Side], reach_px: Float) -> Borders:
     """The borders within `reach_px` (n,) of the points of n outlines, one `Side` for each outline.
 
-    The posterior of a border's position along the normal follows from the costs of both sides (docs/maths.md, (17)).
+    The posterior of a border's position along the normal follows from the costs of both sides (docs/maths, (17)).
     """
     steps = reach_px[:, None] * np.linspace(-1, 1, STEPS)
     step_px = steps[:, 1:2] - steps[:, :1]

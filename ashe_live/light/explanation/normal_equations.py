@@ -1,6 +1,6 @@
 """Normal equations: how the borders seen in pictures pull at the outlines of bodies that are placed there.
 
-The views' poses, by which several pictures see one body, are moved along with it (docs/maths.md, "Poses that move").
+The views' poses, by which several pictures see one body, are moved along with it (docs/maths, "Poses that move").
 """
 
 import math

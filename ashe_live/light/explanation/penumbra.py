@@ -95,7 +95,7 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     light_lost: (h, w) share of the light that the shadow takes which each pixel of `view` lacks. A disc of diameter d
     blurs the edge cast from height z with the standard deviation z |J'n| d / 4 across the edge (n its normal on the
     ground, J the derivative of the displacement s by the direction); the picture's blur adds a constant variance. A
-    robust linear regression of variances gives d squared (docs/maths.md, "Penumbra").
+    robust linear regression of variances gives d squared (docs/maths, "Penumbra").
     """
     spreads, variances = _edges(proxy, light, light_lost, masks, view)
     if len(spreads) < FEWEST_EDGES:

@@ -2,7 +2,7 @@
 
 A ground, plain or patterned, shows its few colours everywhere; an object and its shadow show theirs in one place. So
 colours are classified by their spatial spread over the frame, whatever their brightness. They are logs of linear light,
-in which a shadow is one shift, the same for every colour of the ground (docs/maths.md, "The lit ground").
+in which a shadow is one shift, the same for every colour of the ground (docs/maths, "The lit ground").
 """
 
 from dataclasses import dataclass, replace

@@ -123,7 +123,7 @@ def shift_of_ratio(ground: LitGround, ratio_rgb: Float) -> Float:
 
 @cache
 def _plausibility() -> Float:
-    """Prior on shifts, one number per bin, from (10) of docs/maths.md.
+    """Prior on shifts, one number per bin, from (10) of docs/maths.
 
     Shadows are darker than lit ground, and lit by the sky alone: as blue as it or bluer, with green in proportion.
     """

@@ -35,7 +35,7 @@ def light_of_hull(hull: Carved, start: Float) -> HullLight | None:
     """The posterior mean of the light's direction around `start` (3,), with its covariance; None where none is told.
 
     The likelihood is that of the views' pixels under the hull in each light, times that of the shadow's tangents under
-    the support function that the silhouettes leave (docs/maths.md, "A hull"), on a grid of directions around the start,
+    the support function that the silhouettes leave (docs/maths, "A hull"), on a grid of directions around the start,
     and on a finer one around its result. None is told where too little of the shadow's outline is seen, or the two
     contradict each other.
     """

@@ -3,7 +3,7 @@
 The support function h(u) is how far a body reaches along u. A tangent of a silhouette spans, with the camera's centre,
 a plane that touches the body: a measurement of h. So does a tangent of the shadow with the light's direction, for u at
 right angles to it. Where two cameras' measurements cross they must agree (frontier points); elsewhere h is smooth, as a
-solid's is. A light's likelihood is that of the shadow's tangents given the silhouettes' (docs/maths.md, "A hull").
+solid's is. A light's likelihood is that of the shadow's tangents given the silhouettes' (docs/maths, "A hull").
 """
 
 import math

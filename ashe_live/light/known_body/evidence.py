@@ -1,6 +1,6 @@
 """How well lights explain a picture of a known body: the likelihood of its table's light and of its sides' light.
 
-One linear model in the lights' darkenings (`observed.py`, docs/maths.md, "A known body").
+One linear model in the lights' darkenings (`observed.py`, docs/maths, "A known body").
 """
 
 from dataclasses import dataclass

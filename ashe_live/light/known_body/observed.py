@@ -2,7 +2,7 @@
 
 Both are linear in the part of the open table's light that each light gives, its darkening, once the lights' directions
 are given; the sky gives the rest. Slow gradients of the table's light, and how much of the sky the body really hides,
-are marginalised (docs/maths.md, "A known body").
+are marginalised (docs/maths, "A known body").
 """
 
 import math

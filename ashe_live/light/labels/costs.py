@@ -41,7 +41,7 @@ class Costs:
         return replace(self, region=self.region.with_pose(T_cam_marker))
 
     def of(self, masks: Predicted) -> float:
-        """Total unary cost of the region's ground pixels under the labels of the masks (docs/maths.md, (15))."""
+        """Total unary cost of the region's ground pixels under the labels of the masks (docs/maths, (15))."""
         cost = np.where(masks.shadow, self._shaded(masks), self.materials.lit)
         np.copyto(cost, self.as_object, where=masks.body)
         return float(np.vdot(cost, self.region.is_ground))

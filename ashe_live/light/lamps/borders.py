@@ -63,7 +63,7 @@ def length_by_light(light: Float, top: float) -> Float:
 def _of_ends_out_of_view(explanation: Explanation) -> Float:
     """(3 l, 3 l) what is known of shadows' ends that the picture does not show, about the explanation's own lights.
 
-    A shadow ends not far outside of the picture, (22b) of docs/maths.md, in whichever light: its top h casts a shadow
+    A shadow ends not far outside of the picture, (22b) of docs/maths, in whichever light: its top h casts a shadow
     of the length s h / (1 - k h), so that a nearer light of the same end has a shorter displacement, by s h / (1 - k h)
     for each k. Without this the other borders alone, which hardly determine how long a shadow is, would tell what a
     nearer light does to it.

@@ -1,7 +1,7 @@
 """Fits bodies and lights to the outlines of an object's mask and of its shadows' masks.
 
 Families of bodies are tried one generation after the other, from simple to rich. The best member of each is searched
-for together with the lights, and families are ranked by the Bayesian information criterion (docs/maths.md, "Search").
+for together with the lights, and families are ranked by the Bayesian information criterion (docs/maths, "Search").
 """
 
 import math

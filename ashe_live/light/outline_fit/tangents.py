@@ -1,6 +1,6 @@
 """Common tangents of object and shadow from the light's vanishing point, which exist whatever the object's shape.
 
-A plane through the camera's centre and the light's direction meets both silhouettes or neither (docs/maths.md,
+A plane through the camera's centre and the light's direction meets both silhouettes or neither (docs/maths,
 "Common tangents"). Each of the two outermost planes gives one equation in the components of s, free of a body model.
 """
 

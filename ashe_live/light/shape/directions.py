@@ -76,7 +76,7 @@ def corrected_for_cut_shadow(light: FittedLight, visible_fraction: float) -> Fit
     visible_fraction: that of the far end in the picture, 0 to 1. Outside of it a shadow may be longer than was fitted
     but not shorter, so the light may be lower but not higher. The posterior of its height combines the covariance,
     which must be positive definite, with a prior by which long ends out of view are rarer than short ones ((22b) of
-    docs/maths.md).
+    docs/maths).
     """
     height, deviation = math.asin(light.to_light_marker[2]), math.sqrt(light.covariance_rad2[1, 1])
     lowest = max(0.0, height - 5 * deviation)

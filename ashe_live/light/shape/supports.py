@@ -1,7 +1,7 @@
 """Support functions of the outlines, in the image, of a convex body and of its shadows, with their derivatives.
 
 A body is the convex hull of upright spheroids: a point, a horizontal disc and a ball are special cases, so that boxes,
-cups, bottles and balls share one formula (docs/maths.md, "Support of a spheroid"). The tangent lines of a spheroid's
+cups, bottles and balls share one formula (docs/maths, "Support of a spheroid"). The tangent lines of a spheroid's
 image satisfy a quadratic equation, that of its dual conic; so do those of its shadow, which is another image of the
 spheroid, through the light's projection onto the ground.
 """

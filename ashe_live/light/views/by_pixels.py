@@ -1,4 +1,4 @@
-"""How likely several explanations of all views are, by what their pixels cost ((31a) of docs/maths.md)."""
+"""How likely several explanations of all views are, by what their pixels cost ((31a) of docs/maths)."""
 
 from collections.abc import Sequence
 

@@ -2,7 +2,7 @@
 
 What lies in a plane is seen by every camera where that plane's homography takes it (plane plus parallax: Irani and
 Anandan, 1996). The ground around the sheet agrees best between views for the plane that it really lies in
-(docs/maths.md, "The ground's height").
+(docs/maths, "The ground's height").
 """
 
 import math

@@ -1,7 +1,7 @@
 """One body and its lights, aligned with the borders in several views at once.
 
 The normal equations of the views add up, as their borders are measured independently; what a body's model cannot show
-is an error that they share (docs/maths.md, "Several views").
+is an error that they share (docs/maths, "Several views").
 """
 
 import math

@@ -2,7 +2,7 @@
 
 What lies there (ground, paint, shadows) is seen by every camera where the plane's homography takes it (Hartley and
 Zisserman, "Multiple View Geometry", 13.1); what stands on it shears away (plane plus parallax). Plain areas agree
-wherever they are, so agreement is rated against what the pixel's neighbourhood would show instead (docs/maths.md, "The
+wherever they are, so agreement is rated against what the pixel's neighbourhood would show instead (docs/maths, "The
 plane").
 """
 

@@ -1,4 +1,4 @@
-"""Where points of the marker frame are in a frame as the camera gave it, with the distortion of its lens."""
+"""Points and rays in a frame as the camera gave it, with the distortion of its lens."""
 
 import cv2
 import numpy as np
@@ -28,11 +28,16 @@ def project_distorted(camera: Camera, T_cam_marker: Float, points_marker: Float)
     return np.asarray(np.column_stack([distorted / share, np.ones(len(rays))]) @ camera.K[:2].T)
 
 
+def tangents_of_pixels(camera: Camera, pixels: Float) -> Float:
+    """(n, 2) x / z and y / z, camera frame, of the rays that pixels (n, 2) of the frame as it came see."""
+    tangents = cv2.undistortPoints(pixels[:, None], camera.K, camera.dist, None, None, None, CRITERIA)
+    return np.asarray(tangents[:, 0], np.float64)
+
+
 def _widest_tangent(camera: Camera) -> float:
     """The tangent of the largest angle between the optical axis and what the picture shows."""
     width, height = camera.size
     along = np.linspace(0.0, 1.0, ALONG_BORDER)
     sides = [(share, end) for share in along for end in (0.0, 1.0)]
     border = np.array([*sides, *(side[::-1] for side in sides)]) * (width, height) - 0.5
-    tangents = cv2.undistortPoints(border[:, None], camera.K, camera.dist, None, None, None, CRITERIA)
-    return float(np.linalg.norm(tangents, axis=2).max())
+    return float(np.linalg.norm(tangents_of_pixels(camera, border), axis=1).max())

@@ -18,6 +18,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
 from ashe_live.render.camera.relief import Relief
 from ashe_live.render.camera.video_look import VideoLook
+from ashe_live.render.camera.white import OVEREXPOSED
 from ashe_live.render.compositing.coarse import KERNEL_SIGMAS, CoarseBlur, CoarseLayers
 from ashe_live.render.compositing.ground_means import GroundMeans
 from ashe_live.render.compositing.lens import Lens
@@ -133,7 +134,9 @@ class Composite:
             "relief": onto.relief is not None,
             "cut_out": is_cut_out,
         }
-        constants = bends | {name: int(value) for name, value in switches.items() if value}
+        constants: dict[str, float] = {**bends, **{name: 1 for name, is_on in switches.items() if is_on}}
+        if onto.look.is_overexposed:
+            constants |= dict(zip(("clips_from", "clips_to"), OVEREXPOSED, strict=True))
         composing = self._programs.get("composite", reach=blurs.reach, **constants)
         return self._programs.get("touched", **bends), composing
 

@@ -1,11 +1,11 @@
 """The lens's distortion, by which the composite puts what was drawn for a pinhole camera onto the frame as it came."""
 
-import cv2
 import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.render.camera.in_frame import tangents_of_pixels
 from ashe_live.render.gl.texture_units import UNIT_OF
 
 GRID_PX = 8  # of the video, between places where the lens is computed exactly
@@ -64,5 +64,6 @@ def straight_from_bent(camera: Camera, pinhole: Camera) -> Float:
     )
     # OpenCV's pixel centres are integers, and its rows run downwards.
     pixels = np.stack([across * width - 0.5, (1 - up) * height - 0.5], axis=-1)
-    straight = cv2.undistortPoints(pixels.reshape(-1, 1, 2), camera.K, camera.dist, P=pinhole.K).reshape(pixels.shape)
+    tangents = tangents_of_pixels(camera, pixels.reshape(-1, 2))
+    straight = (tangents @ pinhole.K[:2, :2].T + pinhole.K[:2, 2]).reshape(pixels.shape)
     return np.stack([(straight[..., 0] + 0.5) / width, 1 - (straight[..., 1] + 0.5) / height], axis=-1)

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.models.albedo import mean_albedo
-from ashe_live.models.material import MAPS, SRGB_MAPS, Alpha
+from ashe_live.models.material import SRGB_MAPS, Alpha
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.roundness import stands_for_round
+from ashe_live.render.gl.map_layout import layout_constants, layout_uniforms
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 
@@ -194,11 +195,11 @@ class GpuModel:
             if material.alpha is not Alpha.OPAQUE:
                 constants = {material.alpha.name: 1}
                 if "base_map" in part.maps:
-                    constants |= {"base_map": 1, **layout_constants(part)}
+                    constants |= {"base_map": 1, **layout_constants(part.mesh)}
             program = self._programs.get("depth", **constants)
             if "base_map" in constants:
                 part.maps["base_map"].use(UNIT_OF["base_map"])
-            set_uniforms(program, **layout_uniforms(part, constants))
+            set_uniforms(program, **layout_uniforms(part.mesh, constants))
             set_uniforms(
                 program,
                 clip_from_marker=clip_from_marker,
@@ -231,23 +232,3 @@ class GpuModel:
             near = moderngl.NEAREST if key.is_sharp else moderngl.LINEAR
             texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, near
             yield
-
-
-def layout_constants(part: GpuPart) -> dict[str, int]:
-    """Macros for a shader whose maps are not all looked up by the first texture coordinates as they are."""
-    if all(part.material.layout(name).is_plain for name in part.maps):
-        return {}
-    return {"laid_out": 1, **({"more_uvs": 1} if part.mesh.more_uvs is not None else {})}
-
-
-def layout_uniforms(part: GpuPart, constants: dict[str, int]) -> dict[str, Any]:
-    """The uniforms of such a shader: rows (10, 4) and offsets (5, 2), in the order of MAPS; none for other shaders."""
-    if "laid_out" not in constants:
-        return {}
-    rows, offsets = np.zeros((len(MAPS), 2, 4)), np.zeros((len(MAPS), 2))
-    for place, name in enumerate(MAPS):
-        layout = part.material.layout(name)
-        matrix = np.array(layout.matrix).reshape(2, 3)
-        rows[place, :, 2 * layout.uv_set : 2 * layout.uv_set + 2] = matrix[:, :2]
-        offsets[place] = matrix[:, 2]
-    return {"map_rows": rows.reshape(-1, 4), "map_offsets": offsets}

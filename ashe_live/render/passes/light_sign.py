@@ -7,9 +7,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import inverse_rigid, light_view, normalised, project, transform_points
+from ashe_live.core.transforms import inverse_rigid, light_view, normalised, transform_points
 from ashe_live.core.types import Light
 from ashe_live.models.primitives import revolved
+from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.gl.framing import Framing, box_corners
 from ashe_live.render.gl.programs import build_program, set_uniforms
 from ashe_live.render.lights.lighting import angular_size
@@ -78,7 +79,7 @@ class LightSigns:
 
 
 def light_sign(corners: Float, light: Light, camera: Camera, T_cam_marker: Float) -> LightSign:
-    """For a model in a box of `corners` (8, 3), seen by a pinhole camera: a bulb if the lamp is in the picture."""
+    """For a model in a box of `corners` (8, 3): a bulb if the lamp is in the picture by the lens of `camera`."""
     centre = corners.mean(axis=0)
     radius = float(np.linalg.norm(corners - centre, axis=1).max())
     lamp = light.position_marker_m
@@ -93,7 +94,7 @@ def light_sign(corners: Float, light: Light, camera: Camera, T_cam_marker: Float
 
 
 def _is_in_picture(point: Float, camera: Camera, T_cam_marker: Float) -> bool:
-    (pixel,) = project(camera, T_cam_marker, point[None])
+    (pixel,) = project_distorted(camera, T_cam_marker, point[None])
     return bool((pixel >= -0.5).all() and (pixel <= np.array(camera.size) - 0.5).all())
 
 

@@ -10,7 +10,8 @@ from ashe_live.core.arrays import GOLDEN_SHARE, Float
 from ashe_live.core.transforms import transform_points
 from ashe_live.models.material import BLACK, Alpha, Material
 from ashe_live.render.gl.framing import Framing
-from ashe_live.render.gl.geometry import GpuModel, GpuPart, layout_constants, layout_uniforms
+from ashe_live.render.gl.geometry import GpuModel, GpuPart
+from ashe_live.render.gl.map_layout import layout_constants, layout_uniforms
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.environment import Environment
@@ -117,7 +118,7 @@ class ModelPass:
     def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, is_rim: bool = False) -> None:
         material = part.material
         program = self._bound_program(part, inputs.looked_up, is_rim)
-        set_uniforms(program, **layout_uniforms(part, layout_constants(part)))
+        set_uniforms(program, **layout_uniforms(part.mesh, layout_constants(part.mesh)))
         set_uniforms(
             program,
             clip_from_marker=inputs.framing.clip_from_marker,
@@ -187,5 +188,5 @@ def shading_constants(part: GpuPart) -> dict[str, int]:
     if material.coat > 0:
         found["coated"] = 1
     if part.maps:
-        found |= {"has_maps": 1, **layout_constants(part)}
+        found |= {"has_maps": 1, **layout_constants(part.mesh)}
     return found

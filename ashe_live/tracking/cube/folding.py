@@ -3,7 +3,7 @@
 The deviation ("fold") of a face has six small components, three of a rotation and three of a translation, with a prior
 of the accuracy of careful folding. Each frame is one step of an information filter: its pose is eliminated (by the
 Schur complement), and its information about the folds is added. A deviation that all faces share cannot be told from a
-change of the pose, and so makes the pose uncertain (docs/maths.md, "Folds").
+change of the pose, and so makes the pose uncertain (docs/maths, "Folds").
 """
 
 import math

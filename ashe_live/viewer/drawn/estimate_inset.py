@@ -97,8 +97,10 @@ def inset_overlays(
     With the sheet of the steps that led to the answer, this sheet; else the answer alone, and the light rose beside it.
     """
     if steps_bgr is not None:
-        return _in_corner([_fitted(steps_bgr, size, corner.scale)], size, corner)
-    picture = answer_picture(estimate, frozen, max(1, round(WIDTH * corner.scale * size[0])))
+        fitted = _size_in(size, STEPS_WIDTH, steps_bgr.shape[1::-1], corner.scale)
+        sheet = np.asarray(cv2.resize(steps_bgr, fitted, interpolation=cv2.INTER_AREA), np.uint8)
+        return _in_corner([sheet], size, corner)
+    picture = answer_picture(estimate, frozen, _size_in(size, WIDTH, frozen.frame.size, corner.scale)[0])
     if not estimate.lights:
         return _in_corner([picture], size, corner)
     both = _in_corner([picture, rose_picture(estimate, frozen, picture.shape[0])], size, corner)
@@ -106,13 +108,11 @@ def inset_overlays(
     return both if is_whole else _in_corner([picture], size, corner)  # a low window has no room for the rose
 
 
-def _fitted(sheet_bgr: Image, size: Size, corner_scale: float) -> Image:
-    """The sheet as large as there is room for, times the scale of its corner."""
-    height, width = sheet_bgr.shape[:2]
-    around = 2 * (MARGIN_PX + BORDER_PX)
-    scale = corner_scale * max(0.0, min(STEPS_WIDTH * size[0] / width, (size[1] - around) / height))
-    fitted = max(1, round(scale * width)), max(1, round(scale * height))
-    return np.asarray(cv2.resize(sheet_bgr, fitted, interpolation=cv2.INTER_AREA), np.uint8)
+def _size_in(size: Size, most: float, picture: Size, scale: float) -> Size:
+    """The size of a picture that is to be `most` of the window wide, or as high as it has room for, times `scale`."""
+    (width, height), around = picture, 2 * (MARGIN_PX + BORDER_PX)
+    scale *= max(0.0, min(most * size[0] / width, (size[1] - around) / height))
+    return max(1, round(scale * width)), max(1, round(scale * height))
 
 
 def _in_corner(pictures_bgr: Sequence[Image], size: Size, corner: Corner) -> tuple[Overlay, ...]:

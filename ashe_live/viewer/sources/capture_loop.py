@@ -94,6 +94,7 @@ class CaptureLoop:
         self._pace = Pace()
         self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated
         self._left_out: Frame | None = None  # the last frame, if it was skipped for being late
+        self._shown: Frame | None = None  # the last frame that was handed over
 
     def run(self) -> None:
         """Runs until `wishes` is closed, or the source fails for good; then `frames` is closed with the error."""
@@ -148,6 +149,8 @@ class CaptureLoop:
         self._pace.speed = wish.speed
         if wish.tracking is not None:
             self._tracker.preset = wish.tracking
+        if is_other and wish.paused and self._shown is not None and not self._is_sent:
+            self._hand_over(self._shown)  # no other frame would come
 
     def _wait(self, until: Callable[[], bool], timeout_s: float | None = None) -> None:
         """Waits until the condition holds, a jump is requested, or the time is over. Raises Closed if asked to end."""
@@ -161,6 +164,7 @@ class CaptureLoop:
     def _hand_over(self, frame: Frame) -> None:
         place = Place(frame.time_s, frame.index)
         self._publish(shown=place, at=place)
+        self._shown = frame
         tracked = self._tracker.track(frame)
         self._frames.put(tracked)
         # After handing over, so that the display does not wait for it.

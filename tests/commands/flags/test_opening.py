@@ -145,3 +145,24 @@ def test_trackers_are_made_for_other_markers_and_fields_of_view(tmp_path: Path) 
     assert (as_given.marker.spec, wide.marker.spec) == ("aruco:4x4_50:0", "apriltag:36h11:4")
     assert as_given.track(frame).camera.K[0, 0] == 50
     assert wide.track(frame).camera.hfov_deg == pytest.approx(80)
+
+
+def test_trackers_are_made_after_the_files_of_the_flags_have_gone(tmp_path: Path) -> None:
+    """A key asks for another tracker at any time."""
+    calibration, printed = tmp_path / "camera.json", tmp_path / "print.png"
+    calibration.write_text(
+        '{"size": [64, 48], "K": [[50, 0, 31.5], [0, 50, 23.5], [0, 0, 1]], "dist": [0, 0, 0, 0, 0]}'
+    )
+    assert cv2.imwrite(str(printed), parse_marker("aruco:4x4_50:7").bitmap(96))
+    make = tracker_maker(
+        options_of("play", "clip.mp4", "--camera-file", str(calibration), "--marker", f"image:{printed}")
+    )
+    calibration.unlink()
+    printed.unlink()
+    assert make(None, 80.0).marker.spec == f"image:{printed}"
+    assert make("aruco:4x4_50:3", None).track(Frame(PICTURE, 0, 0.0)).camera.K[0, 0] == 50
+
+
+def test_a_cube_that_is_followed_later_needs_no_caster() -> None:
+    make = tracker_maker(options_of("play", "clip.mp4", "--hfov", "60", "--caster", "sphere:0.02"))
+    assert make("cube", None).marker.spec == "cube"

@@ -53,9 +53,11 @@ def test_the_rose_stands_above_the_picture(fakes, estimate):
     assert rose.left_px + rose.shown_size[0] == inset.left_px + inset.shown_size[0]
 
 
-def test_a_flat_window_has_no_rose_that_would_be_cut_off(fakes, estimate):
-    (inset,) = inset_overlays(estimate, fakes.tracked(), (640, 200))
+@pytest.mark.parametrize("width", [640, 1800])
+def test_a_flat_window_shows_all_of_the_picture_and_no_rose_that_would_be_cut_off(fakes, estimate, width):
+    (inset,) = inset_overlays(estimate, fakes.tracked(), (width, 200))
     assert inset.top_px >= 0
+    assert inset.shown_size[0] / inset.shown_size[1] == pytest.approx(64 / 48, abs=0.03)
 
 
 def test_a_trace_is_one_sheet_with_the_answer_in_it(fakes, estimate):

@@ -159,6 +159,34 @@ def test_restart_while_paused_shows_the_first_frame_and_stays_paused(run, fakes)
     assert pipeline.frames.take(A_WHILE_S) is None
 
 
+@pytest.mark.parametrize("is_live", [False, True])
+def test_while_paused_the_frame_is_seen_anew_as_another_tracker_sees_it(fakes, is_live):
+    """Nothing of what the tracker before saw is shown any more, and no other frame comes."""
+    asked: list[object] = []
+
+    def tracker_for(*what: object) -> object:
+        asked.append(what)
+        return fakes.Tracker()
+
+    source = fakes.Source(10_000, is_live=True) if is_live else fakes.Clip(10_000)
+    pipeline = Pipeline(source, fakes.Tracker(), False, tracker_for)
+    if is_live:
+        source.hook = lambda index: pipeline.pause(True) if index == 5 else None
+    else:
+        pipeline.pause(True)
+        pipeline.seek(5 / source.fps)
+    pipeline.start()
+    try:
+        assert_settles(pipeline, at=5)
+        pipeline.see_by(50.0)
+        assert_settles(pipeline, at=5)
+        pipeline.follow("cube")
+        assert_settles(pipeline, at=5)
+        assert asked == [(None, 50.0), ("cube", 50.0)]
+    finally:
+        pipeline.close()
+
+
 @pytest.fixture
 def held(run, fakes) -> tuple[Pipeline, object, object]:
     """A pipeline that is paused at frame 50 of 1000, with its clip and tracker."""

@@ -34,7 +34,7 @@ ALONE = Company()
 
 
 def company_features(explanation: Explanation, company: Company) -> dict[str, float]:
-    """The features of an explanation that depend on the others (docs/maths.md, "Evidence")."""
+    """The features of an explanation that depend on the others (docs/maths, "Evidence")."""
     first = explanation.lights[0]
     agreeing = [
         min(other.alignment.clear_body, other.alignment.clear_shadow)

@@ -31,7 +31,7 @@ LEAST_STEP_COST = 0.1  # outlines with lower costs than this are not told apart
 LOW_SINE = 0.3
 FEWEST_SHADED = 15  # pixels inside a shadow that are needed to measure its evenness
 
-# The features, and the sign with which physics lets each count for an explanation (docs/maths.md, "Evidence").
+# The features, and the sign with which physics lets each count for an explanation (docs/maths, "Evidence").
 SIGNS: Mapping[str, int] = {
     "misfit": -1,
     "steps": -1,
@@ -60,7 +60,7 @@ SIGNS: Mapping[str, int] = {
 
 
 def evidence(explanation: Explanation) -> dict[str, float]:
-    """The features of an explanation that its picture shows; docs/maths.md, "Evidence", defines each."""
+    """The features of an explanation that its picture shows; docs/maths, "Evidence", defines each."""
     alignment, shading = explanation.alignment, _shading(explanation)
     return {
         "misfit": math.log(max(alignment.misfit_px, 0.05) / alignment.placed.object_px),

@@ -3,7 +3,7 @@
 A conditional logit with an outside option (McFadden, "Conditional logit analysis of qualitative choice behavior",
 1974): one of the explanations tried, or "none of them", is right, with odds that are the product of one factor for
 each feature. Every further explanation takes a share of the total probability, so that a longer search gives a surer
-answer only if it finds a better one. docs/maths.md, "Confidence", has the equations.
+answer only if it finds a better one. docs/maths, "Confidence", has the equations.
 """
 
 import math

@@ -32,7 +32,7 @@ def overdispersed(covariance_rad2: Float, unseen_end: Float | float, factor: flo
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """How errors exceed what outlines alone imply, fitted by `ashe-live bench fit-judge` (docs/maths.md, (24))."""
+    """How errors exceed what outlines alone imply, fitted by `ashe-live bench fit-judge` (docs/maths, (24))."""
 
     overdispersion: float  # factor on the outlines' covariance: errors of neighbouring borders are correlated
     doubt_rad: float  # sigma along each axis added to an answer of confidence 0

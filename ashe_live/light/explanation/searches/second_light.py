@@ -1,7 +1,7 @@
 """A second light, once the body and a first light are known: searched where the body may cast another shadow.
 
 It is accepted where the region's unary costs fall by more than the penalty for its parameters, and where the outline of
-its shadow coincides with visible borders (docs/maths.md, "A second light of a known body").
+its shadow coincides with visible borders (docs/maths, "A second light of a known body").
 """
 
 import math

@@ -2,7 +2,7 @@
 
 A face that is turned turns the frame in which the body is seen, and moves several edges of its shadow at once, not all
 of them as a light would. So light and folds are fitted together, each fold as likely as what the tracker saw leaves it:
-generalised least squares (docs/maths.md, "Folds").
+generalised least squares (docs/maths, "Folds").
 """
 
 import numpy as np

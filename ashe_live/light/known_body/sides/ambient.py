@@ -30,7 +30,7 @@ def sky_slope_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float, sky
     """(2, 3) slope of the sky's light along x and y, R, G, B, in units of all light on level ground.
 
     A facet with the normal n gets sky (1 + n_z) / 2 + n_x slope_x + n_y slope_y: spherical harmonics of the first
-    order, whose vertical part an even sky's hemisphere fixes (docs/maths.md, "Ambient"). Zeros where nothing tells the
+    order, whose vertical part an even sky's hemisphere fixes (docs/maths, "Ambient"). Zeros where nothing tells the
     level facet's light, which all others are compared with.
 
     dark_rgb: (l, 3) part of the table's light that each light gives. sky_rgb: (3,) the sky's.

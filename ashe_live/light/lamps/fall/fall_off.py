@@ -3,7 +3,7 @@
 A lamp at (X, Y, Z) lights a point p of the plane by Z / |X - p|^3, which is (1 + |s - p w / z|^2)^(-3/2) in the
 light's parameters but for a factor; a sun lights all of it alike. A glossy ground mirrors either on top of that. What
 else makes the ground uneven (relief, a wall near by, the camera's tone mapping) has a larger variance than what is
-fitted along (docs/maths.md, "The fall of light").
+fitted along (docs/maths, "The fall of light").
 """
 
 from collections.abc import Sequence

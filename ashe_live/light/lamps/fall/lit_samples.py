@@ -1,7 +1,7 @@
 """The lit ground's brightness at places all over it, with what beside a lamp may cause it, and how much each counts.
 
 The picture's brightness also has the ground's paint and texture, vignetting, and what else is uneven. Vignetting and a
-little unevenness are fitted along (docs/maths.md, "The fall of light"). Paint and texture are noise that is correlated
+little unevenness are fitted along (docs/maths, "The fall of light"). Paint and texture are noise that is correlated
 over their size. No colour has a level of its own: a plain ground's colours are the steps of its own brightness, and
 their levels would explain a lamp away. Areas that what is not lit divides have one, as what is beyond a table's end may
 be a floor; so do surfaces that an edge divides.

@@ -66,7 +66,7 @@ def observe_outlines(
     objects'. direction_count: evenly spaced directions; the normals of long straight edges are added. edge_sigma_px:
     standard deviation of the masks' edges from the truth, which may leave a gap between the object and its shadow.
     undecided: (h, w) pixels that belong to the object or to a shadow, without it being known to which. The method is
-    in docs/maths.md, "What masks bound".
+    in docs/maths, "What masks bound".
     """
     body_contour = contour_of(body)
     if body_contour is None:
