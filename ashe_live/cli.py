@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
 
-from ashe_live.commands.flags.options import parsed
+from ashe_live.commands.flags.options import parsed, with_origin
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import tell
 from ashe_live.process.module_path import safe_library_path, safe_module_path
@@ -56,6 +56,7 @@ def run(arguments: Sequence[str], begins: Callable[[], None] | None = None) -> i
 
     `begins` is called when all is loaded and the command itself is next.
     """
+    options: argparse.Namespace | None = None
     try:
         options = parsed(arguments)
         command: Callable[[argparse.Namespace], int] = import_module(f"ashe_live.commands.{options.command}").run
@@ -63,7 +64,7 @@ def run(arguments: Sequence[str], begins: Callable[[], None] | None = None) -> i
             begins()
         return int(command(options))
     except UserError as error:
-        tell(error)
+        tell(with_origin(error, options))
     except KeyboardInterrupt:
         return ExitStatus.INTERRUPTED
     except BrokenPipeError:  # the reader (`| head`) has what it wanted

@@ -70,6 +70,23 @@ def test_a_value_that_its_flag_refuses_is_one_line_that_names_the_file(run, sett
     assert run("bench", "--help").status == 0
 
 
+@pytest.mark.parametrize("content", ['model = "xyzzy"', 'marker = "nope:1"', 'camera-file = "gone.json"'])
+def test_a_value_that_turns_out_to_be_wrong_names_the_file_as_well(run, settle, content):
+    path, clip = settle(content), str(CHECKOUT / "assets" / "clips" / "table.mp4")
+    outcome = run("play", clip, "--headless")
+    assert outcome.status == 2
+    (line,) = outcome.err
+    assert str(path) in line
+
+
+def test_a_flag_that_is_wrong_is_not_the_files_fault(run, settle):
+    path = settle('estimator = "prox"')
+    outcome = run("play", "a.mp4", "--estimator", "proxyy", "--headless")
+    assert outcome.status == 2
+    (line,) = outcome.err
+    assert str(path) not in line
+
+
 def test_the_output_of_settings_is_a_settings_file_with_the_values_that_hold(run, settle):
     path = settle('quality = "fast"\nmarker-size = 0.1\nmodel = "a \\"mug\\".glb"\n')
     outcome = run("settings")
@@ -96,7 +113,7 @@ def test_a_file_that_begins_as_the_defaults_changes_nothing(run, settle):
     """Above all, it names no marker: the one in view would no longer be followed."""
     before = vars(parsed(["play", "a.mp4"]))
     settle("\n".join(run("settings").out))
-    assert vars(parsed(["play", "a.mp4"])) == before
+    assert vars(parsed(["play", "a.mp4"])) | {"from_settings": {}} == before
 
 
 @pytest.mark.parametrize("key", SETTINGS)

@@ -41,7 +41,21 @@ def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     if getattr(options, "model", DEFAULT_MODELS) is not DEFAULT_MODELS:  # the setting would add another model
         settings.pop("model", None)
     flags = flags_of(settings, options.command)
-    return build(_SettingsParser).parse_args([*arguments[:named], *flags, *arguments[named:]])
+    combined = build(_SettingsParser).parse_args([*arguments[:named], *flags, *arguments[named:]])
+    combined.from_settings = settings
+    return combined
+
+
+def with_origin(error: UserError, options: argparse.Namespace | None) -> UserError:
+    """The error, with the settings file named where a value in it is what cannot be used. options: as `parsed`."""
+    from ashe_live.commands.flags.settings_file import settings_path
+
+    for key, value in getattr(options, "from_settings", {}).items():
+        given = getattr(options, key.replace("-", "_"), ())
+        holds = value in map(str, given if isinstance(given, tuple) else (given,))  # no flag has replaced it
+        if holds and str(value) in error.message:
+            return UserError(error.message, f"{error.remedy} (`{key}` is set in {settings_path()})")
+    return error
 
 
 class _SettingsParser(CommandParser):
