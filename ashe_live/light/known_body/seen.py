@@ -12,6 +12,7 @@ from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.outline.texture import without_texture
 from ashe_live.light.known_body.rims import Beside, Steps
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
@@ -31,7 +32,6 @@ from ashe_live.light.known_body.table import (
     table_around,
 )
 from ashe_live.light.known_body.templates import Templates, templates_of
-from ashe_live.light.known_body.texture import without_texture
 from ashe_live.light.pixels.view import View
 
 MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B

@@ -6,9 +6,9 @@ import numpy as np
 from ashe_live.core.arrays import Float, same_objects
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.gl.programs import set_uniforms
-from ashe_live.render.gl.reflectance import share_texture
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, RGB
+from ashe_live.render.lights.reflectance import share_texture
 from ashe_live.render.lights.surroundings import (
     LinearPicture,
     blurred_levels,

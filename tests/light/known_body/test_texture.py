@@ -11,8 +11,8 @@ from ashe_live.bench.cube.painter import projected
 from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.light.known_body.outline.texture import without_texture
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.texture import without_texture
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import NO_LIGHTS
 from ashe_live.quality import BALANCED
