@@ -60,10 +60,13 @@ def test_every_tracked_frame_is_offered_once_and_in_order(run, fakes):
 
 
 def test_a_loop_drops_them_each_time_round(run, fakes):
+    """A busy machine may skip frames of a round, but never mixes two."""
     events = run(fakes.Source(3), loop=True).key_views.await_that(lambda events: events.count(-1) >= 2)
-    first_round = events[: events.index(-1)]
-    assert first_round == sorted(first_round)
-    assert first_round[-1] == 2
+    first = events.index(-1)
+    second = first + 1 + events[first + 1 :].index(-1)
+    for of_round in (events[:first], events[first + 1 : second]):
+        assert of_round == sorted(set(of_round))
+    assert events[:first]
 
 
 def test_a_seek_and_a_restart_drop_them_and_the_next_frame_in_a_row_does_not(run, fakes):
