@@ -67,6 +67,8 @@ def _better_fit(one: Explanation, sharpener: Sharpener) -> EdgeFit | None:
     """The stretched body that lies best on the steps of light; None where none does better than by chance."""
     lit = one.alignment.placed.lit
     bodies = [lit, *(each for each in map(lit.stretched, HEIGHTS) if each is not None)]
+    if len(bodies) == 1:  # a ball, or a known caster
+        return None
     own, *others = aligned_with_steps(bodies, sharpener.pictures, np.array([shifts_of(one)] * len(bodies)))
     best = min((fit for fit in others if fit is not None), key=lambda fit: fit.criterion, default=None)
     if own is None or best is None or best.criterion > own.criterion - math.log(len(bodies)):
