@@ -91,21 +91,15 @@ def explained_together(
         likely = distinct_explanations(_aligned_or_as_started(starts))
     sharpener = Sharpener.of([view.fine for view in views])
     likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
-    fit = partial(explained_near, preset=steps.fine_fit)
-    of_steps = [sharpened_families(each, families.get(id(each.origin), ()), sharpener) for each in likely[:REFITTED]]
-    moved = [several[0] for several in of_steps]
-    likely[REFITTED:] = [
-        sharpened_in_views(refined_by_all_tangents(each), sharpener) if _is_witness(each, likely[0]) else each
-        for each in likely[REFITTED:]
-    ]
-    sharp = [_decided(each, lamps.decided(each.joint, fit, sharpener)) for each in moved]
-    # The shape of a known caster needs no hull.
-    likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
+    of_families = [sharpened_families(each, families.get(id(each.origin), ()), sharpener) for each in likely[:REFITTED]]
+    others = [_sharpened_if_witness(each, likely[0], sharpener) for each in likely[REFITTED:]]
+    sharp = [_decided_with_hull(several[0], sharpener, lamps, steps) for several in of_families]
     overdispersion = judge.calibration.overdispersion
-    averaged = [with_average_light(*pair, overdispersion) for pair in zip(likely, of_steps, strict=False)]
-    averaged += likely[REFITTED:]
-    odds = [log_odds(each) for each in likely]
-    return sorted(without_replaced(list(zip(averaged, odds, strict=True))), key=itemgetter(1), reverse=True)
+    averaged = [with_average_light(*pair, overdispersion) for pair in zip(sharp, of_families, strict=True)]
+    # The mean is of one explanation's families: the explanation is judged as it was.
+    odds = [log_odds(each) for each in [*sharp, *others]]
+    together = list(zip([*averaged, *others], odds, strict=True))
+    return sorted(without_replaced(together), key=itemgetter(1), reverse=True)
 
 
 def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
@@ -118,13 +112,25 @@ def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tup
     return [(each, odds) for each, odds in ranked if any(each is one for one in kept)]
 
 
-def _is_witness(other: JointExplanation, best: JointExplanation) -> bool:
-    """Whether an explanation is of another object than the best one, in the same light.
+def _sharpened_if_witness(other: JointExplanation, best: JointExplanation, sharpener: Sharpener) -> JointExplanation:
+    """Another explanation, moved onto the steps of light if it shows the best one's light by another object.
 
     What it tells of that light counts beside the best one's, and is worth being as exact.
     """
     agrees = angle_between(towards_light(other), towards_light(best)) < GOOD_RAD
-    return agrees and are_apart(other.joint.proxy, best.joint.proxy)
+    if not agrees or not are_apart(other.joint.proxy, best.joint.proxy):
+        return other
+    return sharpened_in_views(refined_by_all_tangents(other), sharpener)
+
+
+def _decided_with_hull(
+    moved: JointExplanation, sharpener: Sharpener, lamps: LampHypotheses, steps: ProxySteps
+) -> JointExplanation:
+    """What lies on the steps of light, as a sun's or a lamp's, with a hull where no family explains it."""
+    fit = partial(explained_near, preset=steps.fine_fit)
+    decided = _decided(moved, lamps.decided(moved.joint, fit, sharpener))
+    # The shape of a known caster needs no hull.
+    return decided if steps.caster else with_hull(decided, sharpener)
 
 
 def _decided(explanation: JointExplanation, decided: Explanation) -> JointExplanation:

@@ -112,16 +112,8 @@ def stated(
     seen = Witnesses([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
 
-    def as_suns() -> tuple[Light, ...]:
-        sun, *more = lights
-        if more:
-            return lights
-        others = companions(first, place_of_sun(first.as_sun), scene.judged, covariance_of, scene.view)
-        suns = [each.as_sun for each in (first, *others)]
-        return (by_all_objects(sun, suns, scene.shared_rad2(sun)) if others else sun,)
-
     if kind == SUN:
-        return Answer(explanation, as_suns(), place)
+        return Answer(explanation, _as_suns(lights, first, covariance_of, scene), place)
     if kind == LAMP or _may_be_near(place):
         others = companions(first, place, scene.others(), covariance_of, scene.view)
         if others:
@@ -134,21 +126,36 @@ def stated(
         # Another object is a witness of its own; one object alone has told all that it can.
         is_lamp = evidence.is_lamp if len(seen.objects) == 1 else evidence.lamp is None or evidence.deviance > 0
     if is_lamp:
-        worth = WORTH_ALIGNING if kind == AUTO else 0.0
+        worth, told = (WORTH_ALIGNING, TOLD_SIGMAS) if kind == AUTO else (0.0, 0.0)
         as_lamps, at = _fitted_as_lamps(seen, place, covariance_of, worth, scene)
         believed = _believed(as_lamps, covariance_of)
-        if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0) and believed.mean.mean[2] > 0:
+        if _is_near(at, told) and believed.mean.mean[2] > 0:
             best = as_lamps.objects[0].explanation
             alone, *others_lights = lights_of(best, confidence)
             lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
             return Answer(best, (lamp, *others_lights), believed.mean)
-    alone, *others_lights = as_suns()
+    alone, *others_lights = _as_suns(lights, first, covariance_of, scene)
     # What the outlines say for a lamp, their borders' place has said already.
     deviance, by_outlines = deviance_of_sun(seen, place), min(explanation.sun_by_outlines, 0.0)
     unsure = with_doubt(alone, place, from_sun, deviance, by_outlines)
     if deviance + by_outlines > EXCLUDED_DEVIANCE:
         unsure = replace(unsure, confidence=0.0)
     return Answer(explanation, (unsure, *others_lights), place)
+
+
+def _as_suns(
+    lights: tuple[Light, ...],
+    first: SeenObject,
+    covariance_of: Callable[[Explanation, float], Float],
+    scene: Scene,
+) -> tuple[Light, ...]:
+    """The lights at infinity that `first` shows: the only one by all objects that stand in it, two as they are."""
+    if len(lights) > 1:
+        return lights
+    (sun,) = lights
+    others = companions(first, place_of_sun(first.as_sun), scene.judged, covariance_of, scene.view)
+    suns = [each.as_sun for each in (first, *others)]
+    return (by_all_objects(sun, suns, scene.shared_rad2(sun)) if others else sun,)
 
 
 def _is_lamp(seen: Witnesses, place: Place, from_sun: Place) -> bool:
