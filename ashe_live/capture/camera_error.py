@@ -1,24 +1,28 @@
 """Why a camera cannot be used, as far as the system tells, and what to do about it."""
 
 import os
+import stat
 import sys
 from contextlib import suppress
 from pathlib import Path
 
 from ashe_live.errors import UserError
 
+VIDEO_MAJOR = 81  # of all video devices: linux/videodev2.h
+
 
 def check_is_device(path: str) -> None:
     """Raises UserError unless `path` can be a camera: OpenCV takes other files for clips, and some names crash it."""
     try:
         path.encode("utf-8")
-        is_device = not sys.platform.startswith("linux") or Path(path).is_char_device()
+        is_device = not sys.platform.startswith("linux") or _is_video_device(Path(path).stat())
     except (OSError, ValueError):
         is_device = False
     if not is_device and not os.path.lexists(path):
         raise camera_error(path)
     if not is_device:
-        raise UserError(f"{path} is not a camera", "name a number or a device such as /dev/video0 with --camera")
+        remedy = "name a number or a device such as /dev/video0 with --camera; a clip is played by ashe-live play FILE"
+        raise UserError(f"{path} is not a camera", remedy)
 
 
 def camera_error(camera: int | str, devices: Path = Path("/dev")) -> UserError:
@@ -42,11 +46,15 @@ def camera_error(camera: int | str, devices: Path = Path("/dev")) -> UserError:
         )
     users = ", ".join(sorted(programs_using(device)))
     if users:
-        return UserError(f"{device} is busy: {users} uses it", "close that program")
+        return UserError(f"{device} is busy: it is used by {users}", "close what uses it")
     return UserError(
         f"{device} gives no pictures",
         "close other programs that use it; a camera can have several devices, so try the next number too",
     )
+
+
+def _is_video_device(state: os.stat_result) -> bool:
+    return stat.S_ISCHR(state.st_mode) and os.major(state.st_rdev) == VIDEO_MAJOR
 
 
 def programs_using(device: Path, processes: Path = Path("/proc")) -> set[str]:

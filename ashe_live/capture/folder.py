@@ -1,6 +1,8 @@
 """The pictures that are directly in a folder, and a word on what else is."""
 
+import errno
 import mimetypes
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,18 +15,27 @@ NAMED = 3  # of the files that are passed over
 def pictures_in(folder: Path, with_clips: bool) -> tuple[list[Path], str | None]:
     """The photos, and clips if they are wanted, by their names in order, and which other files are passed over.
 
-    A file without a suffix is a photo if it begins as one. What is hidden is neither. Raises OSError.
+    A file without a suffix is a photo if it begins as one. What is hidden is neither. Raises UserError when the folder
+    must not be read.
     """
     pictures: list[Path] = []
     others: list[Path] = []
-    for path in sorted(_files_in(folder)):
+    try:
+        files = sorted(_files_in(folder))
+    except OSError as error:
+        remedy = "choose another one, or check its permissions"
+        raise UserError(f"cannot read the folder {folder} ({error.strerror})", remedy) from None
+    for path in files:
         (pictures if _is_photo(path) or (with_clips and _is_named_as_clip(path)) else others).append(path)
     wanted = "photos or clips" if with_clips else "photos"
     return pictures, f"{folder}: passed over, as not named as {wanted}: {_counted(others)}" if others else None
 
 
 def _files_in(folder: Path) -> Iterator[Path]:
-    for path in folder.iterdir():
+    entries = list(folder.iterdir())
+    if entries and not os.access(folder, os.X_OK):  # its files' names are told, and nothing else of them
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    for path in entries:
         try:
             if path.is_file() and not path.name.startswith("."):
                 yield path

@@ -24,8 +24,6 @@ def open_source(path: str | Path) -> Source:
 def openable(paths: Sequence[Path]) -> Iterator[Source]:
     """The photos and clips that can be opened, each open until the next one is asked for."""
     for path in paths:
-        if path.is_dir():
-            continue
         try:
             source = open_source(path)
         except UserError:

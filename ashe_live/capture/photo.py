@@ -10,6 +10,7 @@ import numpy as np
 import PIL.ExifTags
 import PIL.Image
 from PIL import ImageOps
+from PIL.TiffImagePlugin import TiffImageFile
 
 from ashe_live.capture.sources import Source, refuse_too_large, too_many_pixels
 from ashe_live.core.arrays import Image
@@ -23,6 +24,7 @@ LEAST_FILM_MM, MOST_FILM_MM = 8.0, 600.0
 LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
 # Of ISO/IEC 23008-12. Pillow reads none; FFmpeg shows a corner, as iPhones store such photos in tiles.
 HEIF_BRANDS = {b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"}
+NEW_SUBFILE_TYPE = 254
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
 # Their content begins as a photo: they are pictures in JPEG one after the other.
@@ -88,6 +90,11 @@ def _is_heif(path: Path) -> bool:
     return begin[4:8] == b"ftyp" and begin[8:] in HEIF_BRANDS
 
 
+def _is_preview(picture: PIL.Image.Image) -> bool:
+    """Whether it is what raw files (DNG, NEF, ARW) begin with: TIFF 6.0, NewSubfileType, bit 0."""
+    return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
+
+
 def _read_bgr(path: Path) -> tuple[Image, float | None]:
     """(h, w, 3) uint8, and the focal length in its pixels where the EXIF data state it.
 
@@ -98,6 +105,11 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
             refuse_too_large(path, picture.size)
             if picture.mode == "F":
                 raise UserError(f"{path} has floating-point pixels, which are not read", "convert it to JPEG or PNG")
+            if _is_preview(picture):
+                raise UserError(
+                    f"{path} is a raw photo, of which only a small preview can be read",
+                    "develop it to JPEG, or let the camera save JPEG as well",
+                )
             focal_px = _focal_px(picture)
             ImageOps.exif_transpose(picture, in_place=True)
             return np.asarray(cv2.cvtColor(_rgb_8bit(picture), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px

@@ -17,12 +17,9 @@ class PhotoSeries(Source):
     is_photo = False
 
     def __init__(self, folder: Path) -> None:
-        """Raises UserError when there is no photo in it, or as PhotoSource for the first one."""
+        """Raises UserError as `pictures_in`, when there is no photo in it, or as PhotoSource for the first one."""
         self.name = folder.name
-        try:
-            self._paths, self.note = pictures_in(folder, with_clips=False)
-        except OSError as error:
-            raise UserError(f"cannot read the folder {folder} ({error.strerror})", "choose another one") from None
+        self._paths, self.note = pictures_in(folder, with_clips=False)
         if not self._paths:
             raise UserError(f"there is no photo in the folder {folder}", "take a dozen photos of the board")
         self._index = 0

@@ -39,7 +39,7 @@ class Guidance(Protocol):
 
 def run(options: argparse.Namespace) -> int:
     inputs = [Path(options.camera)]
-    with contextlib.suppress(OSError):  # opening it says why
+    with contextlib.suppress(UserError):  # opening it says why
         inputs += pictures_in(inputs[0], with_clips=False)[0]
     check_outputs([options.out], inputs, options.overwrite)
     with _opened(options) as source:

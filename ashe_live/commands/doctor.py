@@ -4,6 +4,7 @@ Every check tries the thing itself. Heavy packages are imported by their own che
 """
 
 import argparse
+import os
 import platform
 import sys
 import tempfile
@@ -159,7 +160,8 @@ def _cameras() -> str:
 
 def _settings() -> str:
     parsed(["webcam"])
-    return str(settings_path()) if settings_path().exists() else f"{settings_path()} (not there, defaults hold)"
+    path = settings_path()
+    return str(path) if os.path.lexists(path) else f"{path} (not there, defaults hold)"
 
 
 CHECKS: dict[str, Callable[[], str]] = {

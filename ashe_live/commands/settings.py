@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 from pathlib import Path
 
 from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
@@ -22,7 +23,7 @@ def run(_options: argparse.Namespace) -> int:
     (effective["model"],) = effective["model"]  # the flag may be repeated, a setting names one model
     if effective["takes_any_marker"]:  # a file that names one would end that
         effective["marker"] = None
-    say(f"# {path}" if path.exists() else f"# {path} (not there: ashe-live settings > FILE is a start)")
+    say(f"# {path}" if os.path.lexists(path) else f"# {path} (not there: ashe-live settings > FILE is a start)")
     for key in SETTINGS:
         value = effective[key.replace("-", "_")]
         line = f"# {key} =" if value is None else f"{key} = {_toml(value)}"

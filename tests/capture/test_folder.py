@@ -5,10 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import PIL.Image
+import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.folder import pictures_in
 from ashe_live.capture.opening import open_source
+from ashe_live.errors import UserError
 
 
 def picture(path: Path, kind: str = "JPEG") -> None:
@@ -45,3 +47,13 @@ def test_a_gif_can_be_opened_as_it_is_taken(tmp_path: Path) -> None:
     with open_source(tmp_path / "a.gif") as source:
         assert isinstance(source, ClipSource)
         assert source.size == (60, 40)
+
+
+def test_a_folder_whose_files_must_not_be_read_is_not_called_empty(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Root may read everything, so the system's answer is put in its place."""
+    picture(tmp_path / "a.jpg")
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # noqa: ARG005
+    with pytest.raises(UserError, match=r"cannot read the folder .* \(Permission denied\)"):
+        pictures_in(tmp_path, with_clips=True)

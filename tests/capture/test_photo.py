@@ -80,6 +80,14 @@ def test_a_whole_photo_of_floating_point_numbers_is_not_called_damaged(tmp_path:
         read(tmp_path / "a.tiff")
 
 
+@pytest.mark.parametrize("name", ["a.dng", "a.nef", "a.tif"])
+def test_the_preview_in_a_raw_photo_is_not_taken_for_the_photo(tmp_path: Path, rgb: Image, name: str) -> None:
+    """Raw files are TIFF whose first picture is reduced, as NewSubfileType (tag 254) says; the photo comes later."""
+    PIL.Image.fromarray(rgb).save(tmp_path / name, "TIFF", tiffinfo={254: 1})
+    with pytest.raises(UserError, match="is a raw photo, of which only a small preview can be read: develop it"):
+        open_source(tmp_path / name)
+
+
 def test_grey_of_8_bits_is_repeated(tmp_path: Path, rgb: Image) -> None:
     PIL.Image.fromarray(rgb[:, :, 0]).save(tmp_path / "a.png")
     np.testing.assert_array_equal(read(tmp_path / "a.png"), np.repeat(rgb[:, :, :1], 3, axis=2))

@@ -216,11 +216,11 @@ class TestRemedy:
         with subprocess.Popen(["sleep", "60"], stdin=device.open()) as other:
             try:
                 assert programs_using(device) == {"sleep"}
-                assert "sleep uses it" in camera_error(str(device)).message
+                assert "it is used by sleep" in camera_error(str(device)).message
             finally:
                 other.kill()
 
-    @pytest.mark.parametrize("name", ["clip.mp4", "\udcff", "link"])
+    @pytest.mark.parametrize("name", ["clip.mp4", "\udcff", "link", "/dev/null"])
     def test_only_devices_are_given_to_opencv(self, tmp_path: Path, name: str) -> None:
         """It takes files for clips and addresses for streams, and a name that is no UTF-8 ends the process."""
         (tmp_path / "clip.mp4").write_bytes(b"")

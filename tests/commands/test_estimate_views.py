@@ -162,6 +162,14 @@ def test_what_is_of_no_use_together_has_its_own_line_and_the_rest_is_answered(ru
     assert outcome.records[-1]["light"]["kind"] == "directional"
 
 
+def test_a_file_that_cannot_even_be_looked_at_costs_none_of_the_others(run, table):
+    """A name that is too long, as one in a folder that must not be entered, is an error of the system's."""
+    outcome = run("estimate", "--json", *KNOWN, "--together", "x" * 300, *table)
+    assert outcome.status == 2
+    assert "cannot read" in outcome.records[0]["error"]
+    assert outcome.records[-1]["views"]["files"] == [str(path) for path in table]
+
+
 def test_a_photo_in_another_light_is_left_out_and_named(run, table, picture_of_box, tmp_path):
     evening = written(tmp_path / "evening.png", picture_of_box(-98, 60.0))
     outcome = run("estimate", "--json", *KNOWN, "--together", table[0], evening, table[1])

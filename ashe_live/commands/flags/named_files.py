@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ashe_live.capture.folder import pictures_in
+from ashe_live.errors import UserError
 from ashe_live.process.messages import tell
 
 
@@ -49,8 +50,8 @@ def _matching(pattern: Path) -> Iterator[Path]:
 def _in_folder(folder: Path) -> list[Path]:
     try:
         pictures, note = pictures_in(folder, with_clips=True)
-    except OSError:
-        return []  # it must not be read, as the folder's own line will say
+    except UserError:
+        return []  # as the folder's own line will say
     if note is not None:
         tell(note)
     return pictures

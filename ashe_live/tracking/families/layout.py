@@ -8,13 +8,14 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.square import square_corners
 from ashe_live.errors import UserError
 from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS, FACES, TAG_SHARE, USUAL_EDGE_M
-from ashe_live.tracking.families.markers import Marker, parse_marker
+from ashe_live.tracking.families.markers import SPEC_FORMS, Marker, parse_marker
 
 # White between two neighbours of a grid, over the side of a square.
 GRID_GAP = 0.25
 # Each costs time in every frame.
 MOST_MEMBERS = 24
 USUAL_SIDE_M = 0.08
+TARGET_FORMS = f"{SPEC_FORMS}, grid:4x4_50:3x2, or cube"
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,7 @@ def parse_target(spec: str) -> Marker | Layout:
         _, plus, beside = spec.partition("+")
         return replace(cube_layout(), spec=spec, beside=_flat_beside(beside) if plus else None)
     if kind != "grid":
-        return parse_marker(spec)
+        return parse_marker(spec, TARGET_FORMS)
     family, _, numbers = rest.partition(":")
     size, _, first = numbers.partition(":")
     columns, _, rows = size.partition("x")

@@ -37,8 +37,8 @@ class Marker(Protocol):
         """(side_px, side_px) grey picture of the black square as printed. Raises ValueError when too small."""
 
 
-def parse_marker(spec: str) -> Marker:
-    """The marker that `spec` names; see SPEC_FORMS. Raises UserError when it names none."""
+def parse_marker(spec: str, forms: str = SPEC_FORMS) -> Marker:
+    """The marker that `spec` names, as in SPEC_FORMS. Raises UserError, which says `forms`, when it names none."""
     kind, _, rest = spec.partition(":")
     match kind:
         case "aruco" | "apriltag":
@@ -49,7 +49,7 @@ def parse_marker(spec: str) -> Marker:
             return _pattern_marker(spec, read_pattern_file(Path(rest)), is_exact=False)
         case "image" if rest:
             return _pattern_marker(spec, read_marker_picture(Path(rest)))
-    raise UserError(f"there is no marker {spec!r}", SPEC_FORMS)
+    raise UserError(f"there is no marker {spec!r}", forms)
 
 
 def _dictionary_marker(spec: str, kind: str, family: str, marker_id: str) -> DictionaryMarker:

@@ -81,6 +81,16 @@ def test_a_grid_is_numbered_row_by_row_from_its_first() -> None:
     assert centres.mean(axis=0) == pytest.approx((0, 0, 0), abs=1e-12)
 
 
+def test_who_names_no_marker_hears_of_all_that_there_are_and_beside_a_cube_of_flat_ones() -> None:
+    with pytest.raises(UserError) as caught:
+        parse_target("cubes")
+    assert all(kind in caught.value.remedy for kind in ("aruco:", "apriltag:", "pattern:", "image:", "grid:", "cube"))
+    with pytest.raises(UserError) as caught:
+        parse_target("cube+nonsense")
+    assert "aruco:" in caught.value.remedy
+    assert "grid:" not in caught.value.remedy
+
+
 @pytest.mark.parametrize(
     ("spec", "words"),
     [
