@@ -1,5 +1,7 @@
 """A tracker that learns its camera's focal length from the marker that it follows."""
 
+import dataclasses
+import math
 from collections.abc import Callable
 
 from ashe_live.core.camera import FOCAL_SIGMA, Camera, Size
@@ -14,6 +16,10 @@ from ashe_live.tracking.tracker import MarkerTracker
 
 # Views that are asked one by one for the focal length, as for a photo; then it takes several at once.
 VIEWS_ASKED = 3
+# A photo that was cut out of a larger one states that one's angle of view. It is not believed where the marker's
+# perspective tells a focal length that is so many standard deviations of both from the stated one.
+DOUBTED = 4.0
+CUT = "the focal length in its EXIF data does not fit the marker, as when a photo was cut: it is not used"
 
 
 class FocalTracker(MarkerTracker):
@@ -40,6 +46,10 @@ class FocalTracker(MarkerTracker):
         """As MarkerTracker.track; a focal length learned from this frame serves from the next one on."""
         tracked = super().track(frame)
         is_measured = tracked.marker is not None and not tracked.marker.bridged
+        if is_measured and tracked.camera is self._told and self._is_contradicted(tracked.camera):
+            self._told = None
+            self.use_camera(self._known_or_assumed(frame.size))
+            tracked = dataclasses.replace(super().track(frame), note=CUT)
         if is_measured and tracked.camera.source == "assumed" and self._views_asked < VIEWS_ASKED:
             self._views_asked += 1
             tracked = self._told_by_view(tracked)
@@ -53,7 +63,7 @@ class FocalTracker(MarkerTracker):
         return self._known is not None and self._known.relative_sigma <= FOUND_SIGMA
 
     def tell(self, camera: Camera) -> None:
-        """The camera's focal length as its pictures state it, until something surer is known."""
+        """The camera's focal length as its pictures state it, until the marker contradicts or tells it more surely."""
         self._told = camera
 
     def _told_by_view(self, tracked: TrackedFrame) -> TrackedFrame:
@@ -63,7 +73,16 @@ class FocalTracker(MarkerTracker):
             return tracked
         self._known = told
         self.use_camera(told.camera())
-        return super().track(tracked.frame)
+        return dataclasses.replace(super().track(tracked.frame), note=tracked.note)
+
+    def _is_contradicted(self, stated: Camera) -> bool:
+        """Whether the marker's perspective, with as little known before as of any camera, tells another length."""
+        focal_px = float(stated.K[0, 0])
+        told = focal_of_view(self._sightings, Camera.from_focal(stated.size, focal_px, "assumed"), self.side_m)
+        if told is None:
+            return False
+        sigma = math.hypot(told.relative_sigma, FOCAL_SIGMA["exif"])
+        return abs(math.log(told.focal_px / focal_px)) > DOUBTED * sigma
 
     def _known_or_assumed(self, size: Size) -> Camera:
         """For frames of another size than before: nothing has been learned from them."""
