@@ -25,6 +25,7 @@ FARTHEST = 4.0
 # Poses differ by more than noise between views: shutters and breathing lenses bend the marker, too. On clips with both,
 # rotations are off by five times the noise in the median.
 OVER_NOISE = 5.0
+ALL_SHOWN = 1 - 1e-4  # share of a pixel that the lens shows, but for rounding
 
 Window = tuple[slice, slice]  # rows and columns
 
@@ -44,6 +45,8 @@ class View:
     page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
     # (h, w) of the whole picture: paper that is ground. Of a page's border what something crosses; a sheet in a shadow.
     paper_as_ground: Mask | None = None
+    # (h, w) of the whole picture: what the lens shows; None: all. Of one that bends lines inwards there is a blank rim.
+    shown: Mask | None = None
     measured: MarkerPose | None = None  # the pose that it was given, about which T_cam_marker may be moved
 
     @staticmethod
@@ -51,12 +54,13 @@ class View:
         """The frame scaled down to `width_px`, if it is wider, and undistorted. It must have a marker."""
         assert tracked.marker is not None
         image, camera = _scaled(np.asarray(tracked.frame.image_bgr), tracked.camera, width_px)
+        shown = None
         if camera.is_distorted:
-            image = np.asarray(cv2.undistort(image, camera.K, camera.dist), dtype=np.uint8)
+            image, shown = _undistorted(image, camera)
             camera = camera.without_distortion()
         T_cam_marker, side_m, body = tracked.marker.T_cam_marker, tracked.marker.side_m, tracked.marker.body
         sheet = measured_sheet(image, camera, T_cam_marker, side_m) if body is None else USUAL_SHEET
-        made = _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
+        made = _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others, shown)
         return replace(made, measured=tracked.marker)
 
     def with_paper_as_ground(self) -> "View":
@@ -87,7 +91,7 @@ class View:
         self, image: Image, sheet: Sheet, page: Page | None = None, paper_as_ground: Mask | None = None
     ) -> "View":
         pose = self.camera, self.T_cam_marker, self.side_m
-        made = _made(image, *pose, sheet, self.body, self.beside, page, paper_as_ground)
+        made = _made(image, *pose, sheet, self.body, self.beside, self.shown, page, paper_as_ground)
         return replace(made, measured=self.measured)
 
     @property
@@ -117,8 +121,8 @@ class View:
         if width_px >= self.size[0]:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
-        pose = self.T_cam_marker, self.side_m
-        made = _made(image, camera, *pose, self.sheet, self.body, self.beside, self.page, self.paper_as_ground)
+        pose, paper = (self.T_cam_marker, self.side_m), (self.page, self.paper_as_ground)
+        made = _made(image, camera, *pose, self.sheet, self.body, self.beside, self.shown, *paper)
         return replace(made, measured=self.measured)
 
     def cut(self, window: Window) -> "View":
@@ -127,7 +131,7 @@ class View:
         K = self.camera.K.copy()
         K[:2, 2] -= columns.start, rows.start
         size = columns.stop - columns.start, rows.stop - rows.start
-        camera = Camera(size, K, self.camera.dist, self.camera.source)
+        camera = replace(self.camera, size=size, K=K)
         return replace(self, image_bgr=self.image_bgr[window], camera=camera, is_ground=self.is_ground[window])
 
 
@@ -140,6 +144,13 @@ def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]
     return image, camera.resized(size)
 
 
+def _undistorted(image: Image, camera: Camera) -> tuple[Image, Mask]:
+    """The picture (h, w, 3) without distortion, and where the lens shows it, (h, w): it is black elsewhere."""
+    straight = np.asarray(cv2.undistort(image, camera.K, camera.dist), dtype=np.uint8)
+    white = np.full(image.shape[:2], 255, np.uint8)
+    return straight, np.asarray(cv2.undistort(white, camera.K, camera.dist) == 255)
+
+
 def _made(
     image: Image,
     camera: Camera,
@@ -148,6 +159,7 @@ def _made(
     sheet: Sheet,
     body: Proxy | None,
     beside: tuple[PlaneMarker, ...],
+    shown: Mask | None,
     page: Page | None = None,
     paper_as_ground: Mask | None = None,
 ) -> View:
@@ -157,7 +169,10 @@ def _made(
     is_ground = _ground_mask(camera, T_cam_marker, printed)
     if paper_as_ground is not None:
         is_ground |= cv2.resize(paper_as_ground.astype(np.uint8), camera.size, interpolation=cv2.INTER_NEAREST) > 0
-    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside, page, paper_as_ground)
+    if shown is not None:
+        # Only pixels of which the lens shows all.
+        is_ground &= cv2.resize(shown.astype(np.float32), camera.size, interpolation=cv2.INTER_AREA) > ALL_SHOWN
+    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside, page, paper_as_ground, shown)
 
 
 def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[Float]) -> Mask:

@@ -50,6 +50,13 @@ def test_a_cut_view_is_the_same_picture_seen_through_a_window() -> None:
     np.testing.assert_allclose(project(cut.camera, cut.T_cam_marker, POINTS), whole - (90, 40), atol=1e-9)
 
 
+def test_a_cut_view_knows_how_well_its_focal_length_is_known() -> None:
+    tracked = paint(BOX).tracked
+    camera = Camera.from_focal(tracked.camera.size, float(tracked.camera.K[0, 0]), "estimated", 12.0)
+    view = View.of(tracked_frame(np.asarray(tracked.frame.image_bgr), camera), 320)
+    assert view.cut(np.s_[40:200, 90:300]).camera.focal_sigma_px == view.camera.focal_sigma_px == 6.0
+
+
 def test_a_lens_is_straightened() -> None:
     how = {"ground": "checkered", "noise_levels": 0.0, "focal_px": 620.0}
     wide, straight = paint(BOX, size=(960, 720), **how), paint(BOX, **how)
@@ -64,6 +71,27 @@ def test_a_lens_is_straightened() -> None:
     inner = np.s_[30:-30, 30:-30]
     off, bent_off = (np.abs(picture - true)[inner].mean() for picture in (view.image_bgr, bent))
     assert off < 0.2 * bent_off
+
+
+@pytest.mark.parametrize("k1", [0.03, 0.2, -0.2])
+def test_what_the_lens_does_not_show_is_no_ground(k1: float) -> None:
+    straight = paint(BOX).tracked
+    width, height = straight.camera.size
+    camera = Camera(straight.camera.size, straight.camera.K, np.array([k1, 0, 0, 0, 0]), "file")
+    bright = np.full((height, width, 3), 150, np.uint8)
+    view = View.of(tracked_frame(bright, camera), width)
+    # Where the ray of each pixel meets the picture as it was taken.
+    rays = np.stack([*np.meshgrid(np.arange(width), np.arange(height)), np.ones((height, width))], axis=-1)
+    rays = rays.reshape(-1, 3) @ np.linalg.inv(camera.K).T
+    x, y = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), camera.K, camera.dist)[0].reshape(height, width, 2).T
+    inside, beside = (((x >= by) & (x <= width - 1 - by) & (y >= by) & (y <= height - 1 - by)).T for by in (0.1, -0.1))
+    pinhole = View.of(tracked_frame(bright, camera.without_distortion()), width)
+    assert not (view.is_ground & ~beside).any()
+    np.testing.assert_array_equal(view.is_ground[inside], pinhole.is_ground[inside])
+    # Nor at a smaller scale, where a blank pixel darkens its neighbours.
+    smaller = view.scaled(200)
+    assert (smaller.image_bgr[smaller.is_ground] >= 149).all()
+    assert (smaller.is_ground == pinhole.scaled(200).is_ground).mean() > 0.8
 
 
 def ground_by_rays(view: View) -> Mask:
