@@ -165,12 +165,12 @@ def _strip(lines: _Lines, side: int, end: float, edge: tuple[Float, Float]) -> t
         return math.nan, 0.0
     lost = 1 - across / ground
     median = np.median(lost, axis=1)
+    step = _response(edge, away)
+    moved = (_response(edge, away + STEP_PX) - _response(edge, away - STEP_PX)) / (2 * STEP_PX)
     best: tuple[float, float, float, Float] | None = None
     for width in WIDTHS_PX:
         if width > max(WIDEST * scale, NARROW_PX):
             break
-        step = _response(edge, away)
-        moved = (_response(edge, away + STEP_PX) - _response(edge, away - STEP_PX)) / (2 * STEP_PX)
         terms = np.stack([np.ones_like(away), step, moved, step - _response(edge, away - width)], axis=1)
         held = np.zeros((4, 4))
         held[2, 2] = (NOISE / (EDGE_PX * max(abs(paper / ground - 1), 0.02))) ** 2
