@@ -17,6 +17,8 @@ const float MATTERS = 0.02;  // share of the sky or of a light that the model ta
 const float BORDER_PX = 2.0;  // distance from inside a shadow's border to lit ground
 const float NEAR_SHADOW = 1.0 / 16.0;  // share of a light that the real object takes close to the border of its shadow
 const float FAR_RIM = 0.012;  // the outline's error with a poor proxy, as a fraction of the picture's width
+// Cosine of the angle between the light and where the ground becomes lighter, from which on a shadow's outline is its foot.
+const vec2 FOOT = vec2(0.15, 0.45);
 #endif
 // The fraction of the sky that the model hides, and that fraction times the x and y of the hidden part's mean direction,
 // as far as both reach in the model's own shadow. Alpha: the part of them that counts on lit ground.
@@ -61,17 +63,25 @@ float lit_past_real(int light, float covered, bool matters) {
     vec2 across = dFdx(ground), along = dFdy(ground);
     float least = known, most = known, far = known;
     float far_px = FAR_RIM * viewport.z;
+    vec2 rises = vec2(0.0);  // how the light changes along both axes of the picture
     for (int side = matters ? -1 : 3; side <= 1; side += 2) {
         vec2 beside = vec2(lit_on_ground(1, light, ground + side * RIM_PX * across),
                            lit_on_ground(1, light, ground + side * RIM_PX * along));
-        far = min(far, min(lit_on_ground(1, light, ground + side * far_px * across),
-                           lit_on_ground(1, light, ground + side * far_px * along)));
+        vec2 farther = vec2(lit_on_ground(1, light, ground + side * far_px * across),
+                            lit_on_ground(1, light, ground + side * far_px * along));
+        rises += side * (beside + farther);
+        far = min(far, min(farther.x, farther.y));
         least = min(least, min(beside.x, beside.y));
         most = max(most, max(beside.x, beside.y));
     }
     float lit_ground = dot(ground_rgb, LUMINANCE);
     far = min(far, least);
     if (far == most || lit_ground <= 0.0 || covered > 0.0) return known;
+    // Towards the light a shadow begins at the object's foot. There the ground is dark because the object hides the sky.
+    vec2 gradient = rises.x * vec2(along.y, -along.x) + rises.y * vec2(-across.y, across.x);
+    gradient *= sign(across.x * along.y - across.y * along.x);
+    vec2 towards = light_point[light].xy - light_point[light].w * ground;
+    float is_foot = smoothstep(FOOT.x, FOOT.y, dot(gradient, towards) / max(length(gradient) * length(towards), 1e-9));
     float share = dot(sun_on_ground[light], LUMINANCE) * ground_falloff(light, ground);
     float level = dot(level_at(ground), LUMINANCE);
     float seen = dot(video_at(gl_FragCoord.xy), LUMINANCE) / lit_ground;
@@ -80,19 +90,21 @@ float lit_past_real(int light, float covered, bool matters) {
 #if LAMPS == 0
     // A pixel close to lit ground is on the border of the shadow. The light left there is taken by the model; otherwise a
     // bright line would remain.
-    float brightest = seen;
-    for (int side = -1; side <= 1; side += 2) {
-        brightest = max(brightest, dot(video_at(gl_FragCoord.xy + vec2(side * BORDER_PX, 0.0)), LUMINANCE) / lit_ground);
-        brightest = max(brightest, dot(video_at(gl_FragCoord.xy + vec2(0.0, side * BORDER_PX)), LUMINANCE) / lit_ground);
+    vec4 around;
+    for (int place = 0; place < 4; ++place) {
+        vec2 aside = BORDER_PX * vec2(place == 0 ? -1.0 : place == 1 ? 1.0 : 0.0, place == 2 ? -1.0 : place == 3 ? 1.0 : 0.0);
+        around[place] = dot(video_at(gl_FragCoord.xy + aside), LUMINANCE) / lit_ground;
     }
+    float brightest = max(seen, max(max(around.x, around.y), max(around.z, around.w)));
+    // What is darker than the ground on either side of it is a joint or a letter.
+    float is_line = smoothstep(0.1, 0.3, (max(min(around.x, around.y), min(around.z, around.w)) - seen) / max(share, 1e-3));
     // What is hardly darker than lit ground is no shadow's border, but lit ground of another colour.
     float is_border = smoothstep(0.1, 0.35, gone) * (1.0 - smoothstep(0.4, 0.7, (level - brightest) / max(share, 1e-3)));
     float in_shadow = min(measured, 1.0 - smoothstep(0.4, 0.8, gone) * (most - far));
-    return mix(in_shadow, 1.0 - gone, is_border * min((most - far) / NEAR_SHADOW, 1.0));
-#else
-    // Close to an object that a lamp lights, the ground is dark where the object hides the sky: that is no shadow's border.
-    return measured;
+    measured = mix(in_shadow, 1.0 - gone, is_border * min((most - far) / NEAR_SHADOW, 1.0));
+    measured = mix(measured, known, is_line);
 #endif
+    return mix(measured, known, is_foot);
 }
 #endif
 

@@ -245,7 +245,7 @@ void main() {
     vec3 on_surface = position;
 #ifdef ROUNDED
     float roundness = smoothstep(NOT_ROUND, ROUND, dot(facing, smooth_normal()));
-    surface = mix(facing, smooth_normal(), roundness);
+    surface = normalize(mix(facing, smooth_normal(), roundness));
     on_surface += roundness * above_triangle(facing);
 #endif
     for (int light = 0; light < LIGHTS; ++light) {
@@ -260,7 +260,7 @@ void main() {
         if (cosine <= 0.0) continue;
 #endif
         if (dot(surface, to_light) <= 0.0) continue;
-        float lit = shadow(light, on_surface, n, to_light);
+        float lit = shadow(light, on_surface, surface, to_light);
         through += lit;
         vec3 arrives = sun[light] * (falloff * lit);
         vec3 direct = arrives * cosine;

@@ -126,6 +126,24 @@ def test_normal_map_tilts_the_surface_as_a_tilted_normal_does(studio, stage, til
     assert np.abs(mapped - studio.middle(_sheet(Material()), light)).max() > 0.02
 
 
+@pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize(("elevation_deg", "tilt_deg"), [(10, 72), (20, 72), (40, 49), (55, 30)])
+def test_a_mapped_normal_that_faces_the_sun_leaves_a_flat_surface_unshaded(
+    make_renderer, stage, quality: str, elevation_deg: float, tilt_deg: float
+) -> None:
+    """No acne: shadows fall on the triangle, whatever its normal map says, and a flat one shades itself nowhere."""
+    studio = _Studio(make_renderer, stage, quality)
+    normal = np.array([math.sin(math.radians(tilt_deg)), 0.0, math.cos(math.radians(tilt_deg))])
+    red, green, blue = np.round(normal * 127 + 128).astype(int)
+    material = Material(base_colour=(0.3, 0.3, 0.3, 1.0), normal_map=_texels(red, green, blue, 255), roughness=1.0)
+    picture = studio.picture(_sheet(material), stage.light(0, elevation_deg, (0.3, 0.3, 0.3)))
+    inside = [(x, y, HEIGHT_M) for x in np.linspace(-0.025, 0.025, 21) for y in np.linspace(-0.025, 0.025, 21)]
+    columns, rows = np.round(project(studio.tracked.camera, studio.tracked.marker.T_cam_marker, inside)).astype(int).T
+    seen = picture[rows, columns, 1].astype(int)
+    assert seen.max() < 250
+    assert np.ptp(seen) <= 3
+
+
 def test_normal_map_may_be_flat_mirrored_or_without_coordinates(studio, stage) -> None:
     light = stage.light(30, 40, (0.1, 0.1, 0.1))
     plain = studio.middle(_sheet(Material()), light)

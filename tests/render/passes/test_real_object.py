@@ -1,5 +1,7 @@
 """Real and virtual share the light: what hides, shades and is shaded by what."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -198,3 +200,51 @@ def test_no_bright_line_is_left_in_the_border_of_a_dark_soft_shadow(make_rendere
     left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in across]) / lit / dark
     assert left.max() < 1.4
     assert left.min() > 0.6
+
+
+@pytest.mark.parametrize("inverse_distance", [0.0, 2.0])
+def test_ground_that_the_object_darkens_at_its_lit_foot_is_not_taken_for_its_shadow(
+    make_renderer, stage, inverse_distance: float
+) -> None:
+    """The object hides the sky there, and none of the light: the model takes as much of that as without the object."""
+    renderer = make_renderer(FAST.render)
+    pose = stage.pose(-90, 60, 0.5)
+    light = replace(stage.light(180, 30, RATIO), inverse_distance=inverse_distance)
+    foot = [(0.07, -0.03, 0.0), (0.08, -0.03, 0.0), (0.08, 0.03, 0.0), (0.07, 0.03, 0.0)]
+    video = np.full((360, 480, 3), GREY, np.uint8)
+    outline = project(stage.camera(), pose, foot)
+    cv2.fillConvexPoly(video, np.round(outline).astype(np.int32), (125,) * 3)
+    tracked = stage.tracked(video, pose)
+    model = stage.placed(box((0.03, 0.06, 0.05)))  # its shadow reaches the object's lit side, which is at x = 0.08
+    lit = np.full(3, LINEAR_FROM_SRGB_8BIT[GREY])
+    strip = [(x, 0.0, 0.0) for x in np.linspace(0.073, 0.078, 6)]
+    left = []
+    for caster in (None, _proxy_box(0.1, 0.0, 0.02, 0.06)):
+        renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=lit)))
+        picture = renderer.read_bgr()
+        left.append([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in strip])
+    assert np.array(left[0]).max() < 0.7 * LINEAR_FROM_SRGB_8BIT[125]
+    np.testing.assert_allclose(left[1], left[0], rtol=0.05)
+
+
+def test_a_joint_of_the_ground_goes_on_where_both_shadows_meet(make_renderer, stage) -> None:
+    """It is as dark as a shadow on its pale ground, but has pale ground on either side."""
+    renderer = make_renderer(FAST.render)
+    light = stage.light(180, 30, RATIO)
+    pose = stage.pose(-90, 60, 0.5)
+    video = np.full((360, 480, 3), GREY, np.uint8)
+    ends = [(0.08, 0.06, 0.0), (0.08, 0.0, 0.0)]
+    (column, first), (_, last) = np.round(project(stage.camera(), pose, ends)).astype(int)
+    video[first:last, column : column + 2] = 90
+    double = stage.placed(box((0.04, 0.04, 0.08)).moved(1.0, np.array([0.0, 0.06, 0.0])))
+    renderer.render(Scene(stage.tracked(video, pose), double, Illumination((light,))))
+    tracked = stage.tracked(renderer.read_bgr(), pose)  # a video of an object whose shadow begins at y = 0.04
+    model = stage.placed(box((0.03, 0.12, 0.05)))  # its shadow crosses that
+    caster = _proxy_box(0.0, 0.06, 0.02, 0.08)
+    lit = np.full(3, LINEAR_FROM_SRGB_8BIT[GREY])
+    renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=lit)))
+    picture = renderer.read_bgr()
+    places = [(0.08, y, 0.0) for y in np.linspace(0.03, 0.05, 21)]
+    rows = np.round(project(stage.camera(), pose, places)[:, 1]).astype(int)
+    joint = LINEAR_FROM_SRGB_8BIT[picture[rows, column, ::-1]] / LINEAR_FROM_SRGB_8BIT[90] / RATIO
+    np.testing.assert_allclose(joint, 1, atol=0.3)
