@@ -87,12 +87,13 @@ def _cube(options: argparse.Namespace) -> None:
 def _fit_judge(options: argparse.Namespace) -> None:
     from ashe_live.bench.judge.bench import JudgeBench
     from ashe_live.bench.judge.known_bodies import KnownBodiesBench
+    from ashe_live.bench.judge.recalibration import RecalibrationBench
     from ashe_live.bench.judge.sheets import SheetsBench
 
     if options.sheets:  # looks at no explanations, and needs no processes beside its own
         SheetsBench(options.scenes, options.limit, options.every).run(options.out, options.overwrite)
         return
-    made = KnownBodiesBench if options.casters else JudgeBench
+    made = KnownBodiesBench if options.casters else RecalibrationBench if options.confidence else JudgeBench
     made(options.scenes, options.limit, options.every, options.jobs).run(options.out, options.overwrite)
 
 

@@ -1,38 +1,31 @@
 """`ashe-live bench fit-judge`: fits the tables of the judge to sets of pictures whose lights are known."""
 
-import json
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from datetime import UTC, datetime
-from functools import cache, partial
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import ClassVar
 
 from ashe_live.bench.bench import Bench
-from ashe_live.bench.cases import Case, read_cases
-from ashe_live.bench.judge.calibration import fitted_calibration
-from ashe_live.bench.judge.confidence import as_stated, fitted_average, least_confidence, with_open_directions
+from ashe_live.bench.cases import Case
+from ashe_live.bench.judge.confidence import fitted_confidences
 from ashe_live.bench.judge.logit import fitted_score
-from ashe_live.bench.judge.samples import Sample, in_processes, of_one_view, sample_of
+from ashe_live.bench.judge.origin import cases_to_fit, origin_of
+from ashe_live.bench.judge.samples import LOOKS, by_every_look
 from ashe_live.bench.judge.tables import calibration_table, error_of, families_table, risk_table, score_table
 from ashe_live.bench.judge.validation import (
     Judged,
     Pictures,
     by_families_left_out,
-    judged,
-    looks_by,
     risk_curve,
     scores_by_others,
 )
 from ashe_live.core.contract import Json
-from ashe_live.errors import UserError
 from ashe_live.files.writing import write_json
-from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import PRESETS, ProxySteps
+from ashe_live.light.estimators.steps import PRESETS
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import Judge
-from ashe_live.light.explanation.judgement.judge_tables import Average, Curve, Score, Tables, read_tables
+from ashe_live.light.explanation.judgement.judge_tables import Curve, Score, Tables
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 
 TABLES = "judge.json"
@@ -63,7 +56,6 @@ FIRST_RANGES = {
     "sheet": (-2.0, 1.0),
 }
 OF_SPLITS = ("hue", "brightness", "short", "long", "missed", "shaded", "edge", "border", "second")
-LOOKS = tuple(dict.fromkeys(of_one_view(look) for steps in PRESETS.values() for look in steps.looks))
 WEIGHT = 1 / len(LOOKS)  # of a look: all look at the same pictures, each of which is to count once
 # The first round takes every FIRST_EVERYth picture and fits FIRST_TRIED of its splits, to learn which are worth it.
 FIRST_EVERY, FIRST_TRIED = 3, 24
@@ -86,15 +78,13 @@ class JudgeBench(Bench):
     jobs: int = 1  # number of processes that look at pictures
 
     def parts(self) -> Iterator[Json]:
-        cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit : self.every]]
-        cases = [case for case in cases if case.to_lights_marker is not None]
-        if not cases:
-            raise UserError("there is no picture with a known light in these sets", "give a training set of scenes")
+        cases = cases_to_fit(self.scenes, self.limit, self.every)
         few = cases[::FIRST_EVERY]
-        first = self._pictures(few, Judge(first_tables()), f"{len(few)} of {len(cases)} pictures", FIRST_TRIED)
+        looked, what = partial(by_every_look, jobs=self.jobs, console=self.console), f"{len(cases)} pictures"
+        first = looked(few, Judge(first_tables()), what=f"{len(few)} of {what}", tried=FIRST_TRIED)
         splits = splits_score(first)
         judge = Judge(self._fitted(few, first, splits)[1])
-        pictures = self._pictures(cases, judge, f"{len(cases)} pictures")
+        pictures = looked(cases, judge, what=what)
         answers, tables = self._fitted(cases, pictures, splits)
         families = list(by_families_left_out(pictures, explanation_score, PRESETS["balanced"], tables.averages[1]))
         every_answer = [each for several in answers.values() for each in several]
@@ -120,84 +110,15 @@ class JudgeBench(Bench):
         """Writes the tables alone too, as the package loads them."""
         write_json(out / TABLES, record["tables"], overwrite)
 
-    def _command(self) -> str:
-        folders = " ".join(folder.resolve().name for folder in self.scenes)
-        limit = "" if self.limit is None else f" --limit {self.limit}"
-        every = "" if self.every == 1 else f" --every {self.every}"
-        return f"ashe-live bench fit-judge --scenes {folders}{limit}{every}"
-
-    def _pictures(
-        self, cases: Sequence[Case], judge: Judge, what: str, tried: int | None = None
-    ) -> list[dict[ProxySteps, Sample]]:
-        """The pictures by every look; with `tried` splits fitted instead of each look's own number."""
-        looked = partial(_looked_at, json.dumps(judge.tables.as_json()), tried)
-        return in_processes(looked, cases, self.jobs, self.console, what)
-
     def _fitted(
         self, cases: Sequence[Case], pictures: Pictures, splits: Score
     ) -> tuple[dict[str, list[Judged]], Tables]:
         """The answers by fits to other scenes, by preset; and the tables, of which confidences are fitted to these."""
         explanation = explanation_score(pictures)
-        scores = scores_by_others(pictures, explanation_score)
-        looks_of = {preset: len(steps.looks) for preset, steps in PRESETS.items()}
-
-        def answers_by(averages: Mapping[int, Average]) -> dict[str, list[Judged]]:
-            return {
-                preset: [
-                    judged(score, looks_by(picture, steps), averages[looks_of[preset]])
-                    for picture, score in zip(pictures, scores, strict=True)
-                ]
-                for preset, steps in PRESETS.items()
-            }
-
-        averages = {
-            looks: fitted_average(
-                pictures, scores, [steps for preset, steps in PRESETS.items() if looks_of[preset] == looks], looks
-            )
-            for looks in sorted(set(looks_of.values()))
-        }
-        answers = answers_by(averages)
-        calibration = _calibration([each for several in answers.values() for each in several])
-        good_if_open, averages = with_open_directions(
-            {
-                looks: [each for preset in PRESETS if looks_of[preset] == looks for each in answers[preset]]
-                for looks in averages
-            },
-            averages,
-            calibration,
-        )
-        answers = {
-            preset: as_stated(several, calibration, good_if_open) for preset, several in answers_by(averages).items()
-        }
-        every = [each for several in answers.values() for each in several]
-        origin = {
-            "command": self._command(),
-            "scenes": [folder.resolve().name for folder in self.scenes],
-            "pictures": len(cases),
-            "categories": dict(sorted(Counter(case.category for case in cases).items())),
-            "date": datetime.now(UTC).date().isoformat(),
-        }
-        least = least_confidence(every)
-        return answers, Tables(splits, explanation, averages, least, _calibration(every), origin, good_if_open)
-
-
-@cache
-def _estimators(tables: str, tried: int | None) -> Mapping[ProxySteps, ProxyEstimator]:
-    """One for each look, with a judge by the text of its tables."""
-    judge = Judge(read_tables(tables))
-    return {steps: ProxyEstimator(replace(steps, tried=tried or steps.tried), judge) for steps in LOOKS}
-
-
-def _looked_at(tables: str, tried: int | None, case: Case) -> dict[ProxySteps, Sample]:
-    """A picture by every look, in a process of its own."""
-    return {steps: sample_of(case, estimator) for steps, estimator in _estimators(tables, tried).items()}
-
-
-def _calibration(answers: Sequence[Judged]) -> Calibration:
-    """The calibration of the answers that are sure enough to be given."""
-    least = least_confidence(answers)
-    given = [each.answer for each in answers if each.confidence >= least]
-    return fitted_calibration([each for each in given if each is not None])
+        answers, sure = fitted_confidences(pictures, scores_by_others(pictures, explanation_score))
+        averages, least, calibration = sure.averages, sure.least_confidence, sure.calibration
+        origin = origin_of("", self.scenes, self.limit, self.every, cases)
+        return answers, Tables(splits, explanation, averages, least, calibration, origin, sure.good_if_open)
 
 
 def explanation_score(pictures: Pictures) -> Score:

@@ -1,13 +1,14 @@
 """How sure answers are: looks averaged, confidences recalibrated, and the least one at which an answer is given."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ashe_live.bench.judge.calibration import fitted_calibration
 from ashe_live.bench.judge.validation import Judged, Pictures, judged, looks_by, mean_risk
 from ashe_live.core.arrays import Float
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, good_if_right, logit
 from ashe_live.light.explanation.judgement.judge_tables import Average, Score
 from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines, overdispersed
@@ -22,6 +23,55 @@ PRIOR_ANSWERS = 4.0
 OPEN_TRIED = tuple(i / 20 for i in range(20))
 # By the number of looks, the weights that are tried.
 WEIGHTS: Mapping[int, Sequence[tuple[float, ...]]] = {1: [(1.0,)], 2: [(0.5, 0.5), (0.6, 0.4), (0.7, 0.3), (0.8, 0.2)]}
+
+
+@dataclass(frozen=True, slots=True)
+class Confidences:
+    """What of the judge's tables says how sure an answer is, beside the curves."""
+
+    averages: Mapping[int, Average]  # by the number of looks
+    good_if_open: float
+    calibration: Calibration
+    least_confidence: float
+
+
+def fitted_confidences(pictures: Pictures, scores: Sequence[Score]) -> tuple[dict[str, list[Judged]], Confidences]:
+    """The answers by each preset with the confidences that the estimator states, and what these are fitted as.
+
+    scores: of each picture's explanations, fitted to others.
+    """
+    looks_of = {preset: len(steps.looks) for preset, steps in PRESETS.items()}
+
+    def answers_by(averages: Mapping[int, Average]) -> dict[str, list[Judged]]:
+        return {
+            preset: [
+                judged(score, looks_by(picture, steps), averages[looks_of[preset]])
+                for picture, score in zip(pictures, scores, strict=True)
+            ]
+            for preset, steps in PRESETS.items()
+        }
+
+    averages = {
+        looks: fitted_average(
+            pictures, scores, [steps for preset, steps in PRESETS.items() if looks_of[preset] == looks], looks
+        )
+        for looks in sorted(set(looks_of.values()))
+    }
+    answers = answers_by(averages)
+    calibration = _calibration([each for several in answers.values() for each in several])
+    good_if_open, averages = with_open_directions(
+        {
+            looks: [each for preset in PRESETS if looks_of[preset] == looks for each in answers[preset]]
+            for looks in averages
+        },
+        averages,
+        calibration,
+    )
+    answers = {
+        preset: as_stated(several, calibration, good_if_open) for preset, several in answers_by(averages).items()
+    }
+    every = [each for several in answers.values() for each in several]
+    return answers, Confidences(averages, good_if_open, _calibration(every), least_confidence(every))
 
 
 def fitted_average(pictures: Pictures, scores: Sequence[Score], several: Sequence[ProxySteps], looks: int) -> Average:
@@ -137,3 +187,10 @@ def least_confidence(answers: Sequence[Judged]) -> float:
     """The confidence, to two decimals, at which LEAST_GOOD of the answers are good, by logistic regression."""
     offset, slope = fitted_confidence(answers)
     return round(float(1 / (1 + np.exp((offset - logit(LEAST_GOOD)) / max(slope, LEAST_SLOPE)))), 2)
+
+
+def _calibration(answers: Sequence[Judged]) -> Calibration:
+    """The calibration of the answers that are sure enough to be given."""
+    least = least_confidence(answers)
+    given = [each.answer for each in answers if each.confidence >= least]
+    return fitted_calibration([each for each in given if each is not None])

@@ -1,8 +1,11 @@
 """What the judge is fitted to: the explanations that the estimator tries on pictures with known lights."""
 
+import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from multiprocessing import get_context
 from typing import TypeVar
 
@@ -15,10 +18,13 @@ from ashe_live.bench.metrics import tangent_offset
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company
-from ashe_live.light.explanation.judgement.judge import GOOD_RAD, explanation_features, split_features
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD, Judge, explanation_features, split_features
+from ashe_live.light.explanation.judgement.judge_tables import read_tables
+from ashe_live.light.explanation.light_covariance import averaged
+from ashe_live.light.shape.directions import FittedLight
 
 Picture = TypeVar("Picture")
 
@@ -43,9 +49,14 @@ class Sample:
 
     case: str
     tags: Mapping[str, str]  # the families that the picture belongs to, by kind
-    lights: int  # number of true lights
+    truths: Float  # (l, 3) unit, towards the true lights
     judged: Sequence[Candidate]
     splits: Sequence[Candidate]
+
+    @property
+    def lights(self) -> int:
+        """The number of true lights."""
+        return len(self.truths)
 
 
 def in_processes(
@@ -65,6 +76,29 @@ def of_one_view(steps: ProxySteps) -> ProxySteps:
     return replace(steps, views=1, companions=0, joint=1)
 
 
+LOOKS = tuple(dict.fromkeys(of_one_view(look) for steps in PRESETS.values() for look in steps.looks))
+
+
+def by_every_look(
+    cases: Sequence[Case], judge: Judge, jobs: int, console: Console, what: str, tried: int | None = None
+) -> list[dict[ProxySteps, Sample]]:
+    """The pictures by every look of the presets; with `tried` splits fitted instead of each look's own number."""
+    looked = partial(_looked_at, json.dumps(judge.tables.as_json()), tried)
+    return in_processes(looked, cases, jobs, console, what)
+
+
+@cache
+def _estimators(tables: str, tried: int | None) -> Mapping[ProxySteps, ProxyEstimator]:
+    """One for each look, with a judge by the text of its tables."""
+    judge = Judge(read_tables(tables))
+    return {steps: ProxyEstimator(replace(steps, tried=tried or steps.tried), judge) for steps in LOOKS}
+
+
+def _looked_at(tables: str, tried: int | None, case: Case) -> dict[ProxySteps, Sample]:
+    """A picture by every look, in a process of its own."""
+    return {steps: sample_of(case, estimator) for steps, estimator in _estimators(tables, tried).items()}
+
+
 def sample_of(case: Case, estimator: ProxyEstimator) -> Sample:
     """Looks at a picture whose lights are known, from the tracker's own pose, and compares all explanations with them.
 
@@ -76,15 +110,12 @@ def sample_of(case: Case, estimator: ProxyEstimator) -> Sample:
     company = Company(trace.judged, trace.glint, trace.sheet_shadow)
     judged = [_candidate(each, explanation_features(each, company), truths) for each in trace.judged]
     splits = [_candidate(each, split_features(each.region, each.materials, each.split), truths) for each in trace.rough]
-    return Sample(f"{case.folder}/{case.id}", case.tags, len(truths), judged, splits)
+    return Sample(f"{case.folder}/{case.id}", case.tags, truths, judged, splits)
 
 
 def _candidate(explanation: Explanation, features: Mapping[str, float], truths: Float) -> Candidate:
     lights = [light.to_light_marker for light in explanation.lights]
     nearest = [min((angle_between(light, truth) for truth in truths), default=np.pi) for light in lights]
-    first, by_axis = lights[0], np.zeros(2)
-    if len(truths):
-        by_axis = tangent_offset(first, min(truths, key=lambda each: angle_between(first, each)))
     is_right = nearest[0] < GOOD_RAD
     is_whole = max(nearest) < GOOD_RAD and len(lights) == len(truths)
     rightness = int(is_right) + int(is_right and is_whole)
@@ -92,10 +123,31 @@ def _candidate(explanation: Explanation, features: Mapping[str, float], truths: 
     return Candidate(
         features,
         rightness,
-        first,
-        nearest[0],
-        by_axis,
+        fitted.to_light_marker,
+        *_errors(fitted.to_light_marker, truths),
         fitted.covariance_rad2,
         len(lights),
         fitted.unseen_end,
     )
+
+
+def with_mean_light(best: Candidate, alike: Sequence[tuple[Candidate, float]], truths: Float) -> Candidate:
+    """A candidate with its light where the estimator states it: at the mean of all single lights of its direction.
+
+    alike: these with their probabilities, `best` first.
+    """
+    if best.lights > 1:
+        return best
+    directions, probabilities = zip(*((each.to_light_marker, one) for each, one in alike), strict=True)
+    light = FittedLight(np.append(best.to_light_marker, 0.0), best.covariance_rad2)
+    mean = averaged(light, np.array(directions), np.array(probabilities)).to_light_marker
+    error_rad, error_by_axis = _errors(mean, truths)
+    return replace(best, to_light_marker=mean, error_rad=error_rad, error_by_axis=error_by_axis)
+
+
+def _errors(to_light_marker: Float, truths: Float) -> tuple[float, Float]:
+    """How far a direction is from the nearest true one: rad, and (2,) rad on its tangent basis; pi and 0 for none."""
+    if not len(truths):
+        return math.pi, np.zeros(2)
+    nearest = min(truths, key=lambda each: angle_between(to_light_marker, each))
+    return angle_between(to_light_marker, nearest), tangent_offset(to_light_marker, nearest)

@@ -8,14 +8,14 @@ import numpy as np
 
 from ashe_live.bench.cases import KINDS
 from ashe_live.bench.judge.calibration import Answer
-from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
+from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view, with_mean_light
 from ashe_live.bench.light.results import BAD_CONFIDENCE, BAD_DEG
 from ashe_live.bench.metrics import risk_by_coverage
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
     MOST_LOG_ODDS,
-    best_direction,
+    likeliest_direction,
     probabilities_of,
     recalibrated,
 )
@@ -69,8 +69,11 @@ def judged(score: Score, looks: Sequence[Sample], average: Average) -> Judged:
     if not candidates:
         return Judged(looks[0], None, 0.0)
     counts = [each.lights for each in candidates]
-    index, share = best_direction(np.array(probabilities), [each.to_light_marker for each in candidates], counts)
-    return Judged(looks[0], candidates[index], recalibrated(share, average))
+    group, share = likeliest_direction(np.array(probabilities), [each.to_light_marker for each in candidates], counts)
+    alike = [(candidates[i], probabilities[i]) for i in np.flatnonzero(group)]
+    alike.sort(key=lambda each: each[1], reverse=True)
+    best = with_mean_light(alike[0][0], alike, looks[0].truths)
+    return Judged(looks[0], best, recalibrated(share, average))
 
 
 def by_families_left_out(

@@ -81,6 +81,9 @@ def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
         "--casters", action="store_true", help="only how known casters are judged, from the tables as they are"
     )
     only.add_argument(
+        "--confidence", action="store_true", help="only how sure answers are, by the tables' curves as they are"
+    )
+    only.add_argument(
         "--sheets", action="store_true", help="only how the shadow of the marker's sheet counts, beside the tables"
     )
     judge.add_argument(

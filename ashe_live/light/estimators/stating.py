@@ -15,7 +15,8 @@ from ashe_live.light.estimators.trace import Look, Trace
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import shadow_core
-from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, Judge, best_direction, recalibrated
+from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, Judge, likeliest_direction, recalibrated
+from ashe_live.light.explanation.light_covariance import averaged
 from ashe_live.light.explanation.penumbra import size_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
@@ -35,6 +36,9 @@ class Choice:
     look: Look  # that found it
     explanation: Explanation
     confidence: float
+    alike: Sequence[
+        tuple[Explanation, float]
+    ]  # what explains the picture by its direction, with probabilities; it first
 
 
 def chosen(looks: Sequence[Look], judge: Judge) -> Choice | None:
@@ -49,9 +53,11 @@ def chosen(looks: Sequence[Look], judge: Judge) -> Choice | None:
         return None
     probabilities = np.array([probability for *_, probability in several])
     directions, counts = zip(*((each.to_light_from_body, len(each.lights)) for _, each, _ in several), strict=True)
-    index, share = best_direction(probabilities, directions, counts)
-    look, best, _ = several[index]
-    return Choice(look, best, recalibrated(share, average) * judge.probability_if_right(best))
+    group, share = likeliest_direction(probabilities, directions, counts)
+    likeliest = sorted((several[i] for i in np.flatnonzero(group)), key=lambda each: each[2], reverse=True)
+    look, best, _ = likeliest[0]
+    confidence = recalibrated(share, average) * judge.probability_if_right(best)
+    return Choice(look, best, confidence, [(each, probability) for _, each, probability in likeliest])
 
 
 def illumination_of(
@@ -66,7 +72,7 @@ def illumination_of(
     assert trace.unlit is not None
     ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
     told = stated(
-        best,
+        _with_mean_light(choice) if len(look.views) == 1 else best,
         choice.confidence,
         lambda each, probability: judge.lights_of(each, probability, tracked),
         ratios[: len(best.lights)],
@@ -93,6 +99,23 @@ def illumination_of(
         lights = [with_size(lights[0], size_of(told.explanation, lights[0], tracked))]
     real_object = told.explanation.real_object
     return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), told.explanation
+
+
+def _with_mean_light(choice: Choice) -> Explanation:
+    """The explanation with its light moved to the mean of all suns that explain a single picture by its direction.
+
+    Two lights, a lamp and a hull's light stay as they are.
+    """
+    best = choice.explanation
+    if len(best.lights) > 1 or _is_lamp(best) or best.hull is not None:
+        return best
+    suns = [(each, probability) for each, probability in choice.alike if not _is_lamp(each)]
+    directions, probabilities = zip(*((each.lights[0].to_light_marker, one) for each, one in suns), strict=True)
+    return replace(best, lights=(averaged(best.lights[0], np.array(directions), np.array(probabilities)),))
+
+
+def _is_lamp(explanation: Explanation) -> bool:
+    return bool(explanation.lights[0].light[3])
 
 
 def _judged_beside(best: Explanation, trace: Trace) -> list[tuple[Explanation, float]]:

@@ -85,8 +85,10 @@ BALANCED = ProxySteps(
     joint=3,
 )
 # Two looks find the right explanation in the same place, but wrong ones in different places: a second opinion is worth
-# more than a longer search, which finds more wrong explanations too.
-ACCURATE = replace(BALANCED, views=12, companions=4, joint=4, second_look=FAST)
+# more than a longer search, which finds more wrong explanations too. It sees all edges between other pixels.
+ACCURATE = replace(
+    BALANCED, views=12, companions=4, joint=4, second_look=replace(BALANCED, coarse_width_px=280, fine_width_px=560)
+)
 
 
 PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}

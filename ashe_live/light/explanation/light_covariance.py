@@ -1,8 +1,11 @@
 """The lights of an aligned body, and how far its borders determine them."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.outline_fit.search import information_on_lights
@@ -24,6 +27,28 @@ def lights_of(alignment: Alignment) -> tuple[FittedLight, ...]:
     lights = fitted_lights(alignment.placed.lit.lights, covariance)
     return tuple(
         corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, alignment.ends_in_view, strict=True)
+    )
+
+
+def averaged(light: FittedLight, directions: Float, weights: Float, spread_share: float = 0.0) -> FittedLight:
+    """The light moved to the mean of n directions about its own.
+
+    The mean of a posterior has the least expected squared error, and what its members differ by is part of its
+    uncertainty (Hoeting et al., "Bayesian model averaging", 1999).
+
+    directions: (n, 3) unit vectors, the first one the light's own as these were measured. weights: (n,), of any sum.
+    spread_share: the share of the directions' covariance that is added to the light's: 0 where what they differ by is
+    a part of the overdispersion that the light's covariance is multiplied by later.
+    """
+    weights = weights / weights.sum()
+    offsets = (directions - directions[0]) @ tangent_basis(directions[0]).T  # (n, 2), rad
+    mean = weights @ offsets
+    spread = np.einsum("n,ni,nj->ij", weights, offsets - mean, offsets - mean)
+    towards = normalised(light.to_light_marker + mean @ tangent_basis(light.to_light_marker))
+    return replace(
+        light,
+        light=np.append(towards, light.light[3]),
+        covariance_rad2=light.covariance_rad2 + spread_share * spread,
     )
 
 

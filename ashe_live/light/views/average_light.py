@@ -1,8 +1,7 @@
 """The light as the mean over the families of bodies that explain all views nearly as well as the likeliest one.
 
 From a few views, bodies of several families explain an object that is of none of them alike, with lights some degrees
-apart on both sides of the truth. The mean of a posterior has the least expected squared error, and what its members
-differ by is part of its uncertainty (Hoeting et al., "Bayesian model averaging", 1999).
+apart on both sides of the truth.
 """
 
 import math
@@ -13,8 +12,8 @@ from operator import itemgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.explanation.light_covariance import averaged
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.views.by_pixels import log_likelihoods_by_pixels
@@ -85,16 +84,7 @@ def with_average_light(
     probabilities = probabilities_by_steps(families)
     directions = np.array([towards_light(each) for each in families])
     near = directions @ directions[0] > math.cos(GOOD_RAD)
-    weights = probabilities[near] / probabilities[near].sum()
-    offsets = (directions[near] - directions[0]) @ tangent_basis(directions[0]).T  # (n, 2), rad
-    mean = weights @ offsets
-    spread = np.einsum("n,ni,nj->ij", weights, offsets - mean, offsets - mean)
-    towards = normalised(light.to_light_marker + mean @ tangent_basis(light.to_light_marker))
-    moved = replace(
-        light,
-        light=np.append(towards, light.light[3]),
-        covariance_rad2=light.covariance_rad2 + spread / overdispersion,
-    )
+    moved = averaged(light, directions[near], probabilities[near], 1 / overdispersion)
     return replace(explanation, joint=replace(joint, lights=(moved,)))
 
 

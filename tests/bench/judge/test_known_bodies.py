@@ -28,7 +28,7 @@ def test_offset_and_slope_are_those_by_which_explanations_are_right(truth: OfKno
     pictures = []
     for number, odds in enumerate(rng.uniform(-3, 3, 3000)):
         is_right = rng.random() < 1 / (1 + np.exp(-truth.offset - truth.slope * odds))
-        pictures.append({LOOK: Sample(str(number), {}, 1, [candidate(odds, is_right)], [])})
+        pictures.append({LOOK: Sample(str(number), {}, np.array([[0.0, 0.0, 1.0]]), [candidate(odds, is_right)], [])})
     score, found = fitted_to(FREE, pictures)
     assert abs(found.offset - truth.offset) < 0.3
     assert abs(found.slope - truth.slope) < 0.3

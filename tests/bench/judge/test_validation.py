@@ -26,6 +26,7 @@ from ashe_live.bench.judge.validation import (
     risk_curve,
     scores_by_others,
 )
+from ashe_live.bench.metrics import tangent_offset
 from ashe_live.core.arrays import Float
 from ashe_live.light.estimators import steps
 from ashe_live.light.explanation.judgement.judge import recalibrated
@@ -36,19 +37,23 @@ FAST = of_one_view(steps.FAST)
 OTHER = of_one_view(steps.BALANCED)
 ONE, TWO = Average((1.0,)), Average((0.6, 0.4))
 UP = np.array([0.0, 0.0, 1.0])
+ONE_LIGHT = UP[None]  # the true one
 
 
 def candidate(error_deg: float, edge: float = 1.0) -> Candidate:
-    return Candidate({"edge": edge}, int(error_deg < 10), UP, float(np.radians(error_deg)), np.zeros(2), np.eye(2))
+    error = float(np.radians(error_deg))
+    to_light_marker = np.array([np.sin(error), 0.0, np.cos(error)])
+    by_axis = tangent_offset(to_light_marker, UP)
+    return Candidate({"edge": edge}, int(error_deg < 10), to_light_marker, abs(error), by_axis, np.eye(2))
 
 
 def answer(confidence: float, error_deg: float = 1.0, lights: int = 1, **tags: str) -> Judged:
     best = candidate(error_deg)
-    return Judged(Sample(f"{confidence}{tags}", tags, lights, [best], []), best, confidence)
+    return Judged(Sample(f"{confidence}{tags}", tags, np.tile(UP, (lights, 1)), [best], []), best, confidence)
 
 
 def sample_of(candidates: list[Candidate]) -> Sample:
-    return Sample("a", {}, 1, candidates, [])
+    return Sample("a", {}, ONE_LIGHT, candidates, [])
 
 
 def drawn(count: int, bias: float = 0.0) -> list[Judged]:
@@ -82,19 +87,21 @@ def test_answers_are_given_while_enough_of_them_are_good() -> None:
 
 def test_the_likeliest_candidate_answers_and_nothing_tried_is_no_answer() -> None:
     score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
-    tried = Sample("a", {}, 1, [candidate(40.0, 0.0), candidate(2.0, 1.0)], [])
+    tried = Sample("a", {}, ONE_LIGHT, [candidate(40.0, 0.0), candidate(2.0, 1.0)], [])
     best = judged(score, [tried], ONE)
-    assert best.best is tried.judged[1]
-    assert best.confidence == pytest.approx((1 + np.exp(2)) / (2 + np.exp(2)))
+    assert best.error_rad == pytest.approx(np.radians(2.0))
+    assert best.confidence == pytest.approx(np.exp(2) / (2 + np.exp(2)))
     nothing = judged(score, [dataclasses.replace(tried, judged=[])], ONE)
     assert (nothing.best, nothing.confidence, nothing.answer) == (None, 0.0, None)
 
 
 def test_looks_that_agree_are_surer_than_looks_that_do_not() -> None:
     score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
-    here = Sample("a", {}, 1, [candidate(2.0)], [])
-    elsewhere = Sample("a", {}, 1, [dataclasses.replace(candidate(90.0), to_light_marker=np.array([1.0, 0, 0]))], [])
-    nothing = Sample("a", {}, 1, [], [])
+    here = Sample("a", {}, ONE_LIGHT, [candidate(2.0)], [])
+    elsewhere = Sample(
+        "a", {}, ONE_LIGHT, [dataclasses.replace(candidate(90.0), to_light_marker=np.array([1.0, 0, 0]))], []
+    )
+    nothing = Sample("a", {}, ONE_LIGHT, [], [])
     once = judged(score, [here], ONE).confidence
     assert judged(score, [here, here], TWO).confidence == pytest.approx(once)
     assert judged(score, [here, elsewhere], TWO).confidence == pytest.approx(0.6 * once)
@@ -146,7 +153,7 @@ def fit_that_tells(seen: list[list[Sample]]) -> Callable[[Pictures], Score]:
 
 
 def test_a_picture_is_judged_by_fits_that_have_not_seen_its_neighbours() -> None:
-    pictures = [{FAST: Sample(str(i), {}, 1, [candidate(2.0)], [])} for i in range(20)]
+    pictures = [{FAST: Sample(str(i), {}, ONE_LIGHT, [candidate(2.0)], [])} for i in range(20)]
     seen: list[list[Sample]] = []
     assert len(scores_by_others(pictures, fit_that_tells(seen))) == 20
     for part, others in zip(np.array_split(np.arange(20), FOLDS), seen, strict=True):
@@ -156,11 +163,21 @@ def test_a_picture_is_judged_by_fits_that_have_not_seen_its_neighbours() -> None
 def test_a_picture_is_judged_by_fits_that_have_seen_neither_its_object_nor_its_ground() -> None:
     objects, grounds = ("cup", "box", "toy", "tin", "book"), ("brick", "wood", "cloth", "stone", "tiles", "print")
     tags = [{"object_family": one, "ground": other} for one in objects for other in grounds]
-    pictures = [{FAST: Sample(str(i), each, 1, [candidate(2.0)], [])} for i, each in enumerate(tags)]
+    pictures = [{FAST: Sample(str(i), each, ONE_LIGHT, [candidate(2.0)], [])} for i, each in enumerate(tags)]
     seen: list[list[Sample]] = []
     for each, score in zip(tags, scores_by_others(pictures, fit_that_tells(seen)), strict=True):
         for other in seen[int(score.constant) - 1]:
             assert not set(each.values()) & set(other.tags.values())
+
+
+def test_an_answer_is_the_mean_of_what_explains_the_picture_by_its_direction() -> None:
+    score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
+    either_side = sample_of([candidate(3.0), candidate(-3.0)])
+    assert judged(score, [either_side], ONE).error_rad == pytest.approx(0.0, abs=1e-3)
+    # What is less likely moves it by less, and another direction not at all.
+    less = sample_of([candidate(3.0), candidate(-3.0, 0.0), candidate(40.0, 0.0)])
+    share = 1 / (1 + np.exp(-2.0))
+    assert judged(score, [less], ONE).error_rad == pytest.approx(np.radians(3.0 * (2 * share - 1)), rel=0.01)
 
 
 def test_the_better_look_weighs_more() -> None:
@@ -177,7 +194,9 @@ def test_the_better_look_weighs_more() -> None:
 
 def test_a_family_is_judged_by_a_fit_that_has_not_seen_it() -> None:
     grounds = ["brick"] * 20 + ["wood"] * 20 + ["rare"] * 3
-    pictures = [{FAST: Sample(str(i), {"ground": ground}, 1, [candidate(2.0)], [])} for i, ground in enumerate(grounds)]
+    pictures = [
+        {FAST: Sample(str(i), {"ground": ground}, ONE_LIGHT, [candidate(2.0)], [])} for i, ground in enumerate(grounds)
+    ]
     seen = []
 
     def fit(several: Pictures) -> Score:

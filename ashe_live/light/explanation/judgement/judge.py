@@ -14,7 +14,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.light.explanation.explanation import Explanation
@@ -127,8 +127,19 @@ def best_direction(
 ) -> tuple[int, float]:
     """The index of the likeliest explanation, and the probability that its light is within GOOD_RAD of the truth.
 
+    As `likeliest_direction`, of whose explanations it is the likeliest.
+    """
+    group, share = likeliest_direction(probabilities, to_lights_marker, counts)
+    return int(np.where(group, probabilities, -1.0).argmax()), share
+
+
+def likeliest_direction(
+    probabilities: Float, to_lights_marker: Iterable[Float], counts: Sequence[int] | None = None
+) -> tuple[Mask, float]:
+    """(n,) which explanations have the likeliest direction, and the probability that it is right to GOOD_RAD.
+
     The probabilities of explanations with lights within GOOD_RAD of each other are added up. The answer comes from the
-    likeliest such group: the likeliest explanation with the number of lights that has most of the group's probability.
+    likeliest such group: its explanations with the number of lights that has most of the group's probability.
     probabilities: (n,). to_lights_marker: n unit vectors (3,). counts: n numbers of lights; None where all are equal.
     """
     directions = np.array(list(to_lights_marker))
@@ -138,8 +149,7 @@ def best_direction(
     if counts is not None:
         shares = np.bincount(counts, group * probabilities)
         group = group & (np.asarray(counts) == shares.argmax())
-    index = int(np.where(group, probabilities, -1.0).argmax())
-    return index, float(min(around[index], 1.0))
+    return group, float(min(around.max(), 1.0))
 
 
 def is_settled(log_odds: Sequence[float], to_lights_marker: Sequence[Float]) -> bool:
