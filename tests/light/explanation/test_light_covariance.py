@@ -1,0 +1,34 @@
+"""The mean of the directions that several explanations have."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.explanation.light_covariance import averaged
+from ashe_live.light.shape.directions import FittedLight
+from tests.light.synthetic_masks import direction
+
+LOW, HIGH = direction(120.0, 40.0), direction(120.0, 46.0)
+SUN = FittedLight(np.append(LOW, 0.0), np.diag([1e-4, 4e-4]))
+
+
+def test_the_mean_lies_between_directions_by_their_weights() -> None:
+    half_way = averaged(SUN, np.array([LOW, HIGH]), np.array([2.0, 2.0])).to_light_marker
+    assert np.degrees(angle_between(half_way, direction(120.0, 43.0))) < 0.01
+    third = averaged(SUN, np.array([LOW, HIGH]), np.array([0.4, 0.2])).to_light_marker
+    assert np.degrees(angle_between(third, direction(120.0, 42.0))) < 0.02
+    assert averaged(SUN, LOW[None], np.ones(1)).light == pytest.approx(SUN.light)
+
+
+def test_directions_that_were_measured_elsewhere_move_the_light_by_as_much() -> None:
+    elsewhere = np.array([direction(120.0, 42.0), direction(120.0, 48.0)])  # as seen from a body in a lamp's light
+    moved = averaged(SUN, elsewhere, np.ones(2)).to_light_marker
+    assert np.degrees(angle_between(moved, direction(120.0, 43.0))) < 0.01
+
+
+def test_what_directions_differ_by_is_added_to_the_covariance_as_far_as_asked() -> None:
+    several, weights = np.array([LOW, HIGH]), np.ones(2)
+    assert averaged(SUN, several, weights).covariance_rad2 == pytest.approx(SUN.covariance_rad2)
+    added = averaged(SUN, several, weights, 0.5).covariance_rad2 - SUN.covariance_rad2
+    between = np.radians(3.0) ** 2  # the variance of two directions 6 degrees apart in elevation
+    assert added == pytest.approx(np.diag([0.0, 0.5 * between]), rel=0.01, abs=1e-9)
