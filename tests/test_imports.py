@@ -67,8 +67,8 @@ ROOMS: dict[str, set[str]] = {
         "bench",
     },
     "bench.judge": {
-        "core", "errors", "files", "light.pixels", "light.ground", "light.estimators", "light.explanation", "bench",
-        "bench.light",
+        "core", "errors", "files", "light.pixels", "light.ground", "light.shape", "light.estimators",
+        "light.explanation", "bench", "bench.light",
     },
     "bench.lamps": {"core", "errors", "light.estimators", "light.ground", "light.lamps", "light.pixels", "bench"},
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
