@@ -36,9 +36,8 @@ class Choice:
     look: Look  # that found it
     explanation: Explanation
     confidence: float
-    alike: Sequence[
-        tuple[Explanation, float]
-    ]  # what explains the picture by its direction, with probabilities; it first
+    # All explanations with its direction, their probabilities beside them; itself first.
+    alike: Sequence[tuple[Explanation, float]]
 
 
 def chosen(looks: Sequence[Look], judge: Judge) -> Choice | None:
