@@ -31,6 +31,13 @@ def pictures_in(folder: Path, with_clips: bool) -> tuple[list[Path], str | None]
     return pictures, f"{folder}: passed over, as not named as {wanted}: {_counted(others)}" if others else None
 
 
+def refuse_folder(path: Path) -> None:
+    """Raises UserError for a folder: that it must not be read, or else that there is nothing in it."""
+    if os.path.isdir(path):  # noqa: PTH112 - Path.is_dir raises an error in a folder that must not be entered
+        pictures_in(path, with_clips=True)
+        raise UserError("there is no photo or clip in it", "name another folder, or files")
+
+
 def _files_in(folder: Path) -> Iterator[Path]:
     entries = list(folder.iterdir())
     if entries and not os.access(folder, os.X_OK):  # its files' names are told, and nothing else of them

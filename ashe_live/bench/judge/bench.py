@@ -3,14 +3,11 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from typing import ClassVar
 
-from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case
 from ashe_live.bench.judge.confidence import fitted_confidences
+from ashe_live.bench.judge.fit import FitBench
 from ashe_live.bench.judge.logit import fitted_score
-from ashe_live.bench.judge.origin import cases_to_fit, origin_of
 from ashe_live.bench.judge.samples import LOOKS, by_every_look
 from ashe_live.bench.judge.tables import calibration_table, error_of, families_table, risk_table, score_table
 from ashe_live.bench.judge.validation import (
@@ -21,14 +18,12 @@ from ashe_live.bench.judge.validation import (
     scores_by_others,
 )
 from ashe_live.core.contract import Json
-from ashe_live.files.writing import write_json
 from ashe_live.light.estimators.steps import PRESETS
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.explanation.judgement.judge_tables import Curve, Score, Tables
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 
-TABLES = "judge.json"
 # The first round has no tables yet: every feature counts one unit of log odds over these ranges.
 FIRST_RANGES = {
     "misfit": (-5.0, -3.5),
@@ -62,7 +57,7 @@ FIRST_EVERY, FIRST_TRIED = 3, 24
 
 
 @dataclass(frozen=True, slots=True)
-class JudgeBench(Bench):
+class JudgeBench(FitBench):
     """Fits the judge to the folders `scenes`, with the explanations of each picture by all presets' looks.
 
     In the first round all features count alike, and more splits than usual are fitted; splits are judged by what
@@ -70,15 +65,8 @@ class JudgeBench(Bench):
     same pictures give the same tables.
     """
 
-    SCHEMA: ClassVar[int] = 1
-
-    scenes: Sequence[Path]
-    limit: int | None = None  # number of pictures of each folder, the first ones; None: all
-    every: int = 1  # of these, only every `every`th
-    jobs: int = 1  # number of processes that look at pictures
-
     def parts(self) -> Iterator[Json]:
-        cases = cases_to_fit(self.scenes, self.limit, self.every)
+        cases = self.cases()
         few = cases[::FIRST_EVERY]
         looked, what = partial(by_every_look, jobs=self.jobs, console=self.console), f"{len(cases)} pictures"
         first = looked(few, Judge(first_tables()), what=f"{len(few)} of {what}", tried=FIRST_TRIED)
@@ -94,7 +82,7 @@ class JudgeBench(Bench):
         self.console.print(risk_table("by fits to other scenes", answers))
         self.console.print(calibration_table(tables.calibration, every_answer))
         yield {
-            "scenes": [folder.resolve().name for folder in self.scenes],
+            "scenes": self.names,
             "tables": tables.as_json(),
             "left_out": [
                 {"kind": kind, "family": family, "answers": len(each), "calibration_error": error_of(each)}
@@ -103,13 +91,6 @@ class JudgeBench(Bench):
             "risk_by_coverage": {preset: risk_curve(each) for preset, each in answers.items()},
         }
 
-    def plots(self) -> Sequence[str]:
-        return (TABLES,)
-
-    def draw(self, record: Json, out: Path, overwrite: bool) -> None:
-        """Writes the tables alone too, as the package loads them."""
-        write_json(out / TABLES, record["tables"], overwrite)
-
     def _fitted(
         self, cases: Sequence[Case], pictures: Pictures, splits: Score
     ) -> tuple[dict[str, list[Judged]], Tables]:
@@ -117,7 +98,7 @@ class JudgeBench(Bench):
         explanation = explanation_score(pictures)
         answers, sure = fitted_confidences(pictures, scores_by_others(pictures, explanation_score))
         averages, least, calibration = sure.averages, sure.least_confidence, sure.calibration
-        origin = origin_of("", self.scenes, self.limit, self.every, cases)
+        origin = self.origin(cases)
         return answers, Tables(splits, explanation, averages, least, calibration, origin, sure.good_if_open)
 
 

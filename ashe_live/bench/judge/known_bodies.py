@@ -6,17 +6,14 @@ numbers, an offset and a slope of the log odds, are fitted to pictures of known 
 """
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 
-from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
-from ashe_live.bench.judge.bench import TABLES
+from ashe_live.bench.judge.fit import FitBench
 from ashe_live.bench.judge.samples import Sample, in_processes, of_one_view, sample_of
 from ashe_live.bench.judge.tables import risk_table
 from ashe_live.bench.judge.validation import Pictures, judged, scores_by_others
@@ -24,7 +21,6 @@ from ashe_live.bench.light.known_casters import caster_specs
 from ashe_live.core.caster import parsed_caster
 from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
-from ashe_live.files.writing import write_json
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
@@ -36,15 +32,8 @@ OFFSETS, SLOPES = np.arange(-1.0, 3.01, 0.1), np.arange(0.5, 2.01, 0.1)  # that 
 
 
 @dataclass(frozen=True, slots=True)
-class KnownBodiesBench(Bench):
-    """Fits the two numbers to the folders `scenes`, of which it takes every `every`th picture of a known caster."""
-
-    SCHEMA: ClassVar[int] = 1
-
-    scenes: Sequence[Path]
-    limit: int | None = None  # number of pictures of each folder, the first ones, whatever they show; None: all
-    every: int = 1  # of the pictures with known casters, only every `every`th
-    jobs: int = 1  # number of processes that look at pictures
+class KnownBodiesBench(FitBench):
+    """Fits the two numbers to pictures of known casters: every `every`th of those among the first `limit`."""
 
     def parts(self) -> Iterator[Json]:
         tables = fitted_judge().tables
@@ -70,17 +59,10 @@ class KnownBodiesBench(Bench):
             words = zip(("answered", "sure and wrong", "answered without a light"), shares, strict=True)
             self.console.print(f"{name}: " + ", ".join(f"{word} {share:.1%}" for word, share in words))
         yield {
-            "scenes": [folder.resolve().name for folder in self.scenes],
+            "scenes": self.names,
             "pictures": len(pictures),
             "tables": replace(tables, of_known_body=found).as_json(),
         }
-
-    def plots(self) -> Sequence[str]:
-        return (TABLES,)
-
-    def draw(self, record: Json, out: Path, overwrite: bool) -> None:
-        """Writes all tables, as the package loads them, with the two numbers in their place."""
-        write_json(out / TABLES, record["tables"], overwrite)
 
     def _pictures(self, judge: Judge) -> Pictures:
         """Every picture of a known caster by one look, as it is judged where nothing was fitted to known bodies."""

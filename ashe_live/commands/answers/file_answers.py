@@ -2,7 +2,6 @@
 
 import argparse
 import dataclasses
-import os
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -10,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from ashe_live.capture.folder import pictures_in
+from ashe_live.capture.folder import refuse_folder
 from ashe_live.capture.opening import open_source, openable
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
@@ -104,7 +103,7 @@ class FileEstimator:
         first, last = options.frames
         wanted = Wanted(options.views, options.estimate_at, first, last)
         try:
-            _refuse_folder(path)
+            refuse_folder(path)  # others have been replaced by the files in them
             with open_source(path) as source:
                 is_known = _tells_no_camera(source) and source.size in cameras
                 camera_for = cameras.__getitem__ if is_known else self.camera_for
@@ -239,13 +238,6 @@ def _tell_of_unused(given: Sequence[str], used: Sequence[str]) -> None:
     unused = [file for file in dict.fromkeys(given) if file not in used]
     if unused:
         tell(f"{' and '.join(unused)}: not used; the answer rests on {' and '.join(dict.fromkeys(used))}")
-
-
-def _refuse_folder(path: Path) -> None:
-    """Raises UserError for a folder, as all others have been replaced by the files in them."""
-    if os.path.isdir(path):  # noqa: PTH112 - Path.is_dir raises an error in a folder that must not be entered
-        pictures_in(path, with_clips=True)
-        raise UserError("there is no photo or clip in it", "name another folder, or files")
 
 
 def _tells_no_camera(source: Source) -> bool:

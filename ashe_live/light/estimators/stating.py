@@ -23,6 +23,7 @@ from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb
 from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
 from ashe_live.light.labels.associate import distinct
+from ashe_live.light.lamps.hypotheses import is_held_near
 from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.lamps.lamp import Scene, stated, with_size
 
@@ -71,7 +72,7 @@ def illumination_of(
     assert trace.unlit is not None
     ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
     told = stated(
-        _with_mean_light(choice) if len(look.views) == 1 else best,
+        _with_mean_light(choice),
         choice.confidence,
         lambda each, probability: judge.lights_of(each, probability, tracked),
         ratios[: len(best.lights)],
@@ -103,18 +104,14 @@ def illumination_of(
 def _with_mean_light(choice: Choice) -> Explanation:
     """The explanation with its light moved to the mean of all suns that explain a single picture by its direction.
 
-    Two lights, a lamp and a hull's light stay as they are.
+    Two lights, a lamp, a hull's light, and that of several views, which is a mean of its families, stay as they are.
     """
     best = choice.explanation
-    if len(best.lights) > 1 or _is_lamp(best) or best.hull is not None:
+    if len(choice.look.views) > 1 or len(best.lights) > 1 or is_held_near(best) or best.hull is not None:
         return best
-    suns = [(each, probability) for each, probability in choice.alike if not _is_lamp(each)]
+    suns = [(each, probability) for each, probability in choice.alike if not is_held_near(each)]
     directions, probabilities = zip(*((each.lights[0].to_light_marker, one) for each, one in suns), strict=True)
     return replace(best, lights=(averaged(best.lights[0], np.array(directions), np.array(probabilities)),))
-
-
-def _is_lamp(explanation: Explanation) -> bool:
-    return bool(explanation.lights[0].light[3])
 
 
 def _judged_beside(best: Explanation, trace: Trace) -> list[tuple[Explanation, float]]:

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from ashe_live.bench.judge.bench import TABLES, JudgeBench
+from ashe_live.bench.judge.bench import JudgeBench
+from ashe_live.bench.judge.fit import TABLES
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
 from ashe_live.light.explanation.judgement.judge_tables import read_tables

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ashe_live.bench.judge.bench import TABLES
+from ashe_live.bench.judge.fit import TABLES
 from ashe_live.bench.judge.recalibration import RecalibrationBench
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
