@@ -8,6 +8,6 @@ def leave_cores_to_renderer() -> None:
 
     After each parallel call they spin for a while and wait for the next one: on two cores that doubled the processor
     time of a frame at 640x480, took the cores from the capture thread and from a software rasteriser, and made
-    nothing faster, 1440x1080 included (docs/performance.md).
+    nothing faster, 1440x1080 included (CHANGELOG.md).
     """
     cv2.setNumThreads(1)
