@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -18,17 +19,19 @@ from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import direction_from_angles, project, raycast_to_plane, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
-from ashe_live.models.placement import placed_on_marker
+from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.gl.offscreen import Context
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.cast_shadows import lit_past
 from ashe_live.render.lights.lighting import lighting_of
+from ashe_live.render.occlusion.occlusion import Known
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 GROUND_POINTS = 5  # places in the shadow at which the ground's brightness is compared
 PATCH_PX = 5  # side of the square around each, over which brightness is averaged
 APART_PX = 12  # least distance of two of these places
+KNOWN = Known()  # what the references' models hide, computed once for all pictures of each
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +71,7 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
     """The error of the renderer's picture of the same scene."""
     assert reference.scene.tracked is not None
     bare = reference.scene.tracked.frame.image_bgr
-    renderer = SceneRenderer(ctx, preset, reference.scene.tracked.frame.size)
+    renderer = SceneRenderer(ctx, preset, reference.scene.tracked.frame.size, known=KNOWN)
     renderer.render(reference.scene)
     picture = renderer.read_bgr()
     renderer.release()
@@ -113,7 +116,7 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     tracked = TrackedFrame(Frame(bare, 0, 0.0), camera, marker)
     scene = Scene(
         tracked,
-        placed_on_marker(load_model(model), side_m),
+        _placed(model, side_m),
         Illumination(
             (light,),
             real_object=proxy,
@@ -126,6 +129,12 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     expected = read_picture(folder / f"{name}_{model}.png")
     is_ground = (is_lit & ~is_object).reshape(is_model.shape)
     return Reference(f"{name}, {model}", scene, expected, is_model, brightness.reshape(is_model.shape), is_ground)
+
+
+@cache
+def _placed(model: str, side_m: float) -> PlacedModel:
+    """The same model for all views that show it."""
+    return placed_on_marker(load_model(model), side_m)
 
 
 def _light(view: Json) -> Light:
