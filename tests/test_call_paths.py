@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 
 import pytest
 
@@ -14,6 +15,7 @@ MOST_ROOMS = 6
 Name = tuple[str, str]  # a module of light, and a function or class at its top level
 
 
+@cache
 def called_by_name() -> dict[Name, set[Name]]:
     """What each function and class of `light` calls or hands on by name; methods of objects are not followed."""
     calls: dict[Name, set[Name]] = {}
@@ -42,9 +44,6 @@ def names_called(top: ast.AST) -> Iterator[str]:
                     yield each.id
 
 
-CALLS = called_by_name()
-
-
 def room(name: Name) -> str:
     return name[0].split(".")[0]
 
@@ -52,7 +51,7 @@ def room(name: Name) -> str:
 def ways_from(name: Name, before: tuple[Name, ...] = ()) -> tuple[str, ...]:
     """The rooms of the way that passes through the most of them."""
     here = (room(name),)
-    further = [ways_from(called, (*before, name)) for called in CALLS.get(name, ()) if called not in before]
+    further = [ways_from(called, (*before, name)) for called in called_by_name().get(name, ()) if called not in before]
     return max((way if way[:1] == here else here + way for way in further), key=len, default=here)
 
 
@@ -70,13 +69,14 @@ def test_the_longest_way_of_a_call_is_drawn() -> None:
 
 @pytest.mark.parametrize("diagram", drawn())
 def test_what_is_drawn_is_called_and_comes_back(diagram: str) -> None:
+    calls = called_by_name()
     arrows = re.findall(r"(\w+)(-?->>)(\w+): (.*)", diagram)
     assert len(arrows) > 3
     for sender, arrow, receiver, text in arrows:
         if arrow == "->>":
             for function in re.findall(r"(\w+)\(", text):
-                homes = [name for name in CALLS if name[1] == function and room(name) == receiver]
-                callers = [name for name in CALLS if room(name) == sender and CALLS[name] & set(homes)]
+                homes = [name for name in calls if name[1] == function and room(name) == receiver]
+                callers = [name for name in calls if room(name) == sender and calls[name] & set(homes)]
                 assert callers, f"{sender} does not call {function} of {receiver}"
         elif value := re.match(r"([A-Z]\w+):", text):
-            assert any(name[1] == value[1] and room(name) == sender for name in CALLS), value[1]
+            assert any(name[1] == value[1] and room(name) == sender for name in calls), value[1]

@@ -22,7 +22,7 @@ from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.gl.offscreen import Context
 from ashe_live.render.gl.preset import RenderPreset
-from ashe_live.render.lights.cast_shadows import lit_past
+from ashe_live.render.lights.cast_shadows import is_inside, shadow_hull
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.occlusion.occlusion import Known
 from ashe_live.render.renderer import SceneRenderer
@@ -112,7 +112,7 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     is_object = silhouette.ravel()
     # Points of the real object are taken to be as far from the light as its foot.
     level = np.where(is_object[:, None], lighting.level_at(proxy.foot_marker[None, :2]), lighting.level_at(ground))
-    is_lit = is_object | (lit_past(proxy, lighting.suns[0], ground) == 1)
+    is_lit = is_object | ~is_inside(shadow_hull(proxy.points_marker(), lighting.suns[0]), ground)
     tracked = TrackedFrame(Frame(bare, 0, 0.0), camera, marker)
     scene = Scene(
         tracked,

