@@ -61,8 +61,10 @@ def test_the_clips_are_followed_without_a_flip(name: str, focal_px: float) -> No
     assert max(normal[1] for normal in normals) < 0
 
 
-@pytest.mark.parametrize("hfov_deg", [50, 60, 75])
-@pytest.mark.parametrize(("name", "focal_px"), [("vid_12.mp4", 1663), ("vid_5.mp4", 735)])
+@pytest.mark.parametrize(
+    ("name", "focal_px", "hfov_deg"),
+    [("vid_12.mp4", 1663, 50), ("vid_12.mp4", 1663, 60), ("vid_12.mp4", 1663, 75), ("vid_5.mp4", 735, 60)],
+)
 def test_nor_where_the_focal_length_is_learned_from_paper_that_curls(
     name: str, focal_px: float, hfov_deg: float
 ) -> None:
