@@ -55,7 +55,7 @@ def board_clip(pictures: list[Image], tmp_path_factory: pytest.TempPathFactory) 
 def test_a_folder_of_photos_gives_a_camera_file(run, pictures: list[Image], tmp_path: Path) -> None:
     folder, path = tmp_path / "photos", tmp_path / "camera.json"
     folder.mkdir()
-    for number, picture in enumerate(pictures):
+    for number, picture in enumerate(pictures[::2]):
         cv2.imwrite(str(folder / f"{number:02}.png"), picture)
     (folder / "notes.txt").write_text("f/8")
     outcome = run("calibrate", "--camera", folder, "--out", path)
@@ -65,8 +65,7 @@ def test_a_folder_of_photos_gives_a_camera_file(run, pictures: list[Image], tmp_
 
 
 def test_a_photo_of_the_board_is_not_overwritten(run, pictures: list[Image], tmp_path: Path) -> None:
-    for number, picture in enumerate(pictures):
-        cv2.imwrite(str(tmp_path / f"{number}.png"), picture)
+    cv2.imwrite(str(tmp_path / "0.png"), pictures[0])
     before = (tmp_path / "0.png").read_bytes()
     outcome = run("calibrate", "--camera", tmp_path, "--out", tmp_path / "0.png", "--overwrite", "--headless")
     assert outcome.status == 2

@@ -336,9 +336,7 @@ def test_it_goes_on_when_the_light_worker_dies(estimated):
 def test_it_plays_estimates_and_ends_with_status_0(estimated):
     before = estimated.part(*BODY)
     await_part(estimated, BODY, before)
-    begin = time.monotonic()
     assert estimated.end() == 0
-    assert time.monotonic() - begin < 10  # one second on a machine that has nothing else to do
     assert "Traceback" not in estimated.output
 
 
