@@ -14,6 +14,7 @@ from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, QUALITIES
 from ashe_live.render.scene import Scene
+from tests.render.in_turns import in_turns
 
 GREEN = (0.0, 1.0, 0.0, 1.0)
 RATIO = (0.3, 0.3, 0.3)
@@ -24,9 +25,9 @@ def _is_green(picture: np.ndarray) -> np.ndarray:
     return (green > red + 10) & (green > blue + 10)
 
 
-@pytest.mark.parametrize("quality", list(QUALITIES))
-@pytest.mark.parametrize("elevation_deg", [0.5, 90.0])
-@pytest.mark.parametrize("azimuth_deg", [-90.0, 90.0])
+@pytest.mark.parametrize(
+    ("quality", "elevation_deg", "azimuth_deg"), in_turns([(0.5, -90.0), (0.5, 90.0), (90.0, -90.0), (90.0, 90.0)])
+)
 def test_low_and_upright_lights_before_and_behind_the_camera(
     make_renderer, stage, quality: str, elevation_deg: float, azimuth_deg: float
 ) -> None:
@@ -64,8 +65,9 @@ def test_smallest_and_largest_models_on_smallest_and_largest_markers(
     assert lit > 190
 
 
-@pytest.mark.parametrize("quality", list(QUALITIES))
-@pytest.mark.parametrize(("distance_m", "elevation_deg"), [(0.01, 40), (0.0001, 10), (50.0, 40), (0.3, -30)])
+@pytest.mark.parametrize(
+    ("quality", "distance_m", "elevation_deg"), in_turns([(0.01, 40), (0.0001, 10), (50.0, 40), (0.3, -30)])
+)
 def test_camera_within_beneath_near_and_far(
     make_renderer, stage, quality: str, distance_m: float, elevation_deg: float
 ) -> None:
@@ -82,8 +84,7 @@ def test_camera_within_beneath_near_and_far(
         assert (_is_green(picture) | (picture == 200).all(axis=2)).mean() > 0.995
 
 
-@pytest.mark.parametrize("quality", list(QUALITIES))
-@pytest.mark.parametrize("size", [(1, 1), (3, 200), (700, 2)])
+@pytest.mark.parametrize(("quality", "size"), in_turns((size,) for size in ((1, 1), (3, 200), (700, 2))))
 def test_tiniest_windows(make_renderer, stage, quality: str, size: tuple[int, int]) -> None:
     renderer = make_renderer(QUALITIES[quality].render)
     scene = Scene(

@@ -17,6 +17,7 @@ from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.lights.light_view import view_of
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.scene import Scene
+from tests.render.in_turns import in_turns
 from tests.render.inside import inside_px
 
 GREEN = (0.0, 1.0, 0.0, 1.0)
@@ -58,8 +59,7 @@ def pixel(tracked, point) -> tuple[int, int]:
     return row, column
 
 
-@pytest.mark.parametrize("quality", list(QUALITIES))
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(("quality", "place"), in_turns((place,) for place in PLACES))
 def test_shadow_falls_where_the_planar_projection_says(make_renderer, stage, quality: str, place) -> None:
     """And begins where the model stands: no light gets in between, not even 15 cm from the lamp."""
     renderer = make_renderer(QUALITIES[quality].render)
@@ -143,24 +143,23 @@ def test_penumbra_grows_with_the_lamps_radius(make_renderer, stage, quality: str
     assert np.abs(lit - free).mean() < 0.04
 
 
-@pytest.mark.parametrize("quality", list(QUALITIES))
-@pytest.mark.parametrize(
-    "place",
-    [
-        (0.0, 0.0, 0.03),  # in the model
-        (0.0, 0.0, 0.0701),  # on its top
-        (0.0101, 0.0, 0.03),  # on its side
-        (0.1, 0.0, 0.03),  # below its top
-        (0.1, 0.0, 1e-4),  # nearly on the plane
-        (0.1, 0.0, -0.2),  # below the plane
-        (0.0, 0.0, -0.2),
-        (0.06, 0.05, 0.03),  # in the real object
-        (0.0, -0.8, 0.6),  # behind the camera
-        (0.0, 0.0, 0.08),  # 8 cm straight above the marker
-        (0.0, 0.0, 20.0),
-        (0.001, 0.0, 0.0),
-    ],
-)
+EVERY_PLACE = [
+    (0.0, 0.0, 0.03),  # in the model
+    (0.0, 0.0, 0.0701),  # on its top
+    (0.0101, 0.0, 0.03),  # on its side
+    (0.1, 0.0, 0.03),  # below its top
+    (0.1, 0.0, 1e-4),  # nearly on the plane
+    (0.1, 0.0, -0.2),  # below the plane
+    (0.0, 0.0, -0.2),
+    (0.06, 0.05, 0.03),  # in the real object
+    (0.0, -0.8, 0.6),  # behind the camera
+    (0.0, 0.0, 0.08),  # 8 cm straight above the marker
+    (0.0, 0.0, 20.0),
+    (0.001, 0.0, 0.0),
+]
+
+
+@pytest.mark.parametrize(("quality", "place"), in_turns((place,) for place in EVERY_PLACE))
 def test_every_place_of_a_lamp_gives_a_picture(make_renderer, stage, quality: str, place) -> None:
     """The model is there, ground that it cannot shade is the video's, and no light comes from under the table."""
     renderer = make_renderer(QUALITIES[quality].render)

@@ -16,6 +16,7 @@ from ashe_live.quality import FAST, QUALITIES
 from ashe_live.render.camera.white import ASSUMED_WHITE
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, lighting_of
 from ashe_live.render.scene import Scene
+from tests.render.in_turns import in_turns
 
 HEIGHT_M = 0.01
 CORNERS = np.float32(
@@ -126,8 +127,7 @@ def test_normal_map_tilts_the_surface_as_a_tilted_normal_does(studio, stage, til
     assert np.abs(mapped - studio.middle(_sheet(Material()), light)).max() > 0.02
 
 
-@pytest.mark.parametrize("quality", list(QUALITIES))
-@pytest.mark.parametrize(("elevation_deg", "tilt_deg"), [(10, 72), (20, 72), (40, 49), (55, 30)])
+@pytest.mark.parametrize(("quality", "elevation_deg", "tilt_deg"), in_turns([(10, 72), (20, 72), (40, 49), (55, 30)]))
 def test_a_mapped_normal_that_faces_the_sun_leaves_a_flat_surface_unshaded(
     make_renderer, stage, quality: str, elevation_deg: float, tilt_deg: float
 ) -> None:

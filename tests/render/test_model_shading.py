@@ -17,6 +17,7 @@ from ashe_live.quality import QUALITIES
 from ashe_live.render.camera.white import ASSUMED_WHITE as EXPOSURE
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, MIN_BALANCED_SINE, lighting_of
 from ashe_live.render.scene import Scene
+from tests.render.in_turns import in_turns
 
 MOST_FACETED = 0.03  # difference of a ball of few triangles from a round one, over its brightest place
 SIDE = 0.06
@@ -32,8 +33,7 @@ def _face(picture: np.ndarray, tracked, corners: list[tuple[float, ...]]) -> np.
     return picture[cv2.erode(mask, np.ones((5, 5))) > 0].astype(float)
 
 
-@pytest.mark.parametrize("quality", list(QUALITIES))
-@pytest.mark.parametrize("elevation_deg", [2, 5, 10, 20, 35, 50, 70, 85, 90])
+@pytest.mark.parametrize(("quality", "elevation_deg"), in_turns((each,) for each in (2, 5, 10, 20, 35, 50, 70, 85, 90)))
 def test_lit_faces_of_a_convex_box_have_one_shade(make_renderer, stage, quality: str, elevation_deg: float) -> None:
     """No acne: a convex model never shadows a face that the light sees."""
     renderer = make_renderer(QUALITIES[quality].render)

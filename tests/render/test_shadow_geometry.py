@@ -13,6 +13,7 @@ from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.scene import Scene
+from tests.render.in_turns import in_turns
 from tests.render.inside import inside_px
 from tests.shared_data import SHARED
 
@@ -37,10 +38,9 @@ def _shadows(points: np.ndarray, to_light: np.ndarray) -> np.ndarray:
     return points - to_light * (points[:, 2:] / to_light[2])
 
 
-@pytest.mark.parametrize("quality", list(QUALITIES))
 @pytest.mark.parametrize(
-    ("azimuth_deg", "elevation_deg", "light_azimuth_deg", "light_elevation_deg"),
-    [(-90, 35, 150, 40), (-60, 50, 30, 30), (100, 25, 200, 60), (10, 65, -100, 45), (-90, 40, 90, 75)],
+    ("quality", "azimuth_deg", "elevation_deg", "light_azimuth_deg", "light_elevation_deg"),
+    in_turns([(-90, 35, 150, 40), (-60, 50, 30, 30), (100, 25, 200, 60), (10, 65, -100, 45), (-90, 40, 90, 75)]),
 )
 def test_silhouette_and_shadow_fall_where_geometry_says(
     make_renderer,

@@ -7,6 +7,7 @@ was mistyped, or a uniform that was forgotten, would go unnoticed: OpenGL takes 
 import importlib
 import pkgutil
 import re
+from functools import cache
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -25,9 +26,10 @@ class UniformError(AssertionError):
     """A pass and its shader do not fit together."""
 
 
-def declared_uniforms(name: str) -> set[str]:
+@cache
+def declared_uniforms(name: str) -> frozenset[str]:
     """Of the pass `name`, whichever of its variants have them."""
-    return set(UNIFORM.findall("".join(map(shader_source, shaders_of(name)))))
+    return frozenset(UNIFORM.findall("".join(map(shader_source, shaders_of(name)))))
 
 
 class UniformAudit:
@@ -35,7 +37,7 @@ class UniformAudit:
 
     def __init__(self) -> None:
         self.draws = 0
-        self._declared: WeakKeyDictionary[moderngl.Program, set[str]] = WeakKeyDictionary()
+        self._declared: WeakKeyDictionary[moderngl.Program, frozenset[str]] = WeakKeyDictionary()
         self._unset: WeakKeyDictionary[moderngl.Program, set[str]] = WeakKeyDictionary()
         self._draws_nothing: WeakKeyDictionary[moderngl.Program, bool] = WeakKeyDictionary()
 

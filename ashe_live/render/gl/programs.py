@@ -1,5 +1,6 @@
 """Builds the shader programs from the files in `shaders`, with a small `#include` and constants as `#define`."""
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,7 @@ def build_program(ctx: moderngl.Context, name: str, **constants: float) -> moder
     return program
 
 
+@cache
 def shaders_of(name: str) -> tuple[str, str]:
     """Names of a pass's vertex and fragment shader; one without a vertex shader of its own covers the framebuffer."""
     own = f"{name}.vert"
@@ -83,6 +85,7 @@ def set_uniforms(program: moderngl.Program, **values: Any) -> None:
                 uniform.value = value
 
 
-def _read(file_name: str) -> list[str]:
+@cache  # most files are of many programs
+def _read(file_name: str) -> tuple[str, ...]:
     path: Path = resource("shaders", file_name)
-    return path.read_text(encoding="utf-8").splitlines()
+    return tuple(path.read_text(encoding="utf-8").splitlines())

@@ -10,6 +10,7 @@ from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.lights.lighting import ASSUMED_SHADOW_RATIO
 from ashe_live.render.scene import Scene
+from tests.render.in_turns import in_turns
 
 POLE_HEIGHT = 0.06
 GREY = (0.3, 0.3, 0.3, 1.0)
@@ -24,8 +25,7 @@ def _pixel(picture: np.ndarray, tracked, point: tuple[float, ...]) -> np.ndarray
     return picture[round(row), round(column)].astype(float)
 
 
-@pytest.mark.parametrize("quality", list(QUALITIES))
-@pytest.mark.parametrize("grey", [60, 128, 200, 255])
+@pytest.mark.parametrize(("quality", "grey"), in_turns((grey,) for grey in (60, 128, 200, 255)))
 def test_shadow_multiplies_the_video_by_the_ratio_in_linear_light(
     make_renderer, stage, quality: str, grey: int
 ) -> None:
@@ -140,8 +140,13 @@ def test_ground_is_not_darkened_seen_from_below(make_renderer, stage) -> None:
     assert (picture != image).any()  # the model is there
 
 
-@pytest.mark.parametrize("light_elevation_deg", [90.0, 89.999, 5.0, 0.5, 0.01, 0.0, -10.0, -90.0])
-@pytest.mark.parametrize("scale", [0.001, 0.08, 10.0])
+@pytest.mark.parametrize(
+    ("light_elevation_deg", "scale"),
+    [
+        *((elevation_deg, 0.08) for elevation_deg in (90.0, 89.999, 5.0, 0.5, 0.01, 0.0, -10.0, -90.0)),
+        *((elevation_deg, scale) for elevation_deg in (5.0, 0.01) for scale in (0.001, 10.0)),
+    ],
+)
 def test_extreme_lights_and_sizes_are_drawn(make_renderer, stage, light_elevation_deg: float, scale: float) -> None:
     renderer = make_renderer()
     tracked = stage.tracked(220, stage.pose(-90, 40, 3 * scale, target=(0, 0, 0.4 * scale)))
