@@ -25,10 +25,10 @@ BOX_TOP_BGR = (60, 150, 220)
 SKY, BOUNCED = 0.1, 0.3  # of the light on level ground, as in the shadow; and what the ground sends back of it
 SUPERSAMPLING = 2
 MARKER_PX = 400
-# Folders and files whose tests draw, and those whose tests start the program, open windows and wait for these.
-DRAW = ("render", "bench", "commands", "drawing", "viewer", "test_api.py", "test_docs.py")
+# Folders whose tests start the program, open windows and wait for these.
 START = ("e2e", "fuzz", "packaging")
-LONG = ("light", "tracking")  # of the others: these first, so that at the end both processes have something left to do
+# Of the others: these first, so that at the end both processes have something left to do.
+LONG = ("bench", "light", "tracking", "commands", "viewer", "test_api.py", "test_docs.py")
 
 
 @dataclass(frozen=True)
@@ -147,8 +147,8 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Film]:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """With pytest-xdist: a process takes the next group when it has nothing left to do, the longest groups first.
 
-    What draws shares a graphics driver, and stays together; so do those that open windows. Of the others each file is a
-    group of its own, as its tests share films and pictures.
+    The renderer's tests share a graphics context and what models hide, and stay together; so do those that open
+    windows. Of the others each file is a group of its own, as its tests share films and pictures.
     """
     groups = {item: _group(item) for item in items}
     for item, (_, name) in groups.items():
@@ -160,7 +160,7 @@ def _group(item: pytest.Item) -> tuple[int, str]:
     """When its turn is, and its name."""
     place = item.path.relative_to(CHECKOUT / "tests")
     first = place.parts[0]
-    if first in DRAW:
+    if first == "render":
         return 0, "pictures"
     if first in START:
         return 1, "windows"

@@ -7,7 +7,7 @@ from ashe_live.bench.judge.sheets import SeenSheet, fitted_to
 from ashe_live.light.ground.sheet_shadow import OTHERS, SheetShadow
 
 
-def seen(concentration: float, clear: float, count: int = 800) -> list[SeenSheet]:
+def seen(concentration: float, clear: float, count: int = 400) -> list[SeenSheet]:
     """Sheets with shadows of lights whose azimuths spread so much about where these come from, or of something else."""
     rng = np.random.default_rng(5)
     made = []
