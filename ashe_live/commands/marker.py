@@ -19,6 +19,7 @@ SHOWN_PX = 960  # divisible by the usual numbers of cells, and larger than most 
 def run(options: argparse.Namespace) -> int:
     usual = CUBE if options.cube else DEFAULT_MARKER
     spec = usual if options.marker is None else options.marker
+    marker = parse_target(spec)
     if spec != CUBE and (options.cube or is_of_cube(spec)):
         flat = spec.removeprefix(f"{CUBE}+")
         raise UserError(
@@ -29,7 +30,6 @@ def run(options: argparse.Namespace) -> int:
         return _cube(options)
     if options.side is not None:
         raise UserError("--side is a cube's edge", "give --cube with it, or --size-mm for a flat marker")
-    marker = parse_target(spec)
     if options.show:
         # Imported here, as printing must need neither GLFW nor OpenGL.
         from ashe_live.commands.viewing.setup import has_display

@@ -1,10 +1,14 @@
 """Wrong use: one line that says what and where to read on, and status 2."""
 
+import argparse
+from collections.abc import Iterator
+
 import pytest
 
 from ashe_live import quality
-from ashe_live.commands.flags import option_groups
+from ashe_live.commands.flags import option_groups, values
 from ashe_live.commands.flags.options import parsed
+from ashe_live.commands.flags.parser import build_parser, build_start_parser
 
 COMMANDS = (
     "demo",
@@ -62,7 +66,9 @@ COMMANDS = (
         (["estimate", "a.jpg", "--estimator", "oracle"], "paper"),
         (["estimate", "a.jpg", "--marker", "qr:7"], "aruco:4x4_50:0"),
         (["estimate", "a.jpg", "--camera-file", "missing.json"], "missing.json"),
+        (["estimate", "a.jpg", "--marker-size", "80"], "'80' is not a number from 0.0001 to 10 m"),  # millimetres
         (["marker"], "--out"),
+        (["marker", "--out", "a.pdf", "--marker", "cube+"], "there is no marker ''"),
         (["bench"], "WHAT"),
     ],
     ids=" ".join,
@@ -101,3 +107,62 @@ def test_files_may_stand_before_and_after_flags() -> None:
 def test_the_qualities_that_are_offered_are_those_there_are() -> None:
     """The parser has names of its own, so that --help need not load what has the presets."""
     assert tuple(quality.QUALITIES) == option_groups.QUALITIES
+
+
+def parsers(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
+    """The parser itself, and those of its commands."""
+    yield parser
+    for action in parser._actions:
+        for each in dict(action.choices).values() if isinstance(action, argparse._SubParsersAction) else ():
+            yield from parsers(each)
+
+
+OFFERED = [
+    (parser, action)
+    for parser in (*parsers(build_parser()), build_start_parser())
+    for action in parser._actions
+    if not isinstance(action, argparse._SubParsersAction)
+]
+TAKING_VALUES = [(parser, action) for parser, action in OFFERED if action.option_strings and action.nargs != 0]
+NUMBERS = (
+    values.side_m,
+    values.millimetres,
+    values.focal_px,
+    values.angle_deg,
+    values.count,
+    values.index,
+    values.views,
+)
+
+
+def named(part: object) -> str | None:
+    """The command or the option, for a test's name."""
+    if isinstance(part, argparse.Action):
+        return part.option_strings[0] if part.option_strings else part.dest
+    return part.prog if isinstance(part, argparse.ArgumentParser) else None
+
+
+@pytest.mark.parametrize(("parser", "action"), OFFERED, ids=named)
+def test_help_says_what_a_command_does_and_of_every_option_what_it_is_and_its_default(
+    parser: argparse.ArgumentParser, action: argparse.Action
+) -> None:
+    assert parser.description or parser.prog == build_start_parser().prog  # whose help is the program's
+    assert action.help
+    default = action.default
+    if default is not argparse.SUPPRESS and isinstance(default, str | int | float | tuple) and default:
+        assert "default" in action.help
+
+
+@pytest.mark.parametrize(("parser", "action"), TAKING_VALUES, ids=named)
+def test_no_option_takes_what_is_no_value(
+    parser: argparse.ArgumentParser, action: argparse.Action, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flag = action.option_strings[0]
+    wrong = ["--", *(("", "nan", "inf", "-1e308", "6cm", "1,5") if action.type in NUMBERS else ())]
+    for value in wrong:
+        with pytest.raises(SystemExit) as ended:
+            parser.parse_args([f"{flag}={value}"])
+        assert ended.value.code == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert f"argument {flag}" in line
+        assert f"{parser.prog} --help" in line

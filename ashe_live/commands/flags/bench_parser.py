@@ -3,8 +3,16 @@
 import argparse
 
 from ashe_live.commands.flags import values
-from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR, QUALITIES, add_quality_options
+from ashe_live.commands.flags.option_groups import (
+    DEFAULT_ESTIMATOR,
+    ESTIMATOR_HELP,
+    QUALITIES,
+    add_command,
+    add_quality_options,
+)
 
+PRESET_HELP = "the preset that is measured (default balanced)"
+SCENES_HELP = "folders of pictures with known lights, each with a ground_truth.json"
 MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
 
 
@@ -20,7 +28,7 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
         ("cube", _add_cube, "the paper cube's pose and light, on pictures with known truth"),
         ("track", _add_track, "the tracker beside OpenCV's detector, on frames with known poses"),
     ):
-        add(benches.add_parser(name, help=what))
+        add(add_command(benches, name, what))
 
 
 def _add_viewer(viewer: argparse.ArgumentParser) -> None:
@@ -59,7 +67,7 @@ def _add_light(light: argparse.ArgumentParser) -> None:
     _add_scenes(light)
     _add_results_folder(light)
     light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
-    light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
+    light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=ESTIMATOR_HELP)
     light.add_argument(
         "--casters", action="store_true", help="also with the scenes' own boxes, cylinders and spheres as --caster"
     )
@@ -104,7 +112,7 @@ def _add_cube(cube: argparse.ArgumentParser) -> None:
     )
     _add_scenes(cube, "the light on these pictures, not on painted ones")
     _add_results_folder(cube)
-    cube.add_argument("--quality", choices=QUALITIES, default="balanced")
+    cube.add_argument("--quality", choices=QUALITIES, default="balanced", help=PRESET_HELP)
 
 
 def _add_track(tracking: argparse.ArgumentParser) -> None:
@@ -115,13 +123,14 @@ def _add_track(tracking: argparse.ArgumentParser) -> None:
     _add_scenes(tracking, "also check, and fit, how certain poses are")
     _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
-    tracking.add_argument("--quality", choices=QUALITIES, default="balanced")
+    tracking.add_argument("--quality", choices=QUALITIES, default="balanced", help=PRESET_HELP)
 
 
 def _add_scenes(bench: argparse.ArgumentParser, instead: str | None = None) -> None:
     """Folders of pictures with known lights; `instead`: what they are for in a bench that does without them."""
+    said = SCENES_HELP if instead is None else f"{SCENES_HELP}: {instead}"
     bench.add_argument(
-        "--scenes", type=values.path, nargs="+", required=instead is None, default=(), metavar="DIR", help=instead
+        "--scenes", type=values.path, nargs="+", required=instead is None, default=(), metavar="DIR", help=said
     )
 
 

@@ -15,12 +15,21 @@ CASTER_HELP = (
 )
 DEFAULT_MODELS = ("cube",)
 LIGHTS = ("auto", "sun", "lamp")
-LIGHT_HELP = "what it is taken for: a lamp where the picture tells its distance (auto), or always the one or the other"
+LIGHT_HELP = "taken for a lamp where the picture tells its distance (auto, the default), or always for one of them"
+QUALITY_HELP = "of tracking, light and drawing; auto: the best at which the window keeps up with the display"
+ESTIMATOR_HELP = f"how the light is estimated; `paper` is the AShE paper's method (default {DEFAULT_ESTIMATOR})"
 LAYERS = ("both", "model", "shadow")
 UPS = ("x", "y", "z", "-x", "-y", "-z")
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
 # The same as in ashe_live.quality, whose imports --help must not wait for.
 QUALITIES = ("fast", "balanced", "accurate")
+
+
+def add_command(
+    commands: "argparse._SubParsersAction[argparse.ArgumentParser]", name: str, what: str
+) -> argparse.ArgumentParser:
+    """The parser of a command that does `what`, as the list of commands says and its own help begins."""
+    return commands.add_parser(name, help=what, description=f"{what[0].upper()}{what[1:]}.")
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +45,10 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     scene.add_argument("--caster", metavar="SHAPE|FILE", help=CASTER_HELP)
     camera = scene.add_mutually_exclusive_group()
     camera.add_argument(
-        "--camera-file", type=values.path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}'
+        "--camera-file",
+        type=values.path,
+        metavar="FILE.json",
+        help='what `ashe-live calibrate` wrote: {"size", "K", "dist"}',
     )
     camera.add_argument("--focal-px", type=values.focal_px, metavar="F", help="focal length in pixels of the source")
     camera.add_argument(
@@ -106,8 +118,10 @@ def _add_output_options(parser: argparse.ArgumentParser) -> None:
 
 def add_quality_options(parser: argparse.ArgumentParser, default: str = "balanced") -> None:
     trade = parser.add_argument_group("speed against accuracy")
-    trade.add_argument("--quality", choices=(*QUALITIES, "auto"), default=default)
-    trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=f"(default {DEFAULT_ESTIMATOR})")
+    trade.add_argument(
+        "--quality", choices=(*QUALITIES, "auto"), default=default, help=f"{QUALITY_HELP} (default {default})"
+    )
+    trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=ESTIMATOR_HELP)
     trade.add_argument("--light", choices=LIGHTS, default=LIGHTS[0], help=LIGHT_HELP)
 
 

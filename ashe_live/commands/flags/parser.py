@@ -11,6 +11,7 @@ from ashe_live.commands.flags.option_groups import (
     DEFAULT_MARKER,
     ESTIMATE_AT_HELP,
     MARKERS_HELP,
+    add_command,
     add_quality_options,
     add_scene_options,
     add_view_options,
@@ -23,6 +24,8 @@ EPILOG = (
     "Print a marker with `ashe-live marker --out marker.pdf`."
 )
 START = "start"
+CAMERA_HELP = "number or path, as `ashe-live cameras` lists them"
+PAGE_HELP = "the page to print"
 NEAR = 0.75  # likeness, from 0 to 1, of a word that may have been meant: one letter of six is wrong
 
 
@@ -34,38 +37,36 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
-    demo = commands.add_parser("demo", help="play the shipped clip (without a display: into a video file)")
+    demo = add_command(commands, "demo", "play the shipped clip (without a display: into a video file)")
     add_view_options(demo)
     demo.set_defaults(camera_file=None, focal_px=None, hfov=None, caster=None)
 
-    webcam = commands.add_parser("webcam", help="open a camera that looks at a printed marker")
-    webcam.add_argument("--camera", type=values.camera, default="0", metavar="N|PATH", help="(default 0)")
+    webcam = add_command(commands, "webcam", "open a camera that looks at a printed marker")
+    webcam.add_argument(
+        "--camera", type=values.camera, default="0", metavar="N|PATH", help=f"{CAMERA_HELP} (default 0)"
+    )
     add_scene_options(webcam)
     add_view_options(webcam)
 
-    play = commands.add_parser("play", help="play a recorded clip, or show a photo")
-    play.add_argument("file", type=values.path, metavar="FILE")
+    play = add_command(commands, "play", "play a recorded clip, or show a photo")
+    play.add_argument("file", type=values.path, metavar="FILE", help="the clip or the photo")
     add_scene_options(play)
     add_view_options(play)
 
-    _add_estimate_options(commands.add_parser("estimate", help="tell where the light is in photos or clips"))
-    _add_marker_options(
-        commands.add_parser("marker", help="make a marker to print at true size, or to show on a screen")
-    )
+    _add_estimate_options(add_command(commands, "estimate", "tell where the light is in photos or clips"))
+    _add_marker_options(add_command(commands, "marker", "make a marker to print at true size, or to show on a screen"))
 
-    cameras = commands.add_parser("cameras", help="list the connected cameras and their modes")
+    cameras = add_command(commands, "cameras", "list the connected cameras and their modes")
     cameras.add_argument("--fast", action="store_true", help="names only: no camera is opened")
 
-    commands.add_parser("doctor", help="check what works on this machine, and say how to mend what does not")
-    commands.add_parser("settings", help="where your settings are, and which values apply (docs/settings.md)")
+    add_command(commands, "doctor", "check what works on this machine, and say how to mend what does not")
+    add_command(commands, "settings", "say where your settings are, and which values apply (docs/settings.md)")
 
-    _add_board_options(
-        commands.add_parser("board", help="make a board to print, with which `calibrate` measures a camera")
-    )
+    _add_board_options(add_command(commands, "board", "make a board to print, by which `calibrate` measures a camera"))
     _add_calibrate_options(
-        commands.add_parser("calibrate", help="measure a camera's focal length and distortion with the board")
+        add_command(commands, "calibrate", "measure a camera's focal length and distortion with the board")
     )
-    add_benches(commands.add_parser("bench", help="measure speed and accuracy on this machine"))
+    add_benches(add_command(commands, "bench", "measure speed and accuracy on this machine"))
     return parser
 
 
@@ -73,14 +74,14 @@ def build_start_parser(parser_class: type[argparse.ArgumentParser] | None = None
     """The parser of command lines without a command, which open a camera or the demo."""
     start = (parser_class or CommandParser)(prog="ashe-live")
     start.set_defaults(command=START)
-    start.add_argument("--camera", type=values.camera, metavar="N|PATH", help="(default: the first one)")
+    start.add_argument("--camera", type=values.camera, metavar="N|PATH", help=f"{CAMERA_HELP} (default: the first one)")
     add_scene_options(start)
     add_view_options(start)
     return start
 
 
 def _add_board_options(board: argparse.ArgumentParser) -> None:
-    board.add_argument("--out", type=values.path, required=True, metavar="FILE.pdf|png")
+    board.add_argument("--out", type=values.path, required=True, metavar="FILE.pdf|png", help=PAGE_HELP)
     board.add_argument(
         "--square-mm", type=values.millimetres, default=25.0, metavar="MM", help="side of a square (default 25)"
     )
@@ -108,7 +109,11 @@ def _add_calibrate_options(calibrate: argparse.ArgumentParser) -> None:
 
 def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
     estimate.add_argument(
-        "files", type=values.path, nargs="+", metavar="FILE", help="also folders and patterns ('*.jpg')"
+        "files",
+        type=values.path,
+        nargs="+",
+        metavar="FILE",
+        help="photos and clips, also folders and patterns ('*.jpg')",
     )
     estimate.add_argument(
         "--json", action="store_true", help="one JSON object a line, one line a file (docs/contract.md)"
@@ -144,7 +149,7 @@ def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
 
 def _add_marker_options(marker: argparse.ArgumentParser) -> None:
     target = marker.add_mutually_exclusive_group(required=True)
-    target.add_argument("--out", type=values.path, metavar="FILE.pdf|png")
+    target.add_argument("--out", type=values.path, metavar="FILE.pdf|png", help=PAGE_HELP)
     target.add_argument("--show", action="store_true", help="show it in a window instead of printing it")
     marker.add_argument("--marker", metavar="SPEC", help=f"{MARKERS_HELP} or cube (default {DEFAULT_MARKER})")
     marker.add_argument(
@@ -191,6 +196,12 @@ class CommandParser(argparse.ArgumentParser):
             near = next((self._near(flag, self._option_string_actions) for flag in flags), "")
             self.error(f"unrecognized arguments: {' '.join(left)}{near}")
         return options, []
+
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> object:
+        # Argparse takes "--" for no value at all, and hands over an empty list in its place.
+        if action.option_strings and arg_strings == ["--"]:
+            raise argparse.ArgumentError(action, "'--' is no value")
+        return super()._get_values(action, arg_strings)
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
         near = "" if action.choices is None else self._near(str(value), map(str, action.choices))

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
+from urllib.parse import unquote
 
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
@@ -15,6 +15,7 @@ from ashe_live.viewer.sources.pipeline import Pipeline
 
 # Long enough for a disk that must spin up, or a network.
 LONGEST_S = 20.0
+FILE_URI = "file://"
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,12 +88,16 @@ def _close_pipeline(coming: "Future[Opened]") -> None:
 
 def paths_in(text: str) -> tuple[str, ...]:
     """The files named in copied text, one a line, as file managers and shells write paths."""
-    lines = (line.strip().strip("\"'") for line in text.splitlines())
-    return tuple(_path_of_uri(line) if line.startswith("file://") else line for line in lines if line)
+    lines = [line for raw in text.splitlines() if (line := raw.strip().strip("\"'"))]
+    # Beside addresses, some file managers copy words of their own ("copy", "x-special/nautilus-clipboard").
+    uris = [line for line in lines if line.startswith(FILE_URI)]
+    return tuple(map(_path_of_uri, uris) if uris else lines)
 
 
 def _path_of_uri(uri: str) -> str:
-    path = unquote(urlsplit(uri).path)
+    # Copied text may be anything: urlsplit raises ValueError for some of it.
+    _, _, path = uri.removeprefix(FILE_URI).partition("/")  # without the name of a host
+    path = "/" + unquote(path, errors="surrogateescape")
     # On Windows a file's URL is file:///C:/name, with a slash too many.
     return path[1:] if path[2:3] == ":" else path
 

@@ -1,5 +1,6 @@
 """The window on the screen, by GLFW, with an OpenGL 3.3 core context; it turns key events into requests."""
 
+import os
 from dataclasses import replace
 from types import TracebackType
 from typing import Any, Self
@@ -78,10 +79,13 @@ class GlfwWindow:
         return float(mode.refresh_rate) if mode and mode.refresh_rate > 0 else 60.0
 
     def take_requests(self, wait_s: float) -> list[Request]:
-        if wait_s > 0:
-            glfw.wait_events_timeout(wait_s)
-        else:
-            glfw.poll_events()
+        try:
+            if wait_s > 0:
+                glfw.wait_events_timeout(wait_s)
+            else:
+                glfw.poll_events()
+        except UnicodeDecodeError as error:  # pyGLFW takes the names of dropped files for UTF-8: this one is not
+            self._on_drop(None, [os.fsdecode(error.object)])
         requests, self._requests = self._requests, []
         return requests
 

@@ -1,8 +1,10 @@
 """Files that are dropped on the window: opened off the main thread, and without effect when they cannot be."""
 
+import os
 import threading
 from pathlib import Path
 
+import glfw
 import numpy as np
 import PIL.Image
 import pytest
@@ -128,6 +130,14 @@ def test_of_several_files_the_first_of_each_kind_counts(paths, model, source):
         ('"/a/b.mp4"', ("/a/b.mp4",)),
         ("'/a/b.mp4'", ("/a/b.mp4",)),
         ("file:///C:/a/b%20c.glb", ("C:/a/b c.glb",)),
+        (
+            "x-special/nautilus-clipboard\ncopy\nfile:///a/b%20c.mp4\n",
+            ("/a/b c.mp4",),
+        ),  # as GNOME's Files did until 2021
+        ("file://host/a/b.mp4", ("/a/b.mp4",)),
+        ("file:///a/caf%E9.mp4", (os.fsdecode(b"/a/caf\xe9.mp4"),)),  # a name that is not UTF-8
+        ("file://[a/b.mp4", ("/b.mp4",)),  # no address at all, and no reason to end
+        ("file://", ("/",)),
         ("\n  \n", ()),
         ("", ()),
     ],
@@ -141,3 +151,12 @@ def test_the_windows_drop_is_a_request():
     window._requests = []
     window._on_drop(None, ["/a/b.glb", "/a/c d.mp4"])
     assert window._requests == [Request(Command.OPEN, Files(("/a/b.glb", "/a/c d.mp4")))]
+
+
+def test_a_dropped_name_that_is_not_utf8_is_the_systems_name_of_the_file(monkeypatch):
+    name = b"/a/caf\xe9.glb"
+    window = GlfwWindow.__new__(GlfwWindow)
+    window._requests = []
+    # pyGLFW's callback decodes, and what that raises comes out of the call that waits for events.
+    monkeypatch.setattr(glfw, "poll_events", lambda: name.decode("utf-8"))
+    assert window.take_requests(0.0) == [Request(Command.OPEN, Files((os.fsdecode(name),)))]
