@@ -63,13 +63,13 @@ def painted_over(image_bgr: Image, hidden: Mask, from_px: int) -> Image:
 
 
 def outline_of(sheet: Sheet, camera: Camera, T_cam_marker: Float, side_m: float) -> NDArray[np.int32]:
-    """(m, 2) in 2 ** -FRACTION_BITS pixels: the outline of what of a sheet lies before the camera.
+    """(m, 2) in 2 ** -FRACTION_BITS pixels: the outline of what of a sheet lies before the camera; empty for nothing.
 
     A page whose end is out of the picture may reach behind the camera, as where it ends is not known.
     """
     corners = sheet.corners(side_m)
     points = before_camera(corners, T_cam_marker)
     outline = project(camera, T_cam_marker, points).clip(-1e4, 1e4)
-    if not np.array_equal(points, corners):  # some of them are where lines meet the near plane, in any order
+    if len(points) and not np.array_equal(points, corners):  # some are where lines meet the near plane, in any order
         outline = cv2.convexHull(outline.astype(np.float32))[:, 0]
     return np.asarray(np.round(outline * 2**FRACTION_BITS), dtype=np.int32)

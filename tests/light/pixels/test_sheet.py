@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.sheet import ADDED, USUAL, USUAL_SHEET, Sheet, measured_sheet
+from ashe_live.light.pixels.shown_as_ground import outline_of
 from tests.light.synthetic_masks import camera_towards
 
 CAMERA = Camera.from_hfov((640, 480), 55.0)
@@ -78,3 +79,10 @@ def test_a_marker_behind_the_camera_has_a_usual_sheet() -> None:
     found = measured_sheet(painted((0.8, 0.8, 0.8, 0.8), 90), CAMERA, behind, SIDE_M)
     assert found == USUAL_SHEET
     assert found.corners(SIDE_M).max() == pytest.approx(USUAL * SIDE_M)
+
+
+def test_a_sheet_that_is_nowhere_before_the_camera_has_an_empty_outline() -> None:
+    aside = np.array(T_CAM_MARKER)
+    aside[:3, 3] = (1.0, 0.0, 0.02)  # 89 degrees off the lens's axis, as a wrong camera file may have it
+    assert outline_of(USUAL_SHEET, CAMERA, aside, SIDE_M).shape == (0, 2)
+    assert len(outline_of(USUAL_SHEET, CAMERA, T_CAM_MARKER, SIDE_M)) == 4
