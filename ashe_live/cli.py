@@ -10,6 +10,7 @@ from importlib import import_module
 
 from ashe_live.commands.flags.options import parsed, with_origin
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.process.ending import end_process
 from ashe_live.process.messages import tell
 from ashe_live.process.module_path import safe_library_path, safe_module_path
 from ashe_live.process.streams import flushed, open_streams
@@ -42,7 +43,7 @@ def main() -> None:
     except SystemExit as end:  # argparse, after --help and wrong use
         status = end.code if isinstance(end.code, int) else ExitStatus.ANSWERED
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done: the interpreter takes itself apart
-    sys.exit(flushed(status))
+    end_process(flushed(status))
 
 
 def _interruptible() -> None:

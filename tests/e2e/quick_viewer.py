@@ -9,5 +9,7 @@ worker.make_estimator = quick
 
 if __name__ == "__main__":
     from ashe_live.cli import run
+    from ashe_live.process.ending import end_process
+    from ashe_live.process.streams import flushed
 
-    sys.exit(run(sys.argv[1:]))
+    end_process(flushed(run(sys.argv[1:])))

@@ -1,0 +1,44 @@
+"""The process ends with its own status, whatever its threads are doing."""
+
+import subprocess
+import sys
+
+import pytest
+
+from tests.checkout import CHECKOUT
+
+# A tracker that takes longer than the viewer waits for it: nearly all of the time is spent in OpenCV, without the lock.
+IN_OPENCV = """
+import threading
+import cv2
+import numpy as np
+
+def work():
+    while True:
+        has_begun.set()
+        cv2.medianBlur(picture, 5)
+
+picture, has_begun = np.zeros((2000, 2000), np.uint8), threading.Event()
+threading.Thread(target=work, daemon=True).start()
+has_begun.wait()
+"""
+END = """
+import atexit
+from ashe_live.process.ending import end_process
+
+atexit.register(print, "ended in order", flush=True)
+end_process(3)
+"""
+
+
+@pytest.mark.parametrize("before", ["", IN_OPENCV], ids=["alone", "in a library"])
+def test_a_thread_inside_a_library_does_not_change_the_status(before: str) -> None:
+    done = subprocess.run([sys.executable, "-c", before + END], cwd=CHECKOUT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (3, "ended in order\n", "")
+
+
+@pytest.mark.skipif(sys.version_info >= (3, 14), reason="from then on Python leaves such threads alone")
+def test_python_alone_would_abort() -> None:
+    """Why the module is there; where this fails, it can go."""
+    done = subprocess.run([sys.executable, "-c", f"{IN_OPENCV}\nraise SystemExit(3)"], capture_output=True)
+    assert done.returncode != 3
