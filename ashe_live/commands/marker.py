@@ -1,6 +1,7 @@
 """`ashe-live marker`: a marker to print at true size, also as a cube to fold, or to show on a screen."""
 
 import argparse
+import shlex
 
 from ashe_live.commands.flags.model_choice import marker_files
 from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
@@ -44,7 +45,10 @@ def run(options: argparse.Namespace) -> int:
     check_outputs([options.out], marker_files(options), options.overwrite)
     size_mm = USUAL_MM if options.size_mm is None else options.size_mm
     write_marker_sheet(options.out, marker, size_mm / 1000, options.overwrite, options.paper)
-    say(f"{options.out}: print it at 100 %, then the ruler line on it is true")
+    flags = [] if spec == DEFAULT_MARKER else [f"--marker {shlex.quote(spec)}"]
+    flags += [] if size_mm == USUAL_MM else [f"--marker-size {size_mm / 1000:g}"]
+    use = f"; use it with {' '.join(flags)}" if flags else ""
+    say(f"{options.out}: print it at 100 %, then the ruler line on it is true{use}")
     return ExitStatus.ANSWERED
 
 

@@ -1,10 +1,13 @@
 """`ashe-live marker`, and what `webcam` says where there is no camera."""
 
+import shlex
 import sys
 
 import cv2
 import pytest
 
+from ashe_live.commands.flags.options import parsed
+from ashe_live.tracking.families.layout import usual_side_m
 from ashe_live.tracking.families.markers import parse_marker
 
 
@@ -16,6 +19,22 @@ def test_the_printed_marker_is_found_again(run, tmp_path):
     sheet = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
     small = cv2.resize(sheet, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
     assert parse_marker("aruco:4x4_50:7").find(small) is not None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "spec", "side_m"),
+    [
+        ((), "aruco:4x4_50:0", 0.08),
+        (("--size-mm", "150"), "aruco:4x4_50:0", 0.15),
+        (("--marker", "grid:4x4_50:3x2", "--size-mm", "50"), "grid:4x4_50:3x2", 0.05),
+    ],
+)
+def test_the_flags_that_it_names_are_those_for_the_print(run, tmp_path, arguments, spec, side_m):
+    (line,) = run("marker", "--out", tmp_path / "marker.png", *arguments).out
+    flags = line.partition("; use it with ")[2]
+    options = parsed(["webcam", *shlex.split(flags)])
+    assert options.marker == spec
+    assert (options.marker_size or usual_side_m(options.marker)) == side_m
 
 
 def test_an_existing_sheet_is_left_alone(run, tmp_path):
