@@ -2,14 +2,25 @@
 #version 330 core
 #include "lights.glsl"
 #include "shadow.glsl"
+#include "smoothed.glsl"
 
 uniform int caster;
 uniform int light;
 
 in vec3 ground;
-out float lit;
+out vec2 lit;  // and for smoothed_shadow.frag the penumbra's radius across the light in metres; 0 where there is none
 
 void main() {
-    // Rays above the horizon of a lamp never meet the ground.
-    lit = ground.z < 1e-4 ? 1.0 : lit_past(caster, light, vec3(ground.xy / ground.z, 0.0));
+    lit = vec2(1.0, 0.0);
+    if (ground.z < 1e-4) return;  // rays above the horizon of a lamp never meet the ground
+    int map = caster * LIGHTS + light;
+    float scale;
+    // The map's depth range ends behind the caster but the ground goes on: lit_fraction clamps points beyond the range.
+    vec3 at = in_map(map, vec3(ground.xy / ground.z, 0.0), scale);
+    vec2 ray = first_ray(gl_FragCoord.xy);
+    Blockers blockers = blockers_of(map, tan_half_size[map], at, vec2(0.0), ray);
+    // Variances add up: what averaging will add to the penumbra is left out here.
+    vec2 radius_m = blockers.radius_m * sqrt(1.0 - share_smoothed(blockers.radius_m));
+    vec2 radius = max(vec2(LEAST_RADIUS), radius_m * shadow_map_size / shadow_extent[map].xy);
+    lit = vec2(lit_fraction(map, at, vec2(0.0), ray, blockers, radius), is_penumbra(blockers) ? blockers.radius_m : 0.0);
 }

@@ -28,6 +28,7 @@ vec2 in_texture(int map, vec2 texel) {
 #if BLOCKER_TAPS > 0
 // Golden-angle spiral: points at radii of the square roots of equal steps are spread evenly over a disc (Vogel 1979).
 const mat2 GOLDEN_TURN = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
+const float LEAST_RADIUS = 0.75;  // texels, of a penumbra: a texel's own
 
 // A direction on the half circle that differs from texel to texel, to turn banding into noise that stays fixed to the
 // receiver (interleaved gradient noise, Jimenez 2014).
@@ -36,13 +37,17 @@ vec2 first_ray(vec2 texel) {
     return vec2(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
 }
 
-float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
+// How much of a light's disc, as seen from a receiver, a caster covers, and how wide a penumbra that makes.
+struct Blockers {
+    float share;  // of the samples
+    float radius_m;  // of the penumbra across the light, where they are neither none nor all
+};
+
+Blockers blockers_of(int map, float tan_half, vec3 at, vec2 slope, vec2 ray) {
     vec2 texels_per_m = shadow_map_size / shadow_extent[map].xy;
     vec2 centre = at.xy * shadow_map_size;
     vec2 search = max(vec2(1.5), at.z * shadow_extent[map].z * tan_half * texels_per_m);
     bool is_near = all(lessThan(abs(centre - 0.5 * shadow_map_size), 0.5 * shadow_map_size + search));
-    vec2 ray = first_ray(centre);
-    vec2 start = ray;
     float depths = 0.0;
     float blockers = 0.0;
     // A software rasteriser saves time when a loop ends early, but not when a branch is not taken.
@@ -55,16 +60,30 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
         ray = GOLDEN_TURN * ray;
     }
     float distance = (at.z - depths / max(blockers, 1.0)) * shadow_extent[map].z;
-    vec2 radius = max(vec2(0.75), distance * tan_half * texels_per_m);
-    bool is_penumbra = blockers > 0.0 && blockers < float(BLOCKER_TAPS);
+    return Blockers(blockers / float(BLOCKER_TAPS), distance * tan_half);
+}
+
+bool is_penumbra(Blockers blockers) {
+    return blockers.share > 0.0 && blockers.share < 1.0;
+}
+
+// The mean over a penumbra of `radius` texels.
+float lit_fraction(int map, vec3 at, vec2 slope, vec2 ray, Blockers blockers, vec2 radius) {
+    vec2 centre = at.xy * shadow_map_size;
     float lit = 0.0;
-    ray = start;
-    for (int k = 0; k < (is_penumbra ? SOFT_TAPS : 0); ++k) {
+    for (int k = 0; k < (is_penumbra(blockers) ? SOFT_TAPS : 0); ++k) {
         vec2 aside = ray * sqrt((float(k) + 0.5) / float(SOFT_TAPS)) * radius;
         lit += texture(shadow_maps, vec3(in_texture(map, centre + aside), clamp(at.z + dot(slope, aside), 0.0, 1.0)));
         ray = GOLDEN_TURN * ray;
     }
-    return is_penumbra ? lit / float(SOFT_TAPS) : 1.0 - step(0.5, blockers);
+    return is_penumbra(blockers) ? lit / float(SOFT_TAPS) : 1.0 - step(0.5, blockers.share);
+}
+
+float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
+    vec2 ray = first_ray(at.xy * shadow_map_size);
+    Blockers blockers = blockers_of(map, tan_half, at, slope, ray);
+    vec2 radius = max(vec2(LEAST_RADIUS), blockers.radius_m * shadow_map_size / shadow_extent[map].xy);
+    return lit_fraction(map, at, slope, ray, blockers, radius);
 }
 #else
 // Along one axis, 2 r + 1 bilinear taps weight 2 r + 2 texels by 1-f, 1, ..., 1, f. One bilinear tap placed between two

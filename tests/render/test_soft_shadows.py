@@ -46,6 +46,21 @@ def test_penumbra_is_as_wide_as_the_light_looks(make_renderer, stage, quality: s
     assert np.abs(lit - expected).mean() < 0.03
 
 
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_a_wide_penumbra_has_no_dots(make_renderer, stage, quality: str) -> None:
+    """Along a straight edge as much light passes everywhere, however few points of a large light are sampled."""
+    plate = box((0.1, 0.1, 0.002)).moved(1.0, np.array([0.0, 0.0, HEIGHT - 0.002]))
+    tracked = stage.tracked(255, stage.pose(0, 25, 0.35, target=(0.05, 0, 0)))
+    renderer = make_renderer(QUALITIES[quality].render)
+    renderer.render(Scene(tracked, stage.placed(plate), Illumination((_light(180, 45, 20.0),))))
+    picture = renderer.read_bgr()
+    half = HEIGHT * math.tan(math.radians(10.0)) * 2
+    xs, ys = 0.05 + HEIGHT + half * np.linspace(-0.8, 0.8, 21), np.linspace(-0.02, 0.02, 41)
+    lit = np.array([stage.along(picture, tracked, xs, y) for y in ys])
+    assert lit[:, 0].mean() < 0.5 < 0.8 < lit[:, -1].mean()
+    assert lit.std(axis=0).max() < 0.01
+
+
 def test_light_of_unknown_size_is_as_wide_as_the_sun() -> None:
     assert lighting_of((_light(0, 40, None),)).suns[0].angular_size_rad == SUN_ANGULAR_SIZE_RAD == math.radians(0.53)
 

@@ -34,4 +34,5 @@ UNIT_OF = {
     "coarse_gone": 10,
     "outline_steps": 12,
     "ground_mean": 0,
+    "noisy_shadow": 12,
 }

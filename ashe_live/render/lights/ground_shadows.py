@@ -5,11 +5,13 @@ even where the ground is lit at a grazing angle.
 """
 
 import math
+from typing import Any
 
 import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Size
 from ashe_live.core.transforms import translated_and_scaled
 from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.preset import RenderPreset
@@ -17,10 +19,12 @@ from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import Lighting
-from ashe_live.render.lights.shadow_maps import NOTHING_SEEN, ShadowMaps, tile_corners
+from ashe_live.render.lights.shadow_maps import NOTHING_SEEN, LightBox, ShadowMaps, tile_corners
 
 # A penumbra wider than this share of the caster's width is cut off.
 WIDEST_PENUMBRA = 1.0
+# Of a wide penumbra's variance, what averaging neighbouring texels adds at most; it is drawn narrower by as much.
+SMOOTHED_SHARE = 0.2
 COARSEST = 4  # texels a side of a tile in the last level of its pyramid
 
 
@@ -34,8 +38,9 @@ class GroundShadows:
         self._size = preset.ground_shadow_size
         self._levels = round(math.log2(self._size / COARSEST))
         self._canvas = Canvas(ctx, 1, "f4")  # a software rasteriser interpolates this twice as fast as half precision
+        self._noisy = Canvas(ctx, 2, "f4")  # one tile, before its texels are averaged
         self._texture: moderngl.Texture | None = None
-        self._rectangle = WholeRectangle(ctx)
+        self._rectangle, self._averaging = WholeRectangle(ctx), WholeRectangle(ctx)
         self._drawn = 0
         self._uniforms: dict[str, Float] = {}
 
@@ -54,7 +59,6 @@ class GroundShadows:
             **shadows.constants | {"casters": shadows.caster_count, "blocker_taps": self._preset.blocker_taps},
         )
         shadows.bind(program)
-        framebuffer.use()
         framebuffer.clear(1.0)
         self._ctx.enable_only(moderngl.NOTHING)
         texture_from_marker = []
@@ -66,10 +70,13 @@ class GroundShadows:
             tile_from_unit = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1))
             tile_from_marker = tile_from_unit @ box.unit_from_marker
             if box.unit_from_marker is not NOTHING_SEEN:
-                self._ctx.viewport = (int(corner[0]), int(corner[1]), self._size, self._size)
                 ground = _ground_from_tile(tile_from_marker)
-                set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
-                self._rectangle.draw(program)
+                smoothing = {
+                    "texels_per_m": self._size / (box.extent[:2] * (1 + 2 * beyond)),
+                    "smoothed_share": SMOOTHED_SHARE if _is_wide(box, self._preset) else 0.0,
+                }
+                set_uniforms(program, marker_from_tile=ground, caster=caster, light=light, **smoothing)
+                self._draw_tile(program, framebuffer, (int(corner[0]), int(corner[1])), smoothing)
             texture_from_tile = translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1))
             texture_from_marker.append(texture_from_tile @ tile_from_marker)
         # A wall gets light from shaded and lit ground at once.
@@ -83,6 +90,27 @@ class GroundShadows:
             "light_point": lighting.light_points,
         }
 
+    def _draw_tile(
+        self, program: moderngl.Program, onto: moderngl.Framebuffer, corner: Size, smoothing: dict[str, Any]
+    ) -> None:
+        """A tile at `corner`; one with `smoothing` is drawn beside, and averaged into its place."""
+        there = (*corner, self._size, self._size)
+        if not smoothing["smoothed_share"]:
+            onto.use()
+            self._ctx.viewport = there
+            self._rectangle.draw(program)
+            return
+        noisy, beside = self._noisy.of_size((self._size, self._size))
+        beside.use()
+        self._ctx.viewport = (0, 0, self._size, self._size)
+        self._rectangle.draw(program)
+        averaging = self._programs.get("smoothed_shadow")
+        set_uniforms(averaging, corner=corner, **smoothing)
+        noisy.use(UNIT_OF["noisy_shadow"])
+        onto.use()
+        self._ctx.viewport = there
+        self._averaging.draw(averaging)
+
     @property
     def content(self) -> object:
         """A token that is another object whenever the shadows were drawn again."""
@@ -95,7 +123,15 @@ class GroundShadows:
 
     def release(self) -> None:
         self._rectangle.release()
+        self._averaging.release()
+        self._noisy.release()
         self._canvas.release()
+
+
+def _is_wide(box: LightBox, preset: RenderPreset) -> bool:
+    """Whether the widest penumbra has more texels of the depth map than its samples see, each of them two by two."""
+    radius = box.penumbra_m * preset.shadow_map_size / box.extent[:2]
+    return bool(math.pi * radius.prod() > 4 * preset.soft_taps)
 
 
 def _ground_from_tile(tile_from_marker: Float) -> Float:

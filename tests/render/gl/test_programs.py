@@ -34,7 +34,9 @@ def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> N
             "spread": casters - 1,
             **({"bends": 1, "coarse": 1, "relief": 1, "covers": 1} if casters == 2 else {}),
         }
-        if name not in ("contact", "ground_shadow", "self_occlusion") or lights:
+        # These are drawn by a light alone, and the ground's shadow by its penumbrae.
+        needs = {"contact": lights, "self_occlusion": lights, "ground_shadow": blocker_taps}
+        if needs.get(name, True):
             programs.build_program(ctx, name, pcf_radius=1, **constants).release()
 
 
