@@ -28,7 +28,8 @@ class Range:
         return value
 
 
-MARKER_SIDE = Range(1e-4, 10.0, "m")  # below a microscope to on a wall; sizes given in millimetres are above it
+MARKER_SIDE = Range(1e-6, 1e6, "m")  # as far as the arithmetic is safe
+PRINTED_SIDE = Range(1e-4, 10.0, "m")  # of a marker that somebody has: sizes given in millimetres are above it
 CASTER_SIZE = Range(1e-3, 10.0, "m")  # of an object beside a marker; sizes given in millimetres are above it
 PRINTED_MM = Range(0.1, 10_000, "mm")  # pages have narrower limits, which printing states
 FOCAL = Range(1e-3, 1e7, "px")  # of a picture of one pixel to a telescope's

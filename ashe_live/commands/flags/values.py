@@ -11,8 +11,8 @@ from ashe_live.core.ranges import (
     FIELD_OF_VIEW,
     FOCAL,
     INDEX,
-    MARKER_SIDE,
     PRINTED_MM,
+    PRINTED_SIDE,
     SIDE,
     VIEWS,
     Range,
@@ -40,7 +40,7 @@ def _whole_number_in(allowed: Range) -> Callable[[str], int]:
     return number
 
 
-side_m, millimetres = _number_in(MARKER_SIDE), _number_in(PRINTED_MM)
+side_m, millimetres = _number_in(PRINTED_SIDE), _number_in(PRINTED_MM)
 focal_px, angle_deg = _number_in(FOCAL), _number_in(FIELD_OF_VIEW)
 count, index, views = (_whole_number_in(allowed) for allowed in (COUNT, INDEX, VIEWS))
 
