@@ -11,7 +11,6 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.camera import Size
 from ashe_live.core.transforms import translated_and_scaled
 from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.preset import RenderPreset
@@ -91,9 +90,12 @@ class GroundShadows:
         }
 
     def _draw_tile(
-        self, program: moderngl.Program, onto: moderngl.Framebuffer, corner: Size, smoothing: dict[str, Any]
+        self, program: moderngl.Program, onto: moderngl.Framebuffer, corner: tuple[int, int], smoothing: dict[str, Any]
     ) -> None:
-        """A tile at `corner`; one with `smoothing` is drawn beside, and averaged into its place."""
+        """A tile at `corner`, in texels; one with a `smoothed_share` is drawn beside, and averaged into its place.
+
+        smoothing: uniforms of both programs.
+        """
         there = (*corner, self._size, self._size)
         if not smoothing["smoothed_share"]:
             onto.use()

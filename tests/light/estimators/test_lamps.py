@@ -13,8 +13,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Light, LightEstimate
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import BALANCED, FAST
-from ashe_live.light.lamps.kinds import AUTO, KINDS, LAMP, SUN
+from ashe_live.light.estimators.steps import BALANCED, FAST, ProxySteps
+from ashe_live.light.lamps.kinds import KINDS, LAMP, SUN
 from tests.light.painted_scenes import BOX, CYLINDER, SHADOW_RATIO, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
 
@@ -26,15 +26,14 @@ NEAR = [
     (110.0, 40.0, 0.8, "box", "bricks"),
     (330.0, 35.0, 1.2, "cylinder", "bricks"),
 ]
-# Place in metres, and what kind of light is assumed.
 EXTREME = {
-    "above the object": ((0.12, 0.0, 0.3), AUTO),
-    "above the marker": ((0.0, 0.0, 0.45), LAMP),
-    "at 8 cm": ((0.0, 0.0, 0.08), AUTO),
-    "at 20 m": ((0.02, 0.03, 20.0), LAMP),
-    "grazing": ((0.4, 0.1, 0.1), LAMP),
-    "behind the camera": ((0.08, -1.0, 0.8), AUTO),
-    "below the object's top": ((0.3, 0.0, 0.05), AUTO),
+    "above the object": (0.12, 0.0, 0.3),
+    "above the marker": (0.0, 0.0, 0.45),
+    "at 8 cm": (0.0, 0.0, 0.08),
+    "at 20 m": (0.02, 0.03, 20.0),
+    "grazing": (0.4, 0.1, 0.1),
+    "behind the camera": (0.08, -1.0, 0.8),
+    "below the object's top": (0.3, 0.0, 0.05),
 }
 
 
@@ -88,10 +87,11 @@ def test_what_a_light_is_taken_for_can_be_chosen() -> None:
     assert math.degrees(angle_between(as_sun.to_light_marker, lamp_m)) > 6
 
 
-@pytest.mark.parametrize(("lamp_m", "kind"), EXTREME.values(), ids=EXTREME)
-def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...], kind: str) -> None:
+@pytest.mark.parametrize("steps", [BALANCED, replace(FAST, light=LAMP)], ids=["as a rule", "taken for a lamp"])
+@pytest.mark.parametrize("lamp_m", EXTREME.values(), ids=EXTREME)
+def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...], steps: ProxySteps) -> None:
     place = np.array(lamp_m)
-    estimate = ProxyEstimator(replace(FAST, light=kind)).estimate(paint(BOX, lamp_m=place).tracked)
+    estimate = ProxyEstimator(steps).estimate(paint(BOX, lamp_m=place).tracked)
     if estimate.light is None:
         assert estimate.reason
         return
