@@ -67,15 +67,16 @@ def test_any_name_can_be_said_in_ascii(tmp_path: Path) -> None:
     assert done.stdout.count("\n") == 1
 
 
-def test_ctrl_c_while_all_is_loaded_ends_at_once_and_in_silence(tmp_path: Path) -> None:
-    """Interrupted where the first heavy import begins."""
+@pytest.mark.parametrize("module", ["signal", "numpy"])
+def test_ctrl_c_while_all_is_loaded_ends_at_once_and_in_silence(module: str, tmp_path: Path) -> None:
+    """Interrupted where the program's first import begins, and where the first heavy one does."""
     (tmp_path / "sitecustomize.py").write_text(
-        """
-import os, signal, sys
+        f"""
+import _signal, sys  # `signal` itself would be loaded before the program loads it
 class Interrupting:
     def find_spec(self, name, path=None, target=None):
-        if name == "numpy":
-            os.kill(os.getpid(), signal.SIGINT)
+        if name == "{module}":
+            _signal.raise_signal(_signal.SIGINT)
 sys.meta_path.insert(0, Interrupting())
 """
     )
