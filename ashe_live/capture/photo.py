@@ -12,6 +12,7 @@ import PIL.Image
 from PIL import ImageOps
 from PIL.TiffImagePlugin import TiffImageFile
 
+from ashe_live.capture.heif import is_heif, read_apart
 from ashe_live.capture.sources import Source, refuse_too_large, too_many_pixels
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
@@ -22,8 +23,6 @@ FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
 LEAST_FILM_MM, MOST_FILM_MM = 8.0, 600.0
 LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
-# Of ISO/IEC 23008-12. Pillow reads none; FFmpeg shows a corner, as iPhones store such photos in tiles.
-HEIF_BRANDS = {b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"}
 NEW_SUBFILE_TYPE = 254
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
@@ -66,11 +65,14 @@ def looks_like_photo(path: Path) -> bool:
         return False
     try:
         with opened(path) as file:
+            if is_heif(file):
+                return True
+            file.seek(0)
             _open(file).close()
     except UserError:
         raise
     except PIL.UnidentifiedImageError:
-        return path.suffix.lower() in SUFFIXES or _is_heif(path)
+        return path.suffix.lower() in SUFFIXES
     except Exception:
         return True  # A photo, but damaged or too large, as PhotoSource will say.
     return True
@@ -82,12 +84,6 @@ def _open(file: BinaryIO) -> PIL.Image.Image:
         # Pillow warns of large pictures at a limit of its own; ours is MAX_PIXELS.
         warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
         return PIL.Image.open(file, formats=FORMATS)
-
-
-def _is_heif(path: Path) -> bool:
-    with opened(path) as file:
-        begin = file.read(12)
-    return begin[4:8] == b"ftyp" and begin[8:] in HEIF_BRANDS
 
 
 def _is_preview(picture: PIL.Image.Image) -> bool:
@@ -102,31 +98,34 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
     """
     try:
         with opened(path) as file, _open(file) as picture:
-            refuse_too_large(path, picture.size)
-            if picture.mode == "F":
-                raise UserError(f"{path} has floating-point pixels, which are not read", "convert it to JPEG or PNG")
-            if _is_preview(picture):
-                raise UserError(
-                    f"{path} is a raw photo, of which only a small preview can be read",
-                    "develop it to JPEG, or let the camera save JPEG as well",
-                )
-            focal_px = _focal_px(picture)
-            ImageOps.exif_transpose(picture, in_place=True)
-            return np.asarray(cv2.cvtColor(_rgb_8bit(picture), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
+            return _decoded(path, picture)
     except UserError:
         raise
     except PIL.Image.DecompressionBombError:
         raise too_many_pixels(path) from None
     except PIL.UnidentifiedImageError:
-        if _is_heif(path):
-            raise UserError(
-                f"{path} is a HEIC photo, which is not read",
-                'save it as JPEG; an iPhone takes JPEG with Settings, Camera, Formats, "Most Compatible"',
-            ) from None
+        with opened(path) as file:
+            if is_heif(file):
+                return read_apart(path, _decoded)
         raise UserError(f"{path} is not a photo of a known format", "convert it to JPEG or PNG") from None
     # A damaged file can fail anywhere in Pillow's decoders: SyntaxError, ValueError, struct.error, OSError...
     except Exception as error:
         raise UserError(f"{path} is damaged ({error})", "copy it again, or convert it to JPEG or PNG") from None
+
+
+def _decoded(path: Path, picture: PIL.Image.Image) -> tuple[Image, float | None]:
+    """As `_read_bgr`, of the photo opened from `path`. Raises UserError where it is too large or not read."""
+    refuse_too_large(path, picture.size)
+    if picture.mode == "F":
+        raise UserError(f"{path} has floating-point pixels, which are not read", "convert it to JPEG or PNG")
+    if _is_preview(picture):
+        raise UserError(
+            f"{path} is a raw photo, of which only a small preview can be read",
+            "develop it to JPEG, or let the camera save JPEG as well",
+        )
+    focal_px = _focal_px(picture)
+    ImageOps.exif_transpose(picture, in_place=True)
+    return np.asarray(cv2.cvtColor(_rgb_8bit(picture), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
 
 
 def _focal_px(picture: PIL.Image.Image) -> float | None:

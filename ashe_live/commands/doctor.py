@@ -25,7 +25,7 @@ from ashe_live.render.gl.driver import is_software
 
 PACKAGES = (
     *("numpy", "opencv-contrib-python-headless", "moderngl", "glfw", "av", "pillow", "pyrr", "rich"),
-    *("dracopy", "mapbox-earcut", "cv2-enumerate-cameras", "platformdirs"),
+    *("dracopy", "mapbox-earcut", "pi-heif", "cv2-enumerate-cameras", "platformdirs"),
 )
 PROBE_S = 30.0  # a driver that takes longer will not give a picture
 

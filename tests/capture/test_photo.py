@@ -1,20 +1,24 @@
 """Photos as phones, scanners and painting programs write them, as 8-bit BGR, upright."""
 
+import os
+import signal
 import zlib
 from pathlib import Path
 
 import numpy as np
 import PIL.ExifTags
 import PIL.Image
+import pillow_heif
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.heif import read_apart
 from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 
-HEIC = b"\x00\x00\x00\x18ftypheic" + bytes(99)
+HEIC = b"\x00\x00\x00\x18ftypheic" + bytes(99)  # begins as such a photo, and has no picture
 
 
 def read(path: Path) -> Image:
@@ -147,10 +151,9 @@ def test_kind_is_told_by_content_and_only_then_by_name(tmp_path: Path, rgb: Imag
         (".", None, "is a folder"),
         ("empty.jpg", b"", "is empty"),
         ("text.jpg", b"text" * 99, "not a photo of a known format"),
-        ("phone.heic", HEIC, "is a HEIC photo, which is not read: save it as JPEG"),
-        ("phone.jpg", HEIC, "is a HEIC photo"),
-        ("phone.mov", HEIC, "is a HEIC photo"),
-        ("phone", HEIC, "is a HEIC photo"),
+        ("phone.heic", HEIC, "is damaged"),
+        ("phone.mov", HEIC, "is damaged"),
+        ("phone", HEIC, "is damaged"),
         ("text.txt", b"text" * 99, "not a clip or photo that can be read"),
     ],
 )
@@ -159,6 +162,51 @@ def test_unreadable_files_are_one_clear_line(tmp_path: Path, name: str, content:
         (tmp_path / name).write_bytes(content)
     with pytest.raises(UserError, match=says):
         open_source(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["phone.heic", "phone.jpg", "phone.mov", "phone"])
+@pytest.mark.parametrize("orientation", [1, 6])
+def test_photos_of_iphones_are_read_whatever_their_name(
+    tmp_path: Path, rgb: Image, name: str, orientation: int
+) -> None:
+    """HEIC states its orientation twice, in its container and in its EXIF data."""
+    exif = PIL.Image.Exif()
+    exif[PIL.ExifTags.Base.Orientation] = orientation
+    exif.get_ifd(PIL.ExifTags.IFD.Exif)[PIL.ExifTags.Base.FocalLengthIn35mmFilm] = 26
+    photo = pillow_heif.from_pillow(PIL.Image.fromarray(rgb))
+    photo.info["exif"] = exif.tobytes()
+    photo.save(tmp_path / "saved.heic", quality=-1, chroma=444)
+    (tmp_path / "saved.heic").rename(tmp_path / name)
+    upright = rgb if orientation == 1 else np.rot90(rgb, -1)
+    with open_source(tmp_path / name) as source:
+        assert isinstance(source, PhotoSource)
+        assert source.focal_px == pytest.approx(26 * 60 / 36)
+        frame = source.read()
+    assert frame is not None
+    # Lossless but for the conversion to luma and chroma.
+    np.testing.assert_allclose(frame.image_bgr, upright[:, :, ::-1], atol=2)
+
+
+def test_a_truncated_heic_photo_is_refused(tmp_path: Path) -> None:
+    noise = np.random.default_rng(0).integers(0, 256, (80, 80, 3), np.uint8)
+    path = tmp_path / "a.heic"
+    pillow_heif.from_pillow(PIL.Image.fromarray(noise)).save(path)
+    whole = path.read_bytes()
+    for left in (20, 300, len(whole) // 2, len(whole) - 10):
+        path.write_bytes(whole[:left])
+        with pytest.raises(UserError, match=r"a\.heic is damaged"):
+            open_source(path)
+
+
+def crashing(_path: Path, _picture: PIL.Image.Image) -> None:
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+def test_a_photo_that_crashes_its_decoder_is_refused(tmp_path: Path, rgb: Image) -> None:
+    path = tmp_path / "a.heic"
+    pillow_heif.from_pillow(PIL.Image.fromarray(rgb)).save(path)
+    with pytest.raises(UserError, match=r"a\.heic is damaged"):
+        read_apart(path, crashing)
 
 
 def with_exif(path: Path, rgb: Image, millimetres: object, taken: tuple[int, int] | None = None) -> Path:

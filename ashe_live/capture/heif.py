@@ -1,0 +1,52 @@
+"""Photos in HEIF (ISO/IEC 23008-12), as iPhones take them, decoded in a process of their own.
+
+Whatever a damaged one does to the decoder, which has crashed on such files, the viewer goes on.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import BinaryIO, TypeVar
+
+import PIL.Image
+
+from ashe_live.errors import UserError
+from ashe_live.files.reading import opened
+from ashe_live.process.apart import NoAnswerError, called_apart
+from ashe_live.process.children import Limits
+
+Result = TypeVar("Result")
+
+BRANDS = {b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"}
+# The largest photos that sources.py lets pass, of 110 million pixels, take half of this.
+LIMITS = Limits(niceness=0, memory_bytes=4_000_000_000, processor_s=60, silent=True)
+LONGEST_S = 120.0  # by the clock, where others use the processor
+ADVICE = "copy it again, or save it as JPEG"
+
+
+def is_heif(file: BinaryIO) -> bool:
+    """Whether a file, which is read from its start, begins as such a photo does."""
+    file.seek(0)
+    begin = file.read(12)
+    return begin[4:8] == b"ftyp" and begin[8:] in BRANDS
+
+
+def read_apart(path: Path, read: Callable[[Path, PIL.Image.Image], Result]) -> Result:
+    """The result of `read(path, picture)` for the photo, `read` as for `called_apart`; arrays in it are read-only.
+
+    Raises the UserError that it raises, and one for a damaged file.
+    """
+    try:
+        return called_apart(_read, (path, read), "ashe-live photo", LIMITS, LONGEST_S)
+    except NoAnswerError as failure:
+        raise UserError(f"{path} is damaged ({failure})", ADVICE) from None
+
+
+def _read(path: Path, read: Callable[[Path, PIL.Image.Image], Result]) -> Result:
+    from pi_heif import register_heif_opener  # not in the parent, which needs no decoder
+
+    register_heif_opener()
+    try:
+        with opened(path) as file, PIL.Image.open(file, formats=("HEIF",)) as picture:
+            return read(path, picture)
+    except PIL.UnidentifiedImageError:
+        raise UserError(f"{path} is damaged (no picture is found in it)", ADVICE) from None
