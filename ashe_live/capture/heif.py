@@ -36,9 +36,10 @@ def read_apart(path: Path, read: Callable[[Path, PIL.Image.Image], Result]) -> R
     Raises the UserError that it raises, and one for a damaged file.
     """
     try:
-        return called_apart(_read, (path, read), "ashe-live photo", LIMITS, LONGEST_S)
+        result: Result = called_apart(_read, (path, read), "ashe-live photo", LIMITS, LONGEST_S)
     except NoAnswerError as failure:
         raise UserError(f"{path} is damaged ({failure})", ADVICE) from None
+    return result
 
 
 def _read(path: Path, read: Callable[[Path, PIL.Image.Image], Result]) -> Result:

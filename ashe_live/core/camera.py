@@ -17,9 +17,11 @@ from ashe_live.files.reading import read_json
 Size = tuple[int, int]
 CameraSource = Literal["file", "flag", "exif", "assumed", "estimated"]
 
-ASSUMED_HFOV_DEG = 60.0
+# What a picture's longer side spans where nothing is known of its camera: webcams, and phones held across, see 45 to
+# 80 degrees there; what is upright comes from a phone: 67 degrees in photos (26 mm on 35 mm film), 60 to 65 in clips.
+ASSUMED_FOV_DEG, ASSUMED_UPRIGHT_FOV_DEG = 60.0, 65.0
 # Relative standard deviation of a focal length by where it comes from: a calibration with a board; a data sheet; the
-# 35 mm equivalent in a photo's EXIF data; webcams and phones in general, which see 45 to 80 degrees; views of a marker.
+# 35 mm equivalent in a photo's EXIF data; webcams and phones in general; views of a marker.
 FOCAL_SIGMA: dict[CameraSource, float] = {
     "file": 0.003,
     "flag": 0.02,
@@ -76,6 +78,18 @@ class Camera:
         FIELD_OF_VIEW.checked(hfov_deg, "hfov_deg")
         width, _ = arguments.picture_size(size, "size")
         return cls.from_focal(size, width / 2 / math.tan(math.radians(hfov_deg) / 2), source)
+
+    @classmethod
+    def from_longer_side(cls, size: Size, fov_deg: float, source: CameraSource = "flag") -> "Camera":
+        """Square pixels; the picture's longer side, be it a row or a column, spans `fov_deg`."""
+        focal_px = cls.from_hfov((max(size), min(size)), fov_deg).K[0, 0]
+        return cls.from_focal(size, float(focal_px), source)
+
+    @classmethod
+    def assumed(cls, size: Size) -> "Camera":
+        """A camera of which nothing is known."""
+        fov_deg = ASSUMED_UPRIGHT_FOV_DEG if size[1] > size[0] else ASSUMED_FOV_DEG
+        return cls.from_longer_side(size, fov_deg, "assumed")
 
     @property
     def hfov_deg(self) -> float:

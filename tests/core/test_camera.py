@@ -28,6 +28,26 @@ def test_every_field_of_view_goes_with_every_width(hfov_deg: float, width: float
     assert camera.hfov_deg == pytest.approx(hfov_deg)
 
 
+@pytest.mark.parametrize("size", [(640, 480), (480, 640), (1080, 1920), (100, 100)])
+def test_a_field_of_view_across_the_longer_side_is_the_same_camera_however_it_is_held(size: tuple[int, int]) -> None:
+    camera = Camera.from_longer_side(size, 60)
+    held_across = Camera.from_hfov((max(size), min(size)), 60)
+    assert camera.size == size
+    assert camera.K[0, 0] == camera.K[1, 1] == held_across.K[0, 0]
+
+
+@pytest.mark.parametrize(
+    ("size", "film_mm"),
+    [((4032, 3024), 26), ((3024, 4032), 24), ((3024, 4032), 26), ((3024, 4032), 28), ((1080, 1920), 30)],
+)
+def test_what_is_assumed_of_a_camera_holds_for_phones_within_its_sigma(size: tuple[int, int], film_mm: float) -> None:
+    """By the focal length that sees as much on 35 mm film, along its diagonal."""
+    true_px = film_mm * math.hypot(*size) / math.hypot(36, 24)
+    camera = Camera.assumed(size)
+    assert camera.source == "assumed"
+    assert abs(camera.K[0, 0] - true_px) < (1 if size[0] > size[1] else 0.5) * camera.focal_sigma_px
+
+
 def test_resizing_keeps_the_direction_of_every_edge() -> None:
     K = [[800, 0, 610.0], [0, 820, 371.0], [0, 0, 1]]
     camera = Camera((1280, 720), np.array(K), np.zeros(5), "file")

@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import FPS, SIDE_M, SMALL, SPEC, Take, pose_at
 from ashe_live.core.arrays import Float
-from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera
+from ashe_live.core.camera import Camera
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal import FocalEstimator
 from ashe_live.tracking.preset import TrackingPreset
@@ -20,9 +20,7 @@ WITHIN_PERCENT, HONEST_SIGMAS = 3.0, 3.0  # targets of the error, and of the err
 def focal_figures(preset: TrackingPreset, frames: int) -> Iterator[Figure]:
     """The error of the focal length in percent, and in units of its stated standard deviation."""
     take = Take("focal", SMALL, frames, partial(_handled, frames))
-    tracker = MarkerTracker(
-        parse_marker(SPEC), Camera.from_hfov(SMALL.size, ASSUMED_HFOV_DEG, "assumed"), SIDE_M, preset
-    )
+    tracker = MarkerTracker(parse_marker(SPEC), Camera.assumed(SMALL.size), SIDE_M, preset)
     estimator = FocalEstimator(SMALL.size)
     for frame, _ in take.film():
         estimator.add(tracker.track(frame))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import other_markers
-from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, fitted, read_camera_file
+from ashe_live.core.camera import Camera, Size, fitted, read_camera_file
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.models.caster import read_caster
@@ -76,13 +76,14 @@ class AssumedCamera:
         self._is_said = False
 
     def __call__(self, size: Size) -> Camera:
+        camera = Camera.assumed(size)
         if not self._is_said:
             self._is_said = True
             tell(
-                f"the camera's field of view is not known: {ASSUMED_HFOV_DEG:g} degrees are assumed until views of the "
-                "marker from several sides determine it; give it by --hfov, --focal-px or --camera-file"
+                f"the camera's field of view is not known: {camera.hfov_deg:.0f} degrees are assumed until views of "
+                "the marker from several sides determine it; give it by --hfov, --focal-px or --camera-file"
             )
-        return Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
+        return camera
 
 
 def make_tracker(

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size
+from ashe_live.core.camera import Camera, Size
 from ashe_live.core.transforms import angle_between
 from ashe_live.errors import UserError
 from ashe_live.tracking.boards.calibration import MIN_VIEWS, Calibration, calibrate
@@ -63,7 +63,7 @@ class CalibrationGuide:
         self.size = size
         self.kept: list[KeptView] = []
         self.frames_with_board = 0
-        self._camera = Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
+        self._camera = Camera.assumed(size)
         self._last: BoardView | None = None
 
     def add(self, view: BoardView | None, frame_index: int) -> bool:

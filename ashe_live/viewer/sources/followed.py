@@ -2,12 +2,18 @@
 
 from collections.abc import Callable
 
+from ashe_live.core.camera import Camera, Size
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.marker_hunt import MarkerHunt
 from ashe_live.viewer.sources.pipeline import Pipeline
 
-FIELDS_OF_VIEW_DEG = (50.0, 60.0, 70.0, 80.0)  # horizontal ones of webcams and phones
+FIELDS_OF_VIEW_DEG = (50.0, 60.0, 70.0, 80.0)  # of webcams and phones, across the longer side of their pictures
+
+
+def horizontal_deg(size: Size, fov_deg: float) -> float:
+    """The horizontal field of view, in whole degrees, of a picture whose longer side spans `fov_deg`."""
+    return float(round(Camera.from_longer_side(size, fov_deg).hfov_deg))
 
 
 class Followed:
@@ -25,7 +31,9 @@ class Followed:
         self._pipeline = pipeline
         self._session.arrangement.followed = pipeline.marker
         self._hunt = MarkerHunt()
-        self._hfov_deg: float | None = None  # a person's choice
+        self._fov_deg: float | None = None  # a person's choice of FIELDS_OF_VIEW_DEG
+        self._hfov_deg: float | None = None  # the horizontal one that follows
+        self._size: Size | None = None  # of the last picture
 
     @property
     def flags(self) -> list[str]:
@@ -65,8 +73,13 @@ class Followed:
         if not self._pipeline.may_follow_others:
             self._session.say("the demo's camera is known, and so its field of view", now_s)
             return
+        tracked = self._session.tracked
+        self._size = self._size if tracked is None else tracked.frame.size
+        if self._size is None:
+            return
         choices = (None, *FIELDS_OF_VIEW_DEG)
-        self._hfov_deg = choices[(choices.index(self._hfov_deg) + 1) % len(choices)]
+        self._fov_deg = choices[(choices.index(self._fov_deg) + 1) % len(choices)]
+        self._hfov_deg = None if self._fov_deg is None else horizontal_deg(self._size, self._fov_deg)
         self._pipeline.see_by(self._hfov_deg)
         self._begin_session_anew()
         if self._hfov_deg is None:

@@ -4,7 +4,7 @@ from types import TracebackType
 from typing import Self
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size
+from ashe_live.core.camera import Camera, Size
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.quality import FAST
 from ashe_live.render.hud import Hud, HudText
@@ -28,7 +28,7 @@ class PictureWindow:
         if size != self._renderer.size:
             self._renderer.resize(size)
         frame = Frame(picture_bgr, 0, 0.0)
-        camera = Camera.from_hfov(frame.size, ASSUMED_HFOV_DEG, "assumed")
+        camera = Camera.assumed(frame.size)
         overlays = self._hud.overlays(text, size, self.window.content_scale)
         self._renderer.render(Scene(TrackedFrame(frame, camera, None), overlays=overlays))
         self.window.present(self._renderer)

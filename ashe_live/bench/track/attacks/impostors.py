@@ -10,7 +10,7 @@ from ashe_live.bench.track.frames import CLEAN_CAMERA, developed, ground
 from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import SIDE_M, SMALL
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera
+from ashe_live.core.camera import Camera
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -121,7 +121,7 @@ def _found_absent(
         _, ids, _ = reference.detectMarkers(picture)
         found = set(np.asarray([] if ids is None else ids).ravel().tolist())
         size = picture.shape[1], picture.shape[0]
-        camera = Camera.from_hfov(size, ASSUMED_HFOV_DEG)
+        camera = Camera.assumed(size)
         start = SHOWN_IDS + number * ABSENT_IDS
         asked_for = (SHOWN_IDS + one % (50 - SHOWN_IDS) for one in range(start, start + ABSENT_IDS))
         for wanted in (one for one in asked_for if not (is_photo and one in found)):
