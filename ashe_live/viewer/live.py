@@ -74,7 +74,7 @@ class LiveViewer:
             Command.LEAVE: lambda _now: self._leave(),
             Command.FOLLOW_OTHER: self.followed.follow_other,
             Command.FIELD_OF_VIEW: self.followed.next_field_of_view,
-            Command.NEXT_CAMERA: self._next_camera,
+            Command.NEXT_CAMERA: lambda _now: self._opening.begin(None),
         }
 
     def run(self, frame_limit: int | None = None, end_if_asked: Callable[[], None] = lambda: None) -> None:
@@ -148,7 +148,7 @@ class LiveViewer:
             return
         if size != self._renderer.size:
             self._renderer.resize(size)
-        status = self._source_error or self._pipeline.stall or self._pipeline.status
+        status = self._opening.said or self._source_error or self._pipeline.stall or self._pipeline.status
         scale = self._window.content_scale
         moment = self._playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
@@ -199,12 +199,8 @@ class LiveViewer:
         model, source = first_of_each_kind(paths)
         if model is not None:
             self._session.table.open(model)
-        if source is not None and self._opening.begin(Path(source)):
-            self._session.say(f"opening {Path(source).name}", now_s)
-
-    def _next_camera(self, now_s: float) -> None:
-        if self._opening.begin(None):
-            self._session.say("opening another camera", now_s)
+        if source is not None:
+            self._opening.begin(Path(source))
 
     def _take_opened(self, now_s: float) -> bool:
         """Switches to a newly opened source; returns whether there was one. A recording ends with the old source."""

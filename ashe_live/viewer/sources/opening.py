@@ -37,22 +37,28 @@ class Opening:
     def __init__(self, opener: Opener | None) -> None:
         """Without an opener nothing can be opened."""
         self._opener = opener
+        self._said = ""
         self._coming: Future[Opened] | None = None
 
-    def begin(self, path: Path | None) -> bool:
-        """Begins to open the file, or without one the next camera; False where nothing can be opened."""
+    @property
+    def said(self) -> str | None:
+        """The line that tells what is being opened; None if nothing is."""
+        return None if self._coming is None else self._said
+
+    def begin(self, path: Path | None) -> None:
+        """Begins to open the file, or without one the next camera, where anything can be opened."""
         if self._opener is None:
-            return False
+            return
         opener = self._opener
         what = "another camera" if path is None else str(path)
         remedy = "plug it in again" if path is None else "convert it"
         self.close()
+        self._said = f"opening {what if path is None else path.name}"
         self._coming = begun(
             "opening",
             lambda: _opened(opener, path),
             lambda reason: UserError(f"cannot open {what} ({reason})", remedy),
         )
-        return True
 
     def take(self) -> Opened | None:
         """The source that has been opened, returned once; None until then. Raises UserError, once, if there is none."""
