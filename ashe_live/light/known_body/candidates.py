@@ -35,6 +35,32 @@ ALONG = 0.035 * np.array([(along, 0) for along in range(-8, 4)])
 TEMPLATES_APART = 0.1  # in s = (x, y) / z, over 1 + |s|, roughly
 
 
+class _Starts:
+    """Directions from which fits start, the likeliest of those left first, as long as another is worth its time."""
+
+    def __init__(self, lights: Float, log_odds: Float) -> None:
+        """lights: (m, 4). log_odds: (m,) by which they are likely; -inf where none is to be tried."""
+        self._lights, self._log_odds, self._left = lights, log_odds, log_odds.copy()
+        self._spent, self._least = 0, -math.inf
+
+    def __iter__(self) -> Iterator[int]:
+        """Their numbers among the lights, no two within APART_RAD."""
+        for _ in range(MOST_TRIED):
+            number = int(self._left.argmax())
+            if self._spent == TRIED or self._left[number] == -np.inf or self._left[number] < self._least:
+                return
+            self._left[self._lights[:, :3] @ self._lights[number, :3] > math.cos(APART_RAD)] = -np.inf
+            yield number
+
+    def spend(self) -> None:
+        """Counts the last one as tried: those whose shadow should be seen, and is not, are not counted."""
+        self._spent += 1
+
+    def explained_by(self, number: int) -> None:
+        """This one explains the picture, so that much less likely ones need not be tried."""
+        self._least = max(self._least, float(self._log_odds[number]) - TRIED_WITHIN)
+
+
 def refined(
     seen: Seen,
     score: Float,
@@ -53,23 +79,16 @@ def refined(
     told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights (4,) whose shadow
     or whose light on the body's sides should be seen, and is not: some other thing is dark.
     """
-    lights, order = seen.templates.lights, score + steps
-    left, worst = order.copy(), -np.inf
+    lights, darkenings = seen.templates.lights, beside.everywhere.darkenings[:, -1]
+    starts = _Starts(lights, score + steps)
     clear: list[FoundLight] = []
-    tried = 0
-    for _ in range(MOST_TRIED):
-        if tried == TRIED:
-            break
-        index = int(left.argmax())
-        if left[index] == -np.inf or left[index] < worst:
-            break
-        template, by_template = lights[index], float(beside.everywhere.darkenings[index, -1])
-        left[lights[:, :3] @ template[:3] > math.cos(APART_RAD)] = -np.inf
-        if max(score[index], order[index]) < least:
-            tried += 1
+    for number in starts:
+        template = lights[number]
+        if max(score[number], score[number] + steps[number]) < least:
+            starts.spend()
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
-        if score[index] < 0:
+        if score[number] < 0:
             # Only steps in the picture tell this one: where map and sides are best nearby, there may be a stain.
             start = template
         if darkening < LEAST_DARKENING or likelihood < told:
@@ -77,21 +96,22 @@ def refined(
         if any(_finds_again(seen, start, other) for other in clear):
             continue
         fit = _moved_onto_edges(seen, start, darkening, room)
-        if fit is None and steps[index] >= 0 and start is not template:
+        if fit is None and steps[number] >= 0 and start is not template:
             # The map is misled by its stains, and may have led away from what is there.
-            fit = _clear_at(seen, template, by_template, room)
-            darkening = darkening if fit is None else by_template
+            fit = _clear_at(seen, template, float(darkenings[number]), room)
+            darkening = darkening if fit is None else float(darkenings[number])
         is_denied = fit is not None and seen.observed.sides.deny(fit.light, darkening)
         if fit is not None and not is_denied:
             one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
-            tried += 1
+            starts.spend()
             if fit.clear > CLEAR:  # else map and score were another thing's
                 clear.append(one)
-                worst = max(worst, order[index] - TRIED_WITHIN)
+                starts.explained_by(number)
             yield one
         elif not is_denied and in_view(seen, template, room) <= MOST_IN_VIEW:
-            tried, worst = tried + 1, max(worst, order[index] - TRIED_WITHIN)
-            mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], template)
+            starts.spend()
+            starts.explained_by(number)
+            mean, spread, darkening = mean_near(seen.templates, score, darkenings, template)
             yield FoundLight(mean, spread, None, darkening)
         elif ruled_out is not None:
             ruled_out.append(template)
