@@ -16,10 +16,8 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.explained import with_hull
 from ashe_live.light.hull.replaced import without_replaced
 from ashe_live.light.lamps.hypotheses import LampHypotheses
-from ashe_live.light.views.average_light import sharpened_families, with_average_light
 from ashe_live.light.views.costs_around import costs_around
-from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
-from ashe_live.light.views.joint import (
+from ashe_live.light.views.joint.aligned import (
     JointExplanation,
     JointStart,
     explained_in_views,
@@ -29,7 +27,9 @@ from ashe_live.light.views.joint import (
     towards_light,
     turned_from,
 )
-from ashe_live.light.views.joint_refinement import (
+from ashe_live.light.views.joint.average_light import sharpened_families, with_average_light
+from ashe_live.light.views.joint.evidence import distinct_explanations, joint_log_odds, plane_support
+from ashe_live.light.views.joint.refinement import (
     by_families,
     refined_by_all_tangents,
     sharpened_in_views,

@@ -21,7 +21,7 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
 )
 from ashe_live.light.shape.layout import light_parameters, nearness_of
-from ashe_live.light.views.joint import views_as_one
+from ashe_live.light.views.joint.aligned import views_as_one
 
 # Sigma of the ray that a glint shows, on either axis: the ground's relief and its rough reflection move the peak. Three
 # of a generated set's four glints are 0.1 to 0.4 degrees off, the other is not the lamp's.

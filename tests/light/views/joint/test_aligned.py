@@ -9,7 +9,7 @@ from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.views.joint import JointStart, explained_in_views, own_costs, turned_from
+from ashe_live.light.views.joint.aligned import JointStart, explained_in_views, own_costs, turned_from
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import direction
 

@@ -10,7 +10,7 @@ from ashe_live.light.explanation.sharpen import Sharpener, lights_by_steps
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.shape.body import NearnessPrior
-from ashe_live.light.views.joint import (
+from ashe_live.light.views.joint.aligned import (
     JointExplanation,
     JointStart,
     explained_in_views,
