@@ -23,7 +23,6 @@ from ashe_live.light.views.joint.aligned import (
     explained_in_views,
     in_each_view,
     lit_body_of,
-    own_costs,
     towards_light,
     turned_from,
 )
@@ -74,7 +73,7 @@ def explained_together(
     starts = []
     for home, one in candidates[: steps.joint + MORE]:
         lit, shifts = lit_body_of(one)
-        costs = [own_costs(one) if view is home else costs_around(lit, shifts, view, steps.region_px) for view in few]
+        costs = [one.costs if view is home else costs_around(lit, shifts, view, steps.region_px) for view in few]
         # Masks and body are to be those of the first view.
         if costs[0] is not None:
             starts.append(JointStart(one, lit, [each for each in costs if each is not None]))
@@ -86,7 +85,7 @@ def explained_together(
         for each in likely:
             lit, shifts = lit_body_of(each.joint)
             more = [costs_around(lit, shifts, view, steps.region_px) for view in rest]
-            seen = [own_costs(one) for one in each.each]
+            seen = [one.costs for one in each.each]
             starts.append(JointStart(each.origin, lit, [*seen, *(one for one in more if one is not None)]))
         likely = distinct_explanations(_aligned_or_as_started(starts))
     sharpener = Sharpener.of([view.fine for view in views])

@@ -20,7 +20,6 @@ from ashe_live.light.views.joint.aligned import (
     JointExplanation,
     JointStart,
     explained_in_views,
-    own_costs,
     towards_light,
 )
 from ashe_live.light.views.joint.by_pixels import log_likelihoods_by_pixels
@@ -60,7 +59,7 @@ def sharpened_families(
     moved = sharpened_in_views(refined_by_all_tangents(explanation), sharpener)
     if math.isinf(moved.joint.criterion) or not families:
         return [moved]
-    own, costs = _family(explanation), [own_costs(each) for each in explanation.each]
+    own, costs = _family(explanation), [each.costs for each in explanation.each]
     left = [
         one
         for one, probability in zip(families, probabilities_by_pixels(families), strict=True)
