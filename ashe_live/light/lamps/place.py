@@ -55,6 +55,17 @@ class Place:
         return math.sqrt(self.covariance[2, 2])
 
     @property
+    def by_nearness(self) -> Float:
+        """(3,) how the likeliest parameters change with the nearness, once that is known: the last changes by 1."""
+        covariance = self.covariance
+        return np.asarray(covariance[:, 2] / covariance[2, 2])
+
+    @property
+    def at_infinity(self) -> Float:
+        """(3,) the likeliest parameters of a sun."""
+        return np.asarray(self.mean - self.by_nearness * self.mean[2])
+
+    @property
     def standard_errors(self) -> float:
         """By how many of them the nearness differs from a sun's; negative for one beyond infinity."""
         return float(self.mean[2]) / self.nearness_sigma
