@@ -54,7 +54,7 @@ STATED = {
     "dielectrics": (
         "docs/maths/drawing.md",
         "F0 = mix({:g}, c, m)",
-        (in_shader(r"GLASS = (0\.\d+)", "glass.glsl"),),
+        (in_shader(r"GLASS = (0\.\d+)", "model/glass.glsl"),),
     ),
     "worst unevenness": (
         "docs/maths/lamps.md",
@@ -102,7 +102,7 @@ STATED = {
     "the real shadow's rim": (
         "docs/rendering.md",
         "Within {:g} pixels of the real shadow's outline",
-        (in_shader(r"RIM_PX = ([\d.]+)", "catcher.frag"),),
+        (in_shader(r"RIM_PX = ([\d.]+)", "catchers/ground.frag"),),
     ),
     "the fixed filter": (
         "docs/rendering.md",
@@ -112,7 +112,7 @@ STATED = {
     "the bias": (
         "docs/rendering.md",
         "evaluated {0:g} (r + 1) texels times sin(theta) along the normal",
-        (in_shader(r"float reach = ([\d.]+) \* (?:float|texel)", "shadow.glsl"),),
+        (in_shader(r"float reach = ([\d.]+) \* (?:float|texel)", "lights/shadow.glsl"),),
     ),
     "auto's way down": (
         "docs/rendering.md",

@@ -101,7 +101,7 @@ class Light:
     covariance_rad2: Float | None = None  # (2, 2) on the tangent basis: larger azimuth, larger elevation
     sigma_rad: float | None = None  # radius that contains the truth with probability 0.68
     confidence: float | None = None  # P(angular error < 10 degrees)
-    angular_size_rad: float | None = None  # the source's angular diameter
+    angular_size_rad: float | None = None  # the source's angular diameter, seen from the marker's centre
     shadow_rgb_ratio: Float | None = None  # (3,) linear RGB, shadowed over lit ground
     inverse_distance: float = 0.0  # 1/m, one over a lamp's distance from the marker's centre; 0 for a sun
     # (3, 3) on (larger azimuth, larger elevation, larger inverse distance): rad, rad and 1/m.
@@ -148,6 +148,13 @@ class Light:
     def homogeneous(self) -> Float:
         """(4,) the light as a point (x, y, z, w), marker frame, metres: w = 0 for a sun."""
         return np.array([*self.to_light_marker, self.inverse_distance])
+
+    def with_angular_size(self, angular_size_rad: float | None) -> Self:
+        """The light with this angular diameter, seen from the marker's centre; a lamp's radius is made to fit."""
+        radius_m = self.radius_m
+        if angular_size_rad is not None and self.inverse_distance > 0:
+            radius_m = math.tan(angular_size_rad / 2) / self.inverse_distance
+        return replace(self, angular_size_rad=angular_size_rad, radius_m=radius_m)
 
     def summary(self, decimals: int = 0) -> str:
         """For the user: "lamp, 62 ± 5 cm, azimuth 30°, elevation 45° ± 4.0°, 90 % sure". `decimals`: of the angles."""

@@ -19,7 +19,6 @@ from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.ambient import open_sky_rgb, sky_slope_rgb
 from ashe_live.light.known_body.table import height_of
-from ashe_live.light.lamps.lamp import with_size
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.pixels.view import View
 
@@ -127,7 +126,7 @@ def _light(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
             lamp_covariance=lamp_covariance,
             intensity_rgb_ratio=(1 - left) / left,
         )
-    return with_size(light, found.size_rad or None)
+    return light.with_angular_size(found.size_rad or None)
 
 
 def _why_none(seen: Seen, found: Found) -> str:

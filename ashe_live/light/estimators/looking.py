@@ -30,9 +30,9 @@ from ashe_live.light.ground.regions import region_with_on_plane, unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts, voted_for
 from ashe_live.light.ground.sheet_shadow import sheet_shadow_in
 from ashe_live.light.lamps.hypotheses import LampHypotheses
-from ashe_live.light.views.evidence import no_less_sure
-from ashe_live.light.views.joint import JointExplanation
-from ashe_live.light.views.same_silhouettes import counted_once
+from ashe_live.light.views.joint.aligned import JointExplanation
+from ashe_live.light.views.joint.evidence import no_less_sure
+from ashe_live.light.views.joint.same_silhouettes import counted_once
 from ashe_live.light.views.seen import without_plane
 
 # Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.

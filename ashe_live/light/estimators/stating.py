@@ -25,7 +25,7 @@ from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
 from ashe_live.light.labels.associate import distinct
 from ashe_live.light.lamps.hypotheses import is_held_near
 from ashe_live.light.lamps.kinds import AUTO, SUN
-from ashe_live.light.lamps.lamp import Scene, stated, with_size
+from ashe_live.light.lamps.lamp import Scene, stated
 
 OTHERS_TRIED = 4  # number of splits of other regions that are fitted once one object's light is known
 
@@ -96,7 +96,7 @@ def illumination_of(
     answers = zip(told.lights, ratios, strict=False)
     lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
     if len(lights) == 1:
-        lights = [with_size(lights[0], size_of(told.explanation, lights[0], tracked))]
+        lights = [lights[0].with_angular_size(size_of(told.explanation, lights[0], tracked))]
     real_object = told.explanation.real_object
     return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), told.explanation
 

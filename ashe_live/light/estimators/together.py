@@ -16,20 +16,19 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.explained import with_hull
 from ashe_live.light.hull.replaced import without_replaced
 from ashe_live.light.lamps.hypotheses import LampHypotheses
-from ashe_live.light.views.average_light import sharpened_families, with_average_light
 from ashe_live.light.views.costs_around import costs_around
-from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
-from ashe_live.light.views.joint import (
+from ashe_live.light.views.joint.aligned import (
     JointExplanation,
     JointStart,
     explained_in_views,
     in_each_view,
     lit_body_of,
-    own_costs,
     towards_light,
     turned_from,
 )
-from ashe_live.light.views.joint_refinement import (
+from ashe_live.light.views.joint.average_light import sharpened_families, with_average_light
+from ashe_live.light.views.joint.evidence import distinct_explanations, joint_log_odds, plane_support
+from ashe_live.light.views.joint.refinement import (
     by_families,
     refined_by_all_tangents,
     sharpened_in_views,
@@ -57,37 +56,19 @@ def explained_together(
     found: views with their explanations. views: all, that of the answer first. lamps: what that one's ground tells.
     company: what else that one shows, and what was found in any.
     """
-    candidates = [(view, each) for view, several in found for each in several]
-
-    def in_one_view(pair: tuple[SceneView, Explanation]) -> float:
-        one = pair[1]
-        return judge.log_odds(one, company) + plane_support(one.region, one.predicted.body, one.predicted.shadow)
-
-    ranked = sorted(((in_one_view(pair), *pair) for pair in candidates), key=itemgetter(0), reverse=True)
-    candidates = [(view, each) for odds, view, each in ranked if odds > ranked[0][0] - MOST_BEHIND]
 
     @cache
     def log_odds(one: JointExplanation) -> float:
         return joint_log_odds(one, judge, company)
 
     few, rest = views[:FIRST_VIEWS], views[FIRST_VIEWS:]
-    starts = []
-    for home, one in candidates[: steps.joint + MORE]:
-        lit, shifts = lit_body_of(one)
-        costs = [own_costs(one) if view is home else costs_around(lit, shifts, view, steps.region_px) for view in few]
-        # Masks and body are to be those of the first view.
-        if costs[0] is not None:
-            starts.append(JointStart(one, lit, [each for each in costs if each is not None]))
+    candidates = _likely_candidates(found, judge, company)[: steps.joint + MORE]
+    starts = [start for home, one in candidates if (start := _start_in(few, home, one, steps.region_px)) is not None]
     likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[: steps.joint]
     families = {id(each.origin): by_families(each, steps.fine_fit) for each in likely[:REFITTED]}
     likely[:REFITTED] = [several[0] for several in families.values()]
     if rest:
-        starts = []
-        for each in likely:
-            lit, shifts = lit_body_of(each.joint)
-            more = [costs_around(lit, shifts, view, steps.region_px) for view in rest]
-            seen = [own_costs(one) for one in each.each]
-            starts.append(JointStart(each.origin, lit, [*seen, *(one for one in more if one is not None)]))
+        starts = [_start_also_in(rest, each, steps.region_px) for each in likely]
         likely = distinct_explanations(_aligned_or_as_started(starts))
     sharpener = Sharpener.of([view.fine for view in views])
     likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
@@ -110,6 +91,37 @@ def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tup
     ranked = sorted(without_replaced(several), key=itemgetter(1), reverse=True)
     kept = distinct_explanations([each for each, _ in ranked])
     return [(each, odds) for each, odds in ranked if any(each is one for one in kept)]
+
+
+def _likely_candidates(
+    found: Sequence[tuple[SceneView, Sequence[Explanation]]], judge: Judge, company: Company
+) -> list[tuple[SceneView, Explanation]]:
+    """The explanations with the views that they are of, the likeliest first, without those that are MOST_BEHIND."""
+
+    def log_odds(one: Explanation) -> float:
+        return judge.log_odds(one, company) + plane_support(one.region, one.predicted.body, one.predicted.shadow)
+
+    several = ((log_odds(each), view, each) for view, of_view in found for each in of_view)
+    ranked = sorted(several, key=itemgetter(0), reverse=True)
+    return [(view, each) for odds, view, each in ranked if odds > ranked[0][0] - MOST_BEHIND]
+
+
+def _start_in(views: Sequence[SceneView], home: SceneView, one: Explanation, region_px: int) -> JointStart | None:
+    """An explanation of the view `home`, to be aligned in those of the views that show it.
+
+    None where the first of them does not: masks and body are to be that view's.
+    """
+    lit, shifts = lit_body_of(one)
+    first, *others = (one.costs if view is home else costs_around(lit, shifts, view, region_px) for view in views)
+    return None if first is None else JointStart(one, lit, [first, *(each for each in others if each is not None)])
+
+
+def _start_also_in(views: Sequence[SceneView], explanation: JointExplanation, region_px: int) -> JointStart:
+    """An explanation of other views, to be aligned in those of the views that show it as well."""
+    lit, shifts = lit_body_of(explanation.joint)
+    more = (costs_around(lit, shifts, view, region_px) for view in views)
+    costs = [*(each.costs for each in explanation.each), *(each for each in more if each is not None)]
+    return JointStart(explanation.origin, lit, costs)
 
 
 def _sharpened_if_witness(other: JointExplanation, best: JointExplanation, sharpener: Sharpener) -> JointExplanation:

@@ -11,7 +11,7 @@ dominates.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
@@ -68,12 +68,19 @@ def aligned(several: Sequence[Start], ranges: Sequence[float] = SEARCH_RANGES) -
     the pixels best. Steps of Harris and Stennett, with Cauchy's weights (docs/maths). ranges: as SEARCH_RANGES.
     """
     found: list[Alignment | None] = [None] * len(several)
-    lights = [len(start.bodies[0].lights) for start in several]
-    for count in set(lights):
-        members = [i for i, each in enumerate(lights) if each == count]
+    for members in batches(len(start.bodies[0].lights) for start in several):
         for i, alignment in zip(members, _aligned([several[i] for i in members], ranges), strict=True):
             found[i] = alignment
     return found
+
+
+def batches(counts: Iterable[int]) -> list[list[int]]:
+    """The indices of what has one light, of what has two, and so on, of each of which the number of lights is given.
+
+    What has as many lights is computed together, as its arrays have one shape.
+    """
+    lights = list(counts)
+    return [[i for i, each in enumerate(lights) if each == count] for count in sorted(set(lights))]
 
 
 def lights_as_lamps(several: Sequence[PlacedBody]) -> tuple[Float, Float]:

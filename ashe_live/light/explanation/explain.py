@@ -27,7 +27,7 @@ from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import fitted_lights, information_on_displacement
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, observe_outlines
-from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
@@ -58,6 +58,12 @@ class Proposal:
     def is_like(self, other: "Proposal") -> bool:
         """Whether both split one region in nearly the same way."""
         return self.region is other.region and self.split.is_like(other.split)
+
+
+def proposal_by(masks: Predicted, region: Region, materials: Materials) -> Proposal:
+    """The hypothesis that a region shows what a body predicts there, the object's colours learned in its silhouette."""
+    as_object = object_cost(region, masks.body & region.is_ground)
+    return Proposal(region, materials, relabelled(region, materials, as_object, masks), None, as_object)
 
 
 def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanation | None]:
@@ -138,18 +144,16 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     P = Sight(view.camera, view.T_cam_marker, outlines.centre_px).P(body.frame)
     (light,) = explanation.lights
     in_body_frame = body.frame.lights(light.light[None])
-    sharp = lights_refined_by_tangents(
+    lights, covariance = lights_refined_by_tangents(
         P, outlines, in_body_frame, information_on_displacement(light), EDGE_SIGMA_PX, spheroids
     )
-    lights, covariance = sharp
     (refined_light,) = fitted_lights(body.frame.lights_marker(lights), covariance)
     return replace(explanation, lights=(replace(refined_light, unseen_end=light.unseen_end),))
 
 
 def explanation_criterion(explanation: Explanation) -> float:
     """The explanation's criterion under its own unary costs: those of the region's pixels, and of its parameters."""
-    costs = Costs(explanation.region, explanation.materials, explanation.as_object)
-    return criterion(replace(explanation.alignment.placed, cost=costs.of(explanation.predicted)))
+    return criterion(replace(explanation.alignment.placed, cost=explanation.costs.of(explanation.predicted)))
 
 
 def different(explanations: Iterable[Explanation], count: int | None = None) -> list[Explanation]:

@@ -12,6 +12,7 @@ from ashe_live.light.edges.step_costs import NO_STEPS, StepCosts
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
+from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import FittedLight
@@ -41,6 +42,11 @@ class Explanation:
     # the shadow of a sun; 0 where none was tried.
     sun_by_outlines: float = 0.0
     hull: Proxy | None = None  # of the object's silhouettes in several views, where no family explains these
+
+    @property
+    def costs(self) -> Costs:
+        """What the region's pixels cost."""
+        return Costs(self.region, self.materials, self.as_object)
 
     @property
     def predicted(self) -> Predicted:

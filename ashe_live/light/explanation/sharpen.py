@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
-from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, measured
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, batches, measured
 from ashe_live.light.explanation.explain import refined_by_tangents
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
 from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
@@ -47,7 +47,7 @@ class Sharpener:
         view, or too little of a shadow. near: the prior on the nearness of their only lights, where that is not held.
         """
         found = list(several)
-        for members in _by_lights(several):
+        for members in batches(len(each.lights) for each in several):
             for i, one in zip(members, self._sharpened([several[i] for i in members], near), strict=True):
                 found[i] = one
         return found
@@ -96,7 +96,7 @@ class Sharpener:
     def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:
         """The explanations where they stand, each with the costs of its steps."""
         found = list(explanations)
-        for members in _by_lights(explanations):
+        for members in batches(len(each.lights) for each in explanations):
             bodies = [explanations[i].alignment.placed.lit for i in members]
             shifts = np.array([shifts_of(explanations[i]) for i in members])
             for i, costs in zip(members, step_costs(bodies, self.pictures, shifts), strict=True):
@@ -117,12 +117,6 @@ def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_as_one: float = 1.
     )
 
 
-def _by_lights(several: Sequence[Explanation]) -> list[list[int]]:
-    """The indices of explanations with one light, of those with two, and so on, as each is computed as one batch."""
-    counts = [len(each.lights) for each in several]
-    return [[i for i, each in enumerate(counts) if each == count] for count in set(counts)]
-
-
 def _other_bodies(explanation: Explanation) -> list[LitBody]:
     """Those of the likeliest families for the explanation's labels, with as many lights."""
     count = len(explanation.alignment.placed.lit.lights)
@@ -131,8 +125,7 @@ def _other_bodies(explanation: Explanation) -> list[LitBody]:
 
 def _placing(explanation: Explanation) -> tuple[Sight, Costs]:
     """Where a body of the explanation's is placed, and what its pixels cost."""
-    costs = Costs(explanation.region, explanation.materials, explanation.as_object)
-    return explanation.alignment.placed.sight, costs
+    return explanation.alignment.placed.sight, explanation.costs
 
 
 def _likeliest(several: Sequence[tuple[EdgeFit, PlacedBody]]) -> tuple[EdgeFit, PlacedBody, float] | None:

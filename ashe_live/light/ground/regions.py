@@ -178,7 +178,8 @@ def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shap
 
 def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> tuple[Mask, Mask]:
     """(h, w) each: the pixels in and around `area` that the lit ground does not explain; those that it nearly does."""
-    squared = nearest_squared_distance(colours.reshape(-1, 3), ground.palette).reshape(area.shape)
+    palette = ground.palette
+    squared = nearest_squared_distance(colours.reshape(-1, 3), palette.centres, palette.covariances).reshape(area.shape)
     smooth = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8)
     nearby, inside = grown(area, 2) & is_ground, shrunk(area, 1) & is_ground
     unlit = majority(((smooth > UNLIT_DISTANCE) & nearby) | inside)

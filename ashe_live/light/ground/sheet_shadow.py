@@ -8,6 +8,7 @@ sharpening does, cancels.
 
 import math
 from dataclasses import dataclass
+from operator import itemgetter
 
 import cv2
 import numpy as np
@@ -31,6 +32,11 @@ WIDEST = 0.1
 NARROW_PX = 2.0  # a strip that blur thins out may be as pale as it will; a wider one lacks LEAST_LOST of the light
 LEAST_LOST = 0.25
 EDGE_PX, NOISE = 0.3, 0.05  # standard deviations of the edge's place, and of a profile over its ground
+LEAST_STEP = 0.02  # from paper to ground, over the ground: a smaller one holds the edge's place no better
+EDGE_BLUR, EDGE_MARGIN = 2.0, 3  # in samples: blur before the steepest place is looked for; not looked for at the ends
+LEAST_BESIDE_PX = 9.0  # that are looked at beyond the edge, however small the marker is
+# Samples of a line by which the paper's and the ground's light are told, the latter at least.
+PAPER_SAMPLES, LEAST_SAMPLES = 5, 6
 # Darkness beside a sheet that has no thickness, in sides: by patterns, objects and their shadows (root mean square of
 # `away` of the sets `scenes` and `scenes_more`, docs/accuracy.md).
 OTHERWISE = 0.018
@@ -145,48 +151,66 @@ def _edge_response(lines: _Lines) -> tuple[Float, Float] | None:
 def _strip(lines: _Lines, side: int, end: float, edge: tuple[Float, Float]) -> tuple[float, float]:
     """Width times share of light lost of the strip beyond the paper's end, and its deviation, in sides; NaN: not seen.
 
-    Fitted to the median of the lines: the step from paper to ground as the camera shows edges, its place within
-    EDGE_PX, and a strip of the width that fits best.
+    end: about where the paper ends, in sides from the marker's centre. edge: as of `_edge_response`.
     """
     scale = lines.px_per_side(side, end)
-    nearby = np.arange(-SEARCHED, SEARCHED, STEP_PX / 2 / scale) if scale else np.empty(0)
-    around = lines.across(side, end + nearby) if len(nearby) > 6 else np.empty((0, 0))
-    if not around.size:
+    found = _edge_near(lines, side, end, scale) if scale else None
+    if found is None:
         return math.nan, 0.0
-    slope = np.abs(np.gradient(cv2.GaussianBlur(np.median(around, axis=1), (0, 0), 2.0).ravel()))
-    end += float(nearby[3 + int(slope[3:-3].argmax())])
-    away = np.arange(-BLUR_PX, max(9.0, BESIDE * scale) + STEP_PX / 2, STEP_PX)
-    across = lines.across(side, end + away / scale)
+    away = np.arange(-BLUR_PX, max(LEAST_BESIDE_PX, BESIDE * scale) + STEP_PX / 2, STEP_PX)
+    across = lines.across(side, found + away / scale)
     if not across.size:
         return math.nan, 0.0
-    ground = float(np.median(across[-max(6, int(GROUND * scale / STEP_PX)) :]))
-    paper = float(np.median(across[:5]))
+    ground = float(np.median(across[-max(LEAST_SAMPLES, int(GROUND * scale / STEP_PX)) :]))
+    paper = float(np.median(across[:PAPER_SAMPLES]))
     if ground <= 0:
         return math.nan, 0.0
     lost = 1 - across / ground
-    median = np.median(lost, axis=1)
-    step = _response(edge, away)
-    moved = (_response(edge, away + STEP_PX) - _response(edge, away - STEP_PX)) / (2 * STEP_PX)
-    best: tuple[float, float, float, Float] | None = None
-    for width in WIDTHS_PX:
-        if width > max(WIDEST * scale, NARROW_PX):
-            break
-        terms = np.stack([np.ones_like(away), step, moved, step - _response(edge, away - width)], axis=1)
-        held = np.zeros((4, 4))
-        held[2, 2] = (NOISE / (EDGE_PX * max(abs(paper / ground - 1), 0.02))) ** 2
-        solved = np.linalg.solve(terms.T @ terms + held, terms.T)
-        found = solved @ median
-        cost = float(((median - terms @ found) ** 2).sum() + held[2, 2] * found[2] ** 2)
-        if best is None or cost < best[0]:
-            best = cost, width, float(found[3]), solved[3]
-    assert best is not None
-    cost, width, amplitude, weights = best
+    width, amplitude, weights, cost = _fitted_strip(away, np.median(lost, axis=1), edge, paper / ground, WIDEST * scale)
     by_line = weights @ lost
     spread = MEDIAN_OVER_MEAN * SIGMA_OVER_MEDIAN * float(np.median(np.abs(by_line - np.median(by_line))))
     deviation = math.hypot(spread / math.sqrt(INDEPENDENT * len(by_line)), 0.5 * math.sqrt(cost / len(away)))
     if width > NARROW_PX and amplitude < LEAST_LOST:
         amplitude = 0.0
     return amplitude * width / scale, deviation * width / scale
+
+
+def _edge_near(lines: _Lines, side: int, end: float, scale: float) -> float | None:
+    """Where the paper ends near `end`, in sides from the marker's centre: at the steepest place; None: not seen.
+
+    scale: pixels across a side there.
+    """
+    nearby = np.arange(-SEARCHED, SEARCHED, STEP_PX / 2 / scale)
+    around = lines.across(side, end + nearby) if len(nearby) > 2 * EDGE_MARGIN else np.empty((0, 0))
+    if not around.size:
+        return None
+    slope = np.abs(np.gradient(cv2.GaussianBlur(np.median(around, axis=1), (0, 0), EDGE_BLUR).ravel()))
+    return end + float(nearby[EDGE_MARGIN + int(slope[EDGE_MARGIN:-EDGE_MARGIN].argmax())])
+
+
+def _fitted_strip(
+    away: Float, lost: Float, edge: tuple[Float, Float], paper: float, widest_px: float
+) -> tuple[float, float, Float, float]:
+    """The strip that fits best the share of light (n,) that is lost at places (n,), in px from the paper's end.
+
+    Fitted are the step from paper to ground as the camera shows edges, its place within EDGE_PX, and a strip of each of
+    WIDTHS_PX. edge: as of `_edge_response`. paper: its light over the ground's. Returns the strip's width in px; the
+    share of light that it lacks; the weights (n,) by which that follows from `lost`; and the sum of squares left.
+    """
+    step = _response(edge, away)
+    moved = (_response(edge, away + STEP_PX) - _response(edge, away - STEP_PX)) / (2 * STEP_PX)
+    held = np.zeros((4, 4))
+    held[2, 2] = (NOISE / (EDGE_PX * max(abs(paper - 1), LEAST_STEP))) ** 2
+    fits = []
+    for width in WIDTHS_PX:
+        if width > max(widest_px, NARROW_PX):
+            break
+        terms = np.stack([np.ones_like(away), step, moved, step - _response(edge, away - width)], axis=1)
+        solved = np.linalg.solve(terms.T @ terms + held, terms.T)
+        found = solved @ lost
+        cost = float(((lost - terms @ found) ** 2).sum() + held[2, 2] * found[2] ** 2)
+        fits.append((width, float(found[3]), solved[3], cost))
+    return min(fits, key=itemgetter(3))
 
 
 def _response(edge: tuple[Float, Float], away: Float) -> Float:

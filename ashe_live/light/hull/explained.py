@@ -16,8 +16,8 @@ from ashe_live.light.hull.light import HullLight, light_of_hull
 from ashe_live.light.hull.surface import surface_of
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.predicted import Predicted
-from ashe_live.light.views.evidence import share_seen
-from ashe_live.light.views.joint import JointExplanation, own_costs
+from ashe_live.light.views.joint.aligned import JointExplanation
+from ashe_live.light.views.joint.evidence import share_seen
 from ashe_live.light.views.which import span_rad
 
 # From a narrower span a hull is several times as deep as its object is broad, and bounds no light.
@@ -63,7 +63,7 @@ def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExpla
 
 def _hull_of(explanation: JointExplanation, samples: Sequence[Mask], sharpener: Sharpener) -> Carved:
     """The voxels that the silhouettes allow; samples: (h, w) of each view, where the object's colours are learned."""
-    views = labelled([own_costs(each) for each in explanation.each], samples, sharpener.pictures)
+    views = labelled([each.costs for each in explanation.each], samples, sharpener.pictures)
     return carved(views, Box.around(explanation.joint.proxy.points_marker(), WIDENED))
 
 

@@ -14,7 +14,7 @@ from ashe_live.light.hull.supports import Planes, ShadowLines, SupportFunction, 
 from ashe_live.light.pixels.areas import areas_by_size, grown, majority, shrunk
 from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, Outlines, observe_outlines
 from ashe_live.light.shape.predicted import Predicted
-from ashe_live.light.views.joint import views_as_one
+from ashe_live.light.views.joint.aligned import views_as_one
 
 DIRECTIONS = 24  # of tangents in each view
 REACH_PX = 5.0  # of the full picture, within which a tangent's step of light is looked for

@@ -22,8 +22,9 @@ from ashe_live.light.known_body.table import SIDE
 # along each side, which are as wide as a body's short shadow.
 CELLS_A_SAMPLE, ALIKE = 13.0, 9
 USUAL_NOISE = 0.06  # standard deviation of relative light that most maps have
-# What else varies on a table: slow terms; the sky that the body hides; and how that leans, along x and along y.
-VARIED, HIDDEN, LEANING = 9, 6, slice(7, 9)
+# What else varies on a table, by number: slow terms; from HIDDEN on, the sky that the body hides, and how that leans
+# along x and along y.
+VARIED, HIDDEN = 9, 6
 # Of the sky's light that the body hides, over what it would hide of an even sky: it hides a fifth more or less. Painted
 # cubes' skies are off by half of this. And of the slope of a sky that gives all of the table's light. Of one that gives
 # a part of it both are that part: beside lights a half.

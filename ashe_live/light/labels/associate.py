@@ -22,7 +22,7 @@ from ashe_live.light.pixels.areas import (
     shrunk,
     smoothed,
 )
-from ashe_live.light.pixels.mixtures import Mixture, clusters, nearest_squared_distance
+from ashe_live.light.pixels.mixtures import clusters, nearest_squared_distance
 
 T = TypeVar("T")
 
@@ -36,7 +36,9 @@ ROUNDS = 2  # of reassigning pixels to their cheapest label
 REACH_PX = 3  # around object and shadow, within which pixels are reassigned
 # The depth of one light's shadow varies, in units of its shift: in a penumbra, and where the object hides the sky too.
 DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
-SHADOW_LIKE = 0.3  # least likeness of a pixel, smoothed, to shadowed ground
+# Least likeness of a pixel, smoothed, to shadowed ground: exp(-d²/2) at the distance d from its nearest colour, in the
+# unit WIDENED_NOISE times the shifts' noise. d² ends at FARTHEST, beyond any effect, so that nothing underflows.
+SHADOW_LIKE, WIDENED_NOISE, FARTHEST = 0.3, 1.2, 50.0
 # Numbers of clusters that unlit colours are parted into, and of each one's areas that are tried as a shadow.
 COLOUR_COUNTS, AREAS_PER_COLOUR = (2, 3), 2
 # Number of colours whose areas are looked at one by one. An area is flat if its pixels' log odds of lying on the plane,
@@ -165,14 +167,10 @@ def flat_areas(region: Region) -> Mask | None:
 
 def shadow_like(region: Region, ground: LitGround, shifts: Sequence[Float]) -> Mask:
     """(h, w) the unlit pixels that look like one of the ground's colours in a shadow of one of `shifts` (3,)."""
-    centres, weights = ground.palette.centres, ground.palette.weights
-    noise = np.diag((1.2 * SHIFT_NOISE) ** 2).astype(np.float32)
-    shadows = [centres + (depth * shift).astype(np.float32) for shift in shifts for depth in DEPTHS]
-    count = len(shadows)
-    shadowed = Mixture(
-        np.concatenate(shadows), np.broadcast_to(noise, (len(centres) * count, 3, 3)), np.tile(weights, count)
-    )
-    likeness = np.exp(-0.5 * np.minimum(nearest_squared_distance(region.quantised.colours, shadowed), 50))
+    lit, noise = ground.palette.centres, np.diag((WIDENED_NOISE * SHIFT_NOISE) ** 2).astype(np.float32)
+    shaded = np.concatenate([lit + (depth * shift).astype(np.float32) for shift in shifts for depth in DEPTHS])
+    squared = nearest_squared_distance(region.quantised.colours, shaded, noise)
+    likeness = np.exp(-0.5 * np.minimum(squared, FARTHEST))
     return majority(region.unlit & (smoothed(region.quantised.as_picture(likeness)) > SHADOW_LIKE))
 
 

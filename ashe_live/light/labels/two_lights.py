@@ -20,7 +20,7 @@ from ashe_live.light.labels.materials import (
     share_of_light_lost,
 )
 from ashe_live.light.pixels.areas import distance_to, large_areas, majority, smoothed
-from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture, nearest_squared_distance
+from ashe_live.light.pixels.mixtures import UNEXPLAINED, nearest_squared_distance
 from ashe_live.light.shape.predicted import Predicted
 
 # Least shadow ratio where both lights are blocked: the sky leaves more light than that.
@@ -49,12 +49,11 @@ def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], 
     if not len(colours):
         return []
     colours = colours[:: len(colours) // MOST_ASKED + 1]
-    palette, noise = ground.palette, np.diag(SHIFT_NOISE**2).astype(np.float32)
+    noise = np.diag(SHIFT_NOISE**2).astype(np.float32)
 
     def missed(shift: Float) -> Float32:
-        centres = palette.centres + shift.astype(np.float32)
-        shaded = Mixture(centres, np.broadcast_to(noise, (len(centres), 3, 3)), palette.weights)
-        return np.minimum(nearest_squared_distance(colours, shaded), NOT_SHADED)
+        shaded = ground.palette.centres + shift.astype(np.float32)
+        return np.minimum(nearest_squared_distance(colours, shaded, noise), NOT_SHADED)
 
     alone = [missed(shift) for shift in shifts]
     found = []

@@ -42,7 +42,7 @@ def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float, by_
     log_odds = by_ground + 0.5 * by_outlines + math.log(LAMPS_SHARE / (1 - LAMPS_SHARE))
     probability = 1 / (1 + math.exp(-min(max(log_odds, -MOST_LOG_ODDS), MOST_LOG_ODDS)))
     nearness, variance = _positive(*_with_prior(place))
-    line = place.covariance[:2, 2] / place.covariance[2, 2]
+    line = place.by_nearness[:2]
     as_lamp = place.mean[:2] + line * (nearness - place.mean[2])
     of_lamp = place.covariance[:2, :2] - (place.nearness_sigma**2 - variance) * np.outer(line, line)
     sun = FittedLight(np.append(light.to_light_marker, 0.0), light.covariance_rad2)

@@ -214,14 +214,6 @@ def _may_be_near(place: Place) -> bool:
     return _is_near(place, WORTH_LOOKING) or place.nearness_sigma > UNTOLD_NEARNESS
 
 
-def with_size(light: Light, angular_size_rad: float | None) -> Light:
-    """The light with its angular diameter as seen from the marker's centre, and a lamp with its radius."""
-    if angular_size_rad is None or light.inverse_distance == 0:
-        return replace(light, angular_size_rad=angular_size_rad)
-    radius_m = math.tan(angular_size_rad / 2) / light.inverse_distance  # of the disc that the penumbra shows
-    return replace(light, angular_size_rad=angular_size_rad, radius_m=radius_m)
-
-
 def _is_near(place: Place, sigmas: float) -> bool:
     return place.mean[2] > 0 and place.standard_errors > sigmas
 

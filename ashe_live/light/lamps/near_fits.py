@@ -7,8 +7,8 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.sources import WHOLE_ERROR_SHARE
 from ashe_live.light.shape.body import NearnessPrior
-from ashe_live.light.views.joint import JointStart, costs_of_views, explained_in_views
-from ashe_live.light.views.joint_refinement import joint_criterion, sharpened_in_views
+from ashe_live.light.views.joint.aligned import JointStart, costs_of_views, explained_in_views
+from ashe_live.light.views.joint.refinement import joint_criterion, sharpened_in_views
 
 
 def nearness_prior(by_fall: float) -> NearnessPrior:

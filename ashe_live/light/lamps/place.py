@@ -21,7 +21,7 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
 )
 from ashe_live.light.shape.layout import light_parameters, nearness_of
-from ashe_live.light.views.joint import views_as_one
+from ashe_live.light.views.joint.aligned import views_as_one
 
 # Sigma of the ray that a glint shows, on either axis: the ground's relief and its rough reflection move the peak. Three
 # of a generated set's four glints are 0.1 to 0.4 degrees off, the other is not the lamp's.
@@ -53,6 +53,17 @@ class Place:
     def nearness_sigma(self) -> float:
         """1/m"""
         return math.sqrt(self.covariance[2, 2])
+
+    @property
+    def by_nearness(self) -> Float:
+        """(3,) how the likeliest parameters change with the nearness, once that is known: the last changes by 1."""
+        covariance = self.covariance
+        return np.asarray(covariance[:, 2] / covariance[2, 2])
+
+    @property
+    def at_infinity(self) -> Float:
+        """(3,) the likeliest parameters of a sun."""
+        return np.asarray(self.mean - self.by_nearness * self.mean[2])
 
     @property
     def standard_errors(self) -> float:

@@ -25,6 +25,7 @@ FALL_ERROR_SHARE, WHOLE_ERROR_SHARE = 0.10, 0.19
 ROUNDS, SETTLED = 12, 1e-3  # Gauss-Newton steps at most, and the size of one that ends them
 # Limits of one step: of the nearness in 1/m, and as a fraction of it; of the displacement over the distance per height.
 LARGEST_STEP, LARGEST_SHARE, LARGEST_SHIFT = 0.4, 0.3, 0.5
+NO_PULL = Pull(np.zeros(3), np.zeros((3, 3)), 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,18 +64,32 @@ class Witnesses:
     glints: Sequence[Place] = ()  # what that light's mirror images tell
 
     @property
+    def first(self) -> Explanation:
+        """That of the object whose light it is."""
+        return self.objects[0].explanation
+
+    @property
     def by_borders(self) -> Place:
         """What the objects' borders tell together, and mirror images: all but the fall of light."""
         return combined([*(each.place for each in self.objects), *self.glints])
 
+    def with_fall(self, by_others: Place) -> Place:
+        """Where the light is by the fall of light, and by others."""
+        if self.fall_off is None:
+            return by_others
+        return with_fall_off(by_others, self.fall_off, *_beside(self.first, self.ratios), shadow_middle(self.first))
+
+    def pull_at(self, at: Float) -> Pull:
+        """What the fall of light tells near the first light's parameters (3,); nothing where it is not known."""
+        if self.fall_off is None:
+            return NO_PULL
+        others, shares = _beside(self.first, self.ratios)
+        return self.fall_off.pull(np.vstack([at, others]), shares, shadow_middle(self.first))
+
 
 def place_by_all(seen: Witnesses) -> Place:
     """Where the light is."""
-    by_borders = seen.by_borders
-    if seen.fall_off is None:
-        return by_borders
-    first = seen.objects[0].explanation
-    return with_fall_off(by_borders, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
+    return seen.with_fall(seen.by_borders)
 
 
 def place_by_the_rest(seen: Witnesses, about: Place) -> Place:
@@ -82,12 +97,8 @@ def place_by_the_rest(seen: Witnesses, about: Place) -> Place:
 
     about: what the shadow tells if it is one.
     """
-    first = seen.objects[0].explanation
-    anywhere = anywhere_about(about, first.alignment.placed.lit.body.frame.origin_marker)
-    by_others = combined([anywhere, *(each.place for each in seen.objects[1:])])
-    if seen.fall_off is None:
-        return by_others
-    return with_fall_off(by_others, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
+    anywhere = anywhere_about(about, seen.first.alignment.placed.lit.body.frame.origin_marker)
+    return seen.with_fall(combined([anywhere, *(each.place for each in seen.objects[1:])]))
 
 
 def anywhere_about(place: Place, foot_m: Float) -> Place:
@@ -109,14 +120,10 @@ def place_seen_from_a_sun(seen: Witnesses) -> Place:
     so whether there is a lamp at all is asked here (Rao's score test).
     """
     by_borders = seen.by_borders
-    line = by_borders.covariance[:, 2] / by_borders.covariance[2, 2]
-    as_sun = by_borders.mean - line * by_borders.mean[2]
-    gradient, information = by_borders.information @ (by_borders.mean - as_sun), by_borders.information
-    if seen.fall_off is not None:
-        first = seen.objects[0].explanation
-        others, shares = _beside(first, seen.ratios)
-        pull = seen.fall_off.pull(np.vstack([as_sun, others]), shares, shadow_middle(first))
-        gradient, information = gradient + pull.gradient, information + pull.information
+    as_sun = by_borders.at_infinity
+    pull = seen.pull_at(as_sun)
+    gradient = by_borders.information @ (by_borders.mean - as_sun) + pull.gradient
+    information = by_borders.information + pull.information
     return Place(as_sun + np.linalg.solve(information, gradient), information)
 
 
@@ -127,18 +134,12 @@ def deviance_of_sun(seen: Witnesses, place: Place) -> float:
     not seen about a light at infinity (`place_seen_from_a_sun`).
     """
     by_borders = seen.by_borders
-    line = by_borders.covariance[:, 2] / by_borders.covariance[2, 2]
-    as_sun = by_borders.mean - line * by_borders.mean[2]
-    first = seen.objects[0].explanation
-    others, shares = _beside(first, seen.ratios)
-    costs = []
-    for at in (as_sun, place.mean):
+
+    def cost_at(at: Float) -> float:
         offset = at - by_borders.mean
-        costs.append(float(offset @ by_borders.information @ offset))
-        if seen.fall_off is not None:
-            lights = np.vstack([at, others])
-            costs[-1] += seen.fall_off.pull(lights, shares, shadow_middle(first)).worst_cost
-    return costs[0] - costs[1]
+        return float(offset @ by_borders.information @ offset) + seen.pull_at(at).worst_cost
+
+    return cost_at(by_borders.at_infinity) - cost_at(place.mean)
 
 
 def shadow_middle(explanation: Explanation) -> Float:
@@ -153,12 +154,12 @@ def with_fall_off(
     by_borders: Place, fall_off: FallOff, others: Float, shares: Sequence[float], reference: Float
 ) -> Place:
     """The borders' place moved to where the fall of light pulls it, by Gauss-Newton steps of limited length."""
-    line = by_borders.covariance[:, 2] / by_borders.covariance[2, 2]  # the likeliest place for each nearness
+    line, variance = by_borders.by_nearness, by_borders.covariance[2, 2]
 
     def cost_at(nearness: float) -> float:
         offset = nearness - by_borders.mean[2]
         there = np.vstack([by_borders.mean + line * offset, others])
-        return fall_off.pull(there, shares, reference).cost + float(offset**2 / by_borders.covariance[2, 2])
+        return fall_off.pull(there, shares, reference).cost + float(offset**2 / variance)
 
     start = min(STARTS, key=cost_at)
     at = by_borders.mean + line * (start - by_borders.mean[2])

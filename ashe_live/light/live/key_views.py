@@ -40,8 +40,10 @@ MOST_ROTATION_SIGMA_RAD = math.radians(0.5)
 # Standard deviation of the blur across the marker's borders, in pixels of the picture that is kept: a sharp border,
 # averaged over pixels as a camera does, has 0.4 to 1.
 MOST_BLUR_PX = 2.0
-# Side of the square around a corner of the marker in which the blur is measured.
+# Side of the square around a corner of the marker in which the blur is measured. Of its pixels these shares are left
+# out, as they may come from sharpening or noise: the brightest and as many of the darkest, and the steepest.
 CROP_PX = 64
+EXTREME, STEEPEST = 0.02, 0.01
 
 
 def span_of(views: Sequence[TrackedFrame]) -> float:
@@ -201,10 +203,10 @@ def blur_px(tracked: TrackedFrame) -> float:
         cv2.Sobel(grey, cv2.CV_32F, *order, ksize=1, scale=0.5).ravel()[::2] for order in ((1, 0), (0, 1))
     )
     levels = np.sort(grey, axis=None)
-    height = float(levels[int(0.98 * len(levels))]) - float(levels[int(0.02 * len(levels))])
-    # The steepest few slopes are left out, as they may come from sharpening or noise.
+    darkest, brightest = (float(levels[int(share * len(levels))]) for share in (EXTREME, 1 - EXTREME))
+    height = brightest - darkest
     normals = np.column_stack((-sides[:, 1], sides[:, 0])) / np.linalg.norm(sides, axis=1)[:, None]
-    rank = int(0.99 * len(across_x))
+    rank = int((1 - STEEPEST) * len(across_x))
     slope = min(float(np.partition(np.abs(x * across_x + y * across_y), rank)[rank]) for x, y in normals)
     return height / (slope * math.sqrt(2 * math.pi)) if height > 0 and slope > 0 else math.inf
 

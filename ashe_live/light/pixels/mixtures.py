@@ -92,13 +92,15 @@ def mixture_of(
     )
 
 
-def nearest_squared_distance(colours: Float32, mixture: Mixture, costs: Float | Float32 | None = None) -> Float32:
-    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a component, each plus that one's `costs` (k,).
+def nearest_squared_distance(
+    colours: Float32, centres: Float32, covariances: Float32, costs: Float | Float32 | None = None
+) -> Float32:
+    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a centre (k, 3), each plus its `costs` (k,).
 
-    The distances are quadratics in the colour, so that all of them are one product of (k, 10) and (10, n).
+    covariances: (k, 3, 3), one for each centre, or (3, 3) for all. The distances are quadratics in the colour, so that
+    all of them are one product of (k, 10) and (10, n).
     """
-    centres = mixture.centres
-    precisions = np.linalg.inv(mixture.covariances.astype(np.float64))
+    precisions = np.linalg.inv(np.broadcast_to(covariances, (len(centres), 3, 3)).astype(np.float64))
     offsets = np.einsum("ki,kij,kj->k", centres, precisions, centres) + (0.0 if costs is None else costs)
     coefficients = np.column_stack(
         [
@@ -127,5 +129,6 @@ def cost(colours: Float32, mixture: Mixture, extra_costs: Float | float = 0.0) -
     """
     spread = np.linalg.slogdet(mixture.covariances.astype(np.float64))[1]
     rarity = -2 * np.log(np.maximum(mixture.weights, 1e-3))
-    costs = nearest_squared_distance(colours, mixture, spread + rarity + NORMAL + extra_costs)
-    return np.minimum(costs, np.float32(UNEXPLAINED + np.min(extra_costs)))
+    costs = spread + rarity + NORMAL + extra_costs
+    nearest = nearest_squared_distance(colours, mixture.centres, mixture.covariances, costs)
+    return np.minimum(nearest, np.float32(UNEXPLAINED + np.min(extra_costs)))

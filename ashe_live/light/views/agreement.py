@@ -17,7 +17,7 @@ from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import predicted
-from ashe_live.light.views.joint import in_each_view
+from ashe_live.light.views.joint.aligned import in_each_view
 from ashe_live.light.views.plane import OnPlane, on_plane, where_in
 
 WIDTH_PX = 160  # at which views are compared: displacements that matter are larger than its pixels

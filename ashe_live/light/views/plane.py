@@ -121,13 +121,8 @@ def _log_odds(one: OnPlane) -> Float32:
     )
     scale = 1 / np.sqrt(variance)
     theirs *= scale
-    ours = theirs + residual * scale
-    by_accident = np.zeros(one.seen.shape, np.float32)
-    for share in SHEARS:
-        across, down = np.round(share * one.shear_px).astype(int)
-        away = ((ours - np.roll(theirs, (-down, -across), axis=(1, 2))) ** 2).sum(axis=0)
-        by_accident += np.exp(away * np.float32(-0.5 / MATCH**2))
-    by_accident = np.minimum(by_accident / len(SHEARS), np.float32(MOST_BY_ACCIDENT))
+    ours = np.asarray(theirs + residual * scale, dtype=np.float32)
+    by_accident = np.minimum(_alike_along_shear(ours, theirs, one.seen, one.shear_px), np.float32(MOST_BY_ACCIDENT))
     same = 1 - sheared * (1 - by_accident)
     else_ = sheared * (1 - by_accident)
     anything = variance + (SPREAD_OF_ANYTHING**2)[:, None, None]
@@ -135,6 +130,31 @@ def _log_odds(one: OnPlane) -> Float32:
     odds = np.exp(np.clip(0.5 * exponent, -20, 20))
     ratio = np.log(((1 - hidden) * odds + hidden) / (same * odds + else_))
     return np.where(one.seen, ratio, 0).astype(np.float32)
+
+
+def _alike_along_shear(ours: Float32, theirs: Float32, seen: Mask, shear_px: Float) -> Float32:
+    """(h, w) how like each pixel is to those of the other view at SHEARS times the shear: 0 to 1, the mean over these.
+
+    ours, theirs: (3, h, w) colours in standard deviations. Only neighbours on what both views show, `seen` (h, w),
+    count; where there are none, nothing tells the pixel from them, and it is as like as can be.
+    """
+    height, width = seen.shape
+    alike, count = np.zeros(seen.shape, np.float32), np.zeros(seen.shape, np.float32)
+    for share in SHEARS:
+        across, down = np.round(share * shear_px).astype(int)
+        (rows, rows_there), (columns, columns_there) = _overlap(height, down), _overlap(width, across)
+        here, there = np.s_[rows, columns], np.s_[rows_there, columns_there]
+        away = ((ours[:, *here] - theirs[:, *there]) ** 2).sum(axis=0)
+        alike[here] += np.exp(away * np.float32(-0.5 / MATCH**2)) * seen[there]
+        count[here] += seen[there]
+    return np.divide(alike, count, out=np.ones_like(alike), where=count > 0)
+
+
+def _overlap(length: int, offset: int) -> tuple[slice, slice]:
+    """The places along an axis whose neighbours at an offset are on it, too; and the places of these neighbours."""
+    low = min(max(-offset, 0), length)
+    high = max(length - max(offset, 0), low)
+    return slice(low, high), slice(low + offset, high + offset)
 
 
 def _exposure(residual: Float32, seen: Mask) -> Float32 | None:

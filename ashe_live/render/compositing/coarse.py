@@ -76,10 +76,10 @@ class CoarseLayers:
         in_rows = _above_and_below(wanted, blur.taps, size)
         rectangle_of_halves, rectangle_of_blurs = self._rectangles
         surface.bind_layers()
-        halving = self._programs.get("halved")
+        halving = self._programs.get("compositing/halved")
         set_uniforms(halving, **corner_pixels(viewport))
         self._draw_into(first, grown(wanted, blur.taps, size), rectangle_of_halves, halving)
-        program = self._programs.get("coarse", taps=blur.taps, spread=min(spread, blur.taps))
+        program = self._programs.get("compositing/coarse", taps=blur.taps, spread=min(spread, blur.taps))
         set_uniforms(program, weights=line_weights(*blur))
         for target, within, along in ((second, in_rows, (1, 0)), (first, wanted, (0, 1))):
             set_uniforms(program, along=along)

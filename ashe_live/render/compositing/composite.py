@@ -137,8 +137,8 @@ class Composite:
         constants: dict[str, float] = {**bends, **{name: 1 for name, is_on in switches.items() if is_on}}
         if onto.look.is_overexposed:
             constants |= dict(zip(("clips_from", "clips_to"), OVEREXPOSED, strict=True))
-        composing = self._programs.get("composite", reach=blurs.reach, **constants)
-        return self._programs.get("touched", **bends), composing
+        composing = self._programs.get("compositing/composite", reach=blurs.reach, **constants)
+        return self._programs.get("compositing/touched", **bends), composing
 
     def release(self) -> None:
         self._coarse.release()

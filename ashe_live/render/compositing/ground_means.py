@@ -32,7 +32,7 @@ class GroundMeans:
         means = float(MEANS_ACROSS), MEANS_ACROSS * height / width
         texture, framebuffer = self._canvas.of_size((MEANS_ACROSS, math.ceil(means[1])))
         constants = {name: 1 for name, is_so in (("covers", cover is not None), ("bends", bends)) if is_so}
-        program = self._programs.get("ground_mean", **constants)
+        program = self._programs.get("compositing/ground_mean", **constants)
         set_uniforms(program, viewport=tuple(map(float, viewport)), means=means)
         if cover is not None:
             cover.bind(program)

@@ -32,7 +32,7 @@ class Outlines:
         found = self._found_of(surface)
         finding, smoothing, putting_back = self._rectangles
         surface.bind_layers()
-        find, smooth = self._programs.get("outlines", find=1), self._programs.get("outlines")
+        find, smooth = self._programs.get("compositing/outlines", find=1), self._programs.get("compositing/outlines")
         for program in (find, smooth):
             set_uniforms(program, **corner_pixels(viewport))
         with surface.chosen.choosing(found.step_framebuffer, grown(region, 2, surface.size)):
@@ -43,7 +43,7 @@ class Outlines:
         for texture, name in zip(found.layers, ("added_light", "removed"), strict=True):
             texture.use(UNIT_OF[name])
         with surface.chosen.restricted(surface.chosen_layers, region):
-            putting_back.draw(self._programs.get("outlines", put_back=1))
+            putting_back.draw(self._programs.get("compositing/outlines", put_back=1))
 
     def release(self) -> None:
         for rectangle in self._rectangles:

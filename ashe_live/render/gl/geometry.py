@@ -196,7 +196,7 @@ class GpuModel:
                 constants = {material.alpha.name: 1}
                 if "base_map" in part.maps:
                     constants |= {"base_map": 1, **layout_constants(part.mesh)}
-            program = self._programs.get("depth", **constants)
+            program = self._programs.get("lights/depth", **constants)
             if "base_map" in constants:
                 part.maps["base_map"].use(UNIT_OF["base_map"])
             set_uniforms(program, **layout_uniforms(part.mesh, constants))

@@ -14,7 +14,7 @@ class Mirror:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._program = build_program(ctx, "screen")
+        self._program = build_program(ctx, "screen/screen")
         self._rectangle = ctx.vertex_array(self._program, [])
         self._copy = Canvas(ctx)
 

@@ -11,6 +11,8 @@ from ashe_live.files.resources import resource
 from ashe_live.process.signals import signals_held
 from ashe_live.render.gl.texture_units import UNIT_OF
 
+WHOLE_FRAMEBUFFER = "screen/whole.vert"
+
 
 class Programs:
     """A cache of program variants, each built when it is first asked for."""
@@ -33,7 +35,7 @@ class Programs:
 
 
 def build_program(ctx: moderngl.Context, name: str, **constants: float) -> moderngl.Program:
-    """The program of the pass `name`, its samplers on their units; `constants` become macros."""
+    """The program of the pass `name`, as "lights/depth", its samplers on their units; `constants` become macros."""
     defines = "".join(f"#define {key.upper()} {value}\n" for key, value in constants.items())
     vertex, fragment = (shader_source(file_name, defines) for file_name in shaders_of(name))
     # moderngl 5.13 calls Python for each uniform, and crashes when a signal's handler raises there.
@@ -45,13 +47,16 @@ def build_program(ctx: moderngl.Context, name: str, **constants: float) -> moder
 
 @cache
 def shaders_of(name: str) -> tuple[str, str]:
-    """Names of a pass's vertex and fragment shader; one without a vertex shader of its own covers the framebuffer."""
+    """A pass's vertex and fragment shader; one without a vertex shader of its own covers the framebuffer."""
     own = f"{name}.vert"
-    return own if (resource("shaders") / own).exists() else "whole.vert", f"{name}.frag"
+    return own if (resource("shaders") / own).exists() else WHOLE_FRAMEBUFFER, f"{name}.frag"
 
 
 def shader_source(file_name: str, defines: str = "") -> str:
-    """The file's text, `defines` after its `#version`, each `#include "x.glsl"` replaced by that file."""
+    """The file's text, `defines` after its `#version`, each `#include "lights/shadow.glsl"` replaced by that file.
+
+    Names of files are paths within `shaders`, wherever they stand.
+    """
     lines: list[str] = []
     # Some drivers want #version before even a comment.
     for line in _read(file_name):

@@ -54,7 +54,7 @@ class GroundShadows:
         self._texture, framebuffer = self._canvas.of_size((int(width), int(height)))
         texture_size = np.array(framebuffer.size, dtype=np.float64)
         program = self._programs.get(
-            "ground_shadow",
+            "lights/ground_shadow",
             **shadows.constants | {"casters": shadows.caster_count, "blocker_taps": self._preset.blocker_taps},
         )
         shadows.bind(program)
@@ -106,7 +106,7 @@ class GroundShadows:
         beside.use()
         self._ctx.viewport = (0, 0, self._size, self._size)
         self._rectangle.draw(program)
-        averaging = self._programs.get("smoothed_shadow")
+        averaging = self._programs.get("lights/smoothed_shadow")
         set_uniforms(averaging, corner=corner, **smoothing)
         noisy.use(UNIT_OF["noisy_shadow"])
         onto.use()

@@ -69,7 +69,7 @@ class ContactPatch:
 
         weight: of a direction straight above, as a share of the sky; others have it times their sine.
         """
-        program = self._programs.get("contact", **depth_map.constants)
+        program = self._programs.get("occlusion/contact", **depth_map.constants)
         depth_map.bind(program)
         # All patches share one program: another may have used it between two steps.
         set_uniforms(program, weight=weight, patch_bounds=tuple(self.bounds.ravel()))

@@ -30,7 +30,7 @@ class WallLight:
         if same_objects(self._drawn_for, wanted):
             return
         self._drawn_for = wanted
-        program = self._programs.get("walls", casters=1, **lighting.constants)
+        program = self._programs.get("occlusion/walls", casters=1, **lighting.constants)
         shadows.bind(program)
         contact.bind(program)
         set_uniforms(

@@ -45,7 +45,7 @@ class _ByGpu:
         self._target = target
         self._bytes = ctx.texture((3 * target.width, target.height), 1, alignment=1)
         self._bytes.filter = moderngl.NEAREST, moderngl.NEAREST
-        self._program = build_program(ctx, "frame")
+        self._program = build_program(ctx, "screen/frame")
         self._rectangle = WholeRectangle(ctx)
 
     def write(self, image_bgr: Image) -> None:

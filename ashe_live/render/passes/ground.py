@@ -99,7 +99,7 @@ class ShadowCatcher:
         self._ctx.polygon_offset = 1.0, 1.0
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         first, *others = models.members
-        program = self._programs.get("catcher", **constants)
+        program = self._programs.get("catchers/ground", **constants)
         if ground.hidden is not None:
             ground.hidden.bind(program)
         self._draw_fan(program, first, self._walls[0], shadows, uniforms)
@@ -110,7 +110,7 @@ class ShadowCatcher:
             # On the polygon that has just been drawn.
             self._ctx.depth_func = "<="
             constants.pop("covers", None)
-            program = self._programs.get("catcher", contact_alone=1, **constants)
+            program = self._programs.get("catchers/ground", contact_alone=1, **constants)
             for model, walls in zip(others, self._walls[1:], strict=False):
                 self._draw_fan(program, model, walls, shadows, uniforms)
             self._ctx.depth_func = "<"

@@ -48,7 +48,7 @@ class LightSigns:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._program = build_program(ctx, "light_sign")
+        self._program = build_program(ctx, "screen/light_sign")
         self._held: list[moderngl.Buffer] = []
         self._shapes = {profile: self._uploaded(profile) for profile in (ARROW, BULB)}
 

@@ -146,7 +146,7 @@ class ModelPass:
     def _bound_program(self, part: GpuPart, looked_up: LookedUp, is_rim: bool) -> moderngl.Program:
         """The part's shader variant with all its textures bound: a driver may recompile for another kind of texture."""
         program = self._programs.get(
-            "model",
+            "model/model",
             min_roughness=MIN_ROUGHNESS,
             **shading_constants(part),
             **({"rim": 1} if is_rim else {}),

@@ -16,7 +16,7 @@ class OverlayPass:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.uploads = 0
         self._ctx = ctx
-        self._program = build_program(ctx, "screen")
+        self._program = build_program(ctx, "screen/screen")
         self._rectangle = ctx.vertex_array(self._program, [])
         # A reference to the picture is kept with its texture, so that its id is not reused.
         self._textures: dict[int, tuple[Image, moderngl.Texture]] = {}

@@ -29,15 +29,15 @@ class RealObject:
         self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
 
     def render_depth(self, clip_from_marker: Float) -> None:
-        program = self._programs.get("depth")
+        program = self._programs.get("lights/depth")
         set_uniforms(program, clip_from_marker=clip_from_marker)
         self._array(program).render()
 
     def draw(self, framing: Framing, lighting: Lighting, shadows: ShadowMaps) -> None:
         """Draws its depth and, where the model shades it, the fraction of light that it loses."""
-        program = self._programs.get("depth")
+        program = self._programs.get("lights/depth")
         if shadows.model_shades_real:
-            program = self._programs.get("real_object", **shadows.constants | {"casters": 1})
+            program = self._programs.get("catchers/real_object", **shadows.constants | {"casters": 1})
             shadows.bind(program)
             set_uniforms(
                 program,

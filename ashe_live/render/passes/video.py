@@ -23,7 +23,7 @@ class Video:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.uploads = 0
         self._ctx = ctx
-        self._program = build_program(ctx, "screen")
+        self._program = build_program(ctx, "screen/screen")
         self._rectangle = ctx.vertex_array(self._program, [])
         self._texture: FrameTexture | None = None
         self._shown: TrackedFrame | None = None

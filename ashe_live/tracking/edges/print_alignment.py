@@ -105,20 +105,9 @@ class PrintAlignment(PrintLikeness):
         within = (np.minimum(x, y) > ring) & (np.maximum(x, y) < 1 - ring)
         self._inside = np.flatnonzero(within)
         dy, dx = n * np.gradient(sharp, axis=0), n * np.gradient(sharp, axis=1)
-        # Derivatives of a homography by its entries, at the identity; and of the entries by the corners' displacements.
-        nothing, one = np.zeros_like(x), np.ones_like(x)
-        by_entries_x = np.stack([x, y, one, nothing, nothing, nothing, -x * x, -x * y], axis=-1)
-        by_entries_y = np.stack([nothing, nothing, nothing, x, y, one, -x * y, -y * y], axis=-1)
-        u, v = UNIT.T
-        none, all_one = np.zeros(4), np.ones(4)
-        corners_x = np.stack([u, v, all_one, none, none, none, -u * u, -u * v], axis=-1)
-        corners_y = np.stack([none, none, none, u, v, all_one, -u * v, -v * v], axis=-1)
-        entries_by_corners = np.linalg.inv(np.stack([corners_x, corners_y], axis=1).reshape(8, 8))
-        moved = (dx[..., None] * by_entries_x + dy[..., None] * by_entries_y) @ entries_by_corners
-        bleed = np.hypot(dx, dy)
-        columns = np.concatenate([sharp[..., None], -moved, np.stack([one, x, y, bleed], axis=-1)], axis=-1).reshape(
-            -1, 13
-        )[self._inside]
+        moved = (np.stack([dx, dy], axis=-1)[..., None, :] @ _by_entries(x, y))[..., 0, :] @ ENTRIES_BY_CORNERS
+        even, bleed = np.ones_like(x), np.hypot(dx, dy)
+        columns = np.dstack([sharp, -moved, even, x, y, bleed]).reshape(-1, 13)[self._inside]
         self._whole = _Linear.of(columns)
         # All four corners outwards by one, and with them the edges inside, towards their white.
         together = columns[:, 1:9] @ -OUTWARDS.ravel() - columns[:, 12]
@@ -213,6 +202,17 @@ class PrintAlignment(PrintLikeness):
                 return Alignment(corners, _inverse(covariance + MIN_SIGMA_PX**2 * np.eye(8)), seen)
             seen = self.look(self.sampled(light, corners, camera, origin_px, shade), mean_side_px(corners), shade)
         return None
+
+
+def _by_entries(x: Float, y: Float) -> Float:
+    """(..., 2, 8) derivatives of where a homography near the identity takes places x, y (...), by its first entries."""
+    none, one = np.zeros_like(x), np.ones_like(x)
+    across = np.stack([x, y, one, none, none, none, -x * x, -x * y], axis=-1)
+    down = np.stack([none, none, none, x, y, one, -x * y, -y * y], axis=-1)
+    return np.stack([across, down], axis=-2)
+
+
+ENTRIES_BY_CORNERS = np.linalg.inv(_by_entries(*UNIT.T).reshape(8, 8))  # by the displacements of the unit square's
 
 
 def in_units(corners_px: Float, others_px: Float) -> Float:

@@ -21,6 +21,7 @@ ANSI_MM = ((215.9, 279.4), (279.4, 431.8), (431.8, 558.8), (558.8, 863.6), (863.
 PAPERS_MM: Mapping[str, tuple[tuple[float, float], ...]] = {"a4": ISO_MM, "letter": ANSI_MM, "a3": ISO_MM[1:]}
 FINEST_DPI, FINEST_WIDTH_MM = 600, 210  # larger pages have about as many pixels
 PRINTER_EDGE_MM = 8
+INCH_MM = 25.4
 INK = 0
 PAPER = 255
 
@@ -37,19 +38,19 @@ class Page:
     @classmethod
     def blank(cls, size_mm: Millimetres) -> "Page":
         dpi = round(FINEST_DPI * min(1, FINEST_WIDTH_MM / size_mm[0]))
-        width, height = (round(side / 25.4 * dpi) for side in size_mm)
+        width, height = (round(side / INCH_MM * dpi) for side in size_mm)
         return cls(PIL.Image.new("L", (width, height), PAPER), dpi)
 
     @property
     def width_mm(self) -> float:
-        return self.image.width / self.dpi * 25.4
+        return self.image.width / self.dpi * INCH_MM
 
     @property
     def height_mm(self) -> float:
-        return self.image.height / self.dpi * 25.4
+        return self.image.height / self.dpi * INCH_MM
 
     def px(self, mm: float) -> int:
-        return round(mm / 25.4 * self.dpi)
+        return round(mm / INCH_MM * self.dpi)
 
     def picture(self, grey: Image, top_left_mm: Millimetres) -> None:
         self.image.paste(

@@ -155,8 +155,7 @@ class Hand:
         else:
             depth = depth * WARMER_STEP ** (notches * np.array((1.0, 0.0, -1.0)))
         ratio = np.clip(np.exp(-depth), FAINTEST, 1 - FAINTEST)
-        sized = _with_size(light, size)
-        changed = replace(sized, shadow_rgb_ratio=ratio, intensity_rgb_ratio=None)
+        changed = replace(light.with_angular_size(size), shadow_rgb_ratio=ratio, intensity_rgb_ratio=None)
         # The measured ambient light is the shadow's ratio seen otherwise: kept, it would undo the change.
         self.light = replace(base, lights=(changed, *others), ambient_rgb_ratio=None)
         self.frame_index = tracked.frame.index
@@ -183,7 +182,7 @@ class Hand:
         else:
             distance = max(distance, nearest)
             radius = min(radius, distance * math.tan(SOFTEST_RAD / 2))
-            changed = replace(light, inverse_distance=1 / distance, radius_m=radius)
+            changed = replace(light, inverse_distance=1 / distance).with_angular_size(2 * math.atan(radius / distance))
             said = f"a lamp, {100 * distance:.0f} cm from the marker"
         self.light = replace(base, lights=(_of_unknown_error(changed), *others))
         self.frame_index = tracked.frame.index
@@ -208,13 +207,6 @@ class Hand:
 
 def _of_unknown_error(light: Light) -> Light:
     return replace(light, covariance_rad2=None, sigma_rad=None, confidence=None, lamp_covariance=None)
-
-
-def _with_size(light: Light, size_rad: float) -> Light:
-    """The light with this angular diameter, as seen from the marker's centre."""
-    if light.inverse_distance == 0:
-        return replace(light, angular_size_rad=size_rad)
-    return replace(light, radius_m=math.tan(size_rad / 2) / light.inverse_distance)
 
 
 def _shadow_of(light: Light, foot: Float, height: float) -> Float | None:

@@ -19,7 +19,7 @@ from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.views.agreement import without_confirming
-from ashe_live.light.views.joint import in_each_view
+from ashe_live.light.views.joint.aligned import in_each_view
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
 

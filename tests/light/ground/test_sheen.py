@@ -26,7 +26,9 @@ def ground(brighter: np.ndarray) -> np.ndarray:
 def found(brighter: np.ndarray) -> np.ndarray:
     palette = mixture_of(ground(np.zeros(SIZE)).reshape(-1, 3)[::7], 4)
     colours = ground(brighter)
-    squared = np.minimum(nearest_squared_distance(colours.reshape(-1, 3), palette), 60).reshape(SIZE)
+    squared = np.minimum(
+        nearest_squared_distance(colours.reshape(-1, 3), palette.centres, palette.covariances), 60
+    ).reshape(SIZE)
     return sheen_on(colours, cv2.GaussianBlur(squared, (0, 0), 0.7), ALL, palette)
 
 

@@ -14,7 +14,7 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.shadow_shift import shadow_ratio
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
-from ashe_live.light.lamps.lamp import Answer, Scene, stated, with_size
+from ashe_live.light.lamps.lamp import Answer, Scene, stated
 from ashe_live.light.pixels.view import View
 from ashe_live.render.lights.lighting import angular_size
 from tests.light.painted_regions import painted_region
@@ -83,7 +83,7 @@ def test_certainty_of_either_kind_is_finite(confidence: float) -> None:
 
 @pytest.mark.parametrize("angular_size_rad", [0.01, 0.3])
 def test_a_lamp_is_drawn_as_large_as_it_was_seen(angular_size_rad: float) -> None:
-    lamp = with_size(replace(answer(0.9).lights[0], angular_size_rad=None), angular_size_rad)
+    lamp = replace(answer(0.9).lights[0], angular_size_rad=None).with_angular_size(angular_size_rad)
     assert lamp.inverse_distance > 0
     assert angular_size(lamp) == pytest.approx(angular_size_rad, rel=1e-9)
 

@@ -54,11 +54,17 @@ def test_a_mixture_has_the_numbers_of_its_colours() -> None:
 def test_distances_are_mahalanobis() -> None:
     colours, mixture = colours_of_two(300), two_colours()
     expected = squared_distances(colours, mixture)
-    np.testing.assert_allclose(nearest_squared_distance(colours, mixture), expected.min(axis=1), atol=0.01)
+    nearest = nearest_squared_distance(colours, mixture.centres, mixture.covariances)
+    np.testing.assert_allclose(nearest, expected.min(axis=1), atol=0.01)
     costs = np.array([5.0, -3.0])
-    np.testing.assert_allclose(
-        nearest_squared_distance(colours, mixture, costs), (expected + costs).min(axis=1), atol=0.01
-    )
+    cheapest = nearest_squared_distance(colours, mixture.centres, mixture.covariances, costs)
+    np.testing.assert_allclose(cheapest, (expected + costs).min(axis=1), atol=0.01)
+
+
+def test_one_covariance_is_that_of_all_centres() -> None:
+    colours, covariance = colours_of_two(300), np.diag([0.01, 0.02, 0.005]).astype(np.float32)
+    alone = nearest_squared_distance(colours, CENTRES, covariance)
+    np.testing.assert_array_equal(alone, nearest_squared_distance(colours, CENTRES, np.stack([covariance] * 2)))
 
 
 def test_a_cost_is_twice_the_negative_log_density_of_the_likeliest_component() -> None:
@@ -85,7 +91,7 @@ def test_a_shifted_mixture_costs_shifted_colours_the_same() -> None:
 def test_widening_brings_all_nearer() -> None:
     colours = colours_of_two(300)
     wide = two_colours().shifted(np.zeros((1, 3)), np.full(1, 2.0))
-    near, nearer = (nearest_squared_distance(colours, mixture) for mixture in (two_colours(), wide))
+    near, nearer = (nearest_squared_distance(colours, each.centres, each.covariances) for each in (two_colours(), wide))
     np.testing.assert_allclose(nearer, near / 2, atol=0.02)
 
 

@@ -72,6 +72,14 @@ def test_a_shadow_stays_on_the_plane_and_a_box_does_not(ground: str) -> None:
     assert np.mean(ratio[body] < -1) > 0.25
 
 
+@pytest.mark.parametrize(("heading_deg", "border"), [(105, np.s_[100:170, :4]), (75, np.s_[100:170, -4:])])
+def test_plain_ground_tells_nothing_at_the_border_of_the_picture_either(heading_deg: float, border) -> None:
+    """There, too, it looks the same wherever it is: what the other border of the picture shows is no neighbour."""
+    first, other = (painted_from(heading, ground="plain") for heading in (90, heading_deg))
+    ratio = np.abs(ratio_of(first.tracked, other.tracked))
+    assert ratio[border].mean() < 2 * ratio[100:170, 180:260].mean() < 0.2
+
+
 def test_a_flat_dark_thing_is_no_object() -> None:
     sticker = Caster(width_m=0.06, height_m=1e-4, rgb=(0.03, 0.03, 0.03))
     first = painted_from(90, sticker)

@@ -7,7 +7,7 @@ import pytest
 from ashe_live.render.gl.chosen import ChosenPixels
 from ashe_live.render.gl.driver import clear_part
 from ashe_live.render.gl.framing import Rectangle
-from ashe_live.render.gl.programs import shader_source
+from ashe_live.render.gl.programs import WHOLE_FRAMEBUFFER, shader_source
 
 SIDE = 48
 CHOOSING = "#version 330 core\nvoid main() { if ((int(gl_FragCoord.x) + 2 * int(gl_FragCoord.y)) % 7 > 2) discard; }"
@@ -20,7 +20,7 @@ def drawn(ctx: moderngl.Context) -> Iterator:
     pixels, texture = ChosenPixels(ctx, (SIDE, SIDE)), ctx.texture((SIDE, SIDE), 4)
     choice, target = pixels.framebuffer([]), pixels.framebuffer([texture])
     programs = [
-        ctx.program(vertex_shader=shader_source("whole.vert"), fragment_shader=each) for each in (CHOOSING, WHITE)
+        ctx.program(vertex_shader=shader_source(WHOLE_FRAMEBUFFER), fragment_shader=each) for each in (CHOOSING, WHITE)
     ]
     choosing, white = (ctx.vertex_array(program, []) for program in programs)
 

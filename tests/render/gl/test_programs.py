@@ -14,12 +14,14 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 from tests.render.uniform_audit import UniformError
 
 LEAST_UNITS = 16  # that OpenGL 3.3 has for fragment shaders
-PASSES = sorted(path.stem for path in resource("shaders").glob("*.frag"))
+SHADERS = {path.relative_to(resource("shaders")).as_posix() for path in resource("shaders").rglob("*.*")}
+PASSES = sorted(name.removesuffix(".frag") for name in SHADERS if name.endswith(".frag"))
 
 
-def test_every_vertex_shader_belongs_to_a_pass() -> None:
-    used = {shaders_of(name)[0] for name in PASSES}
-    assert used == {path.name for path in resource("shaders").glob("*.vert")}
+def test_every_shader_is_used() -> None:
+    of_passes = {name for each in PASSES for name in shaders_of(each)}
+    texts = "".join(resource("shaders", name).read_text(encoding="utf-8") for name in of_passes)
+    assert of_passes | set(re.findall(r'#include "(.*)"', texts)) == SHADERS
 
 
 @pytest.mark.parametrize("name", PASSES)
@@ -35,7 +37,7 @@ def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> N
             **({"bends": 1, "coarse": 1, "relief": 1, "covers": 1} if casters == 2 else {}),
         }
         # These are drawn by a light alone, and the ground's shadow by its penumbrae.
-        needs = {"contact": lights, "self_occlusion": lights, "ground_shadow": blocker_taps}
+        needs = {"occlusion/contact": lights, "occlusion/self_occlusion": lights, "lights/ground_shadow": blocker_taps}
         if needs.get(name, True):
             programs.build_program(ctx, name, pcf_radius=1, **constants).release()
 
@@ -55,7 +57,7 @@ def test_no_other_sampler_is_read_from_where_the_depths_stay_bound() -> None:
 @pytest.fixture
 def screen(ctx: moderngl.Context) -> Iterator[tuple[moderngl.Program, moderngl.VertexArray]]:
     """The simplest pass, ready to be drawn but for its uniforms."""
-    program = programs.build_program(ctx, "screen")
+    program = programs.build_program(ctx, "screen/screen")
     array, target = ctx.vertex_array(program, []), ctx.simple_framebuffer((8, 8))
     target.use()
     yield program, array
@@ -92,7 +94,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 ctx = offscreen_context()
 sys.setprofile(interrupt)
 try:
-    build_program(ctx, "model", lights=1, casters=1, blocker_taps=0, soft_taps=16, pcf_radius=1)
+    build_program(ctx, "model/model", lights=1, casters=1, blocker_taps=0, soft_taps=16, pcf_radius=1)
 except KeyboardInterrupt:
     print("interrupted")
 """
@@ -104,7 +106,7 @@ def test_an_interrupt_while_a_program_is_made_is_an_interrupt_and_no_crash() -> 
 
 
 def test_include_and_constants_stand_after_the_version() -> None:
-    lines = shader_source("model.frag", "#define PCF_RADIUS 2\n").splitlines()
+    lines = shader_source("model/model.frag", "#define PCF_RADIUS 2\n").splitlines()
     assert lines[:2] == ["#version 330 core", "#define PCF_RADIUS 2"]
     assert not any(line.startswith("#include") for line in lines)
     assert any("float shadow(int light, vec3 position" in line for line in lines)

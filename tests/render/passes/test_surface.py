@@ -12,7 +12,7 @@ REGION = (5, 7, 20, 10)
 def test_only_the_region_is_emptied_and_drawn(ctx: moderngl.Context, samples: int) -> None:
     surface = Surface(ctx, (60, 40), samples)
     white = ctx.texture((1, 1), 4, b"\xff\xff\xff\xff")
-    program = build_program(ctx, "screen")
+    program = build_program(ctx, "screen/screen")
     rectangle = ctx.vertex_array(program, [])
     left, bottom, width, height = REGION
     expected = np.zeros((40, 60), dtype=np.float16)

@@ -357,6 +357,15 @@ def test_a_lamps_softness_is_its_radius():
     assert hand.light.light.inverse_distance == NEAR.light.inverse_distance
 
 
+@pytest.mark.parametrize("command", [Command.LIGHT_SOFTNESS, Command.LIGHT_DISTANCE])
+def test_a_lamp_is_written_as_large_as_it_is_drawn(command: Command) -> None:
+    hand, tracked = Hand(), seen_from((0.3, -0.4, 0.5))
+    hand.obey(Request(command, 2), sight(tracked, NEAR))
+    assert hand.light is not None
+    written = light_by_hand_json(hand.light, 0)["lights"][0]["angular_size_deg"]
+    assert written == pytest.approx(math.degrees(angular_size(hand.light.light)))
+
+
 def test_a_lamp_is_not_dragged_to_where_it_would_be_below_the_models_top():
     estimated = replace(NEAR, lights=(replace(NEAR.lights[0], inverse_distance=1 / (1.5 * HEIGHT_M)),))
     tracked, hand = seen_from(EYES[1]), Hand()

@@ -9,13 +9,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.explain import Proposal, aligned_explanations
+from ashe_live.light.explanation.explain import Proposal, aligned_explanations, proposal_by
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.second_light import LEAST_CLARITY, NEAR_RAD
 from ashe_live.light.explanation.searches.shadow_search import shadow_candidates
-from ashe_live.light.labels.materials import materials_of, object_cost
-from ashe_live.light.labels.relabel import relabelled
+from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.light_points import NO_LIGHTS
 from ashe_live.light.shape.predicted import predicted
@@ -71,10 +70,9 @@ def _starts(one: Explanation, view: SceneView, region_px: int) -> list[tuple[Pro
         if shift is not None:
             start = replace(one.alignment.placed.lit, lights=candidate.light[None])
             region = candidate.region(start, view, region_px)
-            materials, masks = materials_of(region, view.ground, shift), predicted(one.proxy, start.lights, region.view)
-            as_object = object_cost(region, masks.body & region.is_ground)
-            split = relabelled(region, materials, as_object, masks)
-            starts.append((Proposal(region, materials, split, None, as_object), [start], Sight.of(region.view)))
+            masks = predicted(one.proxy, start.lights, region.view)
+            proposal = proposal_by(masks, region, materials_of(region, view.ground, shift))
+            starts.append((proposal, [start], Sight.of(region.view)))
     return starts
 
 

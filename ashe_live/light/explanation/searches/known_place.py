@@ -13,14 +13,13 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import raycast_to_plane
-from ashe_live.light.explanation.explain import Proposal, aligned_explanations
+from ashe_live.light.explanation.explain import Proposal, aligned_explanations, proposal_by
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.labels.materials import Materials, materials_of, object_cost
-from ashe_live.light.labels.relabel import relabelled
+from ashe_live.light.labels.materials import Materials, materials_of
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.mixtures import UNEXPLAINED
 from ashe_live.light.shape.body import Body, BodyFrame, LitBody
@@ -188,7 +187,5 @@ def _start(
     if not seen.any():
         return None
     region = view.region(seen, region_px)
-    materials, masks = materials_of(region, view.ground, hint.shift), predicted(lit.body.proxy, lit.lights, region.view)
-    as_object = object_cost(region, masks.body & region.is_ground)
-    split = relabelled(region, materials, as_object, masks)
-    return Proposal(region, materials, split, None, as_object), [lit], Sight.of(region.view)
+    masks = predicted(lit.body.proxy, lit.lights, region.view)
+    return proposal_by(masks, region, materials_of(region, view.ground, hint.shift)), [lit], Sight.of(region.view)

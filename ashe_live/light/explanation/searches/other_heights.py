@@ -19,11 +19,8 @@ from ashe_live.light.labels.materials import object_cost
 from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.shape.predicted import predicted
 
-HEIGHTS = (
-    0.75,
-    1.3,
-    1.6,
-)  # that are tried, over the fitted one: alignment reaches from each about half way to the next
+# That are tried, over the fitted one: alignment reaches from each about half way to the next.
+HEIGHTS = (0.75, 1.3, 1.6)
 # Mean squared distance of an outline from the steps of light, in sigmas, of a right one; and how many times as far from
 # them as its shadow's a body's must be for its height to be doubted.
 ONE_SIGMA, FARTHER = 1.0, 2.0

@@ -12,13 +12,12 @@ import numpy as np
 
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
-from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
+from ashe_live.light.explanation.explain import aligned_explanations, explanation_criterion, proposal_by
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.shadow_search import ShadowCandidate, shadow_candidates
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.labels.materials import materials_of, object_cost
-from ashe_live.light.labels.relabel import relabelled
+from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
 from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
@@ -88,16 +87,14 @@ def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region
     second = 1 if materials.shifts[1] is shift else 0
     start = replace(lit, lights=np.insert(lit.lights, second, candidate.light, axis=0))
     masks = predicted(one.proxy, start.lights, region.view)
-    as_object = object_cost(region, masks.body & region.is_ground)
-    split = relabelled(region, materials, as_object, masks)
-    if not are_two_shadows(split.parts):
+    proposal = proposal_by(masks, region, materials)
+    assert proposal.as_object is not None
+    if not are_two_shadows(proposal.split.parts):
         return None
-    (both,) = aligned_explanations(
-        [(Proposal(region, materials, split, None, as_object), [start], Sight.of(region.view))]
-    )
+    (both,) = aligned_explanations([(proposal, [start], Sight.of(region.view))])
     if both is None or both.alignment.clear_shadows[second] < LEAST_CLARITY:
         return None
-    costs = Costs(region, materials, as_object)
+    costs = Costs(region, materials, proposal.as_object)
     alone = min(costs.of(_without(second, each)) for each in (masks, both.predicted))
     return both if alone - costs.of(both.predicted) > LEAST_GAIN else None
 

@@ -11,14 +11,14 @@ from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import FittedLight
-from ashe_live.light.views.average_light import (
+from ashe_live.light.views.joint.aligned import JointExplanation, in_each_view, towards_light
+from ashe_live.light.views.joint.average_light import (
     probabilities_by_pixels,
     probabilities_by_steps,
     sharpened_families,
     with_average_light,
 )
-from ashe_live.light.views.joint import JointExplanation, in_each_view, towards_light
-from ashe_live.light.views.joint_refinement import by_families
+from ashe_live.light.views.joint.refinement import by_families
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import camera_towards, direction
 

@@ -1,8 +1,8 @@
 // How much of sky and ground the model hides from points on its own surface, in front of it and behind it: the sum over
 // a few directions at a time.
 #version 330 core
-#include "lights.glsl"
-#include "shadow.glsl"
+#include "lights/lights.glsl"
+#include "lights/shadow.glsl"
 
 uniform sampler2D sample_places;  // metres, the model's own frame
 uniform sampler2D sample_normals;

@@ -16,9 +16,14 @@ from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.light_covariance import averaged
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.shape.layout import nearness_of
-from ashe_live.light.views.by_pixels import log_likelihoods_by_pixels
-from ashe_live.light.views.joint import JointExplanation, JointStart, explained_in_views, own_costs, towards_light
-from ashe_live.light.views.joint_refinement import joint_criterion, refined_by_all_tangents, sharpened_in_views
+from ashe_live.light.views.joint.aligned import (
+    JointExplanation,
+    JointStart,
+    explained_in_views,
+    towards_light,
+)
+from ashe_live.light.views.joint.by_pixels import log_likelihoods_by_pixels
+from ashe_live.light.views.joint.refinement import joint_criterion, refined_by_all_tangents, sharpened_in_views
 
 # By pixels: families less probable than this are not moved onto the steps of light, nor more than so many beside one.
 LEAST_PROBABILITY, MOST_OTHERS = 0.05, 2
@@ -54,7 +59,7 @@ def sharpened_families(
     moved = sharpened_in_views(refined_by_all_tangents(explanation), sharpener)
     if math.isinf(moved.joint.criterion) or not families:
         return [moved]
-    own, costs = _family(explanation), [own_costs(each) for each in explanation.each]
+    own, costs = _family(explanation), [each.costs for each in explanation.each]
     left = [
         one
         for one, probability in zip(families, probabilities_by_pixels(families), strict=True)

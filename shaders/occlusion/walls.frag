@@ -1,10 +1,10 @@
 // For each place on the ground around a model: the light, over pi, that the ground reflects onto what is seen of the nearest
 // wall from there. Near its foot a wall faces ground in the model's shadow, farther up also ground beyond it.
 #version 330 core
-#include "lights.glsl"
-#include "ground_shadow.glsl"
+#include "lights/lights.glsl"
+#include "lights/ground_shadow.glsl"
 
-uniform sampler2D contact;  // as in catcher.frag
+uniform sampler2D contact;  // as in catchers/ground.frag
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
 uniform vec4 model_bounds;  // the same for the model itself
 uniform float model_height;

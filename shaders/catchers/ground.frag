@@ -2,9 +2,9 @@
 // Light that the real object's shadow has taken already is not taken again. Beside lit sides of the model, which reflect
 // light onto the ground, the fraction is negative.
 #version 330 core
-#include "srgb.glsl"
-#include "lights.glsl"
-#include "ground_shadow.glsl"
+#include "screen/srgb.glsl"
+#include "lights/lights.glsl"
+#include "lights/ground_shadow.glsl"
 
 uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
@@ -33,7 +33,7 @@ uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
 #endif
 
 #ifdef COVERS
-#include "cover.glsl"
+#include "catchers/cover.glsl"
 #endif
 // Width of the texels to look up, in sides of a pixel, so that shadows finer than a pixel (leaves) do not break up. With their
 // interpolation this blurs by 0.6 of the area of a pixel, by which the composite blurs as well: with wider texels, borders

@@ -1,8 +1,8 @@
 // How much of the ground's sky the model hides: for a few directions of the sky at a time, those that are hidden are summed,
 // and their horizontal parts with them.
 #version 330 core
-#include "lights.glsl"
-#include "shadow.glsl"
+#include "lights/lights.glsl"
+#include "lights/shadow.glsl"
 
 uniform float weight;  // of a direction straight up
 

@@ -1,11 +1,11 @@
 // The local mean brightness of the ground as it is shown, the cover in place of the marker's sheet: a texel stands for
 // many pixels of the picture.
 #version 330 core
-#include "srgb.glsl"
-#include "middle.glsl"
-#include "relief.glsl"
+#include "screen/srgb.glsl"
+#include "compositing/middle.glsl"
+#include "compositing/relief.glsl"
 #ifdef COVERS
-#include "cover.glsl"
+#include "catchers/cover.glsl"
 #endif
 
 uniform sampler2D video;

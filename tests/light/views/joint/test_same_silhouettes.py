@@ -10,8 +10,8 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.views.joint import JointExplanation, JointStart, costs_of_views, explained_where_it_stands
-from ashe_live.light.views.same_silhouettes import counted_once, show_the_same
+from ashe_live.light.views.joint.aligned import JointExplanation, JointStart, costs_of_views, explained_where_it_stands
+from ashe_live.light.views.joint.same_silhouettes import counted_once, show_the_same
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import camera_towards
 

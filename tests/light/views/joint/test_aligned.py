@@ -9,7 +9,7 @@ from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.views.joint import JointStart, explained_in_views, own_costs, turned_from
+from ashe_live.light.views.joint.aligned import JointStart, explained_in_views, turned_from
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import direction
 
@@ -27,7 +27,7 @@ def test_a_start_that_alignment_turns_or_loses_is_kept_where_it_stood() -> None:
     one = explained()
     here = one.alignment.placed.lit
     start, turned = (
-        JointStart(one, lit, [own_costs(one)]) for lit in (here, lit_from(here, azimuth_deg=225, elevation_deg=40))
+        JointStart(one, lit, [one.costs]) for lit in (here, lit_from(here, azimuth_deg=225, elevation_deg=40))
     )
     (aligned,) = explained_in_views([start])
     assert aligned is not None

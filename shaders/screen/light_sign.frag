@@ -1,6 +1,6 @@
 // The light's sign: bright where it faces the eye and dark at its rim, so that it looks round and stands out from any video.
 #version 330 core
-#include "srgb.glsl"
+#include "screen/srgb.glsl"
 
 uniform vec3 eye;  // metres, marker frame
 uniform vec3 encoded_colour;  // sRGB

@@ -12,7 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, project
-from ashe_live.light.explanation.alignment import EARLY_LOSS_FACTOR, SEARCH_RANGES, Alignment, measured
+from ashe_live.light.explanation.alignment import EARLY_LOSS_FACTOR, SEARCH_RANGES, Alignment, batches, measured
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.light_covariance import lights_of
@@ -66,11 +66,6 @@ def towards_light(explanation: JointExplanation) -> Float:
     return explanation.joint.lights[0].to_light_marker
 
 
-def own_costs(explanation: Explanation) -> Costs:
-    """What the pixels cost in the view that an explanation is of."""
-    return Costs(explanation.region, explanation.materials, explanation.as_object)
-
-
 def costs_of_views(explanation: Explanation) -> list[Costs]:
     """What the pixels cost in each view that an explanation was aligned in, the first one first."""
     return [one.costs for one in (explanation.alignment.placed, *explanation.alignment.elsewhere)]
@@ -79,9 +74,7 @@ def costs_of_views(explanation: Explanation) -> list[Costs]:
 def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation | None]:
     """Each body aligned with the borders in all its views; None where it is not in the first view."""
     found: list[JointExplanation | None] = [None] * len(several)
-    counts = [len(start.lit.lights) for start in several]
-    for count in set(counts):
-        members = [i for i, each in enumerate(counts) if each == count]
+    for members in batches(len(start.lit.lights) for start in several):
         for i, start in zip(members, _aligned([several[i] for i in members]), strict=True):
             found[i] = explained_where_it_stands(start)
     return found

@@ -7,7 +7,7 @@ in vec3 in_position;
 #ifdef BASE_MAP
 #define HAS_MAPS
 #endif
-#include "uvs.glsl"
+#include "model/uvs.glsl"
 #ifdef BLEND
 out vec3 position;
 #endif

@@ -7,7 +7,7 @@ uniform mat4 marker_from_placed;  // a similarity transform
 in vec3 in_position;
 in vec3 in_normal;
 in vec4 in_openness;
-#include "uvs.glsl"
+#include "model/uvs.glsl"
 #ifdef VERTEX_COLOURS
 in vec4 in_colour;
 centroid out vec4 colour;

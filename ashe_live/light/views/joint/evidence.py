@@ -22,7 +22,7 @@ from ashe_live.light.explanation.judgement.judge import (
 from ashe_live.light.ground.lit_ground import OFF_PLANE
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import areas_by_size, grown
-from ashe_live.light.views.joint import JointExplanation
+from ashe_live.light.views.joint.aligned import JointExplanation
 from ashe_live.light.views.plane import where_in
 
 JUDGED = 4  # number of views whose appearance is judged: further ones only repeat what these show

@@ -2,11 +2,11 @@
 // video is. Then it is sharpened, its colours are blurred, and noise is added, as the video's own camera does. Pixels that
 // nothing was drawn near keep the video as it is.
 #version 330 core
-#include "srgb.glsl"
-#include "middle.glsl"
-#include "relief.glsl"
+#include "screen/srgb.glsl"
+#include "compositing/middle.glsl"
+#include "compositing/relief.glsl"
 #ifdef COVERS
-#include "cover.glsl"
+#include "catchers/cover.glsl"
 #endif
 
 uniform sampler2D added_light;  // linear RGB; alpha: fraction of the pixel that the model covers, or as in cover.glsl

@@ -1,8 +1,8 @@
 // The fraction of its light that the real object loses where the model blocks a light.
 #version 330 core
-#include "lights.glsl"
-#include "shadow.glsl"
-#include "triangle.glsl"
+#include "lights/lights.glsl"
+#include "lights/shadow.glsl"
+#include "model/triangle.glsl"
 
 uniform vec3 sky;
 uniform vec3 ground_bounce;

@@ -1,8 +1,8 @@
 // The fraction of a light that a caster lets through to the ground, for one light and one caster.
 #version 330 core
-#include "lights.glsl"
-#include "shadow.glsl"
-#include "smoothed.glsl"
+#include "lights/lights.glsl"
+#include "lights/shadow.glsl"
+#include "lights/smoothed.glsl"
 
 uniform int caster;
 uniform int light;

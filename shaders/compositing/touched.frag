@@ -1,6 +1,6 @@
 // Chooses the pixels that the composite may change: those with something in the layers within reach of its blurs.
 #version 330 core
-#include "middle.glsl"
+#include "compositing/middle.glsl"
 
 uniform sampler2D coarse_gone;
 

@@ -10,12 +10,11 @@ from ashe_live.light.explanation.sharpen import Sharpener, lights_by_steps
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.shape.body import NearnessPrior
-from ashe_live.light.views.joint import (
+from ashe_live.light.views.joint.aligned import (
     JointExplanation,
     JointStart,
     explained_in_views,
     explained_where_it_stands,
-    own_costs,
     pixels_cost,
     views_as_one,
     views_cost,
@@ -27,7 +26,7 @@ def by_families(explanation: JointExplanation, preset: FitPreset) -> list[JointE
 
     Several families may fit one view's labels equally well.
     """
-    costs = [own_costs(each) for each in explanation.each]
+    costs = [each.costs for each in explanation.each]
     own = explanation.joint.alignment.placed.lit.body.family.name
     bodies = [lit for lit in refitted_bodies(explanation.origin, preset) if lit.body.family.name != own]
     others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:LIKELY_FAMILIES]])
@@ -68,7 +67,7 @@ def sharpened_in_views(
     best = sharpener.best_fit(explanation.joint, near)
     if best is None:
         return explanation
-    seen = [own_costs(each) for each in explanation.each]
+    seen = [each.costs for each in explanation.each]
     costs = [each.with_pose(each.region.view.seen_from(best.views).T_cam_marker) for each in seen]
     moved = explained_where_it_stands(JointStart(explanation.origin, best.lit, costs))
     if moved is None:

@@ -1,7 +1,7 @@
 // Averages texels of a shadow on the ground where its penumbra is wider than they are. Each of them has sampled the light at
 // other points, so that nine have sampled it nine times as finely: a wide penumbra has no dots.
 #version 330 core
-#include "smoothed.glsl"
+#include "lights/smoothed.glsl"
 
 uniform sampler2D noisy_shadow;  // one tile, as ground_shadow.frag draws it
 uniform ivec2 corner;  // of the tile that is drawn

@@ -12,7 +12,7 @@ uniform ivec2 last;  // its upper right pixel
 #endif
 
 #if defined(FIND)
-#include "srgb.glsl"
+#include "screen/srgb.glsl"
 out vec4 steps;  // whether there is a step to the right, above, to the left and below; pixels without any are not chosen
 
 const float SEEN = 0.35;  // the least difference at a step, as a share of the brighter pixel's light

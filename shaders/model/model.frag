@@ -1,9 +1,9 @@
 // A surface lit by the sky, suns, and light reflected from the ground, in linear light.
 // Each macro switches on a feature of the material or the scene.
 #version 330 core
-#include "lights.glsl"
-#include "shadow.glsl"
-#include "ground_shadow.glsl"
+#include "lights/lights.glsl"
+#include "lights/shadow.glsl"
+#include "lights/ground_shadow.glsl"
 
 uniform vec4 base_colour;
 uniform vec3 sky;  // irradiance on level ground over pi, linear RGB
@@ -25,11 +25,11 @@ uniform float alpha_cutoff;
 uniform float part_number;  // by which surfaces of different parts differ
 
 #ifdef GLOSSY
-#include "brdf.glsl"
+#include "model/brdf.glsl"
 #endif
-#include "glass.glsl"
-#include "environment.glsl"
-#include "triangle.glsl"
+#include "model/glass.glsl"
+#include "model/environment.glsl"
+#include "model/triangle.glsl"
 
 in vec3 position;
 // Interpolated at the centroid of the covered part of the pixel: beyond the triangle's border they would be extrapolated,
@@ -38,7 +38,7 @@ in vec3 position;
 // them off their surface.
 centroid in vec3 normal;
 centroid in vec4 openness;  // shares of sky and ground that the model leaves open, in front of the surface and behind it
-#include "layout.glsl"
+#include "model/layout.glsl"
 #ifdef VERTEX_COLOURS
 centroid in vec4 colour;
 #endif

@@ -8,10 +8,10 @@ uniform float alpha_cutoff;
 #define HAS_MAPS
 uniform sampler2D base_map;
 #endif
-#include "layout.glsl"
+#include "model/layout.glsl"
 #ifdef BLEND
-#include "triangle.glsl"
-#include "glass.glsl"
+#include "model/triangle.glsl"
+#include "model/glass.glsl"
 uniform mat4 clip_from_marker;
 in vec3 position;
 

@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Mask
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.shape.predicted import Predicted, predicted
-from ashe_live.light.views.joint import JointExplanation, towards_light
+from ashe_live.light.views.joint.aligned import JointExplanation, towards_light
 
 # Of the pixels that either of two explanations takes for the object, those that both do; of shadows too.
 SAME_SHARE = 0.5
