@@ -154,6 +154,7 @@ void main() {
         on_walls += sun[light] * (falloff * share * lit * max(dot(outward, towards.xy), 0.0));
     }
 #endif
+    vec3 from_ground = ground_bounce * after / max(before, 1e-3);
 #ifdef CONTACT_ALONE
     // The picture below already has all shadows and another model's contact.
     before = after;
@@ -161,7 +162,6 @@ void main() {
     hidden *= mix(contact_here.a, 1.0, shaded);
     // Where the sky is hidden, the ground sees the model instead: an underside lit by the ground, or a wall lit by the
     // ground, the lights and half of the sky.
-    vec3 from_ground = ground_bounce * after / max(before, 1e-3);
     vec3 on_wall = 0.5 * (sky + texture(walls, at).rgb) + on_walls;
     vec3 facing = model_albedo * mix(from_ground, on_wall, is_wall);
     // A sky whose radiance increases by k times the x of its direction gives a wall that faces x a third of k more.

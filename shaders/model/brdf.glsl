@@ -1,11 +1,42 @@
 // The BRDF of the metallic-roughness model: glTF 2.0, appendix B, with the approximations that Filament and Unreal use.
 
+// The facets of a surface within a pixel, as GGX has them along and across the way in which the normal turns most: of a thin
+// rim, which turns by much within a pixel, the mirrored light would otherwise be dots that sparkle as the camera moves. The
+// variance of the normal is added to that of the facets (Tokuyoshi, Kaplanyan, "Improved geometric specular antialiasing",
+// I3D 2019).
+struct Facets {
+    vec3 along, across;  // unit vectors perpendicular to the normal
+    vec2 alpha;  // along and across
+    float alpha2;  // of a surface that does not turn, squared
+};
+
+Facets facets_in_pixel(float roughness, vec3 n) {
+    const float PIXEL_VARIANCE = 0.15915494, MOST = 0.18;  // of a filter as wide as a pixel: 1 / (2 pi)
+    vec3 column = dFdx(n), row = dFdy(n);
+    float of_columns = dot(column, column), of_rows = dot(row, row), of_both = dot(column, row);
+    // The larger eigenvalue of their products, and the way across the picture in which the normal turns by that.
+    float middle = 0.5 * (of_columns + of_rows);
+    float most = middle + sqrt(max(middle * middle - of_columns * of_rows + of_both * of_both, 0.0));
+    vec3 turn = of_columns > of_rows ? (most - of_rows) * column + of_both * row : of_both * column + (most - of_columns) * row;
+    turn -= dot(turn, n) * n;
+    vec3 any = abs(n.z) < 0.7 ? vec3(-n.y, n.x, 0.0) : vec3(0.0, -n.z, n.y);
+    Facets facets;
+    facets.along = normalize(dot(turn, turn) > 1e-12 ? turn : any);
+    facets.across = cross(n, facets.along);
+    facets.alpha2 = roughness * roughness * roughness * roughness;
+    vec2 turned = min(2.0 * PIXEL_VARIANCE * vec2(most, 2.0 * middle - most), MOST);
+    facets.alpha = sqrt(min(facets.alpha2 + turned, 1.0));
+    return facets;
+}
+
 // Microfacet distribution times visibility of GGX (Walter et al. 2007; Heitz 2014, height-correlated), without 1 / pi.
-float ggx(float n_h, float n_v, float n_l, float alpha) {
-    float a2 = alpha * alpha;
-    float d = (n_h * a2 - n_h) * n_h + 1.0;
+float ggx(Facets facets, vec3 n, vec3 between, float n_v, float n_l) {
+    vec2 aside = vec2(dot(between, facets.along), dot(between, facets.across)) / facets.alpha;
+    float n_h = max(dot(n, between), 0.0);
+    float d = dot(aside, aside) + n_h * n_h;
+    float a2 = facets.alpha2;
     float v = n_l * sqrt(n_v * n_v * (1.0 - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0 - a2) + a2);
-    return 0.5 * a2 / (d * d * v);
+    return 0.5 / (facets.alpha.x * facets.alpha.y * d * d * v);
 }
 
 // Schlick 1994.

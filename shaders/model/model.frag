@@ -223,6 +223,7 @@ void main() {
     vec3 shine_n = n;
     vec3 mirror = mirrored_direction(to_eye, facing, shine_n);
     float n_v = max(dot(shine_n, to_eye), 1e-3);
+    Facets facets = facets_in_pixel(rough, n);
     vec3 share = mirrored_share(rough, n_v);
     vec3 compensation = energy_compensation(f0, share);
     // What is mirrored does not reach the diffuse layer.
@@ -235,6 +236,7 @@ void main() {
     vec3 coat_mirror = mirrored_direction(to_eye, facing, coat_n);
     float coat_rough = max(coat_roughness, MIN_ROUGHNESS);
     float coat_n_v = max(dot(coat_n, to_eye), 1e-3);
+    Facets coat_facets = facets_in_pixel(coat_rough, coat_n);
     vec3 coat_share = mirrored_share(coat_rough, coat_n_v);
     float coat_reflectance = GLASS * coat_share.x + coat_share.y;
     vec3 in_coat = vec3(0.0);
@@ -269,10 +271,10 @@ void main() {
         vec3 between = normalize(to_eye + to_light);
         float v_h = max(dot(to_eye, between), 0.0);
         float n_l = max(dot(shine_n, to_light), 1e-3);
-        vec3 shine = ggx(max(dot(shine_n, between), 0.0), n_v, n_l, rough * rough) * fresnel(f0, v_h);
+        vec3 shine = ggx(facets, shine_n, between, n_v, n_l) * fresnel(f0, v_h);
         mirrored += arrives * n_l * compensation * shine;
 #ifdef COATED
-        float coat_shine = ggx(max(dot(coat_n, between), 0.0), coat_n_v, coat_cosine, coat_rough * coat_rough);
+        float coat_shine = ggx(coat_facets, coat_n, between, coat_n_v, coat_cosine);
         in_coat += arrives * coat_cosine * coat_shine * fresnel(vec3(GLASS), v_h);
 #endif
 #endif

@@ -254,6 +254,29 @@ def test_normals_that_lean_away_mirror_nothing_from_below_the_surface(make_rende
         np.testing.assert_allclose(seen / seen[0], np.array((0.9, 0.2, 0.1)) / 0.9, atol=0.08)
 
 
+def _rod(material: Material, radius_m: float, turned_deg: float) -> Mesh:
+    """It lies across the picture, turned a little from its rows."""
+    angles = np.linspace(0, 2 * math.pi, 25)
+    along = np.array([math.cos(math.radians(turned_deg)), math.sin(math.radians(turned_deg)), 0.0])
+    normals = np.outer(np.cos(angles), np.cross((0, 0, 1), along)) + np.outer(np.sin(angles), (0, 0, 1))
+    ends = np.concatenate([radius_m * normals - 0.03 * along, radius_m * normals + 0.03 * along])
+    a = np.arange(24)
+    triangles = np.concatenate([np.stack([a, a + 26, a + 25], 1), np.stack([a, a + 1, a + 26], 1)])
+    vertices = (ends + np.array([0, 0, HEIGHT_M])).astype(np.float32)
+    return Mesh(vertices, np.tile(normals, (2, 1)).astype(np.float32), triangles, material=material)
+
+
+def test_the_highlight_on_a_thin_rod_is_a_line_and_no_dots(make_renderer, stage) -> None:
+    """Wherever it lies among the pixels' rows: a rod of two pixels' radius turns by half a circle within four rows."""
+    studio = _Studio(make_renderer, stage, "balanced", grey=0)
+    sun = stage.light(90, 60, (0.3, 0.3, 0.3))
+    black = Material(base_colour=(0.0, 0.0, 0.0, 1.0), roughness=0.25)
+    picture = linear_from_srgb(studio.picture(_rod(black, 0.001, 4.0), sun)[..., 1] / 255)
+    line = picture[:, 190:290].sum(axis=0)  # of each column across the rod
+    assert line.mean() > 0.1
+    assert line.std() < 0.5 * line.mean()
+
+
 def test_clear_coat_puts_the_highlight_of_glass_on_what_is_matt(make_renderer, stage) -> None:
     studio = _Studio(make_renderer, stage, "accurate", 20, elevation_deg=45)
     light = stage.light(-60, 50, (0.5, 0.5, 0.5))

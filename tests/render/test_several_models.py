@@ -92,6 +92,24 @@ def test_the_sky_that_both_hide_is_hidden_by_both(make_renderer, stage) -> None:
     assert levels[1][1] < 0.95 * levels[0][1]
 
 
+def test_in_a_deep_shadow_a_foot_is_as_dark_whichever_model_comes_first(make_renderer, stage) -> None:
+    """What hangs above the ground beside a mug's foot is lit by shaded ground."""
+    mug, cube = (placed_on_marker(load_model(name), 0.08) for name in ("mug", "cube"))
+    tracked = stage.tracked(GROUND, stage.pose(-70, 30, 0.5))
+    deep = Illumination((stage.light(90, 45, (0.04, 0.04, 0.04)),))
+    pictures = []
+    for scene in (
+        Scene(tracked, mug, deep, placement=LEFT, others=((cube, RIGHT),)),
+        Scene(tracked, cube, deep, placement=RIGHT, others=((mug, LEFT),)),
+    ):
+        renderer = make_renderer(BALANCED.render)
+        renderer.render(scene)
+        pictures.append(renderer.read_bgr().astype(float))
+    changed = np.abs(pictures[0] - GROUND).max(axis=2) > 8
+    assert changed.sum() > 10_000
+    assert np.abs(pictures[0] - pictures[1]).max() <= 3
+
+
 def test_one_whose_marker_is_not_in_view_is_not_drawn_and_comes_back_at_once(make_renderer, stage) -> None:
     mug, tree = (placed_on_marker(load_model(name), 0.08) for name in ("mug", "tree"))
     tracked, lit = stage.tracked(GROUND, stage.pose(-90, 40, 0.6)), Illumination((stage.light(120, 40),))

@@ -12,8 +12,9 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.in_frame import project_distorted
+from ashe_live.render.camera.paper_gloss import mirrored_by_paper
 from ashe_live.render.lights.cast_shadows import lit_past
-from ashe_live.render.lights.lighting import RGB, Lighting
+from ashe_live.render.lights.lighting import RGB, Lighting, Sun
 
 PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
 # Brightness of printed black over that of paper: a laser printer's toner (0.045 over 0.8), and 1 % that a lens
@@ -56,7 +57,8 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
     nearest = float(np.clip(0.5 + OVERSHOOT_PX / max(side_px, 1.0), nearest, farthest))
     ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in (nearest, farthest) for x in along])
     inside = np.concatenate([[(INK_SIDES * s, 0.9 * x), (0.9 * x, INK_SIDES * s)] for s in (-1, 1) for x in along])
-    level = partial(_level, lighting, real_object)
+    suns = _reaching(lighting, real_object, side * ring)
+    level = partial(_level, lighting, suns)
     paper, ink = (_linear_at(tracked, side * points, level) for points in (ring, inside))
     grey = (ASSUMED_WHITE, ASSUMED_WHITE, ASSUMED_WHITE)
     if len(paper) < AROUND or len(ink) < AROUND:
@@ -67,7 +69,9 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
     if np.median(brightness) < max(MIN_CONTRAST * np.median(darkness), MIN_PAPER):
         return grey
     black = ink[darkness >= np.quantile(darkness, 1 - BLACK_SHARE)]
-    red, green, blue = (float(value) / PAPER_ALBEDO for value in _as_exposed(lit.mean(axis=0), black.mean(axis=0)))
+    mirrored = _mirrored(tracked, suns)
+    exposed = _as_exposed(lit.mean(axis=0), black.mean(axis=0), float(mirrored @ REC709_LUMINANCE))
+    red, green, blue = (float(value) for value in exposed / (PAPER_ALBEDO + mirrored))
     return red, green, blue
 
 
@@ -96,19 +100,30 @@ def print_side_m(tracked: TrackedFrame) -> float:
     return tracked.marker.side_m * (1.0 if tracked.marker.body is None else BODY_PRINT_SHARE)
 
 
-def _as_exposed(paper: Float, ink: Float) -> Float:
+def _mirrored(tracked: TrackedFrame, suns: tuple[Sun, ...]) -> Float:
+    """(3,) what the print's middle mirrors of the lights into the camera, as `mirrored_by_paper`."""
+    assert tracked.marker is not None
+    middle = np.array([0.0, 0.0, 0.0 if tracked.marker.body is None else tracked.marker.side_m])
+    T = tracked.marker.T_cam_marker
+    to_eye = -T[:3, :3].T @ T[:3, 3] - middle
+    return mirrored_by_paper(suns, to_eye / np.linalg.norm(to_eye), middle)
+
+
+def _as_exposed(paper: Float, ink: Float, mirrored: float = 0.0) -> Float:
     """(3,) paper as it would be if no channel were brighter than the picture can show, by ink beside it; linear RGB.
 
     Where paper has lost the light's colours, ink tells them, as far as it is colourless itself. How bright the paper is
     follows from a channel that is not overexposed, or else from the ink's brightness. Of the logarithm by which ink is
     brighter than usual, half counts, as exposure and ink vary alike; more of a small one, as overexposed paper is at
-    least fully exposed; and less, the likelier it is that the print is a pale one.
+    least fully exposed; and less, the likelier it is that the print is a pale one. `mirrored`: what paper and ink both
+    mirror, which brings them closer; white has 1.
     """
     low, high = OVEREXPOSED
     ink = np.maximum(ink, BLACKEST)
     shares = np.clip((paper - low) / (high - low), 0.0, 1.0)
     brightness, darkness = float(paper @ REC709_LUMINANCE), float(ink @ REC709_LUMINANCE)
-    excess = math.log(darkness / INK_RATIO / brightness)
+    usual = (INK_RATIO * PAPER_ALBEDO + mirrored) / (PAPER_ALBEDO + mirrored)
+    excess = math.log(darkness / usual / brightness)
     variance = INK_SPREAD**2 + EXPOSURE_SPREAD**2
     black = math.exp(-(excess**2) / (2 * variance))
     over = math.exp(_mean_over(excess) * black / (black + PALE))
@@ -137,18 +152,24 @@ def _mean_over(excess: float) -> float:
     return spread * (z + math.exp(-(z**2) / 2) / (math.sqrt(2 * math.pi) * above))
 
 
-def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) -> Float:
-    """(n, 3) the light at places (n, 2) of the plane if a shadow covers all of them; else as if there were no shadow.
+def _reaching(lighting: Lighting | None, real_object: Proxy | None, ground: Float) -> tuple[Sun, ...]:
+    """The lights that reach any of the places (n, 2) of the plane past the real object.
 
     Where light and shadow meet, the picture tells them apart better than an estimated light does.
     """
+    if lighting is None or real_object is None:
+        return () if lighting is None else lighting.suns
+    return tuple(sun for sun in lighting.suns if np.nan_to_num(lit_past(real_object, sun, ground), nan=1.0).any())
+
+
+def _level(lighting: Lighting | None, reaching: tuple[Sun, ...], ground: Float) -> Float:
+    """(n, 3) the light at places (n, 2) of the plane, without the lights whose shadow covers the whole print."""
     if lighting is None:
         return np.ones((len(ground), 3))
     level = lighting.level_at(ground)
-    if real_object is not None:
-        for sun in lighting.suns:
-            if not np.nan_to_num(lit_past(real_object, sun, ground), nan=1.0).any():
-                level = level - np.outer(sun.ground_falloff(ground), sun.ground_share)
+    for sun in lighting.suns:
+        if sun not in reaching:
+            level = level - np.outer(sun.ground_falloff(ground), sun.ground_share)
     return np.maximum(level, LEAST_LEVEL)
 
 

@@ -1,0 +1,39 @@
+"""What printed paper mirrors of the lights: opposite a sun it is brighter than by its albedo, and so is its ink."""
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.render.lights.lighting import Sun
+
+MIRRORED = 0.04  # of light that falls straight on paper or toner, whose refractive index is 1.5; as in glass.glsl
+ROUGHNESS = 0.7  # GGX, perceptual: of uncoated paper, whose gloss is a broad sheen
+
+
+def mirrored_by_paper(suns: Iterable[Sun], to_eye: Float, place: Float) -> Float:
+    """(3,) radiance of level paper at `place` (3,), metres, marker frame, by what it mirrors of the lights.
+
+    Beyond the part of even light that paper mirrors, which albedos include. White in the light at the marker's centre
+    has 1. `to_eye`: (3,) unit.
+    """
+    mirrored = np.zeros(3)
+    for sun in suns:
+        (towards,) = sun.towards(place[None])
+        distance = max(float(np.linalg.norm(towards)), 1e-9)
+        excess = max(0.0, _brdf(to_eye, towards / distance) - MIRRORED)
+        mirrored += np.array(sun.irradiance) * (excess * max(float(towards[2]), 0.0) / distance**3)
+    return mirrored
+
+
+def _brdf(to_eye: Float, to_light: Float) -> float:
+    """GGX with Schlick's Fresnel factor, times pi, of a surface that faces +z (brdf.glsl)."""
+    between = to_eye + to_light
+    between /= max(float(np.linalg.norm(between)), 1e-9)
+    n_v, n_l, n_h = max(float(to_eye[2]), 1e-3), max(float(to_light[2]), 1e-3), float(between[2])
+    a2 = ROUGHNESS**4
+    distribution = a2 / ((n_h * a2 - n_h) * n_h + 1) ** 2
+    visibility = 0.5 / (n_l * math.sqrt(n_v**2 * (1 - a2) + a2) + n_v * math.sqrt(n_l**2 * (1 - a2) + a2))
+    grazing = (1 - max(float(to_eye @ between), 0.0)) ** 5
+    return distribution * visibility * (MIRRORED + (1 - MIRRORED) * grazing)
