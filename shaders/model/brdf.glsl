@@ -21,7 +21,7 @@ Facets facets_in_pixel(float roughness, vec3 n) {
     turn -= dot(turn, n) * n;
     vec3 some_way = abs(n.z) < 0.7 ? vec3(-n.y, n.x, 0.0) : vec3(0.0, -n.z, n.y);
     Facets facets;
-    facets.along = normalize(dot(turn, turn) > 1e-12 ? turn : some_way);
+    facets.along = normalize(dot(turn, turn) > 1e-24 ? turn : some_way);
     facets.across = cross(n, facets.along);
     facets.alpha2 = roughness * roughness * roughness * roughness;
     vec2 turned = min(2.0 * PIXEL_VARIANCE * vec2(most, 2.0 * middle - most), MOST);

@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.render.lights.lighting import Sun
 
-MIRRORED = 0.04  # of light that falls straight on paper or toner, whose refractive index is 1.5; as in glass.glsl
+MIRRORED = 0.04  # of light that falls straight on paper or toner, whose refractive index is 1.5; as in model/glass.glsl
 ROUGHNESS = 0.7  # GGX, perceptual: of uncoated paper, whose gloss is a broad sheen
 
 
@@ -28,7 +28,7 @@ def mirrored_by_paper(suns: Iterable[Sun], to_eye: Float, place: Float) -> Float
 
 
 def _brdf(to_eye: Float, to_light: Float) -> float:
-    """GGX with Schlick's Fresnel factor, times pi, of a surface that faces +z (brdf.glsl)."""
+    """GGX with Schlick's Fresnel factor, times pi, of a surface that faces +z (model/brdf.glsl)."""
     between = to_eye + to_light
     between /= max(float(np.linalg.norm(between)), 1e-9)
     n_v, n_l, n_h = max(float(to_eye[2]), 1e-3), max(float(to_light[2]), 1e-3), float(between[2])
