@@ -1,5 +1,6 @@
 """Small films of our own: a marker and a box that casts a shadow, painted where projection puts them."""
 
+import gc
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -146,6 +147,12 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Film]:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: _group(item.nodeid)[0])
+
+
+def pytest_collection_finish() -> None:
+    """The collector of garbage need not look again at seven thousand tests, nor those who count what is left over."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
