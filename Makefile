@@ -14,7 +14,7 @@ demo: $(VENV)/demo.stamp
 # checked meanwhile.
 test: $(VENV)/test.stamp style
 	$(BIN)/mypy & types=$$!; \
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist loadgroup --no-loadscope-reorder; tests=$$?; \
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2; tests=$$?; \
 	wait $$types && exit $$tests
 
 check: $(VENV)/test.stamp style

@@ -115,9 +115,10 @@ def test_commands_do_what_the_page_says(page: Path, inputs: Path, tmp_path: Path
 
 def assert_runs(arguments: list[str]) -> None:
     without_window = WITHOUT_WINDOW.get(arguments[0], []) * ("--headless" not in arguments)
-    # That it runs is asked, not what it answers.
+    # That it runs is asked, not what it answers or how ground over the marker looks.
     fast = ["--quality", "fast"] * (arguments[0] in ("demo", "estimate", "play") and "--quality" not in arguments)
-    status = cli.run(arguments + without_window + fast)
+    bare = ["--no-hide-marker"] * (arguments[0] in ("demo", "play") and "--hide-marker" not in arguments)
+    status = cli.run(arguments + without_window + fast + bare)
     # The pictures here are small: an estimate may find no light in them, which is an answer.
     assert status in (ExitStatus.ANSWERED, ExitStatus.NO_DIRECTIONAL_LIGHT), shlex.join(arguments)
     for flag in WRITES:

@@ -193,6 +193,10 @@ def play(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Callable[..., Running]:
     """Plays a film of two seconds in a window."""
-    film = shoot_film(tmp_path_factory.mktemp("pan"), (640, 480), 60)
-    fixed = (film.path, "--camera-file", film.camera_file, "--estimator", "paper")
-    return lambda *arguments, **how: launch("play", *fixed, *arguments, **how)
+    return player(launch, shoot_film(tmp_path_factory.mktemp("pan"), (640, 480), 60))
+
+
+def player(launch: Callable[..., Running], film: Any) -> Callable[..., Running]:
+    """Plays a film: fast, and without ground over the marker, which another thread may bring at any moment."""
+    fixed = (film.path, "--camera-file", film.camera_file, "--estimator", "paper", "--quality", "fast")
+    return lambda *arguments, **how: launch("play", *fixed, "--no-hide-marker", *arguments, **how)

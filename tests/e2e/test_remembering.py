@@ -9,7 +9,8 @@ import pytest
 
 from ashe_live.core.contract import SNAPSHOT_KEYWORD
 from ashe_live.viewer.hands.hand import SCALE_STEP
-from tests.e2e.conftest import Running, await_that
+from tests.conftest import Film
+from tests.e2e.conftest import Running, await_that, player
 
 
 def scale(running: Running) -> float:
@@ -23,8 +24,9 @@ def scale(running: Running) -> float:
 
 
 def test_a_model_is_as_large_in_the_next_window_and_backspace_forgets_it(
-    play: Callable[..., Running], tmp_path: Path
+    launch: Callable[..., Running], film: Film, tmp_path: Path
 ) -> None:
+    play = player(launch, film)
     first = play("--model", "mug", folder=tmp_path)
     assert scale(first) == 1
     first.press("plus", "plus", "plus")

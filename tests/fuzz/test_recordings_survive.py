@@ -19,7 +19,7 @@ KINDS = ("signal", "Ctrl-C in the first second", "two instances", "asleep while 
 LONGEST_MS = 2500
 ENDLESS = Case(
     ("play", "clip.mp4", "--headless", "--loop", "--frames", "1000000", "--quality", "fast", "--estimate-at", "999999",
-     "--out", "walk.mp4"),
+     "--no-hide-marker", "--out", "walk.mp4"),
     (Planted(f"{WORK}/clip.mp4", "material", "clip.mp4"),),
     ("walk.mp4",),
 )  # fmt: skip

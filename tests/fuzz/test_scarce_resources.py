@@ -17,7 +17,7 @@ from tests.fuzz.command_lines.surroundings import ENOUGH_FOR_MESSAGES
 FRAMES = 130  # two fragments of two seconds, and some more
 RECORDING = Case(
     ("play", "clip.mp4", "--headless", "--loop", "--frames", str(FRAMES), "--quality", "fast",
-     "--estimate-at", "999999", "--out", "walk.mp4", "--report", "walk.json"),
+     "--no-hide-marker", "--estimate-at", "999999", "--out", "walk.mp4", "--report", "walk.json"),
     (Planted(f"{WORK}/clip.mp4", "material", "clip.mp4"),),
     ("walk.mp4", "walk.json"),
 )  # fmt: skip

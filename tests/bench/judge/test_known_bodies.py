@@ -55,7 +55,7 @@ def test_pictures_of_known_casters_are_looked_at_as_far_as_is_said(
     scenes, limit = resource("assets", "scenes"), 3
     known = {case.id: "cylinder:0.03x0.08" for case in read_cases(scenes)[1:]}  # the first one's is none
     monkeypatch.setattr("ashe_live.bench.judge.known_bodies.caster_specs", lambda _: known)
-    KnownBodiesBench([scenes], limit=limit, jobs=2).run(tmp_path / "out")
+    KnownBodiesBench([scenes], limit=limit, jobs=1).run(tmp_path / "out")
     record = json.loads((tmp_path / "out" / RESULTS).read_text(encoding="utf-8"))
     assert record["pictures"] == limit - 1
 

@@ -1,17 +1,25 @@
 """The renderer against a path tracer: same scene, same light, a committed picture."""
 
 import json
+from collections.abc import Iterator
 
 import pytest
 
 from ashe_live.bench.render.error import Reference, picture_error, read_references
 from ashe_live.quality import BALANCED, FAST
-from ashe_live.render.gl.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import Context, offscreen_context
 from tests.checkout import CHECKOUT
 
 FOLDER = CHECKOUT / "assets" / "reference"
 VIEWS = json.loads((FOLDER / "reference.json").read_text(encoding="utf-8"))["views"]
 NAMES = [f"{view['name']}, {model}" for view in VIEWS for model in view["models"]]
+
+
+@pytest.fixture(scope="module")
+def ctx() -> Iterator[Context]:
+    ctx = offscreen_context()
+    yield ctx
+    ctx.release()
 
 
 @pytest.fixture(scope="module")
@@ -21,9 +29,11 @@ def references() -> dict[str, Reference]:
 
 @pytest.mark.parametrize("preset", [FAST.render, BALANCED.render], ids=["fast", "balanced"])
 @pytest.mark.parametrize("name", NAMES)
-def test_shadows_and_colours_are_near_the_path_tracers(references: dict[str, Reference], name: str, preset) -> None:
+def test_shadows_and_colours_are_near_the_path_tracers(
+    ctx: Context, references: dict[str, Reference], name: str, preset
+) -> None:
     reference = references[name]
-    error = picture_error(offscreen_context(), reference, preset)
+    error = picture_error(ctx, reference, preset)
     # Where the real object hides the sky at its foot, that is taken for its shadow, and leaves a seam.
     assert error.shadow_iou >= (0.95 if reference.kind == "directional" else 0.94)
     assert error.shadow_de < 6

@@ -40,7 +40,7 @@ def test_the_fit_finds_the_errors_that_were_put_in() -> None:
     """Corners off by 0.1 px in each coordinate: each end of a side is off by as much across it."""
     # Squares without curl and bleeding ink tell nothing of these.
     stated = ("curl", "bleed_share", "bleed_px", "bleed_half_px")
-    found = fitted(seen_with(0.1, 0.005, 40), replace(FITTED, end_px=0.05, weight=50.0), stated)
+    found = fitted(seen_with(0.1, 0.005, 12), replace(FITTED, end_px=0.05, weight=50.0), stated)
     assert found.end_px == pytest.approx(0.1, rel=0.4)
 
 

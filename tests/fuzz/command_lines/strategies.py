@@ -85,6 +85,8 @@ def _view(words: Words) -> None:
     words.maybe("--estimate-at", integers, 8)
     words.maybe("--no-filter", None, 8)
     words.maybe("--hide-marker", None, 8)
+    if "--hide-marker" not in words.words:
+        words.words.append("--no-hide-marker")  # most of what a short run takes
     words.maybe("--loop", None, 8)
     words.written("--out", ".mp4")
     words.written("--report", ".json", 4)

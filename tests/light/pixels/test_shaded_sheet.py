@@ -1,5 +1,7 @@
 """A sheet that a shadow falls onto is shown as the ground that it lies on, light and shadow on it; nothing else is."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -61,13 +63,14 @@ def test_a_light_whose_shadow_ends_on_the_sheet_is_told(ground: str, caster: Cas
 
 
 @pytest.mark.parametrize(
-    "scene",
+    ("casters", "how"),
     [
-        paint(BOX, azimuth_deg=200),  # the shadow falls elsewhere
-        paint(azimuth_deg=20),
-        paint(Caster(at=(0.04, -0.12), width_m=0.03, rgb=(0.2, 0.03, 0.2)), azimuth_deg=90, T_cam_marker=LOW),
+        ([BOX], {"azimuth_deg": 200}),  # the shadow falls elsewhere
+        ([], {"azimuth_deg": 20}),
+        ([Caster(at=(0.04, -0.12), width_m=0.03, rgb=(0.2, 0.03, 0.2))], {"azimuth_deg": 90, "T_cam_marker": LOW}),
     ],
     ids=["shadow elsewhere", "empty", "hidden by an object"],
 )
-def test_a_sheet_without_a_shadow_stays(scene: Painted) -> None:
+def test_a_sheet_without_a_shadow_stays(casters: list[Caster], how: dict[str, Any]) -> None:
+    scene = paint(*casters, **how)
     assert not shown(scene).is_ground[scene.sheet & ~scene.body].any()

@@ -121,7 +121,8 @@ def never_sure(estimate: FocalEstimate | None) -> bool:
 def test_without_perspective_it_is_never_sure() -> None:
     for focal_px in (20_000, 100_000):
         camera = Camera.from_focal(SIZE, focal_px)
-        assert never_sure(estimated(camera, hand_held(focal_px, 40, 12, 2), 0.1, SIDE_M * SQUARE).estimate)
+        poses = hand_held(focal_px, 40, 12, 2, frames=150)
+        assert never_sure(estimated(camera, poses, 0.1, SIDE_M * SQUARE).estimate)
 
 
 def test_frontal_views_are_never_sure() -> None:

@@ -46,7 +46,8 @@ def test_a_camera_that_is_asked_for_is_not_replaced(run, started, monkeypatch):
 def test_the_demo_takes_the_options_of_the_start(run, instant, monkeypatch, tmp_path):  # noqa: ARG001
     connect(monkeypatch)
     report = tmp_path / "report.json"
-    outcome = run("--headless", "--frames", "3", "--out", tmp_path / "o.mp4", "--report", report, "--quality", "fast")
+    flags = ("--headless", "--frames", "3", "--quality", "fast", "--no-hide-marker")
+    outcome = run(*flags, "--out", tmp_path / "o.mp4", "--report", report)
     assert outcome.status == 0
     assert report.exists()
 

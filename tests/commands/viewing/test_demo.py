@@ -16,7 +16,7 @@ def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, ins
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    outcome = run("demo", "--frames", "20", "--quality", "fast")
+    outcome = run("demo", "--frames", "20", "--quality", "fast", "--no-hide-marker")
     assert outcome.status == 0
     assert outcome.err == []
     (video,) = tmp_path.glob("*.mp4")
