@@ -375,7 +375,7 @@ def white_share(picture: np.ndarray) -> float:
 def test_a_paper_cube_is_covered_and_a_model_stands_in_its_place(launch, tmp_path):
     photo = tmp_path / "cube.png"
     PIL.Image.fromarray(painted(CubeScene(CAMERA, looking(0.4, 45, 30), [sun(200, 35)]))[..., ::-1]).save(photo)
-    viewer = launch("play", photo, "--hfov", "60", "--model", "tree", "--quality", "fast", quick=False)
+    viewer = launch("play", photo, "--hfov", "60", "--model", "tree", quick=False)
     await_that(lambda: "light: azimuth" in viewer.output, "an estimate")
     middle = (0.3, 0.25, 0.7, 0.75)
     beside = await_still(viewer, middle)
