@@ -375,7 +375,7 @@ def white_share(picture: np.ndarray) -> float:
 def test_a_paper_cube_is_covered_and_a_model_stands_in_its_place(launch, tmp_path):
     photo = tmp_path / "cube.png"
     PIL.Image.fromarray(painted(CubeScene(CAMERA, looking(0.4, 45, 30), [sun(200, 35)]))[..., ::-1]).save(photo)
-    viewer = launch("play", photo, "--hfov", "60", "--model", "tree", "--quality", "fast", quick=False)
+    viewer = launch("play", photo, "--hfov", "60", "--model", "tree", quick=False)
     await_that(lambda: "light: azimuth" in viewer.output, "an estimate")
     middle = (0.3, 0.25, 0.7, 0.75)
     beside = await_still(viewer, middle)
@@ -384,5 +384,6 @@ def test_a_paper_cube_is_covered_and_a_model_stands_in_its_place(launch, tmp_pat
     await_that(lambda: white_share(viewer.part(*middle)) < 0.1 * white_share(beside), "a covered cube")
     assert difference(beside, await_still(viewer, middle)) > 5  # the tree stands there, and its shadow lies there
     viewer.press("c")
-    await_part(viewer, middle, beside, differs=False)
+    # Not the same picture: on a crowded machine the light may be found better meanwhile.
+    await_that(lambda: white_share(viewer.part(*middle)) > 0.9 * white_share(beside), "the cube again")
     assert viewer.end() == 0
