@@ -146,6 +146,7 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Film]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The longest groups first, so that at the end both processes have something left to do."""
     items.sort(key=lambda item: _group(item.nodeid)[0])
 
 

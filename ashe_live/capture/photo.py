@@ -66,8 +66,7 @@ def looks_like_photo(path: Path) -> bool:
     try:
         with opened(path) as file:
             if is_heif(file):
-                return True
-            file.seek(0)
+                return True  # FFmpeg would show a corner, as iPhones store such photos in tiles
             _open(file).close()
     except UserError:
         raise

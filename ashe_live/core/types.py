@@ -200,9 +200,7 @@ class Illumination:
         set_given_frozen(self, ambient_rgb_ratio=(3,), ground_rgb=(3,), sky_slope_rgb=(2, 3))
         if self.real_object is not None:
             arguments.instance(self.real_object, Proxy, "real_object")
-        if self.seen_in is not None:
-            arguments.instance(self.seen_in, TrackedFrame, "seen_in")
-        if self.seen_in is not None and self.seen_in.marker is None:
+        if self.seen_in is not None and arguments.instance(self.seen_in, TrackedFrame, "seen_in").marker is None:
             raise ValueError("without a marker in it, a frame does not show where the ground is")
 
     @property

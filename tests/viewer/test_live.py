@@ -2,6 +2,7 @@
 
 import errno
 import json
+import math
 import threading
 import time
 from dataclasses import replace
@@ -525,6 +526,17 @@ def test_the_field_of_view_goes_round_and_cameras_that_are_not_there_are_said(st
     )
     assert stage.pipeline.seen_by == [50, 60, 70, 80, None, 50]
     assert "--hfov 70" in capfd.readouterr().out
+
+
+def test_of_an_upright_picture_fields_of_view_count_along_its_height(stage):
+    stage.pipeline.may_follow_others = True
+    upright = np.zeros((96, 54, 3), np.uint8)
+    stage.pipeline.frames.put(TrackedFrame(Frame(upright, 0, 0.0), Camera.assumed((54, 96)), None))
+    viewer = stage.run(None, Command.FIELD_OF_VIEW, Command.FIELD_OF_VIEW, None)
+    for high_deg, wide_deg in zip((50, 60), stage.pipeline.seen_by, strict=True):
+        high = math.tan(math.radians(high_deg) / 2)
+        assert wide_deg == round(math.degrees(2 * math.atan(high * 54 / 96)))
+    assert viewer.followed.flags[-1] == f"--hfov={stage.pipeline.seen_by[-1]:g}"
 
 
 @pytest.mark.usefixtures("others")

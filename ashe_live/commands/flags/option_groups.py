@@ -55,7 +55,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         "--hfov",
         type=values.angle_deg,
         metavar="DEG",
-        help="horizontal field of view (default: 60 is assumed, and 65 upright of a picture that stands upright)",
+        help="horizontal field of view (default: 60 is assumed across the longer side, 65 if it stands upright)",
     )
 
 

@@ -6,10 +6,11 @@ from collections.abc import Iterable
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.render.lights.lighting import Sun
+from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, Sun
 
 MIRRORED = 0.04  # of light that falls straight on paper or toner, whose refractive index is 1.5; as in model/glass.glsl
-ROUGHNESS = 0.7  # GGX, perceptual: of uncoated paper, whose gloss is a broad sheen
+# GGX, perceptual: of uncoated paper, whose gloss is a broad sheen. Chosen on rendered pictures (docs/rendering.md).
+ROUGHNESS = 0.7
 
 
 def mirrored_by_paper(suns: Iterable[Sun], to_eye: Float, place: Float) -> Float:
@@ -21,7 +22,7 @@ def mirrored_by_paper(suns: Iterable[Sun], to_eye: Float, place: Float) -> Float
     mirrored = np.zeros(3)
     for sun in suns:
         (towards,) = sun.towards(place[None])
-        distance = max(float(np.linalg.norm(towards)), 1e-9)
+        distance = max(float(np.linalg.norm(towards)), LEAST_LAMP_DISTANCE)
         excess = max(0.0, _brdf(to_eye, towards / distance) - MIRRORED)
         mirrored += np.array(sun.irradiance) * (excess * max(float(towards[2]), 0.0) / distance**3)
     return mirrored

@@ -157,8 +157,10 @@ def _reaching(lighting: Lighting | None, real_object: Proxy | None, ground: Floa
 
     Where light and shadow meet, the picture tells them apart better than an estimated light does.
     """
-    if lighting is None or real_object is None:
-        return () if lighting is None else lighting.suns
+    if lighting is None:
+        return ()
+    if real_object is None:
+        return lighting.suns
     return tuple(sun for sun in lighting.suns if np.nan_to_num(lit_past(real_object, sun, ground), nan=1.0).any())
 
 

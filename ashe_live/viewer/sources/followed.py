@@ -11,11 +11,6 @@ from ashe_live.viewer.sources.pipeline import Pipeline
 FIELDS_OF_VIEW_DEG = (50.0, 60.0, 70.0, 80.0)  # of webcams and phones, across the longer side of their pictures
 
 
-def horizontal_deg(size: Size, fov_deg: float) -> float:
-    """The horizontal field of view, in whole degrees, of a picture whose longer side spans `fov_deg`."""
-    return float(round(Camera.from_longer_side(size, fov_deg).hfov_deg))
-
-
 class Followed:
     """The marker and the field of view for the source that is played. Used by the main thread only."""
 
@@ -32,7 +27,6 @@ class Followed:
         self._session.arrangement.followed = pipeline.marker
         self._hunt = MarkerHunt()
         self._fov_deg: float | None = None  # a person's choice of FIELDS_OF_VIEW_DEG
-        self._hfov_deg: float | None = None  # the horizontal one that follows
         self._size: Size | None = None  # of the last picture
 
     @property
@@ -42,6 +36,13 @@ class Followed:
             return []
         seen_by = [] if self._hfov_deg is None else [f"--hfov={self._hfov_deg:g}"]
         return [f"--marker={self._pipeline.marker}", *seen_by]
+
+    @property
+    def _hfov_deg(self) -> float | None:
+        """The horizontal field of view, in whole degrees, that follows from a person's choice; None without one."""
+        if self._fov_deg is None or self._size is None:
+            return None
+        return float(round(Camera.from_longer_side(self._size, self._fov_deg).hfov_deg))
 
     def look(self, now_s: float) -> None:
         """Says which other markers are in view; follows the only one if nobody has named any."""
@@ -79,7 +80,6 @@ class Followed:
             return
         choices = (None, *FIELDS_OF_VIEW_DEG)
         self._fov_deg = choices[(choices.index(self._fov_deg) + 1) % len(choices)]
-        self._hfov_deg = None if self._fov_deg is None else horizontal_deg(self._size, self._fov_deg)
         self._pipeline.see_by(self._hfov_deg)
         self._begin_session_anew()
         if self._hfov_deg is None:

@@ -9,7 +9,7 @@ from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Light
 from ashe_live.render.camera.paper_gloss import mirrored_by_paper
 from ashe_live.render.camera.white import INK_RATIO, PAPER_ALBEDO, white_of
-from ashe_live.render.lights.lighting import Lighting, Sun, lighting_of
+from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, Lighting, Sun, lighting_of
 from tests.render.camera.test_video_look import _sheet
 
 ORIGIN = np.zeros(3)
@@ -55,6 +55,16 @@ def test_a_lamp_twice_as_near_is_mirrored_four_times_as_brightly() -> None:
     eye, lamp = _direction(*CAMERA), _sun(*OPPOSITE, inverse_distance=1.0)
     far, near = (float(mirrored_by_paper((lamp,), eye, share * lamp.to_light)[0]) for share in (0.0, 0.5))
     assert near == pytest.approx(4 * far)
+
+
+@pytest.mark.parametrize("left", [0.0, 1e-9, 1e-4, 5e-3])
+def test_a_lamp_at_the_paper_is_no_brighter_than_at_the_least_distance(left: float) -> None:
+    """`left`: of the way from the marker's centre to the lamp."""
+    eye, lamp = _direction(*CAMERA), _sun(*OPPOSITE, inverse_distance=1.0)
+    there, nearest = (
+        float(mirrored_by_paper((lamp,), eye, (1 - share) * lamp.to_light)[0]) for share in (left, LEAST_LAMP_DISTANCE)
+    )
+    assert 0 <= there <= nearest
 
 
 @pytest.mark.parametrize("white", [0.7, 1.3])

@@ -7,6 +7,7 @@ from pathlib import Path
 import glfw
 import numpy as np
 import PIL.Image
+import pillow_heif
 import pytest
 
 from ashe_live.capture.opening import open_source
@@ -54,9 +55,11 @@ def test_a_clip_comes_with_its_first_frame(opening, film):
     opened.pipeline.close()
 
 
-def test_a_photo_comes_too(opening, tmp_path):
-    PIL.Image.fromarray(np.zeros((48, 64, 3), np.uint8)).save(tmp_path / "photo.png")
-    opening.begin(tmp_path / "photo.png")
+@pytest.mark.parametrize("name", ["photo.png", "photo.heic"])
+def test_a_photo_comes_too(opening, tmp_path, name):
+    pillow_heif.register_heif_opener()  # to write with
+    PIL.Image.fromarray(np.zeros((48, 64, 3), np.uint8)).save(tmp_path / name)
+    opening.begin(tmp_path / name)
     opened = awaited(opening)
     assert opened.pipeline.is_photo
     assert opened.first.frame.size == (64, 48)
