@@ -1,6 +1,5 @@
 """Which numbers make sense: the same limits for the command line, settings, camera files and the Python API."""
 
-import math
 import numbers
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ class Range:
     unit: str = ""
 
     def __contains__(self, value: float) -> bool:
-        return math.isfinite(value) and self.low <= value <= self.high
+        return self.low <= value <= self.high  # not of NaN; of whole numbers too large for a float as of any
 
     def __str__(self) -> str:
         return f"from {_plain(self.low)} to {_plain(self.high)}{self.unit and ' '}{self.unit}"

@@ -74,7 +74,7 @@ def read_text(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> str:
 def read_json(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> Any:
     """As `read_text`, parsed. Raises UserError for what is not JSON, which has no NaN and no infinite numbers."""
     try:
-        return json.loads(read_text(path, most_bytes), parse_constant=_refused, parse_float=_finite)
+        return json.loads(read_text(path, most_bytes), parse_constant=_refused, parse_float=_finite, parse_int=_whole)
     except (ValueError, RecursionError) as error:
         raise UserError(f"{path} is not JSON ({parsers_words(error)})", "write or export it again") from None
 
@@ -93,6 +93,11 @@ def _finite(text: str) -> float:
     if not math.isfinite(value):
         raise ValueError(f"{text[:16]} is too large a number")
     return value
+
+
+def _whole(text: str) -> int:
+    _finite(text)  # so that what reads it may compute with it
+    return int(text)
 
 
 def _check_kind(path: Path, mode: int) -> None:

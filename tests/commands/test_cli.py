@@ -36,6 +36,7 @@ COMMANDS = (
         (["play", "a.mp4", "--markersize=0.1"], "did you mean --marker-size?"),
         (["estimate", "a.jpg", "--quality", "acurate"], "did you mean accurate?"),
         (["estimate", "a.jpg", "--repeat", "1e9"], "from 1 to 1000000000"),
+        (["estimate", "a.jpg", "--views", "1" + 400 * "0"], "is not a whole number from 1 to 12"),
         (["play"], "FILE"),
         (["play", "a.mp4", "--wings"], "--wings (see ashe-live play --help)"),
         (["play", "a.mp4", "b.mp4"], "unrecognized arguments: b.mp4"),
