@@ -17,7 +17,7 @@ from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR, UNSEEN_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import draw_outline, enlarged, tinted, with_body, with_masks
-from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent

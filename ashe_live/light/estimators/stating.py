@@ -9,9 +9,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.light.estimators.looking import Look
 from ashe_live.light.estimators.proposals import proposals_of
 from ashe_live.light.estimators.steps import FIRST_FIT, ProxySteps
-from ashe_live.light.estimators.trace import Look, Trace
+from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import shadow_core
