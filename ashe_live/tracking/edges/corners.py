@@ -24,6 +24,7 @@ ALONG_FROM, ALONG_TO = 0.06, 0.94
 # border or margin, which is an eighth.
 REACH_RATIO = 0.08
 MIN_REACH_PX, LAST_REACH_PX = 2.0, 4.0
+OFF_BY_PX = 1.0  # as coarse corners may be
 MORE_SEARCHES = 3
 LEAST_SAMPLES = 8
 # Each search reaches less far than the one before by this factor, to a few of its sampling steps.
@@ -39,19 +40,19 @@ WIDTHS = 2.2
 SLACK = 1.25
 
 
-def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: float = 1.0) -> Float:
-    """(4, 2) corners of the black square in `grey` (h, w), from coarse corners that may be `off_by_px` off.
+def refined_corners(grey: Image, corners_px: Float, samples: int) -> Float:
+    """(4, 2) corners of the black square in `grey` (h, w), from coarse corners that may be OFF_BY_PX off.
 
     `samples` is the number of places measured along each edge. A side without a visible edge stays as it was.
     """
     if not is_front_of_square(corners_px):
         return corners_px
-    region = region_around(corners_px, 2 * off_by_px + MIN_REACH_PX, REACH_RATIO, grey.shape)
+    region = region_around(corners_px, 2 * OFF_BY_PX + MIN_REACH_PX, REACH_RATIO, grey.shape)
     if region is None:
         return corners_px
     (left, top), (right, bottom) = region
     light = linear_light(grey[top:bottom, left:right])
-    (fitted,) = fitted_squares([LightView(light, None, np.array((left, top)))], [corners_px], samples, off_by_px)
+    (fitted,) = fitted_squares([LightView(light, None, np.array((left, top)))], [corners_px], samples)
     return corners_px if fitted is None else fitted.corners_px
 
 
@@ -59,7 +60,7 @@ def fitted_squares(
     views: Sequence[LightView],
     corners_px: Sequence[Float],
     samples: int,
-    off_by_px: float = 1.0,
+    off_by_px: float = OFF_BY_PX,
     most_reach_px: float = math.inf,
 ) -> list[FittedSquare | None]:
     """The black squares near `corners_px` (4, 2) each, ideal pixels that may be `off_by_px` off, each in its own part
