@@ -10,7 +10,7 @@ from ashe_live.core.contract import Json
 LIBRARIES = {"opencv": "opencv-contrib-python-headless", "numpy": "numpy", "moderngl": "moderngl", "pyav": "av"}
 
 
-def header_json(schema: int, with_opengl: bool = False) -> Json:
+def header_json(schema: int, with_opengl: bool) -> Json:
     """The header of a record. Raises UserError if `with_opengl` is set and there is no OpenGL."""
     return {
         "schema": schema,

@@ -57,10 +57,10 @@ def _is_video_device(state: os.stat_result) -> bool:
     return stat.S_ISCHR(state.st_mode) and os.major(state.st_rdev) == VIDEO_MAJOR
 
 
-def programs_using(device: Path, processes: Path = Path("/proc")) -> set[str]:
+def programs_using(device: Path) -> set[str]:
     """Names of this user's other processes that have `device` open, where the system tells as Linux does."""
     names = set()
-    for opened in processes.glob("[0-9]*/fd/*"):
+    for opened in Path("/proc").glob("[0-9]*/fd/*"):
         # Processes end meanwhile, and those of others are not told.
         with suppress(OSError):
             process = opened.parents[1]

@@ -17,7 +17,7 @@ from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR, UNSEEN_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import draw_outline, enlarged, tinted, with_body, with_masks
-from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
@@ -27,6 +27,7 @@ from ashe_live.light.shape.predicted import predicted
 RIM_PX = 2  # width of the rim of an unlit area, where colours mix
 MOST_EXPLANATIONS = 4  # the most that are drawn, the likeliest first
 REACH_SHARE = 0.08  # sigma of the Gaussian by which unlit areas are inpainted, as a fraction of the picture's width
+WIDEST_PX = 640  # of the pictures
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,17 +38,15 @@ class DebugPicture:
     image_bgr: Image  # (h, w, 3)
 
 
-def debug_pictures(
-    tracked: TrackedFrame, estimate: LightEstimate, trace: Trace | None = None, width_px: int = 640
-) -> list[DebugPicture]:
+def debug_pictures(tracked: TrackedFrame, estimate: LightEstimate, trace: Trace | None = None) -> list[DebugPicture]:
     """The steps of `estimate`, which was made from `tracked`, in their order; those that were not reached are missing.
 
-    trace: of this estimate; without it, only the contents of the estimate itself are drawn. width_px: largest width of
-    the pictures. Raises ValueError when the frame has no marker.
+    trace: of this estimate; without it, only the contents of the estimate itself are drawn. Raises ValueError when the
+    frame has no marker.
     """
     if tracked.marker is None:
         raise ValueError("a frame without a marker has no marker frame to answer in")
-    view = View.of(tracked, width_px)
+    view = View.of(tracked, WIDEST_PX)
     photo, camera, T_cam_marker = view.image_bgr, view.camera, view.T_cam_marker
     pictures = [DebugPicture("photo", photo), *([] if trace is None else traced_pictures(view, trace))]
     if estimate.object_mask is not None or estimate.shadow_mask is not None:

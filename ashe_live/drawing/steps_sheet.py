@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.types import LightEstimate, TrackedFrame
 
 if TYPE_CHECKING:
-    from ashe_live.light.estimators.trace import Trace
+    from ashe_live.light.estimators.view_search import Trace
 
 COLUMNS, WIDTH_PX = 2, 320  # of the sheet, and of each of its pictures
 

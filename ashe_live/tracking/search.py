@@ -12,9 +12,9 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import side_lengths_px
-from ashe_live.tracking.edges.corners import LAST_REACH_PX, REACH_RATIO, fitted_square, fitted_squares
+from ashe_live.tracking.edges.corners import LAST_REACH_PX, REACH_RATIO, fitted_squares
 from ashe_live.tracking.edges.covered_sides import checked
-from ashe_live.tracking.edges.edge_profiles import Light, LightView, linear_light
+from ashe_live.tracking.edges.edge_profiles import LightView, linear_light
 from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.tracking.edges.quads import MIN_SIDE_PX
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square, region_around
@@ -71,15 +71,14 @@ def along_edges(
 
     Where their motion `is_predictable`, they are first looked for within NEAR_PX, which takes half the time.
     """
-    parts = [_part(image_bgr, one.corners_px, 6) for one in expected]
-    asked = [(number, *part) for number, part in enumerate(parts) if part is not None]
-    views = [LightView(light, camera, np.asarray(start, dtype=np.float64)) for _, light, start in asked]
-    ideal = [ideal_from_source(camera, expected[number].corners_px) for number, _, _ in asked]
+    around = [_view_around(one.corners_px, 6, image_bgr, camera) for one in expected]
+    asked = [(number, view) for number, view in enumerate(around) if view is not None]
+    ideal = [ideal_from_source(camera, expected[number].corners_px) for number, _ in asked]
     near: list[FittedSquare | None] = [None] * len(asked)
     if is_predictable:
-        near = fitted_squares(views, ideal, samples, 1.0, LAST_REACH_PX)
+        near = fitted_squares([view for _, view in asked], ideal, samples, most_reach_px=LAST_REACH_PX)
     squares: list[FittedSquare | None] = [None] * len(expected)
-    for (number, light, start), view, corners, square in zip(asked, views, ideal, near, strict=True):
+    for (number, view), corners, square in zip(asked, ideal, near, strict=True):
         if square is None or square.sides_seen < 4 or np.abs(square.corners_px - corners).max() > NEAR_PX:
             (square,) = fitted_squares([view], [corners], samples)
         if square is None or square.sides_seen < MIN_SIDES_SEEN:
@@ -87,7 +86,7 @@ def along_edges(
         growth = side_lengths_px(square.corners_px) / side_lengths_px(corners)
         if growth.min() >= SMALLEST_NEAR and growth.max() <= LARGEST_NEAR:
             one = expected[number]
-            squares[number] = checked(square, light, one.marker.alignment, camera, start, samples, one.aligned_sigma)
+            squares[number] = checked(square, view, one.marker.alignment, samples, one.aligned_sigma)
     return squares
 
 
@@ -105,13 +104,13 @@ def first_along_edges(
     return squares
 
 
-def _part(image_bgr: Image, corners_px: Float, margin_px: float) -> tuple[Light, tuple[int, int]] | None:
-    """Linear light around corners (4, 2), and where in the picture it begins; None where they are not in it."""
+def _view_around(corners_px: Float, margin_px: float, image_bgr: Image, camera: Camera) -> LightView | None:
+    """The part of the picture around corners (4, 2), picture pixels; None where they are not in it."""
     region = region_around(corners_px, margin_px, REACH_RATIO, image_bgr.shape)
     if region is None:
         return None
     (left, top), (right, bottom) = region
-    return linear_light(_grey(image_bgr[top:bottom, left:right])), (left, top)
+    return LightView(linear_light(_grey(image_bgr[top:bottom, left:right])), camera, np.array((left, top)))
 
 
 def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:
@@ -140,15 +139,14 @@ def anywhere(markers: Sequence[Marker], image_bgr: Image, width_px: int, thoroug
 def refined(marker: Marker, image_bgr: Image, camera: Camera, coarse_px: Float, samples: int) -> FittedSquare | None:
     """The marker at coarse corners (4, 2), picture pixels, measured at full resolution; None when it is not there."""
     off_by_px = max(COARSE_PX, float(np.ptp(coarse_px, axis=0).max()) / LARGEST_PX)
-    part = _part(image_bgr, coarse_px, 2 * off_by_px + 4)
-    if part is None:
+    view = _view_around(coarse_px, 2 * off_by_px + 4, image_bgr, camera)
+    if view is None:
         return None
-    light, start = part
     ideal = ideal_from_source(camera, coarse_px)
-    square = fitted_square(light, ideal, samples, off_by_px, camera, start)
+    (square,) = fitted_squares([view], [ideal], samples, off_by_px)
     if square is None and is_front_of_square(ideal):
         square = FittedSquare.guessed(ideal, off_by_px)
-    return None if square is None else checked(square, light, marker.alignment, camera, start, samples)
+    return None if square is None else checked(square, view, marker.alignment, samples)
 
 
 def _found(

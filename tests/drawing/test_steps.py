@@ -17,7 +17,7 @@ from ashe_live.drawing.overlays import with_body
 from ashe_live.drawing.steps import debug_pictures
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outline, shadow_outline

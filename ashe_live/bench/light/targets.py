@@ -91,12 +91,10 @@ TARGETS = (
 CLIP_RMS_DEG = _most(3.0, 2.0)
 
 
-def verdicts(
-    preset: str, summaries: Mapping[str, Summary], clips: Sequence[ClipResult], targets: Sequence[Target] = TARGETS
-) -> list[Verdict]:
+def verdicts(preset: str, summaries: Mapping[str, Summary], clips: Sequence[ClipResult]) -> list[Verdict]:
     """The targets of `preset` with their figures from `summaries` (by group); groups without cases are left out."""
     found = []
-    for target in targets:
+    for target in TARGETS:
         summary = summaries.get(target.group)
         if summary is not None and preset in target.bounds:
             alone = None if target.on_true_labels is None else target.on_true_labels(summary)

@@ -54,9 +54,9 @@ def look_at(cases: Sequence[Case], preset: TrackingPreset) -> list[Seen | None]:
     return [_seen(parse_marker(case.marker_spec), case, preset) for case in cases if case.marker_spec is not None]
 
 
-def certainty_figures(name: str, seen: Sequence[Seen | None], errors: CornerErrors = FITTED) -> Iterator[Figure]:
+def certainty_figures(name: str, seen: Sequence[Seen | None]) -> Iterator[Figure]:
     """The squared errors of poses over their covariances: the median, and the share in the 95 % ellipsoid."""
-    squares = np.array([_squared_error(one, errors)[0] for one in seen if one is not None])
+    squares = np.array([_squared_error(one, FITTED)[0] for one in seen if one is not None])
     if not len(squares):
         return
     yield Figure(f"found, {name} ({len(seen)})", "%", None, 100 * len(squares) / len(seen), None)

@@ -48,7 +48,6 @@ class Flaws:
     vignetting: float = 0.3  # light lost in the picture's corners
     shadow_ratio: float = 1.0  # of a shadow whose edge runs across the marker anywhere; 1: there is none
     gain: float = 1.0  # exposure relative to the correct one
-    clutter: int = 0  # dark quadrilaterals scattered on the ground
     gamma: float = 1.0  # exponent put on the encoded picture, as by a camera's contrast curve
     quiet_zone: float = QUIET_ZONE  # white around the black square, over its side
     ground_gain: float = 1.0  # light of the ground, over what it is beside white paper as a rule
@@ -71,10 +70,10 @@ def painted(
     """(h, w, 3) uint8 BGR: the black square `bitmap` (n, n) on white paper in front of `camera`.
 
     poses: T_cam_marker (4, 4) at times spread evenly over the exposure, one for a marker at rest; the middle one is the
-    ground truth. canvas: (h, w) linear light behind the paper; without it, `ground` with the flaws' clutter. `rays` per
+    ground truth. canvas: (h, w) linear light behind the paper; without it, `ground` without clutter. `rays` per
     pixel in each direction; without it, as many as measuring hundredths of a pixel needs.
     """
-    light = flaws.ground_gain * (ground(camera, flaws.clutter) if canvas is None else canvas)
+    light = flaws.ground_gain * (ground(camera) if canvas is None else canvas)
     x0, y0, x1, y1 = _region(camera, poses, side_m)
     if x1 > x0 and y1 > y0:
         rays = rays or (RAYS if len(poses) == 1 else RAYS_IN_MOTION)

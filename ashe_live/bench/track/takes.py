@@ -20,6 +20,7 @@ SMALL, HD = Camera.from_focal((640, 480), 900.0), Camera.from_focal((1280, 720),
 LENS = Camera(SMALL.size, SMALL.K, np.array((-0.35, 0.15, 0.001, -0.002, 0.0)), "file")
 CLUTTER = 12
 EXPOSURES = 11  # sub-frames of a motion-blurred frame
+SLIDING_PX = 100.0  # side of a marker that slides across the picture
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +62,9 @@ def at_rest(name: str, side_px: float, tilt_deg: float, frames: int) -> Take:
     return Take(name, SMALL, frames, lambda _: (pose,))
 
 
-def sliding(name: str, speed_m_s: float, frames: int, side_px: float = 100.0) -> Take:
+def sliding(name: str, speed_m_s: float, frames: int) -> Take:
     """Back and forth across the picture at constant speed, reversing within a fifth of a second."""
-    return Take(name, SMALL, frames, partial(_sliding_poses, SMALL.K[0, 0] * SIDE_M / side_px, speed_m_s))
+    return Take(name, SMALL, frames, partial(_sliding_poses, SMALL.K[0, 0] * SIDE_M / SLIDING_PX, speed_m_s))
 
 
 def scattered(name: str, side_px: float, frames: int, flaws: Flaws = CLEAN_CAMERA, blur_px: float = 0.0) -> Take:

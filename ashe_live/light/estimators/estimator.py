@@ -8,7 +8,7 @@ from ashe_live.errors import UserError
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 
 if TYPE_CHECKING:
-    from ashe_live.light.estimators.trace import Trace
+    from ashe_live.light.estimators.view_search import Trace
 
 
 class Estimator(Protocol):

@@ -12,9 +12,9 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
-from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, masks_of, room_beside
+from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, image_beside, masks_of
 from ashe_live.light.known_body.lights import Found, lights_of
-from ashe_live.light.known_body.outline.fit import moved, profiles_of
+from ashe_live.light.known_body.outline.fit import moved
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.ambient import open_sky_rgb, sky_slope_rgb
@@ -99,7 +99,7 @@ def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight
     fit = found.fit
     if fit is None or seen.wobble is None or found.is_lamp or found.may_be_lamp or fit.light[3] != 0:
         return found
-    profiles = profiles_of(fit, seen.body, seen.light, room_beside(seen, others), seen.view)
+    profiles = fit.profiles_in(image_beside(seen, others))
     if profiles is None:
         return found
     height = height_of(seen.body)

@@ -4,7 +4,8 @@ The stages are segment -> associate -> fit -> judge, each made of pure functions
 the pixels that the lit ground does not explain, and how shadows shift its colours. `labels` proposes which of these
 pixels are shadow and which are object. `outline_fit` fits bodies and lights to both outlines. `explanation` aligns the
 likeliest of them with the borders in the picture, relabels and refits, and finally states the best one with its
-confidence, or rejects it. `looking` calls the stages; docs/maths.md leads to the equations.
+confidence, or rejects it. `view_search` calls the stages for one view, `looking` for several; docs/maths.md leads to
+the equations.
 """
 
 from collections.abc import Sequence
@@ -16,11 +17,11 @@ from ashe_live.core.arrays import Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
-from ashe_live.light.estimators.looking import looked
+from ashe_live.light.estimators.looking import Look, looked
 from ashe_live.light.estimators.scene_views import contradicting, span_of
 from ashe_live.light.estimators.stating import Choice, chosen, illumination_of
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
-from ashe_live.light.estimators.trace import Look, Trace
+from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
 from ashe_live.light.explanation.known_size import is_as_given

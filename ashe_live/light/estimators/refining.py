@@ -1,6 +1,7 @@
 """The explanations that are judged: the likeliest refined and moved onto the steps of light, the others as they are."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 from ashe_live.core.transforms import angle_between
@@ -15,68 +16,67 @@ from ashe_live.light.explanation.searches.second_light import is_part_of, with_l
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 
-
-def refined_and_others(
-    rough: Sequence[Explanation],
-    sharpener: Sharpener,
-    view: SceneView,
-    steps: ProxySteps,
-    log_odds: Callable[[Explanation], float],
-    lamps: LampHypotheses,
-) -> list[Explanation]:
-    """The likeliest different explanations, refined, with their lights counted and near ones told; then the others.
-
-    Those are judged as well, as they are what else the picture may show; so is what refinement has turned into another
-    answer, or could not fit. Where all of them leave doubt, shadows are searched for by the objects' shapes; what that
-    finds may have a second light as well.
-    """
-    ranked = sorted(rough, key=log_odds, reverse=True)
-    chosen = different(ranked, steps.refined)
-    fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, steps.fine_fit)]
-    turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
-    # They are compared with the rough ones by their steps of light, among others, which must be measured alike.
-    sharp = sharpener.measured([fine for fine in fines if fine is not None])
-    found = with_lights_counted(sharp, rough, view, steps.region_px, log_odds)
-    others = different(each for each in ranked if not any(each is one for one in chosen))
-    others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
-    others = [each for each in others if not any(is_part_of(one, each) for one in found)]
-    sharp = _sharp_and_decided(found, sharpener, steps, lamps)
-    refine = partial(refined_alone, sharpener=sharpener, steps=steps, lamps=lamps)
-    sharp = with_other_heights(sharp, sharpener, steps.fine_fit, refine, log_odds)
-    judged = [*sharp, *others]
-    if leaves_no_doubt(judged, log_odds):
-        return judged
-    by_two = [each for each in sharp if len(each.lights) > 1]
-    searched = with_shadows_searched(judged, view, steps.region_px, refine, log_odds)
-    new = [each for each in searched if not any(each is one for one in judged)]
-    likeliest = max(searched, key=log_odds, default=None)
-    # Also what takes the place of one of two lights, whose second may only have been told by a worse body.
-    tried = [each for each in new if each is likeliest or any(is_part_of(both, each) for both in by_two)]
-    counted = [with_lights_counted([one], [], view, steps.region_px, log_odds) for one in tried]
-    several = [each for found_of_one in counted for each in found_of_one if len(each.lights) > 1]
-    both = _sharp_and_decided(several, sharpener, steps, lamps)
-    return [*both, *(each for each in searched if not any(is_part_of(one, each) for one in both))]
+# The log odds of an explanation to be right.
+LogOdds = Callable[[Explanation], float]
 
 
-def leaves_no_doubt(judged: Sequence[Explanation], log_odds: Callable[[Explanation], float]) -> bool:
+@dataclass(frozen=True, slots=True, eq=False)
+class Refiner:
+    """Refines explanations of one view."""
+
+    view: SceneView
+    sharpener: Sharpener  # of the view at full resolution
+    steps: ProxySteps
+    lamps: LampHypotheses  # that the view's ground suggests
+
+    def refined_and_others(self, rough: Sequence[Explanation], log_odds: LogOdds) -> list[Explanation]:
+        """The likeliest different explanations, refined, their lights counted and near ones told; then the others.
+
+        Those are judged as well, as they are what else the picture may show; so is what refinement has turned into
+        another answer, or could not fit. Where all of them leave doubt, shadows are searched for by the objects'
+        shapes; what that finds may have a second light as well.
+        """
+        view, region_px, fine_fit = self.view, self.steps.region_px, self.steps.fine_fit
+        ranked = sorted(rough, key=log_odds, reverse=True)
+        chosen = different(ranked, self.steps.refined)
+        fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, fine_fit)]
+        turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
+        # They are compared with the rough ones by their steps of light, among others, which must be measured alike.
+        sharp = self.sharpener.measured([fine for fine in fines if fine is not None])
+        found = with_lights_counted(sharp, rough, view, region_px, log_odds)
+        others = different(each for each in ranked if not any(each is one for one in chosen))
+        others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
+        others = [each for each in others if not any(is_part_of(one, each) for one in found)]
+        sharp = self._sharp_and_decided(found)
+        sharp = with_other_heights(sharp, self.sharpener, fine_fit, self.refined_alone, log_odds)
+        judged = [*sharp, *others]
+        if leaves_no_doubt(judged, log_odds):
+            return judged
+        by_two = [each for each in sharp if len(each.lights) > 1]
+        searched = with_shadows_searched(judged, view, region_px, self.refined_alone, log_odds)
+        new = [each for each in searched if not any(each is one for one in judged)]
+        likeliest = max(searched, key=log_odds, default=None)
+        # Also what takes the place of one of two lights, whose second may only have been told by a worse body.
+        tried = [each for each in new if each is likeliest or any(is_part_of(both, each) for both in by_two)]
+        counted = [with_lights_counted([one], [], view, region_px, log_odds) for one in tried]
+        several = [each for found_of_one in counted for each in found_of_one if len(each.lights) > 1]
+        both = self._sharp_and_decided(several)
+        return [*both, *(each for each in searched if not any(is_part_of(one, each) for one in both))]
+
+    def refined_alone(self, several: Sequence[Explanation]) -> list[Explanation]:
+        """Each explanation relabelled, fitted anew and moved onto the steps of light, as a sun's or a lamp's."""
+        fits = zip(several, refined(several, self.steps.fine_fit), strict=True)
+        return self._sharp_and_decided([one if fine is None else refined_by_tangents(fine) for one, fine in fits])
+
+    def _sharp_and_decided(self, several: Sequence[Explanation]) -> list[Explanation]:
+        near_fit = partial(explained_near, preset=self.steps.fine_fit)
+        sharpened = self.sharpener.sharpened(several)
+        return [self.lamps.decided(each, near_fit, self.sharpener) for each in sharpened]
+
+
+def leaves_no_doubt(judged: Sequence[Explanation], log_odds: LogOdds) -> bool:
     """Whether the explanations make one direction so likely that nothing more is looked for."""
     return is_settled(list(map(log_odds, judged)), [each.lights[0].to_light_marker for each in judged])
-
-
-def refined_alone(
-    several: Sequence[Explanation], sharpener: Sharpener, steps: ProxySteps, lamps: LampHypotheses
-) -> list[Explanation]:
-    """Each explanation relabelled, fitted anew and moved onto the steps of light, as a sun's or a lamp's."""
-    fits = zip(several, refined(several, steps.fine_fit), strict=True)
-    best = [one if fine is None else refined_by_tangents(fine) for one, fine in fits]
-    return _sharp_and_decided(best, sharpener, steps, lamps)
-
-
-def _sharp_and_decided(
-    several: Sequence[Explanation], sharpener: Sharpener, steps: ProxySteps, lamps: LampHypotheses
-) -> list[Explanation]:
-    fit = partial(explained_near, preset=steps.fine_fit)
-    return [lamps.decided(each, fit, sharpener) for each in sharpener.sharpened(several)]
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:

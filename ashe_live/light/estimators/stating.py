@@ -9,9 +9,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.light.estimators.looking import Look
 from ashe_live.light.estimators.proposals import proposals_of
 from ashe_live.light.estimators.steps import FIRST_FIT, ProxySteps
-from ashe_live.light.estimators.trace import Look, Trace
+from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import shadow_core
@@ -71,27 +72,21 @@ def illumination_of(
     trace, ground = look.trace, look.views[0].ground
     assert trace.unlit is not None
     ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
-    told = stated(
-        _with_mean_light(choice),
-        choice.confidence,
-        lambda each, probability: judge.lights_of(each, probability, tracked),
-        ratios[: len(best.lights)],
-        Scene(
-            trace.view,
-            ground,
-            trace.unlit,
-            lambda: _other_objects(choice, judge),
-            _judged_beside(best, trace),
-            lambda light: judge.shared_rad2(light, tracked),
-            lambda: Sharpener.of([view.fine for view in look.views]),
-            partial(explained_near, preset=steps.fine_fit),
-            [glint for view in look.views if (glint := glint_in(view.coarse, view.ground)) is not None],
-            judge.calibration.overdispersion,
-        ),
-        # A hull's shadow was compared with the whole plane: no border of a body is left that could tell a lamp from a
-        # sun.
-        SUN if best.hull is not None and steps.light == AUTO else steps.light,
+    scene = Scene(
+        tracked=tracked,
+        view=trace.view,
+        ground=ground,
+        unlit=trace.unlit,
+        others=lambda: _other_objects(choice, judge),
+        judged=_judged_beside(best, trace),
+        sharpener=lambda: Sharpener.of([view.fine for view in look.views]),
+        fit=partial(explained_near, preset=steps.fine_fit),
+        glints=[glint for view in look.views if (glint := glint_in(view.coarse, view.ground)) is not None],
+        judge=judge,
     )
+    # A hull's shadow was compared with the whole plane: no border of a body is left that could tell a lamp from a sun.
+    kind = SUN if best.hull is not None and steps.light == AUTO else steps.light
+    told = stated(_with_mean_light(choice), choice.confidence, ratios[: len(best.lights)], scene, kind)
     # With two lights there is a third shift, that where both are blocked.
     answers = zip(told.lights, ratios, strict=False)
     lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]

@@ -1,7 +1,7 @@
 """Explanations of several views together: each view's candidates, placed and aligned in all of them."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from operator import itemgetter
 
@@ -43,44 +43,60 @@ MOST_BEHIND = 8.0
 MORE = 2  # number of candidates that are aligned in those views only, beside those that are aligned in all
 
 
-def explained_together(
-    found: Sequence[tuple[SceneView, Sequence[Explanation]]],
-    views: Sequence[SceneView],
-    steps: ProxySteps,
-    judge: Judge,
-    lamps: LampHypotheses,
-    company: Company,
-) -> list[tuple[JointExplanation, float]]:
-    """The likeliest different candidates of some of the views, aligned in all, and their log odds; the likeliest first.
+# A view with explanations of it.
+Found = tuple[SceneView, Sequence[Explanation]]
 
-    found: views with their explanations. views: all, that of the answer first. lamps: what that one's ground tells.
-    company: what else that one shows, and what was found in any.
-    """
 
-    @cache
-    def log_odds(one: JointExplanation) -> float:
-        return joint_log_odds(one, judge, company)
+@dataclass(frozen=True, slots=True, eq=False)
+class JointSearch:
+    """Looks for explanations of several views together."""
 
-    few, rest = views[:FIRST_VIEWS], views[FIRST_VIEWS:]
-    candidates = _likely_candidates(found, judge, company)[: steps.joint + MORE]
-    starts = [start for home, one in candidates if (start := _start_in(few, home, one, steps.region_px)) is not None]
-    likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[: steps.joint]
-    families = {id(each.origin): by_families(each, steps.fine_fit) for each in likely[:REFITTED]}
-    likely[:REFITTED] = [several[0] for several in families.values()]
-    if rest:
-        starts = [_start_also_in(rest, each, steps.region_px) for each in likely]
-        likely = distinct_explanations(_aligned_or_as_started(starts))
-    sharpener = Sharpener.of([view.fine for view in views])
-    likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
-    of_families = [sharpened_families(each, families.get(id(each.origin), ()), sharpener) for each in likely[:REFITTED]]
-    others = [_sharpened_if_witness(each, likely[0], sharpener) for each in likely[REFITTED:]]
-    sharp = [_decided_with_hull(several[0], sharpener, lamps, steps) for several in of_families]
-    overdispersion = judge.calibration.overdispersion
-    averaged = [with_average_light(*pair, overdispersion) for pair in zip(sharp, of_families, strict=True)]
-    # The mean is of one explanation's families: the explanation is judged as it was.
-    odds = [log_odds(each) for each in [*sharp, *others]]
-    together = list(zip([*averaged, *others], odds, strict=True))
-    return sorted(without_replaced(together), key=itemgetter(1), reverse=True)
+    views: Sequence[SceneView]  # that of the answer first
+    steps: ProxySteps
+    judge: Judge
+    lamps: LampHypotheses  # that the first view's ground suggests
+
+    def explained(self, found: Sequence[Found], company: Company) -> list[tuple[JointExplanation, float]]:
+        """The likeliest different explanations found in some of the views, aligned in all, and their log odds, the
+        likeliest first.
+
+        company: what else the first view shows, and what was found in any.
+        """
+
+        @cache
+        def log_odds(one: JointExplanation) -> float:
+            return joint_log_odds(one, self.judge, company)
+
+        few, rest = self.views[:FIRST_VIEWS], self.views[FIRST_VIEWS:]
+        region_px, wanted = self.steps.region_px, self.steps.joint
+        candidates = _likely_candidates(found, self.judge, company)[: wanted + MORE]
+        starts = [start for home, one in candidates if (start := _start_in(few, home, one, region_px)) is not None]
+        likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[:wanted]
+        families = {id(each.origin): by_families(each, self.steps.fine_fit) for each in likely[:REFITTED]}
+        likely[:REFITTED] = [several[0] for several in families.values()]
+        if rest:
+            starts = [_start_also_in(rest, each, region_px) for each in likely]
+            likely = distinct_explanations(_aligned_or_as_started(starts))
+        sharpener = Sharpener.of([view.fine for view in self.views])
+        likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
+        of_families = [
+            sharpened_families(each, families.get(id(each.origin), ()), sharpener) for each in likely[:REFITTED]
+        ]
+        others = [_sharpened_if_witness(each, likely[0], sharpener) for each in likely[REFITTED:]]
+        sharp = [self._decided_with_hull(several[0], sharpener) for several in of_families]
+        overdispersion = self.judge.calibration.overdispersion
+        averaged = [with_average_light(*pair, overdispersion) for pair in zip(sharp, of_families, strict=True)]
+        # The mean is of one explanation's families: the explanation is judged as it was.
+        odds = [log_odds(each) for each in [*sharp, *others]]
+        together = list(zip([*averaged, *others], odds, strict=True))
+        return sorted(without_replaced(together), key=itemgetter(1), reverse=True)
+
+    def _decided_with_hull(self, moved: JointExplanation, sharpener: Sharpener) -> JointExplanation:
+        """What lies on the steps of light, as a sun's or a lamp's, with a hull where no family explains it."""
+        near_fit = partial(explained_near, preset=self.steps.fine_fit)
+        decided = _decided(moved, self.lamps.decided(moved.joint, near_fit, sharpener))
+        # The shape of a known caster needs no hull.
+        return decided if self.steps.caster else with_hull(decided, sharpener)
 
 
 def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
@@ -93,9 +109,7 @@ def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tup
     return [(each, odds) for each, odds in ranked if any(each is one for one in kept)]
 
 
-def _likely_candidates(
-    found: Sequence[tuple[SceneView, Sequence[Explanation]]], judge: Judge, company: Company
-) -> list[tuple[SceneView, Explanation]]:
+def _likely_candidates(found: Sequence[Found], judge: Judge, company: Company) -> list[tuple[SceneView, Explanation]]:
     """The explanations with the views that they are of, the likeliest first, without those that are MOST_BEHIND."""
 
     def log_odds(one: Explanation) -> float:
@@ -133,16 +147,6 @@ def _sharpened_if_witness(other: JointExplanation, best: JointExplanation, sharp
     if not agrees or not are_apart(other.joint.proxy, best.joint.proxy):
         return other
     return sharpened_in_views(refined_by_all_tangents(other), sharpener)
-
-
-def _decided_with_hull(
-    moved: JointExplanation, sharpener: Sharpener, lamps: LampHypotheses, steps: ProxySteps
-) -> JointExplanation:
-    """What lies on the steps of light, as a sun's or a lamp's, with a hull where no family explains it."""
-    fit = partial(explained_near, preset=steps.fine_fit)
-    decided = _decided(moved, lamps.decided(moved.joint, fit, sharpener))
-    # The shape of a known caster needs no hull.
-    return decided if steps.caster else with_hull(decided, sharpener)
 
 
 def _decided(explanation: JointExplanation, decided: Explanation) -> JointExplanation:

@@ -77,7 +77,7 @@ class Sharpener:
                 )
             )
 
-    def best_fit(self, explanation: Explanation, near: NearnessPrior | None = None) -> EdgeFit | None:
+    def best_fit(self, explanation: Explanation, near: NearnessPrior | None) -> EdgeFit | None:
         """The explanation's own body with its lights, moved; None where no steps are seen. near: as in `sharpened`."""
         (fits,) = self._fits([[explanation.alignment.placed.lit]], [explanation], near)
         return next(iter(fits), None)

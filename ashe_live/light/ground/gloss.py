@@ -47,10 +47,10 @@ def mirrored(places: Float, eye: Float, lights: Float, gloss: Gloss) -> Float:
     return np.asarray(0.25 * facets * fresnel * seen / gloss.albedo)
 
 
-def mirrored_and_slopes(places: Float, eye: Float, lights: Float, number: int, gloss: Gloss) -> tuple[Float, Float]:
-    """As `mirrored`, (p, n); and (p, 3) its slopes by displacement and nearness of light `number`."""
-    moved = lights[number] + MOVED * np.eye(2, 3)
+def mirrored_and_slopes(places: Float, eye: Float, lights: Float, gloss: Gloss) -> tuple[Float, Float]:
+    """As `mirrored`, (p, n); and (p, 3) its slopes by displacement and nearness of the first light."""
+    moved = lights[0] + MOVED * np.eye(2, 3)
     found = mirrored(places, eye, np.vstack([lights, moved]), gloss)
-    by_displacement = (found[:, -2:] - found[:, [number]]) / MOVED
+    by_displacement = (found[:, -2:] - found[:, [0]]) / MOVED
     # At a place p the displacement is s - p w / z.
     return found[:, :-2], np.column_stack([by_displacement, -(by_displacement * places).sum(axis=1)])

@@ -159,7 +159,7 @@ def _peaks(votes: Float, count: int) -> Float:
     return np.array(peaks, dtype=np.float64).reshape(-1, 3)
 
 
-def _modes(offsets: Float32, weights: Float32, shifts: Float, width: float = 1.0) -> Float:
+def _modes(offsets: Float32, weights: Float32, shifts: Float, width: float) -> Float:
     """(p, 3) the modes of the vote near each of `shifts` (p, 3), by mean shift with a Gaussian kernel."""
     noise = (width * SHIFT_NOISE).astype(np.float32)
     votes, modes = offsets / noise, (shifts / noise).astype(np.float32)

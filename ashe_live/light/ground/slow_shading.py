@@ -68,14 +68,13 @@ def log_irradiance(
     parameters: Float,
     shares: Sequence[float],
     reference: Float,
-    number: int,
     mirrored_share: tuple[Float, Float] | None = None,
 ) -> tuple[Float, Float]:
-    """(n,) log of all light at places (n, 2) over that at `reference` (2,); (n, 3) its slopes by light `number`.
+    """(n,) log of all light at places (n, 2) over that at `reference` (2,); (n, 3) its slopes by the first light.
 
     parameters: (l, 3) displacement and nearness of each light. shares: of all light at the reference. What is no
     light's share is the same everywhere. mirrored_share: (n, l) what the ground mirrors of each light, over what it
-    scatters, and (n, 3) its slopes by light `number`.
+    scatters, and (n, 3) its slopes by the first light.
     """
     total = np.full(len(places), 1.0 - sum(shares))
     slopes = np.zeros((len(places), 3))
@@ -85,12 +84,12 @@ def log_irradiance(
         part = share * np.exp(here - there)
         slope = by_light - by_light_there
         if mirrored_share is not None:
-            seen, by_number = mirrored_share
+            seen, by_first = mirrored_share
             glossy = 1 + seen[:, i]
             part = part * glossy
-            slope = slope + by_number / glossy[:, None]
+            slope = slope + by_first / glossy[:, None]
         total += part
-        if i == number:
+        if i == 0:
             slopes = part[:, None] * slope
     total = np.maximum(total, LEAST_LIGHT)
     return np.log(total), slopes / total[:, None]

@@ -9,6 +9,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight
+from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
@@ -65,23 +66,25 @@ def refined(
     seen: Seen,
     score: Float,
     beside: Evidence,
-    room: Room,
+    image: EdgeImage,
     steps: Float,
     least: float = -math.inf,
     told: float = -math.inf,
-    ruled_out: list[Float] | None = None,
-) -> Iterator[FoundLight]:
-    """The likeliest different directions, each moved onto its shadow's edges where these are seen.
+) -> tuple[list[FoundLight], list[Float]]:
+    """The likeliest different directions, each moved onto its shadow's edges where these are seen; and what is ruled
+    out: lights (4,) whose shadow or whose light on the body's sides should be seen, and is not, as some other thing is
+    dark.
 
-    score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
-    lights that are known. room: table on which edges may be seen. steps: (m,) log odds of each shadow by steps of light
-    in the map, which say with the score what is tried first. least: log likelihood that is tried, with these or not;
-    told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights (4,) whose shadow
-    or whose light on the body's sides should be seen, and is not: some other thing is dark.
+    score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside, image: the picture,
+    beside the lights that are known. steps: (m,) log odds of each shadow by steps of light in the map, which say with
+    the score what is tried first. least: log likelihood that is tried, with these or not; told: that below which no
+    edge is looked for, of the likeliest around.
     """
     lights, darkenings = seen.templates.lights, beside.everywhere.darkenings[:, -1]
     starts = _Starts(lights, score + steps)
+    found: list[FoundLight] = []
     clear: list[FoundLight] = []
+    ruled_out: list[Float] = []
     for number in starts:
         template = lights[number]
         if max(score[number], score[number] + steps[number]) < least:
@@ -95,10 +98,10 @@ def refined(
             continue
         if any(_finds_again(seen, start, other) for other in clear):
             continue
-        fit = _moved_onto_edges(seen, start, darkening, room)
+        fit = _moved_onto_edges(image, start, darkening)
         if fit is None and steps[number] >= 0 and start is not template:
             # The map is misled by its stains, and may have led away from what is there.
-            fit = _clear_at(seen, template, float(darkenings[number]), room)
+            fit = _clear_at(image, template, float(darkenings[number]))
             darkening = darkening if fit is None else float(darkenings[number])
         is_denied = fit is not None and seen.observed.sides.deny(fit.light, darkening)
         if fit is not None and not is_denied:
@@ -107,14 +110,15 @@ def refined(
             if fit.clear > CLEAR:  # else map and score were another thing's
                 clear.append(one)
                 starts.explained_by(number)
-            yield one
-        elif not is_denied and in_view(seen, template, room) <= MOST_IN_VIEW:
+            found.append(one)
+        elif not is_denied and in_view(seen, template, image.room) <= MOST_IN_VIEW:
             starts.spend()
             starts.explained_by(number)
             mean, spread, darkening = mean_near(seen.templates, score, darkenings, template)
-            yield FoundLight(mean, spread, None, darkening)
-        elif ruled_out is not None:
+            found.append(FoundLight(mean, spread, None, darkening))
+        else:
             ruled_out.append(template)
+    return found, ruled_out
 
 
 def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
@@ -122,20 +126,20 @@ def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
     return bool(normalised(start[:3]) @ found.sun_alike(height_of(seen.body)) > math.cos(APART_RAD))
 
 
-def _clear_at(seen: Seen, start: Float, darkening: float, room: Room) -> EdgeFit | None:
+def _clear_at(image: EdgeImage, start: Float, darkening: float) -> EdgeFit | None:
     """As `_moved_onto_edges`; None where the edges found are not clear."""
-    fit = _moved_onto_edges(seen, start, darkening, room)
+    fit = _moved_onto_edges(image, start, darkening)
     return fit if fit is not None and fit.clear > CLEAR else None
 
 
-def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) -> EdgeFit | None:
+def _moved_onto_edges(image: EdgeImage, start: Float, darkening: float) -> EdgeFit | None:
     """The fit near a sun `start` (4,): as a sun, or as a lamp where no sun explains the edges; None if neither does."""
     if darkening <= 0:
         return None
-    lamp = np.append(start[:2] / start[2] * (1 - LAMP_NEARNESS * height_of(seen.body)), (1.0, LAMP_NEARNESS))
+    lamp = np.append(start[:2] / start[2] * (1 - LAMP_NEARNESS * image.height_m), (1.0, LAMP_NEARNESS))
     best: EdgeFit | None = None
     for light, is_lamp in ((start, False), (lamp, True)):
-        fit = fitted(seen.body, light, darkening, seen.light, room, seen.view, with_nearness=is_lamp)
+        fit = fitted(image, light, darkening, with_nearness=is_lamp)
         is_near = fit is not None and normalised(fit.light[:3]) @ normalised(light[:3]) > math.cos(MOST_MOVED_RAD)
         if fit is not None and is_near and fit.clear > LEAST_CLEAR and edge_log_odds(fit) > edge_log_odds(best):
             best = fit

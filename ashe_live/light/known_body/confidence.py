@@ -9,9 +9,8 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING
 from ashe_live.light.known_body.evidence import Evidence, Scan
-from ashe_live.light.known_body.found_light import FoundLight, hidden_step, points_of, room_beside
+from ashe_live.light.known_body.found_light import FoundLight, hidden_step, image_beside, points_of
 from ashe_live.light.known_body.outline.elsewhere import most_log_odds
-from ashe_live.light.known_body.outline.fit import looked_at_again
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, with_edges
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
@@ -49,8 +48,7 @@ def with_confidence(
         palest = pale = LEAST_DARKENING
         log_none = LOG_NONE if one.exists is None else LOG_NONE_FURTHER
         if one.fit is not None:
-            room, darkening = room_beside(seen, others), float(dark_rgb.mean())
-            one = replace(one, fit=looked_at_again(one.fit, seen.body, darkening, seen.light, room, seen.view))
+            one = replace(one, fit=one.fit.seen_again_in(image_beside(seen, others), float(dark_rgb.mean())))
     own = one.casting[None]
     lamp = float(beside.scanned(seen.lit(own)).log_likelihood[0]) if one.is_lamp else -math.inf
     to_sun = one.sun_alike(height_of(seen.body))
@@ -67,8 +65,7 @@ def with_confidence(
         return replace(one, confidence=confidence, around=around if none < MOST_NONE else confidence)
     most = math.inf
     if near < SURE_BY_TABLE:
-        room = room_beside(seen, others)
-        most = most_log_odds(one.fit, seen.body, darkening, seen.light, room, seen.view)
+        most = most_log_odds(one.fit, image_beside(seen, others), darkening)
     exists = with_edges(near, one.fit, step, palest, pale, most)
     confidence, around = (exists * _shares(one)).tolist()
     return replace(one, exists=exists, confidence=confidence, around=around if 1 - exists < MOST_NONE else confidence)

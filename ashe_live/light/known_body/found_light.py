@@ -8,13 +8,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask, upper_quantile
 from ashe_live.core.transforms import normalised, raycast_to_plane
+from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.edges import ShadowEdges
-from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit, height_px
-from ashe_live.light.known_body.outline.room import Outline, Room
+from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit
+from ashe_live.light.known_body.outline.room import Outline
 from ashe_live.light.known_body.rims import Rims
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.shading import fall_off
-from ashe_live.light.known_body.table import CELLS_A_HEIGHT
+from ashe_live.light.known_body.table import CELLS_A_HEIGHT, height_px
 from ashe_live.light.shape.directions import FittedLight, fitted_lights
 from ashe_live.light.shape.predicted import predicted
 
@@ -85,8 +86,8 @@ def points_of(found: Sequence[FoundLight]) -> Float:
     return np.array([each.casting for each in found]).reshape(-1, 4)
 
 
-def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:
-    """The bare table without what lies near the edges of other lights' shadows."""
+def image_beside(seen: Seen, others: Sequence[FoundLight]) -> EdgeImage:
+    """The picture for a look at a light's edges, without what lies near those of other lights' shadows."""
     room = seen.room
     for other in others:
         edges = seen.shadow_edges(other.casting)
@@ -94,7 +95,7 @@ def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:
             penumbra_px = other.size_rad * upper_quantile(edges.by_size, 0.9)
             broad_px = OTHER_EDGE_PX + OTHER_PENUMBRA * penumbra_px
             room = room.beside_shadow(edges.corners_px, broad_px, other.darkening)
-    return room
+    return EdgeImage(seen.body, seen.view, seen.light, room)
 
 
 def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: float = 0.0) -> Float:

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.found_light import FoundLight, points_of, room_beside
-from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, moved, nearness_sigma, profiles_of
+from ashe_live.core.proxy import Wobble
+from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
+from ashe_live.light.known_body.outline.edge_image import EdgeImage
+from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, moved, nearness_sigma
 from ashe_live.light.known_body.outline.folded import beside_folds
-from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 
@@ -45,15 +46,15 @@ def as_lamps(seen: Seen, found: Sequence[FoundLight], told: int = 0) -> list[Fou
 def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told: bool) -> FoundLight:
     if one.fit is None:
         return one
-    room = room_beside(seen, others)
-    near = one.size_rad if is_told else None
-    fit = fitted(seen.body, one.casting, one.darkening, seen.light, room, seen.view, with_nearness=True, size_rad=near)
+    image = image_beside(seen, others)
+    size_rad = one.size_rad if is_told else None
+    fit = fitted(image, one.casting, one.darkening, with_nearness=True, size_rad=size_rad)
     if fit is None or not _is_as_good(fit, one.fit):
         # What was fitted as a lamp from the beginning is no sun with the same displacement.
         if len(one.fit.covariance) < 3:
             return one
         fit = one.fit
-    by_edges, covariance, has_folds = _of_folded_body(seen, fit, one.darkening, room)
+    by_edges, covariance, has_folds = _of_folded_body(image, fit, one.darkening, seen.wobble)
     sun, nearness, variance = _nearness(seen, by_edges, covariance, others)
     # By the edges, the displacement follows the nearness.
     by_nearness = covariance[:, 2] / covariance[2, 2]
@@ -71,18 +72,20 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told:
     return replace(sun_or_lamp, may_be_lamp=True, has_folds=has_folds)
 
 
-def _of_folded_body(seen: Seen, fit: EdgeFit, darkening: float, room: Room) -> tuple[Float, Float, bool]:
+def _of_folded_body(
+    image: EdgeImage, fit: EdgeFit, darkening: float, wobble: Wobble | None
+) -> tuple[Float, Float, bool]:
     """The lamp (4,) that a fit with its nearness tells, its (3, 3) covariance, as the body may be off, and whether that
     has in it how the body's frame may be off.
     """
-    height = height_of(seen.body)
-    profiles = None if seen.wobble is None else profiles_of(fit, seen.body, seen.light, room, seen.view)
-    if seen.wobble is None or profiles is None:
+    height = image.height_m
+    profiles = None if wobble is None else fit.profiles_in(image)
+    if wobble is None or profiles is None:
         # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
         end = fit.light[:2] / (1 - height * fit.light[3])
         by_width = FOLDED * np.append(-end, 1 / height)
         return fit.light, fit.covariance + np.outer(by_width, by_width), False
-    step, covariance = beside_folds(fit.light, profiles, darkening, seen.wobble, height, with_nearness=True)
+    step, covariance = beside_folds(fit.light, profiles, darkening, wobble, height, with_nearness=True)
     return moved(fit.light, step, height), covariance, True
 
 

@@ -11,7 +11,7 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, in_view, mean_near, refined
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
 from ashe_live.light.known_body.evidence import Evidence
-from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, points_of, room_beside
+from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, image_beside, points_of
 from ashe_live.light.known_body.lamps import as_lamps
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
@@ -45,9 +45,9 @@ class Found:
 def lights_of(seen: Seen) -> Found:
     """No lights where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
-    ruled_out: list[Float] = []
     steps = seen.rims(NO_LIGHTS).cautious
-    candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room, steps, ruled_out=ruled_out)
+    image = image_beside(seen, ())
+    candidates, ruled_out = refined(seen, alone.everywhere.log_likelihood, alone, image, steps)
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     # Also that of a shadow which cannot be the body's, as its edges should be seen and are not.
     likelihood = max([float(alone.everywhere.log_likelihood.max()), *(each for each, _ in scored)])
@@ -107,11 +107,12 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    rims, room = seen.rims(points_of(known)), room_beside(seen, known)
+    rims = seen.rims(points_of(known))
     # A known one that no edges told may be made up of this and others, and is found anew beside it.
     is_vague = known[0].fit is None
     least = (0.0 if is_vague else LEAST_MORE) - WORTH
-    for one in refined(seen, score, beside, room, rims.by_depth(), least, AGAINST):
+    likely, _ = refined(seen, score, beside, image_beside(seen, known), rims.by_depth(), least, AGAINST)
+    for one in likely:
         if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)
@@ -179,10 +180,10 @@ def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
     dark = darkenings_rgb(seen, found).mean(axis=1)
     fitted_again = []
     for number, (one, darkening) in enumerate(zip(found, dark, strict=True)):
-        room = room_beside(seen, [*found[:number], *found[number + 1 :]])
+        image = image_beside(seen, [*found[:number], *found[number + 1 :]])
         fit = None
         if one.fit is not None and one.fit.light[3] == 0:  # lamps are fitted as such afterwards
-            fit = fitted(seen.body, one.casting, float(darkening), seen.light, room, seen.view, size_rad=one.size_rad)
+            fit = fitted(image, one.casting, float(darkening), size_rad=one.size_rad)
         if fit is None or normalised(fit.light[:3]) @ normalised(one.casting[:3]) < math.cos(APART_RAD):
             fitted_again.append(replace(one, darkening=float(darkening)))
         else:

@@ -41,6 +41,11 @@ def height_of(body: Proxy) -> float:
     return float((body.spheroids_marker[:, 2] + body.spheroids_marker[:, 4]).max())
 
 
+def height_px(body: Proxy, view: View) -> float:
+    """Of the body in the picture, as if seen from the side."""
+    return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
+
+
 def cell_m(body: Proxy) -> float:
     """Metres along a cell of the map."""
     return height_of(body) / CELLS_A_HEIGHT

@@ -13,10 +13,10 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.types import Light
+from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD, Judge
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
@@ -71,51 +71,52 @@ class Answer:
 class Scene:
     """What a picture shows beside the explanation that is stated."""
 
-    view: View  # the one that `ground` was fitted to
+    tracked: TrackedFrame
+    view: View  # of it, which `ground` was fitted to
     ground: LitGround
     unlit: Mask  # (h, w) of `view`: what the lit ground does not explain
     # Explanations of other objects with their log odds: looked for where a sun is not certain.
     others: Callable[[], Sequence[tuple[Explanation, float]]]
     judged: Sequence[tuple[Explanation, float]]  # all explanations that the stated one was chosen from, the same way
-    shared_rad2: Callable[[Light], Float]  # (2, 2) what directions of all objects are off by alike near a light's
     sharpener: Callable[[], Sharpener]  # of all views at full resolution: asked for where lights are aligned as lamps
     fit: NearFit  # of one view
     glints: Sequence[Glint]  # mirror images of lights in the ground: one in each view that shows one
-    overdispersion: float  # of the judge that answers: factor on the covariance by outlines
+    judge: Judge  # that says how sure directions are
+
+    def seen_object(self, explanation: Explanation, probability: float) -> SeenObject:
+        """The object of an explanation that is right with some probability."""
+        overdispersion = self.judge.calibration.overdispersion
+        return SeenObject(explanation, probability, self.covariance_rad2(explanation, probability), overdispersion)
+
+    def covariance_rad2(self, explanation: Explanation, probability: float) -> Float:
+        """(2, 2) of an explanation's first light, if it is right with some probability."""
+        covariance = self.lights_of(explanation, probability)[0].covariance_rad2
+        assert covariance is not None
+        return covariance
+
+    def lights_of(self, explanation: Explanation, probability: float) -> tuple[Light, ...]:
+        """Those of an explanation that is right with some probability, as directions."""
+        return self.judge.lights_of(explanation, probability, self.tracked)
 
 
-def stated(
-    explanation: Explanation,
-    confidence: float,
-    lights_of: Callable[[Explanation, float], tuple[Light, ...]],
-    ratios: Sequence[Float],
-    scene: Scene,
-    kind: str,
-) -> Answer:
+def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float], scene: Scene, kind: str) -> Answer:
     """The lights of an explanation; its first one as a lamp where that is told, the others always as suns.
 
     The first has no confidence where the light on the ground is no sun's and no lamp can be told.
 
-    lights_of: those of an explanation of some confidence as directions, with covariances. ratios: (3,) each light's
-    shadow ratio, linear RGB. kind: one of KINDS.
+    ratios: (3,) each light's shadow ratio, linear RGB. kind: one of KINDS.
     """
-    lights = lights_of(explanation, confidence)
+    lights = scene.lights_of(explanation, confidence)
     whole = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, scene.view).whole
     fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | whole))
 
-    def covariance_of(one: Explanation, probability: float) -> Float:
-        covariance = lights_of(one, probability)[0].covariance_rad2
-        assert covariance is not None
-        return covariance
-
-    first = SeenObject(explanation, confidence, covariance_of(explanation, confidence), scene.overdispersion)
+    first = scene.seen_object(explanation, confidence)
     seen = Witnesses([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
-
     if kind == SUN:
-        return Answer(explanation, _as_suns(lights, first, covariance_of, scene), place)
+        return Answer(explanation, _as_suns(lights, first, scene), place)
     if kind == LAMP or _may_be_near(place):
-        others = companions(first, place, scene.others(), covariance_of, scene.view)
+        others = companions(first, place, scene.others(), scene.covariance_rad2, scene.view)
         if others:
             seen = replace(seen, objects=[first, *others])
             place = place_by_all(seen)
@@ -127,14 +128,14 @@ def stated(
         is_lamp = evidence.is_lamp if len(seen.objects) == 1 else evidence.lamp is None or evidence.deviance > 0
     if is_lamp:
         worth, told = (WORTH_ALIGNING, TOLD_SIGMAS) if kind == AUTO else (0.0, 0.0)
-        as_lamps, at = _fitted_as_lamps(seen, place, covariance_of, worth, scene)
-        believed = _believed(as_lamps, covariance_of)
+        as_lamps, at = _fitted_as_lamps(seen, place, worth, scene)
+        believed = _believed(as_lamps, scene)
         if _is_near(at, told) and believed.mean.mean[2] > 0:
             best = as_lamps.objects[0].explanation
-            alone, *others_lights = lights_of(best, confidence)
+            alone, *others_lights = scene.lights_of(best, confidence)
             lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
             return Answer(best, (lamp, *others_lights), believed.mean)
-    alone, *others_lights = _as_suns(lights, first, covariance_of, scene)
+    alone, *others_lights = _as_suns(lights, first, scene)
     # What the outlines say for a lamp, their borders' place has said already.
     deviance, by_outlines = deviance_of_sun(seen, place), min(explanation.sun_by_outlines, 0.0)
     unsure = with_doubt(alone, place, from_sun, deviance, by_outlines)
@@ -143,19 +144,14 @@ def stated(
     return Answer(explanation, (unsure, *others_lights), place)
 
 
-def _as_suns(
-    lights: tuple[Light, ...],
-    first: SeenObject,
-    covariance_of: Callable[[Explanation, float], Float],
-    scene: Scene,
-) -> tuple[Light, ...]:
+def _as_suns(lights: tuple[Light, ...], first: SeenObject, scene: Scene) -> tuple[Light, ...]:
     """The lights at infinity that `first` shows: the only one by all objects that stand in it, two as they are."""
     if len(lights) > 1:
         return lights
     (sun,) = lights
-    others = companions(first, place_of_sun(first.as_sun), scene.judged, covariance_of, scene.view)
+    others = companions(first, place_of_sun(first.as_sun), scene.judged, scene.covariance_rad2, scene.view)
     suns = [each.as_sun for each in (first, *others)]
-    return (by_all_objects(sun, suns, scene.shared_rad2(sun)) if others else sun,)
+    return (by_all_objects(sun, suns, scene.judge.shared_rad2(sun, scene.tracked)) if others else sun,)
 
 
 def _is_lamp(seen: Witnesses, place: Place, from_sun: Place) -> bool:
@@ -165,45 +161,31 @@ def _is_lamp(seen: Witnesses, place: Place, from_sun: Place) -> bool:
     return deviance >= SURE_DEVIANCE or (from_sun.standard_errors > needed and deviance > needed**2)
 
 
-def _fitted_as_lamps(
-    seen: Witnesses,
-    place: Place,
-    covariance_of: Callable[[Explanation, float], Float],
-    worth_sigmas: float,
-    scene: Scene,
-) -> tuple[Witnesses, Place]:
+def _fitted_as_lamps(seen: Witnesses, place: Place, worth_sigmas: float, scene: Scene) -> tuple[Witnesses, Place]:
     """The objects fitted again with the lamp's nearness held, and its place by them, as long as that is worth it."""
     sharpener = scene.sharpener()
     for _ in range(ALIGNMENTS):
         if not _is_near(place, worth_sigmas):
             break
         nearness = float(min(place.mean[2], NEAREST))
+        # What was free to find its nearness is where it belongs.
         again = [
-            (
-                # What was free to find its nearness is where it belongs.
-                each.explanation
-                if each.explanation.nearness is not None
-                else fitted_near(each.explanation, nearness, scene.fit, sharpener),
-                each.probability,
-            )
-            for each in seen.objects
+            one if one.nearness is not None else fitted_near(one, nearness, scene.fit, sharpener)
+            for one in (each.explanation for each in seen.objects)
         ]
-        if again[0][0] is None:
+        if again[0] is None:
             break
-        objects = [
-            SeenObject(one, sure, covariance_of(one, sure), scene.overdispersion)
-            for one, sure in again
-            if one is not None
-        ]
+        pairs = zip(again, seen.objects, strict=True)
+        objects = [scene.seen_object(one, each.probability) for one, each in pairs if one is not None]
         seen = replace(seen, objects=objects)
         place = place_by_all(seen)
     return seen, place
 
 
-def _believed(seen: Witnesses, covariance_of: Callable[[Explanation, float], Float]) -> Mixture:
+def _believed(seen: Witnesses, scene: Scene) -> Mixture:
     """Where the lamp is: by all, if the first object and its shadow are what they were taken for, else by the rest."""
     first = seen.objects[0]
-    certain = replace(first, covariance_rad2=covariance_of(first.explanation, 1.0))
+    certain = replace(first, covariance_rad2=scene.covariance_rad2(first.explanation, 1.0))
     if_right = place_by_all(replace(seen, objects=[certain, *seen.objects[1:]]))
     places = [if_right, place_by_the_rest(seen, if_right)]
     return Mixture.of(places, np.array([first.probability, 1 - first.probability]))

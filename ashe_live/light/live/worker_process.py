@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ashe_live.core.types import LightEstimate, TrackedFrame
     from ashe_live.light.estimators.estimator import Estimator
     from ashe_live.light.estimators.steps import ProxySteps
-    from ashe_live.light.estimators.trace import Trace
+    from ashe_live.light.estimators.view_search import Trace
     from ashe_live.light.live.same_scene import PlanePicture
 
 Draw = Callable[["TrackedFrame", "LightEstimate", "Trace"], "Image"]  # a picture (h, w, 3), BGR, of an estimate's trace

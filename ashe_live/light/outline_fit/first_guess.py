@@ -27,7 +27,7 @@ class FirstGuess:
     lights: Float  # (l, 4) homogeneous points, in that frame
 
 
-def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None = None) -> FirstGuess | str:
+def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None) -> FirstGuess | str:
     """A cylinder that covers the object's outline, and lights that cast its top to the tips of the shadows.
 
     caster: the object, where its size is known: the cylinder's. The sight's pixels must be counted from the outlines'

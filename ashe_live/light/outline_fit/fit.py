@@ -12,7 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.outline_fit.first_guess import FirstGuess, guess_scene
-from ashe_live.light.outline_fit.preset import BALANCED, FitPreset
+from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.outline_fit.residuals import Observations
 from ashe_live.light.outline_fit.search import Problem, Solution, search
 from ashe_live.light.shape.body import Body, LitBody
@@ -75,7 +75,7 @@ class FittedBodies:
     sight: Sight  # in which they were fitted, about the object's centre
 
 
-def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[FittedBodies | FitFailure]:
+def fit_bodies(several: Sequence[Masks], preset: FitPreset) -> list[FittedBodies | FitFailure]:
     """For each scene the best body of every family with its lights, or why there is none; one batch, for speed.
 
     Raises ValueError if the preset names a family without the one that it grows from.

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ashe_live.core.arrays import Float, Image, Mask
-from ashe_live.core.camera import Camera
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.square import PAGE_FOOT_MM
 from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb
 from ashe_live.light.pixels.page_lines import (
@@ -23,7 +22,7 @@ from ashe_live.light.pixels.page_lines import (
     around,
     largest_beside,
 )
-from ashe_live.light.pixels.sheet import ADDED, LARGEST_SHEET, Sheet
+from ashe_live.light.pixels.sheet import ADDED, LARGEST_SHEET, MarkerPicture, Sheet
 
 EVEN = 0.1  # largest difference between a page's right and left
 # Least share, and number, of the lines beside the marker that end together where a side's paper does, as shadows and
@@ -60,8 +59,8 @@ class Page:
         ]
 
 
-def page_around(lines: PageLines, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Page | None:
-    """The page that the marker is printed on, in a picture (h, w, 3) without distortion; None if it is a small sheet.
+def page_around(lines: PageLines, picture: MarkerPicture) -> Page | None:
+    """The page that the marker is printed on; None if it is a small sheet.
 
     A page ends where many lines outwards leave the paper's colour at one distance: shadows and objects on it end each
     line at another. lines: of that picture, beside the marker.
@@ -76,7 +75,7 @@ def page_around(lines: PageLines, image_bgr: Image, camera: Camera, T_cam_marker
     lit = np.median(paper, axis=0)
     reaches = np.where(seen, first, BESIDE).tolist()
     ends = [end if end is None or lines.ends_in(side, end, change) else None for side, end in enumerate(ends)]
-    lines = PageLines.of(image_bgr, camera, T_cam_marker, side_m, reaches)
+    lines = PageLines.of(picture, reaches)
     ends[0], ends[2] = _in_the_middle(lines, ends[0], ends[2])
     printed = _as_printed(lines, ends[0], change)
     found = [_end(lines, side, end, change, place) for side, (end, place) in enumerate(zip(ends, printed, strict=True))]

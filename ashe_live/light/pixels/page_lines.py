@@ -7,11 +7,10 @@ import cv2
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ashe_live.core.arrays import Float, Float32, Image, Mask
-from ashe_live.core.camera import Camera
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.log_colour import log_opponent
-from ashe_live.light.pixels.sheet import PAPER_FROM
+from ashe_live.light.pixels.sheet import PAPER_FROM, MarkerPicture
 
 # Distance from the marker's centre, in its sides, up to which paper's end is looked for: the lower end of an A4 page
 # lies 3.4 sides below a marker of 50 mm.
@@ -43,26 +42,23 @@ class PageLines:
     is_end: Mask  # (4, lines, n) whether something ends the paper here, or the light on it
 
     @staticmethod
-    def of(
-        image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float, reaches: Sequence[float] = 4 * (BESIDE,)
-    ) -> "PageLines":
-        """Lines beside each other up to these reaches (4,) right, above, left and below of the centre, in sides.
-
-        image_bgr: (h, w, 3) without distortion.
-        """
+    def of(picture: MarkerPicture, reaches: Sequence[float] = 4 * (BESIDE,)) -> "PageLines":
+        """Lines beside each other up to these reaches (4,) right, above, left and below of the centre, in sides."""
         outwards = np.arange(PAPER_FROM, FARTHEST, STEP)
         right, above, left, below = reaches
         out, y = np.meshgrid(outwards, np.linspace(-below, above, LINES))
         x = np.meshgrid(outwards, np.linspace(-left, right, LINES))[1]
         places = np.stack([(out, y), (x, out), (-out, y), (x, -out)])  # right, above, left, below
-        plane = np.insert(side_m * places.transpose(0, 2, 3, 1), 2, 1.0, axis=3)
-        x, y, depth = np.moveaxis(plane @ image_from_plane(camera, T_cam_marker).T, 3, 0)
-        ahead = depth > 1e-9 * side_m
+        plane = np.insert(picture.side_m * places.transpose(0, 2, 3, 1), 2, 1.0, axis=3)
+        x, y, depth = np.moveaxis(plane @ image_from_plane(picture.camera, picture.T_cam_marker).T, 3, 0)
+        ahead = depth > 1e-9 * picture.side_m
         x, y = (np.where(ahead, each / np.where(ahead, depth, 1), -1.0).astype(np.float32) for each in (x, y))
-        width, height = camera.size
+        width, height = picture.camera.size
         seen = ahead & (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
         seen = np.logical_and.accumulate(seen, axis=2)
-        samples = cv2.remap(image_bgr, x.reshape(-1, len(outwards)), y.reshape(-1, len(outwards)), cv2.INTER_LINEAR)
+        samples = cv2.remap(
+            picture.image_bgr, x.reshape(-1, len(outwards)), y.reshape(-1, len(outwards)), cv2.INTER_LINEAR
+        )
         colours = log_opponent(np.asarray(samples, dtype=np.uint8), 0).reshape(*x.shape, 3)
         margin = np.median(colours[:, :, : WINDOW - 1], axis=2, keepdims=True)
         padded = np.concatenate([np.repeat(margin, WINDOW - 1, axis=2), colours], axis=2)

@@ -10,13 +10,12 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
-from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import shrunk
 from ashe_live.light.pixels.log_colour import DARKEST
 from ashe_live.light.pixels.mixtures import clusters
-from ashe_live.light.pixels.sheet import ADDED, Sheet
+from ashe_live.light.pixels.sheet import ADDED, MarkerPicture, Sheet
 from ashe_live.light.pixels.shown_as_ground import FRACTION_BITS, in_ground_colour, outline_of, painted_over
 
 # Paper in a shadow is darker than the rest by at least this, in log brightness, on at least this share of the margin;
@@ -42,10 +41,8 @@ CERTAIN_PX = 2  # from ink: nearer white is mixed with it
 PAINTED_PX = 3  # distance of the pixels that ink, and the sheet's end, are painted over with
 
 
-def shaded_sheet_as_ground(
-    image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float, sheet: Sheet
-) -> tuple[Image, Mask] | None:
-    """The picture (h, w, 3) without distortion as if the sheet were ground, and where it is, (h, w).
+def shaded_sheet_as_ground(picture: MarkerPicture, sheet: Sheet) -> tuple[Image, Mask] | None:
+    """The picture (h, w, 3) as if the sheet were ground, and where it is, (h, w).
 
     None where no shadow's edge crosses the paper beside the square, or where ink in the light cannot be told from
     paper in the shadow.
@@ -53,7 +50,7 @@ def shaded_sheet_as_ground(
     ends = np.array([sheet.right, sheet.above, sheet.left, sheet.below])
     # A shadow's edge along a side may be taken for its end. Beyond the other sides' there is ground on all.
     farthest = np.full(4, ends.max())
-    plane = _Plane.around(farthest, image_bgr, camera, T_cam_marker, side_m)
+    plane = _Plane.around(farthest, picture)
     if plane is None:
         return None
     square, black, middle = (plane.area(np.full(4, half)) for half in (INK, *BORDER))
@@ -77,7 +74,8 @@ def shaded_sheet_as_ground(
     white = margin | shrunk(square & (brightness > least), CERTAIN_PX)
     blank = painted_over(image, inner & ~white, PAINTED_PX)
     shown = np.where(inner[..., None], in_ground_colour(blank, np.exp(change[::-1])), image)
-    whole, where = image_bgr.copy(), np.zeros(image_bgr.shape[:2], np.bool_)
+    whole = picture.image_bgr.copy()
+    where = np.zeros(whole.shape[:2], np.bool_)
     whole[plane.window], where[plane.window] = painted_over(shown, outer & ~inner, PAINTED_PX), outer
     return whole, where
 
@@ -86,51 +84,50 @@ def shaded_sheet_as_ground(
 class _Plane:
     """A marker's plane in a picture, and the window around the marker. Places are in its sides, from its centre."""
 
-    whole_bgr: Image  # the picture
+    picture: MarkerPicture
     window: tuple[slice, slice]  # rows and columns of it, (h, w)
-    camera: Camera  # of the whole picture
-    T_cam_marker: Float
-    side_m: float
 
     @staticmethod
-    def around(ends: Float, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> "_Plane | None":
+    def around(ends: Float, picture: MarkerPicture) -> "_Plane | None":
         """With the window that shows a rectangle; None where that is not before the camera or in view.
 
         ends: (4,) of that rectangle, right, above, left and below.
         """
-        corners = project(camera, T_cam_marker, Sheet(*(ends + 2 * ADDED)).corners(side_m))
+        rectangle = Sheet(*(ends + 2 * ADDED)).corners(picture.side_m)
+        corners = project(picture.camera, picture.T_cam_marker, rectangle)
         if not np.isfinite(corners).all():
             return None
-        size = np.array(image_bgr.shape[1::-1])
+        size = np.array(picture.image_bgr.shape[1::-1])
         (left, top), (right, bottom) = (
             each.clip(0, size).astype(int) for each in (np.floor(corners.min(axis=0)), np.ceil(corners.max(axis=0)))
         )
         if right - left < 2 or bottom - top < 2:
             return None
-        window = slice(top, bottom), slice(left, right)
-        return _Plane(image_bgr, window, camera, T_cam_marker, side_m)
+        return _Plane(picture, (slice(top, bottom), slice(left, right)))
 
     @property
     def image_bgr(self) -> Image:
         """(h, w, 3) of the window."""
-        return np.ascontiguousarray(self.whole_bgr[self.window])
+        return np.ascontiguousarray(self.picture.image_bgr[self.window])
 
     def area(self, ends: Float) -> Mask:
         """(h, w) the rectangle that ends there (4,) right, above, left and below of the centre."""
         rows, columns = self.window
         mask = np.zeros((rows.stop - rows.start, columns.stop - columns.start), np.uint8)
-        outline = outline_of(Sheet(*ends), self.camera, self.T_cam_marker, self.side_m)
+        outline = outline_of(Sheet(*ends), self.picture)
         start = np.array((columns.start, rows.start), np.int32) << FRACTION_BITS
         cv2.fillConvexPoly(mask, outline - start, 1, shift=FRACTION_BITS)
         return mask.view(np.bool_)
 
     def logs(self, places: Float) -> Float:
         """(n, 3) log linear BGR at places (n, 2); NaN outside of the picture."""
-        points = np.column_stack([self.side_m * places, np.zeros(len(places))])
-        x, y = np.nan_to_num(project(self.camera, self.T_cam_marker, points), nan=-1).clip(-1, 1e4).astype(np.float32).T
-        height, width = self.whole_bgr.shape[:2]
+        image, camera = self.picture.image_bgr, self.picture.camera
+        points = np.column_stack([self.picture.side_m * places, np.zeros(len(places))])
+        pixels = project(camera, self.picture.T_cam_marker, points)
+        x, y = np.nan_to_num(pixels, nan=-1).clip(-1, 1e4).astype(np.float32).T
+        width, height = camera.size
         seen = (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
-        colours = cv2.remap(self.whole_bgr, x.copy(), y.copy(), cv2.INTER_LINEAR).reshape(-1, 3)
+        colours = cv2.remap(image, x.copy(), y.copy(), cv2.INTER_LINEAR).reshape(-1, 3)
         return np.where(seen[:, None], np.log(LINEAR_FROM_SRGB_8BIT[colours] + DARKEST), np.nan)
 
 

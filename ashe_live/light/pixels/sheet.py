@@ -26,6 +26,16 @@ HALF_WAY = 0.5
 ADDED = 0.04  # sides: a card's thickness, and paper that curls
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class MarkerPicture:
+    """A picture without distortion, its camera, and where in front of that the marker is."""
+
+    image_bgr: Image  # (h, w, 3)
+    camera: Camera  # of that size
+    T_cam_marker: Float  # (4, 4)
+    side_m: float  # of the marker
+
+
 @dataclass(frozen=True, slots=True)
 class Sheet:
     """How far the printed sheet reaches from the marker's centre, in the marker's sides."""
@@ -44,8 +54,8 @@ class Sheet:
 USUAL_SHEET = Sheet()
 
 
-def measured_sheet(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Sheet:
-    """The sheet around the marker in a picture (h, w, 3) without distortion.
+def measured_sheet(picture: MarkerPicture) -> Sheet:
+    """The sheet around the marker.
 
     From the black square outwards, the paper ends where most lines of samples leave the colour that they begin with.
     A side whose end is not seen is taken to be like the others.
@@ -53,15 +63,15 @@ def measured_sheet(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m
     outwards = np.arange(PAPER_FROM, LARGEST_SHEET, STEP)
     out, along = np.meshgrid(outwards, ALONG)
     places = np.stack([(out, along), (along, out), (-out, along), (along, -out)])  # right, above, left, below
-    plane = np.insert(side_m * places.transpose(0, 2, 3, 1), 2, 1.0, axis=3)
-    image = plane @ image_from_plane(camera, T_cam_marker).T
+    plane = np.insert(picture.side_m * places.transpose(0, 2, 3, 1), 2, 1.0, axis=3)
+    image = plane @ image_from_plane(picture.camera, picture.T_cam_marker).T
     depth = image[..., 2]
     if depth.min() <= 0:
         return USUAL_SHEET
     x, y = (image[..., :2] / depth[..., None]).transpose(3, 0, 1, 2).astype(np.float32)
-    width, height = camera.size
+    width, height = picture.camera.size
     is_seen = ((x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)).all(axis=(1, 2))
-    samples = cv2.remap(image_bgr, x.reshape(-1, len(outwards)), y.reshape(-1, len(outwards)), cv2.INTER_LINEAR)
+    samples = cv2.remap(picture.image_bgr, x.reshape(-1, len(outwards)), y.reshape(-1, len(outwards)), cv2.INTER_LINEAR)
     colours = log_opponent(np.asarray(samples, dtype=np.uint8), 0).reshape(*x.shape, 3)
     paper = np.median(colours[:, :, outwards <= PAPER_TO], axis=2, keepdims=True)
     change = np.median(np.linalg.norm(colours - paper, axis=3), axis=1)

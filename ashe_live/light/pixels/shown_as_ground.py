@@ -5,7 +5,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image, Mask
-from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import grown, majority
@@ -13,7 +12,7 @@ from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent, log_oppo
 from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.page import Page
 from ashe_live.light.pixels.page_lines import is_coloured
-from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, Sheet
+from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, MarkerPicture, Sheet
 
 STANDS_PX = 5  # across a neighbourhood whose majority tells what stands on the page from noise
 # Where the colour this near to a page's border differs by so much from the lit ground's, in log-opponent distance,
@@ -23,10 +22,8 @@ FRACTION_BITS = 4  # of the coordinates of outlines, as OpenCV fills them
 PAINTED_PX = 2  # distance from a page's border of the pixels that it is painted over with
 
 
-def page_shown_as_ground(
-    page: Page, image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float
-) -> tuple[Image, Mask]:
-    """The picture (h, w, 3) without distortion as if the page had the colour of the ground that it lies on; and where
+def page_shown_as_ground(page: Page, picture: MarkerPicture) -> tuple[Image, Mask]:
+    """The picture (h, w, 3) as if the page had the colour of the ground that it lies on; and where
     something crosses the page's border, (h, w), which is painted over there with what lies on either side of it.
 
     What stands on the page keeps its colour, as far as that is not paper's. Beside the marker it stays paper, by which
@@ -35,8 +32,9 @@ def page_shown_as_ground(
     larger = Sheet(*(end + ADDED for end in page.ends))
     smaller = Sheet(*(end - ADDED if seen else end + ADDED for end, seen in zip(page.ends, page.is_seen, strict=True)))
     whole, marker, outer, inner = (
-        outline_of(sheet, camera, T_cam_marker, side_m) for sheet in (Sheet(*page.ends), USUAL_SHEET, larger, smaller)
+        outline_of(sheet, picture) for sheet in (Sheet(*page.ends), USUAL_SHEET, larger, smaller)
     )
+    image_bgr = picture.image_bgr
     inside, border = (np.zeros(image_bgr.shape[:2], np.uint8) for _ in range(2))
     for mask, outline, value in ((inside, whole, 1), (inside, marker, 0), (border, outer, 1), (border, inner, 0)):
         cv2.fillConvexPoly(mask, outline, value, shift=FRACTION_BITS)
@@ -62,14 +60,14 @@ def painted_over(image_bgr: Image, hidden: Mask, from_px: int) -> Image:
     return np.asarray(cv2.inpaint(image_bgr, hidden.astype(np.uint8), from_px, cv2.INPAINT_TELEA), dtype=np.uint8)
 
 
-def outline_of(sheet: Sheet, camera: Camera, T_cam_marker: Float, side_m: float) -> NDArray[np.int32]:
+def outline_of(sheet: Sheet, picture: MarkerPicture) -> NDArray[np.int32]:
     """(m, 2) in 2 ** -FRACTION_BITS pixels: the outline of what of a sheet lies before the camera; empty for nothing.
 
     A page whose end is out of the picture may reach behind the camera, as where it ends is not known.
     """
-    corners = sheet.corners(side_m)
-    points = before_camera(corners, T_cam_marker)
-    outline = project(camera, T_cam_marker, points).clip(-1e4, 1e4)
+    corners = sheet.corners(picture.side_m)
+    points = before_camera(corners, picture.T_cam_marker)
+    outline = project(picture.camera, picture.T_cam_marker, points).clip(-1e4, 1e4)
     if len(points) and not np.array_equal(points, corners):  # some are where lines meet the near plane, in any order
         outline = cv2.convexHull(outline.astype(np.float32))[:, 0]
     return np.asarray(np.round(outline * 2**FRACTION_BITS), dtype=np.int32)

@@ -17,7 +17,7 @@ from ashe_live.light.pixels.page import Page, page_around
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
 from ashe_live.light.pixels.shaded_sheet import shaded_sheet_as_ground
-from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
+from ashe_live.light.pixels.sheet import USUAL_SHEET, MarkerPicture, Sheet, measured_sheet
 from ashe_live.light.pixels.shown_as_ground import page_shown_as_ground
 
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
@@ -31,13 +31,9 @@ Window = tuple[slice, slice]  # rows and columns
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
-    """A picture without distortion and its camera."""
+class View(MarkerPicture):
+    """A picture without distortion, and what of it is ground."""
 
-    image_bgr: Image  # (h, w, 3)
-    camera: Camera  # of that size
-    T_cam_marker: Float  # (4, 4)
-    side_m: float  # of the marker
     is_ground: Mask  # (h, w) where the marker's plane is visible, outside of the printed sheet or body
     sheet: Sheet = USUAL_SHEET
     body: Proxy | None = None  # that the marker is printed on, if it is no sheet
@@ -58,10 +54,10 @@ class View:
         if camera.is_distorted:
             image, shown = _undistorted(image, camera)
             camera = camera.without_distortion()
-        T_cam_marker, side_m, body = tracked.marker.T_cam_marker, tracked.marker.side_m, tracked.marker.body
-        sheet = measured_sheet(image, camera, T_cam_marker, side_m) if body is None else USUAL_SHEET
-        made = _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others, shown)
-        return replace(made, measured=tracked.marker)
+        marker, unknown = tracked.marker, np.zeros(image.shape[:2], np.bool_)
+        view = View(image, camera, marker.T_cam_marker, marker.side_m, unknown, measured=marker, shown=shown)
+        sheet = measured_sheet(view) if marker.body is None else USUAL_SHEET
+        return replace(view, sheet=sheet, body=marker.body, beside=tracked.others)._with_ground()
 
     def with_paper_as_ground(self) -> "View":
         """This view, in which paper that things or shadows fall onto is ground, and shown in its colour: a whole page
@@ -71,28 +67,20 @@ class View:
         """
         if self.body is not None:
             return self
-        image, pose = self.image_bgr, (self.camera, self.T_cam_marker, self.side_m)
-        lines = PageLines.of(image, *pose)
+        lines = PageLines.of(self)
         screen = screen_around(lines)
         if screen is not None:
-            return self._shown(image, screen)
-        sheet, as_ground = self.sheet, None
-        page = page_around(lines, image, *pose)
+            return replace(self, sheet=screen)._with_ground()
+        view, page = self, page_around(lines, self)
         if page is not None:
-            sheet = USUAL_SHEET
-            image, as_ground = page_shown_as_ground(page, image, *pose)
-        shaded = shaded_sheet_as_ground(image, *pose, sheet)
+            image, as_ground = page_shown_as_ground(page, self)
+            view = replace(self, image_bgr=image, sheet=USUAL_SHEET, page=page, paper_as_ground=as_ground)
+        shaded = shaded_sheet_as_ground(view, view.sheet)
         if shaded is not None:
-            image, where = shaded
-            as_ground = where if as_ground is None else as_ground | where
-        return self if as_ground is None else self._shown(image, sheet, page, as_ground)
-
-    def _shown(
-        self, image: Image, sheet: Sheet, page: Page | None = None, paper_as_ground: Mask | None = None
-    ) -> "View":
-        pose = self.camera, self.T_cam_marker, self.side_m
-        made = _made(image, *pose, sheet, self.body, self.beside, self.shown, page, paper_as_ground)
-        return replace(made, measured=self.measured)
+            image, as_ground = shaded
+            both = as_ground if view.paper_as_ground is None else view.paper_as_ground | as_ground
+            view = replace(view, image_bgr=image, paper_as_ground=both)
+        return view if view is self else view._with_ground()
 
     @property
     def size(self) -> tuple[int, int]:
@@ -121,9 +109,7 @@ class View:
         if width_px >= self.size[0]:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
-        pose, paper = (self.T_cam_marker, self.side_m), (self.page, self.paper_as_ground)
-        made = _made(image, camera, *pose, self.sheet, self.body, self.beside, self.shown, *paper)
-        return replace(made, measured=self.measured)
+        return replace(self, image_bgr=image, camera=camera)._with_ground()
 
     def cut(self, window: Window) -> "View":
         """The part of the frame in `window`, seen by a camera whose principal point moves along."""
@@ -133,6 +119,19 @@ class View:
         size = columns.stop - columns.start, rows.stop - rows.start
         camera = replace(self.camera, size=size, K=K)
         return replace(self, image_bgr=self.image_bgr[window], camera=camera, is_ground=self.is_ground[window])
+
+    def _with_ground(self) -> "View":
+        """This view with the ground as all else in it has it."""
+        printed = [self.sheet.corners(self.side_m) if self.body is None else self.body.points_marker()]
+        printed += [one.on_plane(USUAL_SHEET.corners(one.side_m)) for one in self.beside]
+        printed += [] if self.page is None else self.page.between(self.side_m)
+        is_ground, size = _ground_mask(self.camera, self.T_cam_marker, printed), self.size
+        if self.paper_as_ground is not None:
+            is_ground |= cv2.resize(self.paper_as_ground.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+        if self.shown is not None:
+            # Only pixels of which the lens shows all.
+            is_ground &= cv2.resize(self.shown.astype(np.float32), size, interpolation=cv2.INTER_AREA) > ALL_SHOWN
+        return replace(self, is_ground=is_ground)
 
 
 def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]:
@@ -149,30 +148,6 @@ def _undistorted(image: Image, camera: Camera) -> tuple[Image, Mask]:
     straight = np.asarray(cv2.undistort(image, camera.K, camera.dist), dtype=np.uint8)
     white = np.full(image.shape[:2], 255, np.uint8)
     return straight, np.asarray(cv2.undistort(white, camera.K, camera.dist) == 255)
-
-
-def _made(
-    image: Image,
-    camera: Camera,
-    T_cam_marker: Float,
-    side_m: float,
-    sheet: Sheet,
-    body: Proxy | None,
-    beside: tuple[PlaneMarker, ...],
-    shown: Mask | None,
-    page: Page | None = None,
-    paper_as_ground: Mask | None = None,
-) -> View:
-    printed = [sheet.corners(side_m) if body is None else body.points_marker()]
-    printed += [one.on_plane(USUAL_SHEET.corners(one.side_m)) for one in beside]
-    printed += [] if page is None else page.between(side_m)
-    is_ground = _ground_mask(camera, T_cam_marker, printed)
-    if paper_as_ground is not None:
-        is_ground |= cv2.resize(paper_as_ground.astype(np.uint8), camera.size, interpolation=cv2.INTER_NEAREST) > 0
-    if shown is not None:
-        # Only pixels of which the lens shows all.
-        is_ground &= cv2.resize(shown.astype(np.float32), camera.size, interpolation=cv2.INTER_AREA) > ALL_SHOWN
-    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside, page, paper_as_ground, shown)
 
 
 def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[Float]) -> Mask:

@@ -109,7 +109,7 @@ def _mirrored(tracked: TrackedFrame, suns: tuple[Sun, ...]) -> Float:
     return mirrored_by_paper(suns, to_eye / np.linalg.norm(to_eye), middle)
 
 
-def _as_exposed(paper: Float, ink: Float, mirrored: float = 0.0) -> Float:
+def _as_exposed(paper: Float, ink: Float, mirrored: float) -> Float:
     """(3,) paper as it would be if no channel were brighter than the picture can show, by ink beside it; linear RGB.
 
     Where paper has lost the light's colours, ink tells them, as far as it is colourless itself. How bright the paper is

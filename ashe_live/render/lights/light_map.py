@@ -14,10 +14,10 @@ from ashe_live.files.writing import written_whole
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.lights.shadow_colour import steadied
 
-HEIGHT_PX = 512
+HEIGHT_PX = 512  # of the map
 
 
-def light_map(illumination: Illumination, height_px: int = HEIGHT_PX) -> NDArray[np.float32]:
+def light_map(illumination: Illumination) -> NDArray[np.float32]:
     """(h, 2 h, 3) linear RGB radiance from all around, in units in which lit level white ground has radiance 1.
 
     In the marker's frame, as Blender lays out an equirectangular world: z up, x in the middle, y a quarter from the
@@ -25,15 +25,15 @@ def light_map(illumination: Illumination, height_px: int = HEIGHT_PX) -> NDArray
     half is black, where the ground is.
     """
     lighting = lighting_of(*steadied(illumination))
-    elevations = math.pi * (0.5 - (np.arange(height_px) + 0.5) / height_px)
-    azimuths = 2 * math.pi * (0.5 - (np.arange(2 * height_px) + 0.5) / (2 * height_px))
+    elevations = math.pi * (0.5 - (np.arange(HEIGHT_PX) + 0.5) / HEIGHT_PX)
+    azimuths = 2 * math.pi * (0.5 - (np.arange(2 * HEIGHT_PX) + 0.5) / (2 * HEIGHT_PX))
     flat = np.cos(elevations)[:, None]
     directions = np.stack(
         np.broadcast_arrays(flat * np.cos(azimuths), flat * np.sin(azimuths), np.sin(elevations)[:, None]), -1
     )
-    texel_sr: Float = np.broadcast_to((math.pi / height_px) ** 2 * flat, directions.shape[:2])
+    texel_sr: Float = np.broadcast_to((math.pi / HEIGHT_PX) ** 2 * flat, directions.shape[:2])
     is_above = elevations > 0
-    radiance = np.zeros((height_px, 2 * height_px, 3))
+    radiance = np.zeros((HEIGHT_PX, 2 * HEIGHT_PX, 3))
     # What gives level ground an irradiance of pi times this, from everywhere above.
     radiance[is_above] = lighting.sky
     for sun in lighting.suns:

@@ -58,7 +58,7 @@ class PreparedModel:
         for _ in self._steps:
             pass
 
-    def standing(self, placement: Placement, time_s: float = 0.0) -> StandingModel:
+    def standing(self, placement: Placement, time_s: float) -> StandingModel:
         """The same object for the same placement and moment, so that what depends on it is not drawn again."""
         pose_s = time_s if self.placed.model.duration_s else 0.0
         standing = self._standing

@@ -44,9 +44,9 @@ def corrected(square: FittedSquare, bleed_px: float | None, errors: CornerErrors
     return replace(square, corners_px=corners, bleed_px=bleed_px)
 
 
-def uncorrected_px(square: FittedSquare, errors: CornerErrors = FITTED) -> Float:
+def uncorrected_px(square: FittedSquare) -> Float:
     """(4, 2) the corners where `corrected` found them."""
-    moved_px = _moved_px(square.bleed_px, errors)
+    moved_px = _moved_px(square.bleed_px, FITTED)
     return np.asarray(square.corners_px + moved_px * _outwards(square.corners_px)) if moved_px else square.corners_px
 
 

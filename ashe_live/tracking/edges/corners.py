@@ -13,10 +13,9 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera
 from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.edge_lines import NEXT, information_by_side, meeting_points, robust_lines
-from ashe_live.tracking.edges.edge_profiles import FROM_INSIDE, Light, LightView, edge_offsets, linear_light
+from ashe_live.tracking.edges.edge_profiles import FROM_INSIDE, LightView, edge_offsets, linear_light
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square, region_around
 
 # An edge is sampled between these fractions of its side.
@@ -25,6 +24,7 @@ ALONG_FROM, ALONG_TO = 0.06, 0.94
 # border or margin, which is an eighth.
 REACH_RATIO = 0.08
 MIN_REACH_PX, LAST_REACH_PX = 2.0, 4.0
+OFF_BY_PX = 1.0  # as coarse corners may be
 MORE_SEARCHES = 3
 LEAST_SAMPLES = 8
 # Each search reaches less far than the one before by this factor, to a few of its sampling steps.
@@ -40,50 +40,35 @@ WIDTHS = 2.2
 SLACK = 1.25
 
 
-def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: float = 1.0) -> Float:
-    """(4, 2) corners of the black square in `grey` (h, w), from coarse corners that may be `off_by_px` off.
+def refined_corners(grey: Image, corners_px: Float, samples: int) -> Float:
+    """(4, 2) corners of the black square in `grey` (h, w), from coarse corners that may be OFF_BY_PX off.
 
     `samples` is the number of places measured along each edge. A side without a visible edge stays as it was.
     """
     if not is_front_of_square(corners_px):
         return corners_px
-    region = region_around(corners_px, 2 * off_by_px + MIN_REACH_PX, REACH_RATIO, grey.shape)
+    region = region_around(corners_px, 2 * OFF_BY_PX + MIN_REACH_PX, REACH_RATIO, grey.shape)
     if region is None:
         return corners_px
     (left, top), (right, bottom) = region
     light = linear_light(grey[top:bottom, left:right])
-    fitted = fitted_square(light, corners_px, samples, off_by_px, origin_px=(left, top))
+    (fitted,) = fitted_squares([LightView(light, None, np.array((left, top)))], [corners_px], samples)
     return corners_px if fitted is None else fitted.corners_px
-
-
-def fitted_square(
-    light: Light,
-    corners_px: Float,
-    samples: int,
-    off_by_px: float = 1.0,
-    camera: Camera | None = None,
-    origin_px: tuple[int, int] = (0, 0),
-    most_reach_px: float = math.inf,
-) -> FittedSquare | None:
-    """The black square near `corners_px` (4, 2), ideal pixels of the whole picture that may be `off_by_px` off.
-
-    `light` (h, w) is linear, the part of the picture that begins at `origin_px`; a `camera` maps ideal pixels to those
-    of the distorted picture. Edges are searched for within `most_reach_px` of the sides. None if the corners are no
-    square, or if the square found is too far from them. A side that shows no edge stays as it was, with next to no
-    information.
-    """
-    view = LightView(light, camera, np.asarray(origin_px, dtype=np.float64))
-    return fitted_squares([view], [corners_px], samples, off_by_px, most_reach_px)[0]
 
 
 def fitted_squares(
     views: Sequence[LightView],
     corners_px: Sequence[Float],
     samples: int,
-    off_by_px: float = 1.0,
+    off_by_px: float = OFF_BY_PX,
     most_reach_px: float = math.inf,
 ) -> list[FittedSquare | None]:
-    """As `fitted_square`, each square in its own part of the picture.
+    """The black squares near `corners_px` (4, 2) each, ideal pixels that may be `off_by_px` off, each in its own part
+    of the picture.
+
+    `samples` is the number of places measured along each edge, which is searched for within `most_reach_px` of the
+    side. None if the corners are no square, or if the square found is too far from them. A side that shows no edge
+    stays as it was, with next to no information.
 
     Squares whose corners are nearly right are measured together, as setting up a measurement takes longer than the few
     hundred samples of a square.

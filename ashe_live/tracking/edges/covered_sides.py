@@ -9,12 +9,10 @@ import dataclasses
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.corner_errors import corrected
-from ashe_live.tracking.edges.corners import LAST_REACH_PX, fitted_square
-from ashe_live.tracking.edges.edge_profiles import Light
-from ashe_live.tracking.edges.lens import source_from_ideal
+from ashe_live.tracking.edges.corners import LAST_REACH_PX, fitted_squares
+from ashe_live.tracking.edges.edge_profiles import LightView
 from ashe_live.tracking.edges.print_alignment import Aligned, Alignment, PrintAlignment, in_units
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 
@@ -39,26 +37,20 @@ ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
 
 
 def checked(
-    square: FittedSquare,
-    light: Light,
-    alignment: PrintAlignment,
-    camera: Camera,
-    origin_px: tuple[int, int],
-    samples: int,
-    aligned_sigma: float = 0.0,
+    square: FittedSquare, view: LightView, alignment: PrintAlignment, samples: int, aligned_sigma: float = 0.0
 ) -> FittedSquare | None:
     """`square` as it is, or without the sides that are not the print's; None when it is not the print.
 
-    `light`, `samples`, `camera` and `origin_px` as in fitted_square; `aligned_sigma` as the frame before had it.
+    `view` and `samples` as in fitted_squares; `aligned_sigma` as the frame before had it.
     """
     side_px = mean_side_px(square.corners_px)
-    blurred = alignment.blurred(light, square.corners_px)
-    seen_print = alignment.sampled(blurred, square.corners_px, camera, origin_px)
+    blurred = alignment.blurred(view, square.corners_px)
+    seen_print = alignment.sampled(blurred, square.corners_px)
     shade = alignment.shade.on(seen_print)
     if shade is not None:
         seen_print = shade.removed_from(seen_print)
     is_print = alignment.is_print(seen_print)
-    if leaves_frame(square, camera):
+    if leaves_frame(square, view):
         return square if is_print and square.sides_seen >= LEAST_SEEN else None
     if not alignment.tells_place:
         if not is_print or square.sides_seen < 4:
@@ -74,17 +66,17 @@ def checked(
         even = corrected(square, bleed_px)
         if not _off(seen.step - in_units(even.corners_px, square.corners_px), seen, tolerance).any():
             return dataclasses.replace(even, aligned_sigma=aligned_sigma) if is_print else None
-    found = alignment.aligned(blurred, square.corners_px, camera, origin_px, seen, shade)
+    found = alignment.aligned(blurred, square.corners_px, seen, shade)
     if found is None or found.seen.inside < MIN_INSIDE:
         return None
     square, off = _compared(square, found, tolerance)
     if off.sum() > MOST_COVERED:
         # Edges other than the print's were measured, as those of its paper on a bright floor. Measure again where the
         # inside puts them.
-        again = fitted_square(light, found.corners_px, samples, 1.0, camera, origin_px, LAST_REACH_PX)
+        (again,) = fitted_squares([view], [found.corners_px], samples, most_reach_px=LAST_REACH_PX)
         if again is not None:
             square, off = _compared(again, found, tolerance)
-            is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, camera, origin_px, shade))
+            is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, shade))
     if not off.any():
         return dataclasses.replace(square, aligned_sigma=found.seen.sigma) if is_print else None
     if off.sum() > MOST_COVERED:
@@ -122,10 +114,11 @@ def _no_surer(by_side: Float, sigma_px: float) -> Float:
     return np.asarray(np.tile(0.125 * (shared + shared.T), (4, 1, 1)))
 
 
-def leaves_frame(square: FittedSquare, camera: Camera) -> bool:
-    """Whether a corner lies beyond the picture."""
-    source = source_from_ideal(camera, square.corners_px)
-    return bool(((source < 0) | (source > np.subtract(camera.size, 1))).any())
+def leaves_frame(square: FittedSquare, view: LightView) -> bool:
+    """Whether a corner lies beyond the camera's picture."""
+    assert view.camera is not None
+    source_px = view.source_px(square.corners_px)
+    return bool(((source_px < 0) | (source_px > np.subtract(view.camera.size, 1))).any())
 
 
 def _off(step: Float, seen: Aligned, tolerance: float) -> Mask:

@@ -38,17 +38,23 @@ def linear_light(grey: Image) -> Light:
 class LightView:
     """A part of the picture, asked for at ideal pixels."""
 
-    light: Light
-    camera: Camera | None
-    origin_px: Float
+    light: Light  # (h, w) linear
+    camera: Camera | None  # that took the picture; None where its pixels are ideal ones
+    origin_px: Float  # (2,) of the whole picture, at which the part begins
+
+    @property
+    def is_distorted(self) -> bool:
+        """Whether the picture's pixels are no ideal ones."""
+        return self.camera is not None and self.camera.is_distorted
+
+    def source_px(self, ideal_px: Float) -> Float:
+        """(n, 2) pixels of the whole picture of ideal pixels (n, 2)."""
+        return ideal_px if self.camera is None else source_from_ideal(self.camera, ideal_px)
 
     def at(self, x_px: Float, y_px: Float) -> Light:
         """Linear light at ideal pixels, each (ACROSS, 4, samples), interpolated; negative where the picture ends."""
-        if self.camera is not None and self.camera.is_distorted:
-            shape = x_px.shape
-            source = source_from_ideal(self.camera, np.column_stack([x_px.ravel(), y_px.ravel()]))
-            x_px, y_px = source[:, 0], source[:, 1]
-            x_px, y_px = x_px.reshape(shape), y_px.reshape(shape)
+        if self.is_distorted:
+            x_px, y_px = self.source_px(np.column_stack([x_px.ravel(), y_px.ravel()])).T.reshape(2, *x_px.shape)
         left, top = self.origin_px
         # OpenCV's remap wants fewer than 32768 rows or columns.
         x, y = (x_px - left).astype(np.float32), (y_px - top).astype(np.float32)

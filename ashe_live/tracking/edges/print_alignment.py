@@ -14,9 +14,8 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px
-from ashe_live.tracking.edges.edge_profiles import Light
+from ashe_live.tracking.edges.edge_profiles import Light, LightView
 from ashe_live.tracking.edges.print_likeness import AVERAGED, MIN_LIKENESS, UNIT, PrintLikeness, normalised
 from ashe_live.tracking.edges.print_shade import Shade
 from ashe_live.tracking.edges.squares import is_front_of_square
@@ -177,17 +176,11 @@ class PrintAlignment(PrintLikeness):
         return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed) * side_px
 
     def aligned(
-        self,
-        light: Light,
-        corners_px: Float,
-        camera: Camera | None,
-        origin_px: tuple[int, int],
-        seen: Aligned | None,
-        shade: Shade | None = None,
+        self, view: LightView, corners_px: Float, seen: Aligned | None, shade: Shade | None = None
     ) -> Alignment | None:
         """From near `corners_px` (4, 2) to where the inside of the print has them; None where it leads nowhere.
 
-        `light` as from `blurred`; `seen`: what `look` says of the samples within `corners_px`; `shade` as in `sampled`.
+        `view` as from `blurred`; `seen`: what `look` says of the samples within `corners_px`; `shade` as in `sampled`.
         """
         corners = corners_px
         for _ in range(STEPS):
@@ -200,7 +193,7 @@ class PrintAlignment(PrintLikeness):
             if largest < SMALL_STEP:
                 covariance = by_unit @ seen.covariance @ by_unit.T
                 return Alignment(corners, _inverse(covariance + MIN_SIGMA_PX**2 * np.eye(8)), seen)
-            seen = self.look(self.sampled(light, corners, camera, origin_px, shade), mean_side_px(corners), shade)
+            seen = self.look(self.sampled(view, corners, shade), mean_side_px(corners), shade)
         return None
 
 

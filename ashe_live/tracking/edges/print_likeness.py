@@ -1,13 +1,13 @@
 """Tells whether a quadrilateral of the picture shows a marker's whole print and the paper around it."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px
-from ashe_live.tracking.edges.edge_profiles import Light
-from ashe_live.tracking.edges.lens import source_from_ideal
+from ashe_live.tracking.edges.edge_profiles import Light, LightView
 from ashe_live.tracking.edges.print_shade import PrintShade, Shade
 
 # Width of the paper around the square that is compared as well: a share of the border's width, and at most a share of
@@ -43,30 +43,23 @@ class PrintLikeness:
         self.shade = PrintShade(self._sharp, round(border * n), self._margin)
         self._prints = np.stack([normalised(np.asarray(one, dtype=np.float64).ravel()) for one in blurred])
 
-    def sampled(
-        self,
-        light: Light,
-        corners_px: Float,
-        camera: Camera | None,
-        origin_px: tuple[int, int],
-        shade: Shade | None = None,
-    ) -> Light:
-        """(n, n) of `light` in the print's frame, of the square at ideal `corners_px` (4, 2); see fitted_square.
+    def sampled(self, view: LightView, corners_px: Float, shade: Shade | None = None) -> Light:
+        """(n, n) of the light in the print's frame, of the square at ideal `corners_px` (4, 2).
 
         shade: a shadow on the print, which is removed from the samples; None where there is none.
         """
-        samples = self._warped(light, corners_px, camera, origin_px)
+        samples = self._warped(view, corners_px)
         return samples if shade is None else shade.removed_from(samples)
 
-    def _warped(self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]) -> Light:
+    def _warped(self, view: LightView, corners_px: Float) -> Light:
         n = self._side - 2 * self._margin
         # In indices of the samples.
         ends = (UNIT * n + self._margin - 0.5).astype(np.float32)
-        H = cv2.getPerspectiveTransform(ends, (corners_px - origin_px).astype(np.float32))
-        if camera is None or not camera.is_distorted:
+        H = cv2.getPerspectiveTransform(ends, (corners_px - view.origin_px).astype(np.float32))
+        if not view.is_distorted:
             return np.asarray(
                 cv2.warpPerspective(
-                    light,
+                    view.light,
                     H,
                     (self._side, self._side),
                     flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
@@ -76,16 +69,18 @@ class PrintLikeness:
             )
         index = np.arange(self._side)
         x, y, w = (a * index[None] + b * index[:, None] + c for a, b, c in H)
-        ideal = np.stack([x / w, y / w], axis=-1).reshape(-1, 2) + origin_px
-        source = (source_from_ideal(camera, ideal) - origin_px).astype(np.float32).T.reshape(2, self._side, self._side)
-        samples = cv2.remap(light, source[0], source[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        ideal = np.stack([x / w, y / w], axis=-1).reshape(-1, 2) + view.origin_px
+        source = (view.source_px(ideal) - view.origin_px).astype(np.float32).T.reshape(2, self._side, self._side)
+        samples = cv2.remap(view.light, source[0], source[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(samples, dtype=np.float32)
 
-    def blurred(self, light: Light, corners_px: Float) -> Light:
-        """`light` averaged over what lies between a few samples of the square at `corners_px` (4, 2)."""
+    def blurred(self, view: LightView, corners_px: Float) -> LightView:
+        """The view averaged over what lies between a few samples of the square at `corners_px` (4, 2)."""
         n = self._side - 2 * self._margin
         width = _odd(AVERAGED * mean_side_px(corners_px) / n)
-        return np.asarray(cv2.blur(light, (width, width)), dtype=np.float32) if width > 1 else light
+        if width <= 1:
+            return view
+        return replace(view, light=np.asarray(cv2.blur(view.light, (width, width)), dtype=np.float32))
 
     def likeness(self, samples: Light) -> float:
         """Correlation in [-1, 1] of samples with the print and the paper around it, at the blur that fits best.

@@ -6,16 +6,17 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.types import MarkerPose
 
+MOST_MOTION = 0.06  # of a corner from one frame to the next, over the shortest side
+
 
 class Steadiness:
     """Counts the frames in a row in which the marker was read and its corners hardly moved."""
 
-    def __init__(self, frames: int = 5, max_motion: float = 0.06) -> None:
-        """`frames`: how many in a row; `max_motion` from one to the next, over the shortest side."""
+    def __init__(self, frames: int = 5) -> None:
+        """`frames`: how many in a row."""
         if frames < 1:
             raise ValueError(f"{frames} frames are none")
         self._frames = frames
-        self._max_motion = max_motion
         self._last_px: Float | None = None
         self._in_a_row = 0
 
@@ -46,4 +47,4 @@ class Steadiness:
         if self._last_px is None:
             return False
         motion = np.linalg.norm(corners_px - self._last_px, axis=1).max()
-        return bool(motion <= self._max_motion * side_lengths_px(self._last_px).min())
+        return bool(motion <= MOST_MOTION * side_lengths_px(self._last_px).min())

@@ -129,7 +129,7 @@ class Arrangement:
         number = model_at(at_px, tracked, [(model, placement) for _, model, placement in self.models(tracked)])
         return None if number is None else self._changed_to(number)
 
-    def stand_clear(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool = False) -> None:
+    def stand_clear(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool) -> None:
         """Has a model that nobody has moved stand over the marker; if that is on a body, clear of body and shadow.
 
         in_its_place: the body is covered, and the model takes its place.

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.estimators.refining import refined_and_others
+from ashe_live.light.estimators.refining import Refiner
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
@@ -31,7 +31,8 @@ def test_a_shadow_found_by_the_shape_of_its_object_may_have_a_second_beside_it(o
     assert wrong is not None
     view = here.view
     lamps = LampHypotheses(None, here.ground)
-    found = refined_and_others([wrong], Sharpener.of([view.fine]), view, BALANCED, doubtful, lamps)
+    refiner = Refiner(view, Sharpener.of([view.fine]), BALANCED, lamps)
+    found = refiner.refined_and_others([wrong], doubtful)
     truths = [here.scene.to_light, *([] if other is None else [other.to_light])]
     right = [
         len(each.lights)

@@ -10,13 +10,12 @@ from ashe_live.bench.light.takes import FALL
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, TrackedFrame
-from ashe_live.light.estimators import looking
 from ashe_live.light.estimators.looking import looked
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED, FAST
 from ashe_live.light.estimators.together import without_alike
+from ashe_live.light.estimators.view_search import ViewSearch
 from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge
-from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.views.agreement import without_confirming
 from ashe_live.light.views.joint.aligned import in_each_view
@@ -64,13 +63,13 @@ def test_more_views_never_lower_the_confidence_of_a_right_answer(casters: tuple[
 
 
 def test_where_the_first_view_leaves_no_doubt_no_other_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
-    searched, search = [], looking._rough_explanations
+    searched, rough = [], ViewSearch.rough
 
-    def counted(view: SceneView, *rest):
-        searched.append(view.index)
-        return search(view, *rest)
+    def counted(search: ViewSearch):
+        searched.append(search.view.index)
+        return rough(search)
 
-    monkeypatch.setattr(looking, "_rough_explanations", counted)
+    monkeypatch.setattr(ViewSearch, "rough", counted)
     first, *others = views_of(BOX)
     estimate = ProxyEstimator(BALANCED).estimate(first, others)
     assert estimate.light is not None

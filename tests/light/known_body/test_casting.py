@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.light.known_body.found_light import FoundLight
+from ashe_live.light.known_body.found_light import FoundLight, image_beside
 from ashe_live.light.known_body.lamps import _nearness, as_lamps
 from ashe_live.light.known_body.lights import _refitted
 from ashe_live.light.known_body.outline.fit import fitted
@@ -36,7 +36,7 @@ def seen() -> Seen:
 
 def on_its_edges(seen: Seen, azimuth_deg: float, elevation_deg: float) -> FoundLight:
     start, darkening = sun(azimuth_deg, elevation_deg).point, ON_TABLE / (2 * ON_TABLE + SKY)
-    fit = fitted(seen.body, start, darkening, seen.light, seen.room, seen.view)
+    fit = fitted(image_beside(seen, ()), start, darkening)
     assert fit is not None
     return FoundLight(fit.light, fit.covariance, fit, darkening)
 

@@ -38,22 +38,22 @@ def answer(
     here = painted_region(BOX, lamp_m=lamp_m)
     (sun,) = explained([Proposal(here.region, here.materials, Split(here.body, here.shadow))], BALANCED.fine_fit)
     assert sun is not None
-    tracked, judge = here.scene.tracked, fitted_judge()
+    tracked = here.scene.tracked
     fine = View.of(tracked, BALANCED.fine_width_px)
     scene = Scene(
+        tracked,
         fine.scaled(BALANCED.coarse_width_px),
         here.ground,
         here.unlit,
         list,
         [(replace(sun, as_object=sun.as_object.copy()), 5.0)] if found_again else [],
-        lambda light: judge.shared_rad2(light, tracked),
         lambda: Sharpener.of([fine]),
         fit,
         [],
-        judge.calibration.overdispersion,
+        fitted_judge(),
     )
     ratios = [shadow_ratio(here.ground, here.true_shift)]
-    return stated(sun, confidence, lambda one, sure: judge.lights_of(one, sure, tracked), ratios, scene, kind)
+    return stated(sun, confidence, ratios, scene, kind)
 
 
 def test_a_lamp_is_between_where_its_shadow_and_where_the_ground_puts_it_by_what_the_shadow_is_worth() -> None:

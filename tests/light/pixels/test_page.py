@@ -35,9 +35,8 @@ def turned(radians: float) -> Float:
 
 def page_in(tracked: TrackedFrame) -> Page | None:
     assert tracked.marker is not None
-    image = np.asarray(tracked.frame.image_bgr)
-    seen = image, tracked.camera, tracked.marker.T_cam_marker, SIDE_M
-    return page_around(PageLines.of(*seen), *seen)
+    picture = View.of(tracked, tracked.camera.size[0])
+    return page_around(PageLines.of(picture), picture)
 
 
 @pytest.mark.parametrize("ground", ["plain", "checkered", "striped", "bricks"])
@@ -164,7 +163,7 @@ def test_a_narrow_margin_is_compared_with_the_ground_beside_it_and_not_with_what
     narrow = (0.6 * SIDE_M, 0.6 * SIDE_M, 0.6 * SIDE_M, 2.0 * SIDE_M)
     tracked = paint(Caster(at=(0.02, -0.09)), T_cam_marker=FROM_ABOVE, page_m=narrow).tracked
     assert tracked.marker is not None
-    lines = PageLines.of(np.asarray(tracked.frame.image_bgr), tracked.camera, tracked.marker.T_cam_marker, SIDE_M)
+    lines = PageLines.of(View.of(tracked, tracked.camera.size[0]))
     end = int(np.abs(lines.outwards - 0.6).argmin())
     for side in (0, 1, 2):
         ((paper, ground),) = lines.colours_beside([end if each == side else None for each in range(4)])

@@ -50,8 +50,7 @@ def _area(tracked: TrackedFrame, ends: tuple[float, ...] | list[float]) -> Image
 
 def screen_in(tracked: TrackedFrame) -> Sheet | None:
     assert tracked.marker is not None
-    image = np.asarray(tracked.frame.image_bgr)
-    return screen_around(PageLines.of(image, tracked.camera, tracked.marker.T_cam_marker, SIDE_M))
+    return screen_around(PageLines.of(View.of(tracked, tracked.camera.size[0])))
 
 
 def ends_of(sheet: Sheet) -> Float:

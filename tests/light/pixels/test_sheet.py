@@ -1,6 +1,7 @@
 """The printed sheet is found as wide as it was cut, on each side, whatever lies around it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
-from ashe_live.light.pixels.sheet import ADDED, USUAL, USUAL_SHEET, Sheet, measured_sheet
+from ashe_live.light.pixels.sheet import ADDED, USUAL, USUAL_SHEET, MarkerPicture, Sheet, measured_sheet
 from ashe_live.light.pixels.shown_as_ground import outline_of
 from tests.light.synthetic_masks import camera_towards
 
@@ -43,7 +44,7 @@ def painted(extents: Sequence[float], ground: int, shadow_from: float | None = N
 
 
 def measured(picture: Image) -> Sheet:
-    return measured_sheet(picture, CAMERA, T_CAM_MARKER, SIDE_M)
+    return measured_sheet(MarkerPicture(picture, CAMERA, T_CAM_MARKER, SIDE_M))
 
 
 @pytest.mark.parametrize("ground", [20, 90, 170])
@@ -69,20 +70,21 @@ def test_a_side_out_of_the_picture_is_like_the_others() -> None:
     right = int(project(CAMERA, T_CAM_MARKER, np.array([(0.7 * SIDE_M, 0.0, 0.0)]))[0, 0])
     cut = picture[:, :right]
     camera = Camera((cut.shape[1], 480), CAMERA.K, CAMERA.dist, "file")
-    found = measured_sheet(np.ascontiguousarray(cut), camera, T_CAM_MARKER, SIDE_M)
+    found = measured_sheet(MarkerPicture(np.ascontiguousarray(cut), camera, T_CAM_MARKER, SIDE_M))
     assert found.right == pytest.approx(0.8 + ADDED, abs=0.03)
 
 
 def test_a_marker_behind_the_camera_has_a_usual_sheet() -> None:
     behind = T_CAM_MARKER.copy()
     behind[2, 3] *= -1
-    found = measured_sheet(painted((0.8, 0.8, 0.8, 0.8), 90), CAMERA, behind, SIDE_M)
+    found = measured_sheet(MarkerPicture(painted((0.8, 0.8, 0.8, 0.8), 90), CAMERA, behind, SIDE_M))
     assert found == USUAL_SHEET
     assert found.corners(SIDE_M).max() == pytest.approx(USUAL * SIDE_M)
 
 
 def test_a_sheet_that_is_nowhere_before_the_camera_has_an_empty_outline() -> None:
+    seen = MarkerPicture(np.zeros((480, 640, 3), np.uint8), CAMERA, T_CAM_MARKER, SIDE_M)
     aside = np.array(T_CAM_MARKER)
     aside[:3, 3] = (1.0, 0.0, 0.02)  # 89 degrees off the lens's axis, as a wrong camera file may have it
-    assert outline_of(USUAL_SHEET, CAMERA, aside, SIDE_M).shape == (0, 2)
-    assert len(outline_of(USUAL_SHEET, CAMERA, T_CAM_MARKER, SIDE_M)) == 4
+    assert outline_of(USUAL_SHEET, replace(seen, T_cam_marker=aside)).shape == (0, 2)
+    assert len(outline_of(USUAL_SHEET, seen)) == 4

@@ -10,11 +10,12 @@ import pytest
 from ashe_live.bench.track.frames import Cover, Flaws, ground, painted
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.takes import CELLS, SIDE_M, SMALL, SPEC, pose_at
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.edges.edge_profiles import linear_light
+from ashe_live.tracking.edges.edge_profiles import LightView, linear_light
 from ashe_live.tracking.edges.print_alignment import in_units
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
@@ -32,8 +33,8 @@ def picture(flaws: Flaws) -> Image:
     return painted(MARKER.bitmap(CELLS), SIDE_M, SMALL, [POSE], flaws, np.random.default_rng(0), ground(SMALL), 4)
 
 
-def light_of(flaws: Flaws) -> Float:
-    return linear_light(picture(flaws)[:, :, 0])
+def view_of(image: Image, camera: Camera = SMALL) -> LightView:
+    return LightView(linear_light(image[:, :, 0]), camera, np.zeros(2))
 
 
 @pytest.mark.parametrize("light", [0.03, 0.3, 0.75])
@@ -52,29 +53,28 @@ def test_a_strip_along_a_side_makes_no_confident_lie(light: float, side: int, re
 
 
 def test_the_inside_of_the_print_leads_back_from_a_displaced_side() -> None:
-    light = light_of(Flaws())
+    view = view_of(picture(Flaws()))
     for side in range(4):
         displaced = CORNERS.copy()
         ends, others = [side, (side + 1) % 4], [(side - 1) % 4, (side + 2) % 4]
         displaced[ends] += 0.1 * (CORNERS[others] - CORNERS[ends])
         alignment = MARKER.alignment
-        blurred = alignment.blurred(light, displaced)
-        seen = alignment.look(alignment.sampled(blurred, displaced, SMALL, (0, 0)), mean_side_px(displaced))
-        found = alignment.aligned(blurred, displaced, SMALL, (0, 0), seen)
+        blurred = alignment.blurred(view, displaced)
+        seen = alignment.look(alignment.sampled(blurred, displaced), mean_side_px(displaced))
+        found = alignment.aligned(blurred, displaced, seen)
         assert found is not None
         assert np.abs(in_units(CORNERS, found.corners_px)).max() < 0.01
 
 
 def test_likeness_is_of_the_print_in_its_own_order() -> None:
     alignment = MARKER.alignment
-    light = light_of(Flaws())
-    assert alignment.likeness(alignment.sampled(light, CORNERS, SMALL, (0, 0))) > 0.9
+    view = view_of(picture(Flaws()))
+    assert alignment.likeness(alignment.sampled(view, CORNERS)) > 0.9
     for turns in (1, 2, 3):
         turned = np.roll(CORNERS, turns, axis=0)
-        assert alignment.likeness(alignment.sampled(light, turned, SMALL, (0, 0))) < 0.7
-    assert alignment.likeness(alignment.sampled(np.full_like(light, 0.3), CORNERS, SMALL, (0, 0))) == pytest.approx(
-        0, abs=1e-6
-    )
+        assert alignment.likeness(alignment.sampled(view, turned)) < 0.7
+    even = dataclasses.replace(view, light=np.full_like(view.light, 0.3))
+    assert alignment.likeness(alignment.sampled(even, CORNERS)) == pytest.approx(0, abs=1e-6)
 
 
 def test_a_lens_is_undone_where_samples_are_taken() -> None:
@@ -82,7 +82,7 @@ def test_a_lens_is_undone_where_samples_are_taken() -> None:
     pose = pose_at(0.55, 25, 20, (0.1, 0.05))
     image = painted(MARKER.bitmap(CELLS), SIDE_M, lens, [pose], Flaws(), np.random.default_rng(0), ground(lens), 4)
     corners, alignment = project(lens, pose, square_corners(SIDE_M)), MARKER.alignment
-    samples = alignment.sampled(linear_light(image[:, :, 0]), corners, lens, (0, 0))
+    samples = alignment.sampled(view_of(image, lens), corners)
     assert alignment.likeness(samples) > 0.95
 
 
@@ -100,8 +100,8 @@ def test_a_strip_across_the_middle_is_no_reason_to_be_wrong_and_sure(light: floa
 
 def test_a_print_that_is_partly_covered_does_not_say_how_far_its_edges_bleed() -> None:
     def bleed_px(cover: Cover | None) -> float | None:
-        light = light_of(Flaws(gamma=2.2, cover=cover))
-        samples = MARKER.alignment.sampled(MARKER.alignment.blurred(light, CORNERS), CORNERS, SMALL, (0, 0))
+        view = view_of(picture(Flaws(gamma=2.2, cover=cover)))
+        samples = MARKER.alignment.sampled(MARKER.alignment.blurred(view, CORNERS), CORNERS)
         return MARKER.alignment.bleed_px(samples, 131.0)
 
     clean_px = bleed_px(None)

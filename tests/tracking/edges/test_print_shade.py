@@ -12,7 +12,7 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.edges.edge_profiles import Light, linear_light
+from ashe_live.tracking.edges.edge_profiles import Light, LightView, linear_light
 from ashe_live.tracking.edges.quads import dark_quads, ink_quads
 from ashe_live.tracking.families.markers import Marker, parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
@@ -31,8 +31,8 @@ def shot(marker: Marker, flaws: Flaws, seed: int) -> Image:
 
 def samples_of(marker: Marker, flaws: Flaws, seed: int) -> Light:
     alignment = MARKER.alignment
-    light = linear_light(shot(marker, flaws, seed))
-    return alignment.sampled(alignment.blurred(light, CORNERS), CORNERS, SMALL, (0, 0))
+    view = LightView(linear_light(shot(marker, flaws, seed)), SMALL, np.zeros(2))
+    return alignment.sampled(alignment.blurred(view, CORNERS), CORNERS)
 
 
 @pytest.mark.parametrize("ratio", [0.5, 0.3, 0.2, 0.12])

@@ -28,7 +28,7 @@ def test_steady_only_after_enough_frames_in_a_row() -> None:
 
 def test_motion_counts_in_proportion_to_the_marker() -> None:
     for size, is_steady in ((1.0, False), (10.0, True)):
-        steadiness = Steadiness(frames=2, max_motion=0.05)
+        steadiness = Steadiness(frames=2)
         steadiness.add(seen(size=size))
         assert steadiness.add(seen(shift_px=10, size=size)) is is_steady
 

@@ -122,14 +122,12 @@ def probabilities_of(log_odds: Sequence[float]) -> Float:
     return np.asarray(odds / (1 + odds.sum()))
 
 
-def best_direction(
-    probabilities: Float, to_lights_marker: Iterable[Float], counts: Sequence[int] | None = None
-) -> tuple[int, float]:
+def best_direction(probabilities: Float, to_lights_marker: Iterable[Float]) -> tuple[int, float]:
     """The index of the likeliest explanation, and the probability that its light is within GOOD_RAD of the truth.
 
-    As `likeliest_direction`, of whose explanations it is the likeliest.
+    As `likeliest_direction`, of whose explanations it is the likeliest, whatever the numbers of lights.
     """
-    group, share = likeliest_direction(probabilities, to_lights_marker, counts)
+    group, share = likeliest_direction(probabilities, to_lights_marker)
     return int(np.where(group, probabilities, -1.0).argmax()), share
 
 

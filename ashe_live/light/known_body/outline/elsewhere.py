@@ -9,14 +9,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Float32
-from ashe_live.core.proxy import Proxy
+from ashe_live.core.arrays import Float
+from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.edges import ShadowEdges
-from ashe_live.light.known_body.outline.fit import BLUR_PX, REACHES, EdgeFit, height_px, profiles_of, windows_px
+from ashe_live.light.known_body.outline.fit import BLUR_PX, REACHES, EdgeFit, windows_px
 from ashe_live.light.known_body.outline.odds import edge_log_odds, log_odds_of_places
 from ashe_live.light.known_body.outline.profiles import LEAST_PX, Profiles
-from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.table import REACH_HEIGHTS, height_of
+from ashe_live.light.known_body.table import REACH_HEIGHTS
 from ashe_live.light.pixels.view import View
 
 EVERY = 3  # of the outline's points, which still is more than are independent
@@ -32,23 +31,22 @@ LEAST_SCATTER, SPREAD = 1.0, 10.0
 LEAST_DEPTH, NOWHERE_PX = 0.1, -1e6
 
 
-def most_log_odds(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32, room: Room, view: View) -> float:
+def most_log_odds(fit: EdgeFit, image: EdgeImage, darkening: float) -> float:
     """What the edges of `fit` may say for it at most, as other edges of the table say as much.
 
     The log odds of the same outline laid elsewhere are taken for normal; those of a shadow's for even over SPREAD of
-    their standard deviations. math.inf where too little of the table is in view. darkening, picture, room: as of
-    `fitted`.
+    their standard deviations. math.inf where too little of the table is in view. darkening: as of `fitted`.
     """
-    profiles = profiles_of(fit, body, picture, room, view)
+    profiles = fit.profiles_in(image)
     if profiles is None or not profiles.visible.any():
         return math.inf
     edges, chosen = profiles.edges, np.flatnonzero(profiles.visible)[::EVERY]
-    room = room.outside(edges.corners_px)
-    along = np.arange(-REACH_HEIGHTS, REACH_HEIGHTS, APART_HEIGHTS) * height_of(body)
+    image = replace(image, room=image.room.outside(edges.corners_px))
+    along = np.arange(-REACH_HEIGHTS, REACH_HEIGHTS, APART_HEIGHTS) * image.height_m
     moves = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
-    around = room.around(laid(edges, chosen, moves, view)[0].points_px).reshape(len(moves), -1)
+    around = image.room.around(laid(edges, chosen, moves, image.view)[0].points_px).reshape(len(moves), -1)
     moves = moves[np.argsort(-(around >= LEAST_PX).sum(axis=1), kind="stable")[:MOST_PLACES]]
-    found = _on_edges(edges, chosen, moves, fit.size_rad or 0.0, body, darkening, picture, room, view)
+    found = _on_edges(image, edges, chosen, moves, fit.size_rad or 0.0, darkening)
     log_odds = _log_odds(found, len(chosen), darkening)
     if len(log_odds) < FEWEST_PLACES:
         return math.inf
@@ -57,28 +55,25 @@ def most_log_odds(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32,
 
 
 def _on_edges(
+    image: EdgeImage,
     edges: ShadowEdges,
     chosen: NDArray[np.intp],
     starts: Float,
     size_rad: float,
-    body: Proxy,
     darkening: float,
-    picture: Float32,
-    room: Room,
-    view: View,
 ) -> Profiles:
     """The `chosen` points of an outline laid on the table by each of `starts` (k, 2), and from there moved onto edges.
 
     As a light is that was found, in windows that grow narrower. size_rad: its angular diameter.
     """
-    moves, tall_px = starts, height_px(body, view)
-    prior = (START_SIGMA_HEIGHTS * height_of(body)) ** -2.0 * np.eye(2)
+    moves, tall_px = starts, image.height_px
+    prior = (START_SIGMA_HEIGHTS * image.height_m) ** -2.0 * np.eye(2)
     for number in range(len(REACHES) + 2):
-        there, by_move = laid(edges, chosen, moves, view)
+        there, by_move = laid(edges, chosen, moves, image.view)
         wanted_px = windows_px(there, BLUR_PX**2, size_rad, tall_px)
         if number < len(REACHES):
             wanted_px = np.full(len(there.points_px), max(REACHES[number] * tall_px, 2 * LEAST_PX))
-        found = Profiles.of(there, wanted_px, picture, room)
+        found = image.profiles(there, wanted_px)
         J = by_move.reshape(len(moves), -1, 2)
         weighted = np.swapaxes(J * found.weights(darkening, 1.0).reshape(len(moves), -1, 1), 1, 2)
         pull = (weighted @ found.offset_px.reshape(len(moves), -1, 1))[..., 0] - (moves - starts) @ prior

@@ -5,13 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.known_body.outline.edge_image import EdgeImage
+from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.profiles import LEAST_PX, POINTS_A_SAMPLE, Profiles
-from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.table import height_of
-from ashe_live.light.pixels.view import View
 
 # How far from the predicted edge the search reaches: of the body's height in the picture at first, then as much as the
 # penumbra needs, in standard deviations, and never less than LEAST_PX.
@@ -43,30 +40,37 @@ class EdgeFit:
     clear: float  # of the outline's points that could be seen, the part with a step as deep as the shadow
     seen: float  # part of the outline's points that could be seen
 
+    def profiles_in(self, image: EdgeImage) -> Profiles | None:
+        """Across the edges of its shadow; None where it has none in the picture."""
+        edges = image.edges(self.light)
+        if edges is None:
+            return None
+        return image.profiles(edges, windows_px(edges, BLUR_PX**2, self.size_rad or 0.0, image.height_px))
+
+    def seen_again_in(self, image: EdgeImage, darkening: float) -> "EdgeFit":
+        """With what is seen of its edges in another room, as beside lights that were not known when it was made."""
+        profiles = self.profiles_in(image)
+        if profiles is None:
+            return self
+        clear = profiles.clear(darkening) if profiles.visible.any() else 0.0
+        return replace(self, clear=clear, seen=float(profiles.visible.mean()))
+
 
 def fitted(
-    body: Proxy,
-    light: Float,
-    darkening: float,
-    picture: Float32,
-    room: Room,
-    view: View,
-    with_nearness: bool = False,
-    size_rad: float | None = None,
+    image: EdgeImage, light: Float, darkening: float, with_nearness: bool = False, size_rad: float | None = None
 ) -> EdgeFit | None:
     """The light near `light` (4,) that explains the edges; None where too few of them are seen.
 
-    darkening: the part of the table's light that it gives, roughly. picture: (h, w) linear light. room: without what is
-    in another light's penumbra. with_nearness: whether w / z is fitted, too; else it is held. size_rad: of a
-    light that lies on its edges already, its angular diameter.
+    darkening: the part of the table's light that it gives, roughly. with_nearness: whether w / z is fitted, too; else
+    it is held. size_rad: of a light that lies on its edges already, its angular diameter.
     """
     here, size, blur = light / light[2], size_rad or 0.0, BLUR_PX**2
     reaches = REACHES if size_rad is None else ()
     parameters = [0, 1, 3] if with_nearness else [0, 1]
-    start, prior = prior_of(here, height_of(body), with_nearness)
-    tall_px = height_px(body, view)
+    start, prior = prior_of(here, image.height_m, with_nearness)
+    tall_px = image.height_px
     for number in range(MOST_ROUNDS):
-        edges = shadow_edges(body, here, view)
+        edges = image.edges(here)
         if edges is None:
             return None
         is_first = number < len(reaches)
@@ -74,7 +78,7 @@ def fitted(
             wanted_px = np.full(len(edges.points_px), max(reaches[number] * tall_px, 2 * LEAST_PX))
         else:
             wanted_px = windows_px(edges, blur, size, tall_px)
-        profiles = Profiles.of(edges, wanted_px, picture, room)
+        profiles = image.profiles(edges, wanted_px)
         weight = profiles.weights(darkening, EARLY_LOSS if is_first else 1.0)
         if np.count_nonzero(weight) < FEWEST:
             return None
@@ -85,39 +89,16 @@ def fitted(
         normal = weighted @ J + prior
         pull = weighted @ profiles.offset_px - prior @ (here[parameters] - start)
         step = np.linalg.solve(normal, pull)
-        here = moved(here, step, height_of(body))
+        here = moved(here, step, image.height_m)
         if not is_first and np.abs(J @ step).max() < DONE_PX:
             break
     return _edge_fit(here, profiles, weight, step, prior, size or None, darkening)
-
-
-def profiles_of(fit: EdgeFit, body: Proxy, picture: Float32, room: Room, view: View) -> Profiles | None:
-    """The edges of a fit's shadow in the picture; None where it has none there."""
-    edges = shadow_edges(body, fit.light, view)
-    if edges is None:
-        return None
-    wanted_px = windows_px(edges, BLUR_PX**2, fit.size_rad or 0.0, height_px(body, view))
-    return Profiles.of(edges, wanted_px, picture, room)
-
-
-def looked_at_again(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32, room: Room, view: View) -> EdgeFit:
-    """`fit` with what is seen of its edges in another `room`, as beside lights that were not known when it was made."""
-    profiles = profiles_of(fit, body, picture, room, view)
-    if profiles is None:
-        return fit
-    clear = profiles.clear(darkening) if profiles.visible.any() else 0.0
-    return replace(fit, clear=clear, seen=float(profiles.visible.mean()))
 
 
 def windows_px(edges: ShadowEdges, blur_px2: float, size_rad: float, height_px: float) -> Float:
     """(n,) how far an edge is looked for that is known but for its blur."""
     spread_px = np.sqrt(blur_px2 + (size_rad * edges.by_size) ** 2)
     return np.asarray(np.clip(SPREADS * spread_px, LEAST_PX, max(MOST_SHARE * height_px, LEAST_PX)))
-
-
-def height_px(body: Proxy, view: View) -> float:
-    """Of the body in the picture, as if seen from the side."""
-    return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
 
 
 def prior_of(light: Float, height: float, with_nearness: bool) -> tuple[Float, Float]:

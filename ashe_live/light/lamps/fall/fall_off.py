@@ -61,14 +61,14 @@ class FallOff:
         """With every `step`-th sample: for a first look at many lights."""
         return replace(self, samples=self.samples.every(step))
 
-    def pull(self, parameters: Float, shares: Sequence[float], reference: Float, number: int = 0) -> Pull:
-        """The pull on light `number` of l lights whose displacements and nearness are `parameters` (l, 3).
+    def pull(self, parameters: Float, shares: Sequence[float], reference: Float) -> Pull:
+        """The pull on the first of l lights whose displacements and nearness are `parameters` (l, 3).
 
         shares: each light's share of all light on the plane at `reference` (2,), as its shadow there tells.
         """
-        lit = partial(log_irradiance, self.samples.places, parameters, shares, reference, number)
+        lit = partial(log_irradiance, self.samples.places, parameters, shares, reference)
         places, gloss = self.samples.places, self.gloss
-        with_gloss = [] if gloss is None else [lit(mirrored_and_slopes(places, self.eye, parameters, number, gloss))]
+        with_gloss = [] if gloss is None else [lit(mirrored_and_slopes(places, self.eye, parameters, gloss))]
         return min((self._pull(*each) for each in (lit(), *with_gloss)), key=attrgetter("worst_cost"))
 
     def _pull(self, log_light: Float, slopes: Float) -> Pull:

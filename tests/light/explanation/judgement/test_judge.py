@@ -17,6 +17,7 @@ from ashe_live.light.explanation.judgement.judge import (
     Judge,
     best_direction,
     fitted_judge,
+    likeliest_direction,
     probabilities_of,
     recalibrated,
 )
@@ -181,9 +182,11 @@ def test_several_of_one_direction_outweigh_one_elsewhere() -> None:
 
 def test_the_number_of_lights_is_that_of_most_of_the_probability() -> None:
     one_direction = directions((200, 40), (201, 40), (200, 41), (20, 40))
-    probabilities, counts = np.array([0.4, 0.2, 0.25, 0.1]), (1, 2, 2, 2)
-    assert best_direction(probabilities, one_direction, counts) == (2, pytest.approx(0.85))
-    assert best_direction(probabilities, one_direction, (1, 2, 1, 2)) == (0, pytest.approx(0.85))
+    probabilities = np.array([0.4, 0.2, 0.25, 0.1])
+    for counts, alike in (((1, 2, 2, 2), (1, 2)), ((1, 2, 1, 2), (0, 2))):
+        group, share = likeliest_direction(probabilities, one_direction, counts)
+        assert tuple(np.flatnonzero(group)) == alike
+        assert share == pytest.approx(0.85)
 
 
 def test_the_order_of_explanations_does_not_matter() -> None:

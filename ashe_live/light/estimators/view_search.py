@@ -1,0 +1,149 @@
+"""The search for what one view may show: fits to the likeliest splits of its unlit regions, the likeliest refined."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache, cached_property, partial
+
+import numpy as np
+
+from ashe_live.core.arrays import Mask
+from ashe_live.core.stages import StageClock
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
+from ashe_live.light.estimators.refining import LogOdds, Refiner, leaves_no_doubt
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.explanation.explain import Proposal, explained, explained_near
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.company import Company, company_features
+from ashe_live.light.explanation.judgement.judge import Judge, explanation_features
+from ashe_live.light.explanation.scene_view import SceneView
+from ashe_live.light.explanation.searches.known_place import explanations_by_place, hints_of
+from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.ground.glint import Glint, glint_in
+from ashe_live.light.ground.lit_ground import LitGround, with_unlit_on_average
+from ashe_live.light.ground.regions import Region, unlit_regions
+from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts, voted_for
+from ashe_live.light.ground.sheet_shadow import SheetShadow, sheet_shadow_in
+from ashe_live.light.lamps.hypotheses import LampHypotheses
+from ashe_live.light.pixels.view import View
+
+# Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
+LEAST_SHARE = 0.0005
+HINTS = 5  # number of lights in which a known object's place is searched
+SAME_RAD, SAME_M = math.radians(1), 0.003  # angle and distance within which two explanations count as one
+
+
+@dataclass(slots=True, eq=False)
+class Trace:
+    """Intermediate results, filled in by the stages in this order; None or empty for stages that were not reached."""
+
+    view: View  # at the size at which the ground is modelled
+    ground: LitGround | None = None
+    sheet_shadow: SheetShadow | None = None
+    glint: Glint | None = None
+    unlit: Mask | None = None  # (h, w) of `view`: pixels that the lit ground does not explain
+    regions: list[Region] = field(default_factory=list)
+    proposals: list[Proposal] = field(default_factory=list)  # those that were fitted
+    rough: list[Explanation] = field(default_factory=list)  # the proposals, fitted and aligned
+    # What the judge chose from: the likeliest different ones, relabelled and refitted; then the other fitted ones.
+    judged: list[Explanation] = field(default_factory=list)
+    probabilities: list[float] = field(default_factory=list)  # of each of `judged` to be the right one
+
+
+class ViewSearch:
+    """Looks for explanations of one view, and keeps in its trace what it found on the way."""
+
+    def __init__(self, view: SceneView, steps: ProxySteps, judge: Judge, clock: StageClock) -> None:
+        self.view, self.trace = view, Trace(view.coarse, view.ground)
+        self.steps, self.judge, self.clock = steps, judge, clock
+        self._sharpener = Sharpener.of([view.fine])
+        self._own_features = cache(explanation_features)
+
+    def another(self, view: SceneView, steps: ProxySteps) -> "ViewSearch":
+        """The search of another view, or with other steps."""
+        return ViewSearch(view, steps, self.judge, self.clock)
+
+    def explanations(self) -> tuple[list[Explanation], list[float]]:
+        """The explanations of the view, the likeliest refined, and their log odds; none if nothing stands out."""
+        rough = self.rough()
+        if not rough:
+            return [], []
+        refiner = Refiner(self.view, self._sharpener, self.steps, self.lamps)
+        found = refiner.refined_and_others(rough, self.log_odds_among(rough))
+        self.clock.end("fit")
+        if self.steps.caster is not None and not leaves_no_doubt(found, self.log_odds_among(found)):
+            found += self._found_by_place(found, refiner)
+            self.clock.end("fit")
+        log_odds = list(map(self.log_odds_among(found), found))
+        self.clock.end("judge")
+        return found, log_odds
+
+    def rough(self) -> list[Explanation]:
+        """The explanations by fits to the likeliest splits; none if nothing stands out from the ground."""
+        view, ground, steps, trace = self.view, self.view.ground, self.steps, self.trace
+        unlit = with_unlit_on_average(view.unlit(round(LEAST_SHARE * view.coarse.is_ground.size)), view.coarse)
+        trace.sheet_shadow = sheet_shadow_in(view.fine)
+        trace.glint = glint_in(view.coarse, ground)
+        trace.unlit = unlit = unlit if trace.glint is None else unlit & ~trace.glint.halo
+        trace.regions = unlit_regions(view.fine, unlit, ground, steps.region_px, steps.regions)
+        self.clock.end("segment")
+        proposals: list[Proposal] = []
+        voted = partial(voted_for, ground=ground, count=steps.shifts, widths=(1.0, FINE))
+        everywhere = voted(ground.colours[unlit])
+        for region in trace.regions:
+            # Its own pixels vote first, as others could outvote its shadow; then all, as shadows share their lights.
+            own = voted(region.colours[region.unlit])
+            shifts, paired = (shadow_shifts(votes) for votes in zip(own, everywhere, strict=True))
+            proposals += proposals_of(region, ground, shifts, paired)
+        self.clock.end("associate")
+        trace.proposals = selected_for_fit(proposals, steps.tried, self.judge)
+        suns = [each for each in explained(trace.proposals, steps.first_fit) if each] if proposals else []
+        likelier = self.lamps.likelier(suns, partial(explained_near, preset=steps.first_fit))
+        trace.rough = self._sharpener.measured(likelier)
+        self.clock.end("fit")
+        return trace.rough
+
+    @cached_property
+    def lamps(self) -> LampHypotheses:
+        """Those that the fall of light over the view's ground suggests; to be asked for after `rough`."""
+        assert self.trace.unlit is not None
+        return LampHypotheses.of(self.view.coarse, self.view.ground, self.trace.unlit, self.steps.light)
+
+    def log_odds_among(self, several: Sequence[Explanation]) -> LogOdds:
+        """The log odds of an explanation, judged beside these several; to be asked for after `rough`."""
+        company = self.company_of(several)
+
+        def log_odds(each: Explanation) -> float:
+            features = {**self._own_features(each), **company_features(each, company)}
+            return self.judge.log_odds_of(features) + self.lamps.agreement(each)
+
+        return cache(log_odds)
+
+    def company_of(self, several: Sequence[Explanation]) -> Company:
+        """What an explanation of the view is judged beside: these several, and what else shows the light."""
+        return Company(several, self.trace.glint, self.trace.sheet_shadow)
+
+    def _found_by_place(self, found: Sequence[Explanation], refiner: Refiner) -> list[Explanation]:
+        """Where the known object may stand in the lights that it, or any object of the picture, may show.
+
+        found: explanations by the known object, beside those by any.
+        """
+        assert self.steps.caster is not None
+        assert self.trace.unlit is not None
+        log_odds = self.log_odds_among(found)
+        of_any = ViewSearch(self.view, self.steps.with_caster(None), self.judge, StageClock())
+        by_any = of_any.rough()
+        likeliest = sorted(by_any, key=of_any.log_odds_among(by_any), reverse=True)[:HINTS]
+        hints = hints_of([*likeliest, *sorted(found, key=log_odds, reverse=True)], HINTS)
+        placed = explanations_by_place(self.steps.caster, hints, self.view, self.trace.unlit, self.steps.region_px)
+        likeliest = sorted(self._sharpener.measured(placed), key=log_odds, reverse=True)[: self.steps.refined + 1]
+        sharp = refiner.refined_alone(likeliest)
+        return [each for each in sharp if not any(_is_same(each, one) for one in found)]
+
+
+def _is_same(one: Explanation, other: Explanation) -> bool:
+    """Whether two explanations of one known object have it at one place in one light."""
+    away = float(np.linalg.norm(one.proxy.foot_marker - other.proxy.foot_marker))
+    near = angle_between(one.lights[0].to_light_marker, other.lights[0].to_light_marker)
+    return near < SAME_RAD and away < SAME_M and len(one.lights) == len(other.lights)
