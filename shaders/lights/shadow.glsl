@@ -4,7 +4,8 @@
 // With BLOCKER_TAPS 0, percentage-closer filtering with PCF_RADIUS >= 1 (Reeves, Salesin, Cook, "Rendering antialiased
 // shadows with depth maps", SIGGRAPH 1987). Otherwise percentage-closer soft shadows with SOFT_TAPS over the penumbra
 // (Fernando, SIGGRAPH 2005). Rays are parallel in a map's coordinates, also those of a lamp (render/lights/light_view.py),
-// so that the blocker search covers the disc of the light as seen from the receiver.
+// so that the blocker search covers the disc of the light as seen from the receiver. DITHERED is defined where a caster is
+// clear in part, so that only some of its texels stop the light (depth.frag).
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
 
@@ -28,7 +29,12 @@ vec2 in_texture(int map, vec2 texel) {
 #if BLOCKER_TAPS > 0
 // Golden-angle spiral: points at radii of the square roots of equal steps are spread evenly over a disc (Vogel 1979).
 const mat2 GOLDEN_TURN = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
-const float LEAST_RADIUS = 0.75;  // texels, of a penumbra: a texel's own
+// Texels, of a penumbra: a texel's own, or as much as averages a pattern that repeats itself every four texels.
+#ifdef DITHERED
+const float LEAST_RADIUS = 2.75;
+#else
+const float LEAST_RADIUS = 0.75;
+#endif
 
 // A direction on the half circle that differs from texel to texel, to turn banding into noise that stays fixed to the
 // receiver (interleaved gradient noise, Jimenez 2014).
@@ -64,7 +70,11 @@ Blockers blockers_of(int map, float tan_half, vec3 at, vec2 slope, vec2 ray) {
 }
 
 bool is_penumbra(Blockers blockers) {
+#ifdef DITHERED
+    return true;  // the samples may have missed the texels that stop the light
+#else
     return blockers.share > 0.0 && blockers.share < 1.0;
+#endif
 }
 
 // The mean over a penumbra of `radius` texels.
@@ -73,6 +83,11 @@ float lit_fraction(int map, vec3 at, vec2 slope, vec2 ray, Blockers blockers, ve
     float lit = 0.0;
     for (int k = 0; k < (is_penumbra(blockers) ? SOFT_TAPS : 0); ++k) {
         vec2 aside = ray * sqrt((float(k) + 0.5) / float(SOFT_TAPS)) * radius;
+#ifdef DITHERED
+        // Between four texels, so that four taps in a row see each of the pattern's sixteen texels once.
+        vec2 between = vec2(k & 2, k << 1 & 2);
+        aside = between + 4.0 * round(0.25 * (centre + aside - between)) - centre;
+#endif
         lit += texture(shadow_maps, vec3(in_texture(map, centre + aside), clamp(at.z + dot(slope, aside), 0.0, 1.0)));
         ray = GOLDEN_TURN * ray;
     }
@@ -147,7 +162,7 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal, vec3 to
 #if BLOCKER_TAPS > 0
     // With a wide penumbra, that offset would detach the shadow from its caster. The taps follow the plane's slope (depth
     // per texel) instead, and the offset only has to cover rounding and curvature.
-    float reach = 1.5 * texel;
+    float reach = (LEAST_RADIUS + 0.75) * texel;
 #if LAMPS
     vec3 facing = (shadow_planes_from_marker[map] * vec4(normal, -dot(normal, position))).xyz;
 #else

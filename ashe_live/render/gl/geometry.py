@@ -167,6 +167,11 @@ class GpuModel:
         self._textures: dict[TextureKey, moderngl.Texture] = {}
         self._posed_s: float | None = None
 
+    @property
+    def is_clear(self) -> bool:
+        """Whether parts of it stop only a share of the light."""
+        return any(part.material.alpha is Alpha.BLEND for part in self.parts)
+
     def pose(self, time_s: float) -> None:
         """Moves all parts that move to where they are at `time_s`."""
         if self._posed_s != time_s:

@@ -35,6 +35,9 @@ class Caster(Protocol):
     @property
     def points(self) -> Float: ...  # (n, 3) metres, marker frame; its hull encloses the caster
 
+    @property
+    def is_clear(self) -> bool: ...  # whether parts of it stop only a share of the light
+
     def render_depth(self, clip_from_marker: Float) -> None: ...
 
 
@@ -63,7 +66,7 @@ class ShadowMaps:
         self.caster_count = 0
         # Conservative, by the bounding boxes of model and real object.
         self.shadows_meet = self.real_shades_model = self.model_shades_real = False
-        self._is_soft_on_model = False
+        self._is_soft_on_model = self._is_dithered = False
         self._ctx = ctx
         self._preset = preset
         # Empty texels at a tile's border: what lies outside it is lit.
@@ -80,11 +83,13 @@ class ShadowMaps:
     def constants(self) -> dict[str, float]:
         """Macros for a shader that includes shadow.glsl, and is drawn on the model or the real object."""
         preset = self._preset
+        is_soft = preset.soft_on_model or self._is_soft_on_model or self._is_dithered
         return {
             **self._lights,
+            **({"dithered": 1} if self._is_dithered else {}),
             "casters": 2 if self.real_shades_model else 1,
             "pcf_radius": preset.pcf_radius,
-            "blocker_taps": preset.blocker_taps if preset.soft_on_model or self._is_soft_on_model else 0,
+            "blocker_taps": preset.blocker_taps if is_soft else 0,
             "soft_taps": preset.soft_taps,
         }
 
@@ -107,6 +112,7 @@ class ShadowMaps:
         self.real_shades_model = any(onto_model[1] for onto_model, _ in pairs)
         shading = casters if self.real_shades_model else (model,)
         self._is_soft_on_model = any(_is_seen_soft(caster, model, sun) for caster in shading for sun in suns)
+        self._is_dithered = any(caster.is_clear for caster in casters)
         self.model_shades_real = any(onto_real[1] for _, onto_real in pairs)
         self.renders += 1
         if not suns:

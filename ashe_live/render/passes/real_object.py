@@ -18,6 +18,8 @@ GL_DEPTH_CLAMP = 0x864F
 class RealObject:
     """A proxy on the graphics card; casts shadows as a Caster."""
 
+    is_clear = False
+
     def __init__(self, ctx: moderngl.Context, programs: Programs, proxy: Proxy) -> None:
         self.proxy = proxy
         self.points, triangles = proxy.surface()

@@ -27,6 +27,11 @@ class StandingModel:
         self.corners = transform_points(self.marker_from_placed, box_corners(model.placed.bounds))
 
     @property
+    def is_clear(self) -> bool:
+        """Whether parts of it let light through."""
+        return self.model.is_clear
+
+    @property
     def contact_corners(self) -> Float:
         """(8, 2) metres, marker frame: around where the contact ends."""
         corners = np.column_stack([self.contact.corners, np.zeros(8)])
@@ -46,6 +51,7 @@ class StandingGroup:
         """At least one."""
         self.members = members
         self.points = np.concatenate([member.points for member in members])
+        self.is_clear = any(member.is_clear for member in members)
         # (8 n, 3) of the boxes around them, metres, marker frame
         self.corners = np.concatenate([member.corners for member in members])
 

@@ -422,6 +422,22 @@ def test_the_shadow_of_a_ball_of_glass_is_darkest_at_its_rim(make_renderer, stag
     assert rim > middle + 0.2
 
 
+@pytest.mark.parametrize(("quality", "alpha"), in_turns([(0.1,), (0.3,), (0.6,), (0.6,), (0.1,), (0.3,)]))
+def test_the_shadow_of_a_clear_sheet_is_even(make_renderer, stage, quality: str, alpha: float) -> None:
+    """On what lies below it, and on the ground: of the texels that stop the light none is seen."""
+    studio = _Studio(make_renderer, stage, quality, grey=160, elevation_deg=70)
+    below = _sheet(Material(base_colour=(0.5, 0.5, 0.5, 1.0), roughness=1.0))
+    clear = _sheet(Material(base_colour=(1.0, 1.0, 1.0, alpha), alpha=Alpha.BLEND))
+    both = stage.placed(below, replace(clear, vertices=CORNERS + np.float32((0.0, 0.0, 0.02))))
+    light = stage.light(-90, 55, (0.2, 0.2, 0.2))  # casts both shadows away from the camera
+    studio.renderer.render(Scene(studio.tracked, both, Illumination((light,), seen_in=studio.tracked)))
+    picture = studio.renderer.read_bgr()[..., ::-1]
+    xs = np.linspace(-0.02, 0.02, 60)
+    for height, ys in ((HEIGHT_M, (0.0, 0.01)), (0.0, (0.046, 0.048))):
+        seen = np.array([[studio.at(picture, (x, y, height))[1] for x in xs] for y in ys])
+        assert (seen.std(axis=1) < 0.005 * seen.mean(axis=1)).all()
+
+
 def test_the_order_of_triangles_in_a_glass_does_not_matter(make_renderer, stage) -> None:
     """Its near wall does not hide the far one."""
     studio = _Studio(make_renderer, stage, elevation_deg=30)
