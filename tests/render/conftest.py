@@ -14,22 +14,52 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.transforms import direction_from_angles, project, rigid
 from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.models.material import Material
+from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
 from ashe_live.quality import FAST
 from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.gl.preset import RenderPreset
-from ashe_live.render.occlusion.occlusion import Known
+from ashe_live.render.occlusion.occlusion import Hidden, Known
 from ashe_live.render.renderer import SceneRenderer
 from tests.render.uniform_audit import UniformAudit, begin_audit
 
 SIZE = (480, 360)
 FOCAL_PX = 520.0
-# What models hide is looked at once for all tests that show a model of the same parts: half of the time of many. But
-# anew by each renderer where a test is about that, or about what renderers leave behind.
 PLACED: dict[bytes, PlacedModel] = {}
-HIDDEN = Known()
+
+
+class KnownByShape(Known):
+    """What models hide, found once for all of one shape: of an opaque part the rest of its material hides nothing."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._by_shape: dict[bytes, Hidden] = {}
+
+    @staticmethod
+    def _shape(placed: PlacedModel) -> bytes:
+        return pickle.dumps(
+            [
+                (part.vertices, part.normals, part.triangles, part.motion, part.material.double_sided)
+                if part.material.alpha is Alpha.OPAQUE
+                else part
+                for part in placed.model.parts
+            ]
+        )
+
+    def __contains__(self, placed: object) -> bool:
+        return isinstance(placed, PlacedModel) and self._shape(placed) in self._by_shape
+
+    def __getitem__(self, placed: PlacedModel) -> Hidden:
+        return self._by_shape[self._shape(placed)]
+
+    def __setitem__(self, placed: PlacedModel, hidden: Hidden) -> None:
+        self._by_shape[self._shape(placed)] = hidden
+
+
+# That takes half of the time of many tests. It is looked at anew by each renderer where a test is about it, or about
+# what renderers leave behind.
+HIDDEN = KnownByShape()
 LOOK_ANEW = ("test_self_occlusion.py", "test_renderer.py", "test_golden.py")
 
 
