@@ -11,7 +11,7 @@ from rich.progress import track
 
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
-from ashe_live.bench.light.clips import ClipResult, estimate_clip, read_clips
+from ashe_live.bench.light.clips import ClipResult, estimate_clip, frames_of, read_clips
 from ashe_live.bench.light.known_casters import print_known_casters, with_known_casters
 from ashe_live.bench.light.preset_tables import print_preset
 from ashe_live.bench.light.results import CaseResult, Summary, case_result, grouped, stage_times, summarise
@@ -161,7 +161,7 @@ class LightBench(Bench):
         results = []
         clips = [clip for folder in self.scenes for clip in read_clips(folder)]
         for clip in track(clips, "clips", console=self.console, transient=True):
-            frames = clip.frames(limit)
+            frames = frames_of(clip, limit)
             results += [estimate_clip(estimator, preset, clip, frames) for preset, estimator in estimators.items()]
         return results
 

@@ -10,8 +10,7 @@ import numpy as np
 from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES
 from ashe_live.bench.metrics import angular_error_deg, rms_deg
 from ashe_live.capture.clips.clip import ClipSource
-from ashe_live.capture.clips.known_clip import read_known_clip
-from ashe_live.core.arrays import Float
+from ashe_live.capture.clips.known_clip import KnownClip, read_known_clip
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import normalised
 from ashe_live.core.types import TrackedFrame
@@ -23,27 +22,6 @@ from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
 
 EVERY = 10  # frames
-
-
-@dataclass(frozen=True, slots=True)
-class LightClip:
-    """A clip, how to track it, and its light if that is known."""
-
-    path: Path
-    camera: Camera
-    marker_spec: str  # as --marker takes it
-    marker_side_m: float
-    to_light_marker: Float | None  # (3,) unit; None: unknown but fixed
-
-    def frames(self, limit: int | None = None) -> list[TrackedFrame]:
-        """Every EVERYth frame, at most `limit` of them, with the pose that the tracker finds (None: no marker)."""
-        tracker = MarkerTracker(parse_marker(self.marker_spec), self.camera, self.marker_side_m, BALANCED.tracking)
-        tracked: list[TrackedFrame] = []
-        with ClipSource(self.path) as source:
-            while (frame := source.read()) is not None and (limit is None or len(tracked) < limit):
-                if frame.index % EVERY == 0:
-                    tracked.append(tracker.track(frame))
-        return tracked
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +38,7 @@ class ClipResult:
     max_deg: float | None
 
 
-def read_clips(folder: Path) -> list[LightClip]:
+def read_clips(folder: Path) -> list[KnownClip]:
     """The clips that ground_truth.json lists under `clips`, and those with a JSON file of the same stem beside them.
 
     Raises UserError when a file cannot be read or a description is not valid.
@@ -74,8 +52,19 @@ def read_clips(folder: Path) -> list[LightClip]:
         raise UserError(f"{folder} has a clip without a proper description ({error})", "mend its JSON") from error
 
 
-def estimate_clip(estimator: Estimator, preset: str, clip: LightClip, frames: list[TrackedFrame]) -> ClipResult:
-    """The spread of the estimates from `frames` of `clip` (LightClip.frames)."""
+def frames_of(clip: KnownClip, limit: int | None = None) -> list[TrackedFrame]:
+    """Every EVERYth frame, at most `limit` of them, with the pose that the tracker finds (None: no marker)."""
+    tracker = MarkerTracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, BALANCED.tracking)
+    tracked: list[TrackedFrame] = []
+    with ClipSource(clip.path) as source:
+        while (frame := source.read()) is not None and (limit is None or len(tracked) < limit):
+            if frame.index % EVERY == 0:
+                tracked.append(tracker.track(frame))
+    return tracked
+
+
+def estimate_clip(estimator: Estimator, preset: str, clip: KnownClip, frames: list[TrackedFrame]) -> ClipResult:
+    """The spread of the estimates from `frames` of `clip` (`frames_of`)."""
     seen = [tracked for tracked in frames if tracked.marker is not None]
     answers = [light.to_light_marker for tracked in seen if (light := estimator.estimate(tracked).light) is not None]
     rms = worst = None
@@ -88,12 +77,12 @@ def estimate_clip(estimator: Estimator, preset: str, clip: LightClip, frames: li
     return ClipResult(preset, clip.path.name, about, len(frames), without_marker, abstained, rms, worst)
 
 
-def _listed(folder: Path, content: dict[str, Any]) -> Iterator[LightClip]:
+def _listed(folder: Path, content: dict[str, Any]) -> Iterator[KnownClip]:
     for file, clip in content.get("clips", {}).items():
         width, height = clip["size"]
         marker = content["marker"]
         light = clip.get("to_light_marker")
-        yield LightClip(
+        yield KnownClip(
             folder / file,
             Camera.from_focal((width, height), clip["f_px"], "file"),
             f"pattern:{folder / marker['pattern_file']}",
@@ -102,8 +91,7 @@ def _listed(folder: Path, content: dict[str, Any]) -> Iterator[LightClip]:
         )
 
 
-def _described(folder: Path) -> Iterator[LightClip]:
+def _described(folder: Path) -> Iterator[KnownClip]:
     for path in sorted(folder.glob("*.mp4")):
         if (description := path.with_suffix(".json")).exists():
-            known = read_known_clip(description)
-            yield LightClip(path, known.camera, known.marker_spec, known.marker_side_m, known.to_light_marker)
+            yield read_known_clip(description)

@@ -85,6 +85,7 @@ class RenderBench(Bench):
     def _loop(self, ctx: Context, size: Size) -> Json:
         """Times of decoding, tracking and rendering in `fast`, and of drawing the bare video in the same run."""
         clip = self.clip
+        assert clip.to_light_marker is not None
         light = Light(clip.to_light_marker)
         model = placed_on_marker(load_model("cube"), clip.marker_side_m)
         renderer = SceneRenderer(ctx, FAST.render, size)

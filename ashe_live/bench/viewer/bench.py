@@ -162,6 +162,7 @@ class BenchScene:
         self.task = Task.IDLE
         self.estimates_ms: dict[Task, list[float]] = {task: [] for task in Task}  # how long each of them took
         self._session = session
+        assert clip.to_light_marker is not None
         self._true = Illumination((Light(clip.to_light_marker),))
         self._size = size
         self._quality = quality

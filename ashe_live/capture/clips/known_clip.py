@@ -1,4 +1,4 @@
-"""A rendered clip whose camera, marker and light are known: the one that ships with the program, or another like it."""
+"""Clips whose camera and marker are known, as of the one that ships with the program and others like it."""
 
 import json
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float, set_given_frozen
 from ashe_live.core.camera import Camera
 from ashe_live.files.resources import resource
 
@@ -19,10 +19,10 @@ class KnownClip:
     camera: Camera
     marker_spec: str  # as --marker takes it
     marker_side_m: float
-    to_light_marker: Float  # (3,) unit, towards the strongest light
+    to_light_marker: Float | None  # (3,) unit, towards the strongest light; None: unknown, but the same throughout
 
     def __post_init__(self) -> None:
-        set_frozen(self, to_light_marker=frozen_floats(self.to_light_marker, (3,), "to_light_marker"))
+        set_given_frozen(self, to_light_marker=(3,))
 
 
 def read_known_clip(truth_path: Path) -> KnownClip:

@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.light.clips import LightClip, estimate_clip, read_clips
+from ashe_live.bench.light.clips import estimate_clip, frames_of, read_clips
+from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles, rigid
@@ -41,7 +42,7 @@ def frames(count, without_marker=()):
 
 @pytest.fixture
 def clip(tmp_path):
-    return LightClip(tmp_path / "c.mp4", CAMERA, "aruco:4x4_50:0", 0.1, None)
+    return KnownClip(tmp_path / "c.mp4", CAMERA, "aruco:4x4_50:0", 0.1, None)
 
 
 def test_without_a_truth_the_spread_counts(clip):
@@ -91,5 +92,5 @@ def test_every_tenth_frame_is_tracked(clip):
     with Recorder(clip.path, SIZE, 10) as recorder:
         for index in range(25):
             recorder.write(cv2.cvtColor(np.full((SIZE[1], SIZE[0]), 10 * index, np.uint8), cv2.COLOR_GRAY2BGR))
-    assert [tracked.frame.index for tracked in clip.frames()] == [0, 10, 20]
-    assert [tracked.frame.index for tracked in clip.frames(limit=2)] == [0, 10]
+    assert [tracked.frame.index for tracked in frames_of(clip)] == [0, 10, 20]
+    assert [tracked.frame.index for tracked in frames_of(clip, limit=2)] == [0, 10]
