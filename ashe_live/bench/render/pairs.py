@@ -54,7 +54,6 @@ class Pair:
     without_sheet: Image  # (h, w, 3) BGR, and without the model
     is_model: Mask  # (h, w)
     is_sheet: Mask  # (h, w)
-    angular_diameter_deg: float
     white_rgb: Float | None  # (3,) what white of radiance 1 was exposed to, linear RGB; None: not stated, as
     sky: Float | None  # (3,) share of the sky in the light on level ground
     sky_slope: Float | None  # (2, 3) how that sky leans, as `Illumination.sky_slope_rgb`
@@ -239,6 +238,5 @@ def _pair(folder: Path, entry: Json, model: str) -> Pair:
         without_sheet,
         is_model,
         is_sheet > 0,
-        entry["angular_diameter_deg"],
         *(np.array(entry[key]) if key in entry else None for key in ("white_rgb", "sky", "sky_slope")),
     )

@@ -49,13 +49,6 @@ class Sun:
         """The light's radius over its distance from the marker's centre."""
         return math.tan(self.angular_size_rad / 2)
 
-    @property
-    def intensity(self) -> RGB:
-        """A lamp's irradiance at 1 m. Raises ValueError for a sun."""
-        if self.inverse_distance == 0:
-            raise ValueError("a directional light has an irradiance and no intensity")
-        return _rgb(np.array(self.irradiance) / self.inverse_distance**2)
-
     def towards(self, points: Float) -> Float:
         """(n, 3) vectors from points (n, 3) to the light, over its distance from the marker's centre."""
         return np.asarray(self.to_light - self.inverse_distance * points)

@@ -82,15 +82,12 @@ class PrintLikeness:
             return view
         return replace(view, light=np.asarray(cv2.blur(view.light, (width, width)), dtype=np.float32))
 
-    def likeness(self, samples: Light) -> float:
-        """Correlation in [-1, 1] of samples with the print and the paper around it, at the blur that fits best.
-
-        Of the square roots of both: as in an encoded picture, a shadow over a part of the print then counts less.
-        """
-        return float((self._prints @ normalised(np.sqrt(samples.ravel()))).max())
-
     def is_print(self, samples: Light) -> bool:
-        """Whether samples look like the whole print, and each of its cells like itself."""
+        """Whether samples look like the whole print and the paper around it, and each of its cells like itself.
+
+        By the correlation at the blur that fits best, of the square roots of both: as in an encoded picture, a shadow
+        over a part of the print then counts less.
+        """
         seen = normalised(np.sqrt(samples.ravel()))
         correlations = self._prints @ seen
         best = int(correlations.argmax())

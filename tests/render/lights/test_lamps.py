@@ -214,15 +214,6 @@ def test_what_is_within_reach_of_the_lamp_has_no_view() -> None:
         assert view_of(lamp, points) is not None
 
 
-def test_a_lamp_has_an_intensity_in_candela() -> None:
-    light = Light((0.0, 0.0, 1.0), shadow_rgb_ratio=np.array(RATIO), inverse_distance=2.0)
-    (lamp,) = lighting_of((light,)).suns
-    np.testing.assert_allclose(lamp.intensity, 0.8 * 0.5**2)
-    (sun,) = lighting_of((replace(light, inverse_distance=0.0),)).suns
-    with pytest.raises(ValueError, match="no intensity"):
-        _ = sun.intensity
-
-
 def test_ground_below_a_lamp_that_lies_on_it_is_lit_finitely() -> None:
     lamp = Light((0.3, 0.0, 1e-200), shadow_rgb_ratio=np.array(RATIO), inverse_distance=1 / 0.3)
     lighting = lighting_of((lamp,))

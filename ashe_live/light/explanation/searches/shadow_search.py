@@ -49,7 +49,6 @@ class ShadowCandidate:
     light: Float  # (4,) homogeneous point at infinity, marker frame, with z = 1
     area: Mask  # (h, w) its visible part in the coarse picture, outside of the body and of known shadows
     difference: Float  # (3,) mean log-opponent colour of the area less that of the ground around it
-    signal_to_noise: float  # of that difference, the noise being the ground's own unevenness
 
     def shift(self, ground: LitGround) -> Float | None:
         """(3,) the shift of the ground's colours in it; None where too little is seen or it is too pale."""
@@ -67,6 +66,7 @@ def shadow_candidates(
 ) -> list[ShadowCandidate]:
     """Up to `count` candidates for a shadow of a body beside those in known lights, by falling signal-to-noise ratio.
 
+    The signal is a candidate's difference from the ground around it, the noise that ground's own unevenness.
     known_lights: (l, 4) homogeneous points, marker frame; (0, 4) where none is known. coarse: the view that `ground`
     was fitted to.
     """
@@ -91,7 +91,7 @@ def shadow_candidates(
             ratios_nearby, differences = matched_filter.responses(nearby)
             best = int(ratios_nearby.argmax())
             area = predicted(proxy, nearby[best : best + 1], coarse).shadow & free
-            found.append(ShadowCandidate(nearby[best], area, differences[best], float(ratios_nearby[best])))
+            found.append(ShadowCandidate(nearby[best], area, differences[best]))
     return found
 
 
