@@ -9,8 +9,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.tracking.edges.corner_errors import FITTED
 from ashe_live.tracking.focal.focal import CAUTION, FocalEstimate
-from ashe_live.tracking.poses.pose import Sighting, corners_information, corners_noise, pose_of_squares
-from ashe_live.tracking.poses.pose_refinement import refined_solution, solution_of
+from ashe_live.tracking.poses.pose import Corners, Sighting, pose_of_squares
 
 # Logarithms of the focal lengths tried, over the assumed one, and how many standard deviations from their mean then.
 TRIED = np.linspace(-0.9, 0.9, 19)
@@ -30,16 +29,14 @@ def focal_of_view(sightings: Sequence[Sighting], assumed: Camera, side_m: float)
     if pose is None:
         return None
     R, t = pose.T_cam_marker[:3, :3], pose.T_cam_marker[:3, 3]
-    points = np.concatenate([one.points for one in sightings])
-    pixels = np.concatenate([one.square.corners_px for one in sightings])
-    information = corners_information(sightings, corners_noise(sightings))
+    seen = Corners.of(sightings)
     focal_px, sigma = float(assumed.K[0, 0]), assumed.focal_sigma_px / float(assumed.K[0, 0])
 
     def cost(log_ratio: float) -> float:
         ratio = math.exp(log_ratio)
         K = Camera.from_focal(assumed.size, focal_px * ratio, "assumed").K
-        start = solution_of(R, t * (1, 1, ratio), points, pixels, information, K)
-        return math.inf if start is None else refined_solution(start, points, pixels, information, K).cost
+        start = seen.solution(R, t * (1, 1, ratio), K)
+        return math.inf if start is None else seen.refined(start, K).cost
 
     freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 7)
 

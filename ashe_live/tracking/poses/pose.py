@@ -19,13 +19,7 @@ from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, systema
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 from ashe_live.tracking.poses.pose_choice import in_order, is_from_below, longest_focal, turn_from
-from ashe_live.tracking.poses.pose_refinement import (
-    Solution,
-    covariances_of,
-    followed_solution,
-    refined_solution,
-    solution_of,
-)
+from ashe_live.tracking.poses.pose_refinement import Correspondences, Solution
 
 # Noise may raise the error of the right one of two poses by NOISE_SIGMAS standard deviations of a corner, and at least
 # by MIN_NOISE_PX.
@@ -51,24 +45,22 @@ class Sighting:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Corners:
+class Corners(Correspondences):
     """All corners of n squares that lie in one frame."""
 
     sightings: Sequence[Sighting]
-    points: Float  # (4 n, 3) metres
-    pixels: Float  # (4 n, 2) ideal pixels
     noise: Float  # (8 n, 8 n) as by `corners_noise`
-    information: Float  # (8 n, 8 n) as by `corners_information`
     largest: Sighting
 
     @staticmethod
-    def of(sightings: Sequence[Sighting], errors: CornerErrors) -> "_Corners":
+    def of(sightings: Sequence[Sighting], errors: CornerErrors = FITTED) -> "Corners":
+        """`errors`: their systematic errors, in addition to noise."""
         points = np.concatenate([one.points for one in sightings])
         pixels = np.concatenate([one.square.corners_px for one in sightings])
         noise = corners_noise(sightings)
         information = corners_information(sightings, noise, errors)
         largest = max(sightings, key=lambda one: float(side_lengths_px(one.square.corners_px).sum()))
-        return _Corners(sightings, points, pixels, noise, information, largest)
+        return Corners(points, pixels, information, sightings, noise, largest)
 
 
 def estimate_pose(
@@ -102,7 +94,7 @@ def pose_of_squares(
     sightings = [one for one in sightings if is_front_of_square(one.square.corners_px)]
     if not sightings:
         return None
-    seen = _Corners.of(sightings, errors)
+    seen = Corners.of(sightings, errors)
     chosen = _chosen_solution(seen, camera, previous, refines)
     if chosen is None:
         return None
@@ -120,7 +112,7 @@ def pose_of_squares(
     corners_px = seen.pixels if is_whole else project(camera, T_cam_marker, own)
     if not np.isfinite(corners_px).all():
         return None
-    covariances = covariances_of(solution, seen.points, seen.information, camera.K, seen.noise)
+    covariances = seen.covariances(solution, camera.K, seen.noise)
     # If the pose leaves more unexplained than was stated, the systematic errors were understated.
     freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
     understated = (errors.weight + solution.cost) / (errors.weight + freedom)
@@ -139,22 +131,21 @@ def pose_of_squares(
 
 
 def _chosen_solution(
-    seen: _Corners, camera: Camera, previous: MarkerPose | None, refines: bool
+    seen: Corners, camera: Camera, previous: MarkerPose | None, refines: bool
 ) -> tuple[Solution, float | None] | None:
     """The chosen solution, and the error (px) of the other one, if there is one; None if there is no solution."""
     if previous is not None:
-        T = previous.measured_T_cam_marker
-        followed = followed_solution(T, seen.points, seen.pixels, seen.information, camera.K)
+        followed = seen.followed(previous.measured_T_cam_marker, camera.K)
         if followed is not None:
             return followed, None
     refines = refines or len(seen.sightings) > 1
 
     def solutions_by(K: Float) -> list[Solution]:
-        starts = (solution_of(R, t, seen.points, seen.pixels, seen.information, K) for R, t in _ippe(seen.largest, K))
+        starts = (seen.solution(R, t, K) for R, t in _ippe(seen.largest, K))
         solutions = [one for one in starts if one is not None]
         # With a previous pose the choice is safe before refinement, which takes most of the time.
         if refines and previous is None:
-            solutions = [refined_solution(one, seen.points, seen.pixels, seen.information, K) for one in solutions]
+            solutions = [seen.refined(one, K) for one in solutions]
         return solutions
 
     solutions = solutions_by(camera.K)
@@ -164,7 +155,7 @@ def _chosen_solution(
     unexplained_px = _unexplained_px(seen.sightings, seen.information)
     chosen, *others = in_order(solutions, prior, unexplained_px, lambda: solutions_by(longest_focal(camera)))
     if refines and previous is not None:
-        chosen = refined_solution(chosen, seen.points, seen.pixels, seen.information, camera.K)
+        chosen = seen.refined(chosen, camera.K)
     return chosen, others[0].rms_px if others else None
 
 

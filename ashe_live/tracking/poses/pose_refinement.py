@@ -31,22 +31,6 @@ class Solution:
     cost: float  # squared distance in standard deviations, summed
 
 
-def solution_of(
-    R: ArrayLike, t: ArrayLike, points: Float, pixels: Float, information: Float, K: Float
-) -> Solution | None:
-    """The pose with its errors on ideal `pixels` (n, 2) of `points` (n, 3) in the marker frame; None behind the camera.
-
-    `information` (2n, 2n) is the inverse covariance of the pixels.
-    """
-    R, t = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64).reshape(3)
-    in_camera = points @ R.T + t
-    if not in_camera[:, 2].min() > 0:
-        return None
-    error = ((in_camera / in_camera[:, 2:]) @ K[:2].T - pixels).ravel()
-    cost = float(error @ information @ error)
-    return Solution(R, t, math.sqrt(float(error @ error) / len(points)), cost) if math.isfinite(cost) else None
-
-
 @dataclass(frozen=True, slots=True)
 class PoseCovariances:
     """(6, 6) each, of (w, v), rad and metres, see the module."""
@@ -56,58 +40,79 @@ class PoseCovariances:
     by_log_focal: Float  # by a focal length whose logarithm has a standard deviation of one
 
 
-def covariances_of(solution: Solution, points: Float, information: Float, K: Float, noise: Float) -> PoseCovariances:
-    """`noise` (2n, 2n) is the part of the pixels' covariance, the inverse of `information`, that is noise."""
-    turned = points @ solution.R.T
-    in_camera = turned + solution.t
-    jacobian = pixels_by_pose(turned, in_camera, K)
-    weighted = jacobian.T @ information
-    covariance = _inverse(weighted @ jacobian)
-    by_pixels = covariance @ weighted
-    # A longer focal length moves pixels away from the principal point, and the pose makes up for it.
-    from_centre = (in_camera[:, :2] / in_camera[:, 2:]) @ K[:2, :2].T
-    by_focal = by_pixels @ from_centre.ravel()
-    return PoseCovariances(covariance, by_pixels @ noise @ by_pixels.T, np.outer(by_focal, by_focal))
+@dataclass(frozen=True, slots=True, eq=False)
+class Correspondences:
+    """Points of the marker's frame, and where they are in the picture of a camera with intrinsics K (3, 3)."""
 
+    points: Float  # (n, 3) metres
+    pixels: Float  # (n, 2) ideal pixels
+    information: Float  # (2n, 2n) inverse covariance of the pixels
 
-def refined_solution(start: Solution, points: Float, pixels: Float, information: Float, K: Float) -> Solution:
-    """The solution with the least cost near `start`; see solution_of for the arguments."""
-    best, damping = start, FIRST_DAMPING
-    for _ in range(STEPS):
-        turned = points @ best.R.T
-        in_camera = turned + best.t
-        error = ((in_camera / in_camera[:, 2:]) @ K[:2].T - pixels).ravel()
+    def solution(self, R: ArrayLike, t: ArrayLike, K: Float) -> Solution | None:
+        """A pose with its errors; None where it has points behind the camera."""
+        R, t = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64).reshape(3)
+        in_camera = self.points @ R.T + t
+        if not in_camera[:, 2].min() > 0:
+            return None
+        error = self._error(in_camera, K)
+        cost = float(error @ self.information @ error)
+        return Solution(R, t, math.sqrt(float(error @ error) / len(self.points)), cost) if math.isfinite(cost) else None
+
+    def refined(self, start: Solution, K: Float) -> Solution:
+        """The solution with the least cost near `start`."""
+        best, damping = start, FIRST_DAMPING
+        for _ in range(STEPS):
+            turned = self.points @ best.R.T
+            in_camera = turned + best.t
+            jacobian = pixels_by_pose(turned, in_camera, K)
+            weighted = jacobian.T @ self.information
+            hessian = weighted @ jacobian
+            try:
+                step = np.linalg.solve(
+                    hessian + damping * np.diag(np.diag(hessian)), -weighted @ self._error(in_camera, K)
+                )
+            except np.linalg.LinAlgError:
+                return best
+            tried = self.solution(cv2.Rodrigues(step[:3])[0] @ best.R, best.t + step[3:], K)
+            if tried is None or not tried.cost <= best.cost:
+                damping *= TIGHTENED
+                continue
+            best, damping = tried, damping * EASED
+            if step @ hessian @ step < SMALL_STEP**2:
+                break
+        return best
+
+    def followed(self, T_previous: Float, K: Float) -> Solution | None:
+        """The solution with the least cost near the last pose (4, 4), of points that are the corners of squares.
+
+        None where that is no start, as too far off, or where all lie in one plane, of which a second pose has to be
+        asked.
+        """
+        points = self.points
+        x, y = points[1] - points[0], points[0] - points[3]
+        # np.cross would take as long as a step.
+        normal = np.array((x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]))
+        if np.abs((points - points[0]) @ normal).max() < LEAST_DEPTH * float(x @ x) ** 1.5:
+            return None
+        start = self.solution(T_previous[:3, :3], T_previous[:3, 3], K)
+        return None if start is None or start.rms_px > FOLLOWED_PX else self.refined(start, K)
+
+    def covariances(self, solution: Solution, K: Float, noise: Float) -> PoseCovariances:
+        """`noise` (2n, 2n) is the part of the pixels' covariance, the inverse of `information`, that is noise."""
+        turned = self.points @ solution.R.T
+        in_camera = turned + solution.t
         jacobian = pixels_by_pose(turned, in_camera, K)
-        weighted = jacobian.T @ information
-        hessian = weighted @ jacobian
-        try:
-            step = np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), -weighted @ error)
-        except np.linalg.LinAlgError:
-            return best
-        tried = solution_of(cv2.Rodrigues(step[:3])[0] @ best.R, best.t + step[3:], points, pixels, information, K)
-        if tried is None or not tried.cost <= best.cost:
-            damping *= TIGHTENED
-            continue
-        best, damping = tried, damping * EASED
-        if step @ hessian @ step < SMALL_STEP**2:
-            break
-    return best
+        weighted = jacobian.T @ self.information
+        covariance = _inverse(weighted @ jacobian)
+        by_pixels = covariance @ weighted
+        # A longer focal length moves pixels away from the principal point, and the pose makes up for it.
+        from_centre = (in_camera[:, :2] / in_camera[:, 2:]) @ K[:2, :2].T
+        by_focal = by_pixels @ from_centre.ravel()
+        return PoseCovariances(covariance, by_pixels @ noise @ by_pixels.T, np.outer(by_focal, by_focal))
 
-
-def followed_solution(T_previous: Float, points: Float, pixels: Float, information: Float, K: Float) -> Solution | None:
-    """The solution with the least cost near the last pose (4, 4), whose points (4 n, 3) are corners of n squares.
-
-    None where that is no start, as too far off, or where all lie in one plane, of which a second pose has to be asked.
-    """
-    x, y = points[1] - points[0], points[0] - points[3]
-    # np.cross would take as long as a step.
-    normal = np.array((x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]))
-    if np.abs((points - points[0]) @ normal).max() < LEAST_DEPTH * float(x @ x) ** 1.5:
-        return None
-    start = solution_of(T_previous[:3, :3], T_previous[:3, 3], points, pixels, information, K)
-    if start is None or start.rms_px > FOLLOWED_PX:
-        return None
-    return refined_solution(start, points, pixels, information, K)
+    def _error(self, in_camera: Float, K: Float) -> Float:
+        """(2n,) by which the points, camera frame, are beside their pixels."""
+        return np.asarray(((in_camera / in_camera[:, 2:]) @ K[:2].T - self.pixels).ravel())
 
 
 def pixels_by_points(in_camera: Float, K: Float) -> Float:
