@@ -14,11 +14,9 @@ from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
 from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, image_beside, masks_of
 from ashe_live.light.known_body.lights import Found, lights_of
-from ashe_live.light.known_body.outline.fit import moved
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.ambient import open_sky_rgb, sky_slope_rgb
-from ashe_live.light.known_body.table import height_of
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.pixels.view import View
 
@@ -99,13 +97,12 @@ def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight
     fit = found.fit
     if fit is None or seen.wobble is None or found.is_lamp or found.may_be_lamp or fit.light[3] != 0:
         return found
-    profiles = fit.profiles_in(image_beside(seen, others))
-    if profiles is None:
+    told = beside_folds(fit, image_beside(seen, others), found.darkening, seen.wobble, with_nearness=False)
+    if told is None:
         return found
-    height = height_of(seen.body)
-    step, covariance = beside_folds(fit.light, profiles, found.darkening, seen.wobble, height, with_nearness=False)
+    light, covariance = told
     covariance = covariance + found.covariance[:2, :2] - fit.covariance[:2, :2]
-    return replace(found, light=moved(fit.light, step, height), covariance=covariance, has_folds=True)
+    return replace(found, light=light, covariance=covariance, has_folds=True)
 
 
 def _light(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:

@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Wobble
 from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
-from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, moved, nearness_sigma
+from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, nearness_sigma
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
@@ -78,15 +78,13 @@ def _of_folded_body(
     """The lamp (4,) that a fit with its nearness tells, its (3, 3) covariance, as the body may be off, and whether that
     has in it how the body's frame may be off.
     """
-    height = image.height_m
-    profiles = None if wobble is None else fit.profiles_in(image)
-    if wobble is None or profiles is None:
-        # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
-        end = fit.light[:2] / (1 - height * fit.light[3])
-        by_width = FOLDED * np.append(-end, 1 / height)
-        return fit.light, fit.covariance + np.outer(by_width, by_width), False
-    step, covariance = beside_folds(fit.light, profiles, darkening, wobble, height, with_nearness=True)
-    return moved(fit.light, step, height), covariance, True
+    told = None if wobble is None else beside_folds(fit, image, darkening, wobble, with_nearness=True)
+    if told is not None:
+        return *told, True
+    # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
+    end = fit.light[:2] / (1 - image.height_m * fit.light[3])
+    by_width = FOLDED * np.append(-end, 1 / image.height_m)
+    return fit.light, fit.covariance + np.outer(by_width, by_width), False
 
 
 def _is_as_good(fit: EdgeFit, other: EdgeFit) -> bool:

@@ -9,20 +9,33 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Wobble
-from ashe_live.light.known_body.outline.fit import EARLY_LOSS, EDGE_SIGMA_PX, LEAST_SIGMA_PX, prior_of, telling_sides
-from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE, Profiles
+from ashe_live.light.known_body.outline.edge_image import EdgeImage
+from ashe_live.light.known_body.outline.fit import (
+    EARLY_LOSS,
+    EDGE_SIGMA_PX,
+    LEAST_SIGMA_PX,
+    EdgeFit,
+    moved,
+    prior_of,
+    telling_sides,
+)
+from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE
 
 ROUNDS = 4  # of reweighted least squares
 
 
 def beside_folds(
-    light: Float, profiles: Profiles, darkening: float, wobble: Wobble, height: float, with_nearness: bool
-) -> tuple[Float, Float]:
-    """(p,) by how much a light (4,), z = 1, which lies on its edges, is off because the body is, and (p, p) covariance.
+    fit: EdgeFit, image: EdgeImage, darkening: float, wobble: Wobble, with_nearness: bool
+) -> tuple[Float, Float] | None:
+    """The light (4,), z = 1, as it is if the body is off as the edges of a fit say, and its (p, p) covariance: of
+    s = (x, y) / z and, `with_nearness`, of w / z. None where the fit's shadow has no edges in the picture.
 
-    Of s = (x, y) / z and, `with_nearness`, of w / z. profiles: its edges. darkening: the part of the table's light that
-    it gives, roughly. height: of the body.
+    darkening: the part of the table's light that it gives, roughly.
     """
+    profiles = fit.profiles_in(image)
+    if profiles is None:
+        return None
+    light, height = fit.light, image.height_m
     parameters = [0, 1, 3] if with_nearness else [0, 1]
     edges = profiles.edges
     # A whole side is off where stains, the hidden sky's gradient, or what bulges, shift it.
@@ -45,4 +58,4 @@ def beside_folds(
         step, *by_lights = np.linalg.solve(weighted @ J + prior, wanted).T
         left_px = profiles.offset_px - J @ step
         variance = float((weight * left_px**2).sum() / max(float(weight.sum()), 1e-9)) + LEAST_SIGMA_PX**2
-    return step[: len(parameters)], np.array(by_lights)[:, : len(parameters)]
+    return moved(light, step[: len(parameters)], height), np.array(by_lights)[:, : len(parameters)]
