@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, painted
+from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, PrintedMarker
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
@@ -23,7 +23,7 @@ PLACE = pose(0.6, 30, 10)
 
 def shot(T_cam_marker: Float, flaws: Flaws = CLEAN_CAMERA, camera: Camera = CAMERA) -> Image:
     bitmap = parse_marker(SPEC).bitmap(6)
-    return painted(bitmap, SIDE_M, camera, [T_cam_marker], flaws, np.random.default_rng(5))
+    return PrintedMarker(bitmap, SIDE_M, camera, flaws).painted([T_cam_marker], np.random.default_rng(5))
 
 
 def tracker(camera: Camera = CAMERA) -> MarkerTracker:
@@ -165,7 +165,7 @@ def test_the_covariance_says_how_far_off_the_pose_is() -> None:
     camera = Camera.from_focal((320, 240), 900)
     for _ in range(30):
         truth = pose(0.6, rng.uniform(20, 60), rng.uniform(0, 360))
-        image = painted(bitmap, SIDE_M, camera, [truth], Flaws(), rng)
+        image = PrintedMarker(bitmap, SIDE_M, camera).painted([truth], rng)
         found = tracker(camera).track(frame(image)).marker
         assert isinstance(found, MarkerPose)
         turn = cv2.Rodrigues(found.T_cam_marker[:3, :3] @ truth[:3, :3].T)[0].ravel()

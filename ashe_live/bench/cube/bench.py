@@ -15,8 +15,7 @@ from ashe_live.bench.cube.painter import painted
 from ashe_live.bench.cube.pictures import CubePicture, painted_pictures, traced_picture, traced_pictures
 from ashe_live.bench.cube.scenes import CAMERA, EDGE_M, SETS, looking, sun
 from ashe_live.bench.tables import figures_table
-from ashe_live.bench.track.frames import CLEAN_CAMERA
-from ashe_live.bench.track.frames import painted as painted_flat
+from ashe_live.bench.track.frames import PrintedMarker
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.contract import Json
@@ -79,7 +78,7 @@ class CubeBench(Bench):
             of_flat, of_cube = [], []
             for number, T in enumerate(looks):
                 rng = np.random.default_rng(number)
-                picture = painted_flat(flat.bitmap(300), EDGE_M, CAMERA, [T], CLEAN_CAMERA, rng)
+                picture = PrintedMarker(flat.bitmap(300), EDGE_M, CAMERA).painted([T], rng)
                 of_flat.append(self._tracked(flat, picture, T))
                 of_cube.append(self._tracked(cube, painted(CubeScene(CAMERA, T, [sun(200, 40)], seed=number)), T))
             both = [(a, b) for a, b in zip(of_flat, of_cube, strict=True) if a is not None and b is not None]

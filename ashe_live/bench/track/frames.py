@@ -57,33 +57,73 @@ class Flaws:
 CLEAN_CAMERA = Flaws()
 
 
-def painted(
-    bitmap: Image,
-    side_m: float,
-    camera: Camera,
-    poses: Sequence[Float],
-    flaws: Flaws,
-    rng: np.random.Generator,
-    canvas: Float | None = None,
-    rays: int | None = None,
-) -> Image:
-    """(h, w, 3) uint8 BGR: the black square `bitmap` (n, n) on white paper in front of `camera`.
+@dataclass(frozen=True, slots=True, eq=False)
+class PrintedMarker:
+    """A print on white paper before a camera."""
 
-    poses: T_cam_marker (4, 4) at times spread evenly over the exposure, one for a marker at rest; the middle one is the
-    ground truth. canvas: (h, w) linear light behind the paper; without it, `ground` without clutter. `rays` per
-    pixel in each direction; without it, as many as measuring hundredths of a pixel needs.
-    """
-    light = flaws.ground_gain * (ground(camera) if canvas is None else canvas)
-    x0, y0, x1, y1 = _region(camera, poses, side_m)
-    if x1 > x0 and y1 > y0:
-        rays = rays or (RAYS if len(poses) == 1 else RAYS_IN_MOTION)
-        region = light[y0:y1, x0:x1]
-        light[y0:y1, x0:x1] = np.mean(
-            [_paper_over(region, bitmap, side_m, camera, pose, (x0, y0), rays, flaws) for pose in poses], axis=0
+    bitmap: Image  # (n, n) its black square
+    side_m: float  # of that
+    camera: Camera
+    flaws: Flaws = CLEAN_CAMERA
+    rays: int | None = None  # per pixel in each direction; None: as many as measuring hundredths of a pixel needs
+
+    def painted(self, poses: Sequence[Float], rng: np.random.Generator, canvas: Float | None = None) -> Image:
+        """(h, w, 3) uint8 BGR.
+
+        poses: T_cam_marker (4, 4) at times spread evenly over the exposure, one for a marker at rest; the middle one is
+        the ground truth. canvas: (h, w) linear light behind the paper; without it, `ground` without clutter.
+        """
+        light = self.flaws.ground_gain * (ground(self.camera) if canvas is None else canvas)
+        x0, y0, x1, y1 = self._region(poses)
+        if x1 > x0 and y1 > y0:
+            rays = self.rays or (RAYS if len(poses) == 1 else RAYS_IN_MOTION)
+            region = light[y0:y1, x0:x1]
+            light[y0:y1, x0:x1] = np.mean([self._over(region, (x0, y0), pose, rays) for pose in poses], axis=0)
+        if self.flaws.shadow_ratio < 1:
+            light = self._shaded(light, poses[len(poses) // 2], rng)
+        return developed(light, self.flaws, rng)
+
+    def _region(self, poses: Sequence[Float]) -> tuple[int, int, int, int]:
+        """Left, top, right, bottom of the pixels that the paper may cover."""
+        camera, half = self.camera, self.side_m * (0.5 + QUIET_ZONE)
+        outline = np.array([(x, y, 0.0) for x in np.linspace(-half, half, 9) for y in np.linspace(-half, half, 9)])
+        pixels = np.concatenate(
+            [
+                cv2.projectPoints(outline, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0][:, 0]
+                for T in poses
+            ]
         )
-    if flaws.shadow_ratio < 1:
-        light = _shaded(light, side_m, camera, poses[len(poses) // 2], flaws.shadow_ratio, rng)
-    return developed(light, flaws, rng)
+        lower = np.floor(pixels.min(axis=0) - MARGIN_PX).clip(0, camera.size)
+        upper = np.ceil(pixels.max(axis=0) + MARGIN_PX).clip(0, camera.size)
+        return int(lower[0]), int(lower[1]), int(upper[0]), int(upper[1])
+
+    def _over(self, behind: Float, corner_px: tuple[int, int], T_cam_marker: Float, rays: int) -> Float:
+        """`behind` (h, w), from pixel `corner_px` on, with the paper in front of it; `rays` squared rays per pixel."""
+        height, width = behind.shape
+        x, y = _on_paper(self.camera, T_cam_marker, corner_px, (width * rays, height * rays), rays)
+        half = self.side_m / 2
+        reach = half * (1 + 2 * self.flaws.quiet_zone)
+        is_paper = (np.abs(x) < reach) & (np.abs(y) < reach)
+        is_square = (np.abs(x) < half) & (np.abs(y) < half)
+        cells = len(self.bitmap)
+        column = ((x / self.side_m + 0.5) * cells).astype(np.int32).clip(0, cells - 1)
+        row = ((0.5 - y / self.side_m) * cells).astype(np.int32).clip(0, cells - 1)
+        printed = np.where(self.bitmap > 127, PAPER, INK)[row, column]
+        colour = np.where(is_square, printed, PAPER)
+        light = np.where(is_paper, colour, np.repeat(np.repeat(behind, rays, axis=0), rays, axis=1))
+        cover = self.flaws.cover
+        if cover is not None:
+            light = np.where(_is_covered(cover, x / self.side_m, y / self.side_m), cover.light, light)
+        return np.asarray(light.reshape(height, rays, width, rays).mean(axis=(1, 3)))
+
+    def _shaded(self, light: Float, T_cam_marker: Float, rng: np.random.Generator) -> Float:
+        """`light` (h, w), with a soft-edged shadow that begins somewhere on the marker, its edge straight."""
+        x, y = _on_paper(self.camera, T_cam_marker, (0, 0), self.camera.size, 1)
+        angle = rng.uniform(0, 2 * np.pi)
+        off_centre = rng.uniform(-OFF_CENTRE, OFF_CENTRE)
+        beyond_edge = (np.cos(angle) * x + np.sin(angle) * y) / self.side_m - off_centre
+        lost = (1 - self.flaws.shadow_ratio) * (0.5 + beyond_edge / PENUMBRA).clip(0, 1)
+        return np.asarray(light * (1 - lost))
 
 
 def developed(light: Float, flaws: Flaws, rng: np.random.Generator) -> Image:
@@ -117,49 +157,6 @@ def ground(camera: Camera, clutter: int = 0, seed: int = 4) -> Float:
     return light.clip(0.01, 1)
 
 
-def _region(camera: Camera, poses: Sequence[Float], side_m: float) -> tuple[int, int, int, int]:
-    """Left, top, right, bottom of the pixels that the paper may cover."""
-    half = side_m * (0.5 + QUIET_ZONE)
-    outline = np.array([(x, y, 0.0) for x in np.linspace(-half, half, 9) for y in np.linspace(-half, half, 9)])
-    pixels = np.concatenate(
-        [
-            cv2.projectPoints(outline, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0][:, 0]
-            for T in poses
-        ]
-    )
-    lower = np.floor(pixels.min(axis=0) - MARGIN_PX).clip(0, camera.size)
-    upper = np.ceil(pixels.max(axis=0) + MARGIN_PX).clip(0, camera.size)
-    return int(lower[0]), int(lower[1]), int(upper[0]), int(upper[1])
-
-
-def _paper_over(
-    behind: Float,
-    bitmap: Image,
-    side_m: float,
-    camera: Camera,
-    T_cam_marker: Float,
-    corner_px: tuple[int, int],
-    rays: int,
-    flaws: Flaws,
-) -> Float:
-    """`behind` (h, w), from pixel `corner_px` on, with the paper in front of it; `rays` squared rays per pixel."""
-    height, width = behind.shape
-    x, y = _on_paper(camera, T_cam_marker, corner_px, (width * rays, height * rays), rays)
-    half = side_m / 2
-    reach = half * (1 + 2 * flaws.quiet_zone)
-    is_paper = (np.abs(x) < reach) & (np.abs(y) < reach)
-    is_square = (np.abs(x) < half) & (np.abs(y) < half)
-    cells = len(bitmap)
-    column = ((x / side_m + 0.5) * cells).astype(np.int32).clip(0, cells - 1)
-    row = ((0.5 - y / side_m) * cells).astype(np.int32).clip(0, cells - 1)
-    printed = np.where(bitmap > 127, PAPER, INK)[row, column]
-    colour = np.where(is_square, printed, PAPER)
-    light = np.where(is_paper, colour, np.repeat(np.repeat(behind, rays, axis=0), rays, axis=1))
-    if flaws.cover is not None:
-        light = np.where(_is_covered(flaws.cover, x / side_m, y / side_m), flaws.cover.light, light)
-    return np.asarray(light.reshape(height, rays, width, rays).mean(axis=(1, 3)))
-
-
 def _is_covered(cover: Cover, x: Float, y: Float) -> Mask:
     """Whether the strip lies over places in units of the side."""
     for _ in range(cover.side):
@@ -168,16 +165,6 @@ def _is_covered(cover: Cover, x: Float, y: Float) -> Mask:
     beyond = y - 0.5 - cover.skew * (along - 0.5)
     start, end = cover.along
     return (along > start) & (along < end) & (beyond > -cover.inwards) & (beyond < cover.outwards)
-
-
-def _shaded(
-    light: Float, side_m: float, camera: Camera, T_cam_marker: Float, ratio: float, rng: np.random.Generator
-) -> Float:
-    """`light` (h, w) of a plane, with a soft-edged shadow that begins somewhere on the marker, its edge straight."""
-    x, y = _on_paper(camera, T_cam_marker, (0, 0), camera.size, 1)
-    angle = rng.uniform(0, 2 * np.pi)
-    beyond_edge = (np.cos(angle) * x + np.sin(angle) * y) / side_m - rng.uniform(-OFF_CENTRE, OFF_CENTRE)
-    return np.asarray(light * (1 - (1 - ratio) * (0.5 + beyond_edge / PENUMBRA).clip(0, 1)))
 
 
 def _on_paper(

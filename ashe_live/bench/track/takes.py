@@ -7,7 +7,7 @@ from functools import partial
 import cv2
 import numpy as np
 
-from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, ground, painted
+from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, PrintedMarker, ground
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
@@ -35,13 +35,12 @@ class Take:
 
     def film(self) -> Iterator[tuple[Frame, Float]]:
         """Each frame with its true T_cam_marker (4, 4)."""
-        bitmap = parse_marker(SPEC).bitmap(CELLS)
+        marker = PrintedMarker(parse_marker(SPEC).bitmap(CELLS), SIDE_M, self.camera, self.flaws)
         canvas = ground(self.camera, CLUTTER)
         rng = np.random.default_rng(1)
         for index in range(self.frames):
             poses = self.poses(index)
-            image = painted(bitmap, SIDE_M, self.camera, poses, self.flaws, rng, canvas)
-            yield Frame(image, index, index / FPS), poses[len(poses) // 2]
+            yield Frame(marker.painted(poses, rng, canvas), index, index / FPS), poses[len(poses) // 2]
 
 
 def pose_at(distance_m: float, tilt_deg: float, turn_deg: float, aside_m: tuple[float, float] = (0.0, 0.0)) -> Float:

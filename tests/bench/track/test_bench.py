@@ -10,7 +10,7 @@ import pytest
 
 from ashe_live.bench.track.clips import follow_clips, largest_turn_deg, trembling_px
 from ashe_live.bench.track.contenders import Answer, OpencvReference, Ours, answers, found_share
-from ashe_live.bench.track.frames import Flaws, painted
+from ashe_live.bench.track.frames import Flaws, PrintedMarker
 from ashe_live.bench.track.measures import corner_jitter_px, flipped_share, lag_ms, lasting_flips, rotation_errors_deg
 from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import FPS, SIDE_M, SMALL, pose_at, scattered, sliding
@@ -28,7 +28,7 @@ PLAIN = Flaws(blur_px=0, noise=0, vignetting=0)
 
 def square_of_light(flaws: Flaws, poses: list[Float]) -> Float:
     """(h, w) linear light of an all black square on white paper."""
-    image = painted(BLACK, SIDE_M, SMALL, poses, flaws, np.random.default_rng(0), np.ones((480, 640)))
+    image = PrintedMarker(BLACK, SIDE_M, SMALL, flaws).painted(poses, np.random.default_rng(0), np.ones((480, 640)))
     return LINEAR_FROM_SRGB_8BIT[image[:, :, 0]]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.frames import Flaws, painted
+from ashe_live.bench.track.frames import Flaws, PrintedMarker
 from ashe_live.bench.track.takes import CELLS, SIDE_M, SMALL, SPEC, pose_at
 from ashe_live.core.arrays import Float
 from ashe_live.core.square import square_corners
@@ -21,7 +21,9 @@ SQUARE = np.array([(100.0, 100.0), (200.0, 90.0), (210.0, 180.0), (90.0, 190.0)]
 
 def corners_off_px(flaws: Flaws) -> Float:
     """(4,) distances of the corners from the truth."""
-    image = painted(parse_marker(SPEC).bitmap(CELLS), SIDE_M, SMALL, [TRUTH], flaws, np.random.default_rng(3))
+    image = PrintedMarker(parse_marker(SPEC).bitmap(CELLS), SIDE_M, SMALL, flaws).painted(
+        [TRUTH], np.random.default_rng(3)
+    )
     found = MarkerTracker(parse_marker(SPEC), SMALL, SIDE_M, BALANCED.tracking).track(Frame(image, 0, 0.0)).marker
     assert found is not None
     return np.linalg.norm(found.corners_px - project(SMALL, TRUTH, square_corners(SIDE_M)), axis=1)

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.frames import Cover, Flaws, ground, painted
+from ashe_live.bench.track.frames import Cover, Flaws, PrintedMarker, ground
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.takes import CELLS, SIDE_M, SMALL, SPEC, pose_at
 from ashe_live.core.arrays import Image
@@ -30,7 +30,9 @@ CORNERS = project(SMALL, POSE, square_corners(SIDE_M))
 
 @cache
 def picture(flaws: Flaws) -> Image:
-    return painted(MARKER.bitmap(CELLS), SIDE_M, SMALL, [POSE], flaws, np.random.default_rng(0), ground(SMALL), 4)
+    return PrintedMarker(MARKER.bitmap(CELLS), SIDE_M, SMALL, flaws, 4).painted(
+        [POSE], np.random.default_rng(0), ground(SMALL)
+    )
 
 
 def view_of(image: Image, camera: Camera = SMALL) -> LightView:
@@ -80,7 +82,9 @@ def test_a_print_is_one_in_its_own_order_alone() -> None:
 def test_a_lens_is_undone_where_samples_are_taken() -> None:
     lens = dataclasses.replace(SMALL, dist=np.array((-0.3, 0.1, 0.0, 0.0, 0.0)))
     pose = pose_at(0.55, 25, 20, (0.15, 0.09))
-    image = painted(MARKER.bitmap(CELLS), SIDE_M, lens, [pose], Flaws(), np.random.default_rng(0), ground(lens), 4)
+    image = PrintedMarker(MARKER.bitmap(CELLS), SIDE_M, lens, Flaws(), 4).painted(
+        [pose], np.random.default_rng(0), ground(lens)
+    )
     corners, alignment = project(lens, pose, square_corners(SIDE_M)), MARKER.alignment
     assert alignment.is_print(alignment.sampled(view_of(image, lens), corners))
     assert not alignment.is_print(alignment.sampled(view_of(image), corners))

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, ground, painted
+from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, PrintedMarker, ground
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
 from ashe_live.core.arrays import Float, Image
@@ -25,7 +25,9 @@ CORNERS = project(SMALL, POSE, square_corners(SIDE_M))
 
 def shot(marker: Marker, flaws: Flaws, seed: int) -> Image:
     """(h, w) grey picture."""
-    image = painted(marker.bitmap(240), SIDE_M, SMALL, [POSE], flaws, np.random.default_rng(seed), ground(SMALL), 3)
+    image = PrintedMarker(marker.bitmap(240), SIDE_M, SMALL, flaws, 3).painted(
+        [POSE], np.random.default_rng(seed), ground(SMALL)
+    )
     return np.ascontiguousarray(image[:, :, 0])
 
 

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.frames import Flaws, painted
+from ashe_live.bench.track.frames import Flaws, PrintedMarker
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
@@ -17,7 +17,7 @@ PLACE = pose(0.8, 25, 30)
 
 
 def shot(marker: Marker, flaws: Flaws, cells: int) -> Image:
-    image = painted(marker.bitmap(cells), SIDE_M, CAMERA, [PLACE], flaws, np.random.default_rng(3))
+    image = PrintedMarker(marker.bitmap(cells), SIDE_M, CAMERA, flaws).painted([PLACE], np.random.default_rng(3))
     return np.ascontiguousarray(image[:, :, 0])
 
 

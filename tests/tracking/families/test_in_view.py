@@ -71,5 +71,5 @@ def test_two_faces_of_the_cube_are_the_cube_and_one_is_a_marker() -> None:
 def test_a_shadows_edge_across_it_hides_no_name(ratio: float) -> None:
     for seed in range(6):
         rng, flaws, place = np.random.default_rng(seed), Flaws(shadow_ratio=ratio), pose_at(0.5, 25, 30)
-        image = frames.painted(parse_marker(SPECS[1]).bitmap(7), SIDE_M, SMALL, [place], flaws, rng)
+        image = frames.PrintedMarker(parse_marker(SPECS[1]).bitmap(7), SIDE_M, SMALL, flaws).painted([place], rng)
         assert markers_in_view(image) == (SPECS[1],)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.frames import Flaws, painted
+from ashe_live.bench.track.frames import PrintedMarker
 from ashe_live.bench.track.takes import CELLS, SIDE_M, SPEC, pose_at
 from ashe_live.core.camera import FOCAL_SIGMA, Camera
 from ashe_live.core.types import Frame, TrackedFrame
@@ -20,7 +20,7 @@ def told(hfov_deg: float, tilt_deg: float, side_px: float = 120, stated_px: floa
     """A first frame by a camera that sees `hfov_deg`, of which nothing is told, or what a photo states."""
     camera = Camera.from_hfov(SIZE, hfov_deg)
     truth = pose_at(camera.K[0, 0] * SIDE_M / side_px, tilt_deg, 25)
-    image = painted(parse_marker(SPEC).bitmap(CELLS), SIDE_M, camera, [truth], Flaws(), np.random.default_rng(2))
+    image = PrintedMarker(parse_marker(SPEC).bitmap(CELLS), SIDE_M, camera).painted([truth], np.random.default_rng(2))
     tracker = FocalTracker(
         parse_marker(SPEC), lambda size: Camera.from_hfov(size, 60, "assumed"), SIDE_M, BALANCED.tracking
     )

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.bench.track.contenders import Contender, OpencvReference, Ours
-from ashe_live.bench.track.frames import Cover, Flaws, ground, painted
+from ashe_live.bench.track.frames import Cover, Flaws, PrintedMarker, ground
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import CELLS, CLUTTER, FPS, SIDE_M, SMALL, SPEC, pose_at
@@ -105,7 +105,7 @@ def filmed(view: View, canvas: Float, bitmap: Image, index: int, following: bool
         cover = Cover(cover.side, cover.inwards - shift, cover.outwards + shift, cover.along, cover.skew, cover.light)
     is_covered = not following or index >= CLEAN_FRAMES
     flaws = Flaws(cover=cover if is_covered else None)
-    return Frame(painted(bitmap, SIDE_M, SMALL, [T], flaws, rng, canvas, RAYS), index, index / FPS), T
+    return Frame(PrintedMarker(bitmap, SIDE_M, SMALL, flaws, RAYS).painted([T], rng, canvas), index, index / FPS), T
 
 
 def _attacked(preset: TrackingPreset, material: str, views: int, seed: int, following: bool) -> tuple[Tally, Tally]:
