@@ -6,6 +6,8 @@ hole belongs to a line, and is drawn across. A person marks these structures in 
 with structure propagation", SIGGRAPH 2005.
 """
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
@@ -62,7 +64,7 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
 def _smoothed(ground: Ground, sigma_px: float) -> Ground:
     """The ground with its detail blurred, as far as it is seen."""
     smooth = blurred_within(ground.detail, ground.seen.astype(np.float32), sigma_px)
-    return ground._replace(detail=np.where(ground.seen[..., None], smooth, np.float32(0)))
+    return replace(ground, detail=np.where(ground.seen[..., None], smooth, np.float32(0)))
 
 
 def _along(fine: Ground, coarse: TurnedRows, chosen: Mask) -> tuple[TurnedRows, Mask]:

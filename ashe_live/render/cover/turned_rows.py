@@ -1,5 +1,6 @@
 """The ground, turned so that lines of one direction are rows: those that both sides of a hole show, drawn across."""
 
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -21,7 +22,8 @@ ALIKE = 0.5  # largest difference between the two sides' means, over the stronge
 STEADY = 0.6  # largest deviation along a line, beyond the texture's, over its contrast: a line with gaps has more
 
 
-class Ground(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Ground:
     """The ground's detail at one resolution."""
 
     detail: Float32  # (m, m, 3), 0 where none is visible
@@ -40,7 +42,13 @@ class Ground(NamedTuple):
         return Ground(np.where(seen[..., None], detail, np.float32(0)), hole > HOLE_FROM, seen, side)
 
     def without(self, lines: Float32) -> "Ground":
-        return self._replace(detail=np.where(self.seen[..., None], self.detail - lines, 0))
+        return replace(self, detail=np.where(self.seen[..., None], self.detail - lines, 0))
+
+    @cached_property
+    def summands(self) -> Float32:
+        """(m, m, 5) what is summed along rows in every direction: the detail, its square, and 1 where it is seen."""
+        squares = (self.detail**2).sum(axis=2)
+        return np.dstack([self.detail, squares, self.seen]).astype(np.float32)
 
 
 class _Side(NamedTuple):
@@ -48,11 +56,8 @@ class _Side(NamedTuple):
 
     mean: Float32  # (k, 3) along each row
     deviation: Float32  # (k,) from it, root mean square
+    contrast: Float  # (k,) length of the mean
     pixels: Float32  # (k,) that are visible
-
-    @property
-    def contrast(self) -> Float:
-        return np.asarray(np.linalg.norm(self.mean, axis=1), np.float64)
 
 
 class TurnedRows:
@@ -88,7 +93,7 @@ class TurnedRows:
             found = np.minimum(found, side.contrast * np.sqrt(samples) / np.maximum(side.deviation, 1e-4))
         return np.where(is_line, found, 0.0)
 
-    @property
+    @cached_property
     def _weaker(self) -> Float:
         """(k,) contrast of the weaker side."""
         return np.minimum(self._sides[0].contrast, self._sides[1].contrast)
@@ -148,14 +153,12 @@ class TurnedRows:
 
     @cached_property
     def _sides(self) -> tuple[_Side, _Side]:
-        ground, k = self._ground, self._size
-        squares = (ground.detail**2).sum(axis=2)
-        packed = np.dstack([ground.detail, squares, ground.seen]).astype(np.float32)
-        sums = np.cumsum(cv2.warpAffine(packed, self._turning, (k, k)), axis=1)
-        padded = np.concatenate([np.zeros((k, 1, 5)), sums], axis=1).astype(np.float32)
+        k = self._size
+        sums = np.zeros((k, k + 1, 5), np.float32)
+        np.cumsum(cv2.warpAffine(self._ground.summands, self._turning, (k, k)), axis=1, out=sums[:, 1:])
         return (
-            _side(padded, self._first - self._reach, self._first),
-            _side(padded, self._last + 1, self._last + 1 + self._reach),
+            _side(sums, self._first - self._reach, self._first),
+            _side(sums, self._last + 1, self._last + 1 + self._reach),
         )
 
 
@@ -165,5 +168,6 @@ def _side(sums: Float32, begin: Indices, end: Indices) -> _Side:
     total = sums[rows, np.clip(end, 0, k)] - sums[rows, np.clip(begin, 0, k)]
     pixels = total[:, 4]
     mean = total[:, :3] / np.maximum(pixels, 1.0)[:, None]
-    variance = total[:, 3] / np.maximum(pixels, 1.0) - (mean**2).sum(axis=1)
-    return _Side(mean, np.sqrt(np.maximum(variance, 0.0)), pixels)
+    square = (mean**2).sum(axis=1)
+    variance = total[:, 3] / np.maximum(pixels, 1.0) - square
+    return _Side(mean, np.sqrt(np.maximum(variance, 0.0)), np.sqrt(square).astype(np.float64), pixels)
