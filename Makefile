@@ -11,8 +11,10 @@ demo: $(VENV)/demo.stamp
 
 # tests/conftest.py parts the tests between two processes. As in the program itself, matrices are small: a second thread of
 # OpenBLAS doubles the processor time of the light's tests. The types, of which one process takes half a minute, are
-# checked meanwhile.
+# checked meanwhile. Hundreds of processes are started, each of which would compile the package again where Python is told
+# to write no bytecode.
 test: $(VENV)/test.stamp style
+	unset PYTHONDONTWRITEBYTECODE; \
 	$(BIN)/mypy & types=$$!; \
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2; tests=$$?; \
 	wait $$types && exit $$tests

@@ -44,8 +44,8 @@ class Screen:
         ).stdout
 
     def picture(self) -> np.ndarray:
-        """(h, w, 3) int RGB of the whole screen."""
-        return np.asarray(ImageGrab.grab(xdisplay=self.display).convert("RGB")).astype(int)
+        """(h, w, 3) uint8 RGB of the whole screen."""
+        return np.asarray(ImageGrab.grab(xdisplay=self.display).convert("RGB"))
 
 
 class Running:
@@ -53,6 +53,7 @@ class Running:
 
     def __init__(self, screen: Screen, folder: Path, arguments: tuple[str, ...], program: tuple[str, ...]) -> None:
         self.screen, self.folder = screen, folder
+        self.window = ""  # its number, once it is there
         self._out = (folder / ".out").open("w+")
         self.process = subprocess.Popen(
             [sys.executable, *program, *arguments],
@@ -76,12 +77,9 @@ class Running:
             return self.screen.xdotool("search", "--name", "^ashe-live")
 
         await_that(window, "a window")
-        await_that(lambda: self.picture().std() > 5, "a picture")
+        self.window = window().split()[0]
+        await_that(lambda: self.picture()[::8, ::8].std() > 5, "a picture")  # a few of the pixels tell
         self.screen.xdotool("windowfocus", "--sync", self.window)
-
-    @property
-    def window(self) -> str:
-        return self.screen.xdotool("search", "--name", "^ashe-live").split()[0]
 
     def press(self, *keys: str) -> None:
         self.screen.xdotool("key", *keys)
@@ -108,14 +106,15 @@ class Running:
         self.screen.xdotool(*hold, *wheel, *let_go)
 
     def picture(self) -> np.ndarray:
-        """(h, w, 3) int RGB: where the window is on the screen, without what a fullscreen one adds."""
+        """(h, w, 3) uint8 RGB of the whole screen, which no other window is on."""
         return self.screen.picture()
 
     def part(self, left: float, top: float, right: float, bottom: float) -> np.ndarray:
-        """A part of the window's picture, in parts of its size."""
+        """(h, w, 3) int16 RGB: a part of the window's picture, in parts of its size."""
         x, y, width, height = self.geometry
         whole = self.picture()[y : y + height, x : x + width]
-        return whole[round(top * height) : round(bottom * height), round(left * width) : round(right * width)]
+        part = whole[round(top * height) : round(bottom * height), round(left * width) : round(right * width)]
+        return part.astype(np.int16)
 
     @property
     def geometry(self) -> tuple[int, int, int, int]:

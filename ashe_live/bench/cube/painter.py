@@ -6,6 +6,7 @@ linear, averaged over a finer grid of pixels, then blurred, encoded, made noisy 
 """
 
 import math
+from functools import cache, lru_cache
 from typing import Any
 
 import cv2
@@ -43,14 +44,13 @@ def painted(scene: CubeScene) -> Image:
     cv2.fillConvexPoly(
         light, _fixed(cv2.convexHull(whole.astype(np.float32))[:, 0]), (PAPER * grey).tolist(), shift=BITS
     )
-    for number, (face, member) in enumerate(zip(FACES, cube_layout().members, strict=True)):
+    for number, (face, reflectance) in enumerate(zip(FACES, _prints(), strict=True)):
         corners = scene.edge_m * scene.folds.placed(number, face.corners())
         normal = np.cross(corners[1] - corners[0], corners[0] - corners[3])
         normal /= np.linalg.norm(normal)
         R, t = scene.T_cam_cube[:3, :3], scene.T_cam_cube[:3, 3]
         if (R @ corners.mean(axis=0) + t) @ (R @ normal) >= 0:
             continue
-        reflectance = _print(member.marker.bitmap(round(TAG_SHARE * TEXTURE_PX)))
         pixels = projected(fine, scene.T_cam_cube, corners).astype(np.float32)
         size = len(reflectance)
         ends = np.array([(0, 0), (size, 0), (size, size), (0, size)], np.float32) - np.float32(0.5)
@@ -91,16 +91,14 @@ def _hidden_sky(scene: CubeScene, x: Float, y: Float) -> Float:
 
 def _from_sides(scene: CubeScene, x: Float, y: Float) -> Float:
     """(h, w, 3) irradiance over pi that the cube's printed sides send to places of the table, by a map around it."""
-    along = np.linspace(-AROUND, AROUND, MAPPED) * scene.edge_m
     mapped = np.zeros((MAPPED, MAPPED, 3))
-    for number, (face, member) in enumerate(zip(FACES, cube_layout().members, strict=True)):
+    for number, (face, reflectance) in enumerate(zip(FACES, _prints(), strict=True)):
         if face.outwards[2] > 0:
             continue
         corners = scene.edge_m * scene.folds.placed(number, face.corners())
         normal = np.cross(corners[1] - corners[0], corners[0] - corners[3])
         light = _irradiance(scene, normal / np.linalg.norm(normal), corners.mean(axis=0))
-        sent = float(_print(member.marker.bitmap(round(TAG_SHARE * TEXTURE_PX))).mean()) * light
-        mapped += part_from_facet(corners, along[None], along[:, None])[..., None] * sent
+        mapped += _part_around(corners.tobytes(), scene.edge_m)[..., None] * (float(reflectance.mean()) * light)
     column, row = (
         np.nan_to_num((each / scene.edge_m / AROUND + 1) * (MAPPED - 1) / 2, nan=-1e3)
         .clip(-1e3, 1e3)
@@ -110,6 +108,19 @@ def _from_sides(scene: CubeScene, x: Float, y: Float) -> Float:
     return np.asarray(
         cv2.remap(mapped, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), dtype=np.float64
     )
+
+
+@lru_cache(maxsize=64)  # of the pictures of one cube, as folds move with it
+def _part_around(corners: bytes, edge_m: float) -> Float:
+    """(MAPPED, MAPPED) what places around the cube get from a facet, by the bytes of its corners (4, 3)."""
+    along = np.linspace(-AROUND, AROUND, MAPPED) * edge_m
+    return part_from_facet(np.frombuffer(corners).reshape(4, 3), along[None], along[:, None])
+
+
+@cache
+def _prints() -> tuple[Float32, ...]:
+    """Each face's reflectances, as `_print` has them."""
+    return tuple(_print(member.marker.bitmap(round(TAG_SHARE * TEXTURE_PX))) for member in cube_layout().members)
 
 
 def _table(scene: CubeScene, fine: Camera) -> Float32:

@@ -407,10 +407,10 @@ def seen_from(pitch_deg: float, distance_m: float = 0.6) -> dict[str, Any]:
 EXTREMES: dict[str, tuple[Caster, dict[str, Any]]] = {
     **{
         f"light at 5 degrees from {azimuth}": (BOX, {"elevation_deg": 5, "azimuth_deg": azimuth})
-        for azimuth in (20, 110, 200, 290)
+        for azimuth in (20, 200)
     },
     "light at 0.5 degrees": (BOX, {"elevation_deg": 0.5}),
-    **{f"camera {pitch} degrees above the ground": (BOX, seen_from(pitch)) for pitch in (0.5, 1, 3, 5, 85, 90)},
+    **{f"camera {pitch} degrees above the ground": (BOX, seen_from(pitch)) for pitch in (0.5, 4, 90)},
     "marker of 12 px": (BOX, {**seen_from(45, 4.0), "size": (640, 480)}),
     "object on the marker": (Caster(at=(0.0, 0.0)), {}),
     "shadow on the marker": (BOX, {"azimuth_deg": 0, "elevation_deg": 35}),
@@ -434,7 +434,7 @@ def test_grey_pictures_end_in_an_answer_or_a_reason(caster: Caster) -> None:
     check_answer_or_reason(quickly_estimated(grey(paint(caster, size=SMALL))))
 
 
-@pytest.mark.parametrize("hfov_deg", [0.01, 1.0, 179.0, 179.99])
+@pytest.mark.parametrize("hfov_deg", [0.01, 179.99])
 def test_any_field_of_view_ends_in_an_answer_or_a_reason(hfov_deg: float) -> None:
     image = np.asarray(paint(BOX, size=SMALL).tracked.frame.image_bgr)
     # `from_hfov` takes those of cameras alone, and a focal length may be any.
