@@ -59,13 +59,23 @@ class FocalEstimate:
 class _View:
     corners_px: Float  # (4, 2)
     R: Float  # (3, 3) camera from marker
+    # What views are compared by, as plain numbers: every frame is compared with all views that are kept.
+    middle_px: tuple[float, float]
+    diagonal_px: float
+    normal: tuple[float, float, float]
+
+    @classmethod
+    def of(cls, corners_px: Float, R: Float) -> "_View":
+        x, y = corners_px.mean(axis=0).tolist()
+        a, b, c = R[:, 2].tolist()
+        return cls(corners_px, R, (x, y), math.dist(corners_px[0], corners_px[2]), (a, b, c))
 
     def distance(self, other: "_View") -> float:
-        diagonals_px = [float(np.linalg.norm(one.corners_px[0] - one.corners_px[2])) for one in (self, other)]
-        moved = np.linalg.norm(self.corners_px.mean(axis=0) - other.corners_px.mean(axis=0)) / max(diagonals_px)
-        resized = abs(math.log(diagonals_px[0] / diagonals_px[1]))
+        moved = math.dist(self.middle_px, other.middle_px) / max(self.diagonal_px, other.diagonal_px)
+        resized = abs(math.log(self.diagonal_px / other.diagonal_px))
         # Of the normals: a turn within the marker's own plane adds no information.
-        turned = math.acos(float(np.clip(self.R[:, 2] @ other.R[:, 2], -1, 1)))
+        (a, b, c), (d, e, f) = self.normal, other.normal
+        turned = math.acos(min(max(a * d + b * e + c * f, -1.0), 1.0))
         return math.hypot(moved / PLACE_SCALE, resized / SIZE_SCALE, turned / TURN_SCALE_RAD)
 
 
@@ -93,7 +103,7 @@ class FocalEstimator:
         marker = tracked.marker
         if marker is None or marker.bridged or not _is_measured(marker, tracked.camera):
             return None
-        view = _View(marker.corners_px, marker.measured_T_cam_marker[:3, :3])
+        view = _View.of(marker.corners_px, marker.measured_T_cam_marker[:3, :3])
         if any(view.distance(kept) < self._spacing for kept in self._views):
             return None
         self._views.append(view)

@@ -77,10 +77,10 @@ class FocalModel:
             return np.asarray((bending @ change[..., None])[..., 0].reshape(count, 8))
 
         J_pose = np.empty((count, 8, 6))
-        for at, axis in enumerate(np.eye(3)):
-            turning = np.cross(axis, turned)
-            J_pose[:, :, at] = chained(turning[..., :2], g[Q] * turning[..., 2])
         none, one = np.zeros((count, 4)), np.ones((count, 4))
+        x, y, z = np.moveaxis(turned, -1, 0)
+        for at, (dx, dy, dz) in enumerate(((none, -z, y), (z, none, -x), (-y, x, none))):  # a turn about each axis
+            J_pose[:, :, at] = chained(np.stack([dx, dy], axis=-1), g[Q] * dz)
         J_pose[:, :, 3] = chained(np.stack([one, none], axis=-1), none)
         J_pose[:, :, 4] = chained(np.stack([none, one], axis=-1), none)
         J_pose[:, :, 5] = chained(np.zeros((count, 4, 2)), one)
