@@ -182,7 +182,7 @@ def _on_paper(
         u_ideal, v_ideal = u[None], v[:, None]
     marker_from_pixel = np.linalg.inv(camera.K @ T_cam_marker[:3, (0, 1, 3)])
     x, y, w = (a * u_ideal + b * v_ideal + c for a, b, c in marker_from_pixel)
-    # Behind the camera the plane is not seen.
-    w = np.where(w > 1e-12, w, np.nan)
+    is_before = w > 1e-12  # behind the camera the plane is not seen
+    w = np.where(is_before, w, 1.0)
     far = 1e6
-    return np.nan_to_num(x / w, nan=far), np.nan_to_num(y / w, nan=far)
+    return np.where(is_before, x / w, far), np.where(is_before, y / w, far)
