@@ -36,8 +36,8 @@ EXTREME = {
     "behind the camera": (0.08, -1.0, 0.8),
     "below the object's top": (0.3, 0.0, 0.05),
 }
-# Those that are no lamp by any other rule, or the nearest.
-FARTHEST_OFF = ("at 8 cm", "at 20 m", "behind the camera", "below the object's top")
+# The nearest of these and the farthest, one behind the camera, and one whose shadow has no end.
+ODDEST = ("at 8 cm", "at 20 m", "behind the camera", "below the object's top")
 
 
 def at(azimuth_deg: float, elevation_deg: float, distance_m: float) -> Float:
@@ -109,7 +109,7 @@ def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...]) -
     check_extreme(lamp_m, BALANCED, (640, 480))
 
 
-@pytest.mark.parametrize("name", FARTHEST_OFF)
+@pytest.mark.parametrize("name", ODDEST)
 def test_extreme_lights_that_are_taken_for_lamps_do_so_too(name: str) -> None:
     """Small, as it is asked what is stated of a lamp at all, and not what the default preset finds."""
     check_extreme(EXTREME[name], replace(FAST, light=LAMP), (320, 240))
