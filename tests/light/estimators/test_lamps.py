@@ -10,7 +10,6 @@ from ashe_live.commands.flags.option_groups import LIGHTS
 from ashe_live.commands.flags.parser import build_parser
 from ashe_live.commands.flags.setup import light_steps
 from ashe_live.core.arrays import Float
-from ashe_live.core.camera import Size
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Light, LightEstimate
 from ashe_live.light.estimators.proxy import ProxyEstimator
@@ -36,8 +35,6 @@ EXTREME = {
     "behind the camera": (0.08, -1.0, 0.8),
     "below the object's top": (0.3, 0.0, 0.05),
 }
-# The nearest of these and the farthest, one behind the camera, and one whose shadow has no end.
-ODDEST = ("at 8 cm", "at 20 m", "behind the camera", "below the object's top")
 
 
 def at(azimuth_deg: float, elevation_deg: float, distance_m: float) -> Float:
@@ -90,8 +87,12 @@ def test_what_a_light_is_taken_for_can_be_chosen() -> None:
     assert math.degrees(angle_between(as_sun.to_light_marker, lamp_m)) > 6
 
 
-def check_extreme(lamp_m: tuple[float, ...], steps: ProxySteps, size: Size) -> None:
+@pytest.mark.parametrize("steps", [BALANCED, replace(FAST, light=LAMP)], ids=["as a rule", "taken for a lamp"])
+@pytest.mark.parametrize("lamp_m", EXTREME.values(), ids=EXTREME)
+def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...], steps: ProxySteps) -> None:
     place = np.array(lamp_m)
+    # Small where it is asked what is stated of a lamp at all, and not what the default preset finds.
+    size = (640, 480) if steps is BALANCED else (320, 240)
     estimate = ProxyEstimator(steps).estimate(paint(BOX, lamp_m=place, size=size).tracked)
     if estimate.light is None:
         assert estimate.reason
@@ -102,17 +103,6 @@ def check_extreme(lamp_m: tuple[float, ...], steps: ProxySteps, size: Size) -> N
     assert (np.linalg.eigvalsh(light.covariance_rad2) > 0).all()
     error = math.degrees(angle_between(light.to_light_marker, place))
     assert error < 20 or light.confidence < 0.75
-
-
-@pytest.mark.parametrize("lamp_m", EXTREME.values(), ids=EXTREME)
-def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...]) -> None:
-    check_extreme(lamp_m, BALANCED, (640, 480))
-
-
-@pytest.mark.parametrize("name", ODDEST)
-def test_extreme_lights_that_are_taken_for_lamps_do_so_too(name: str) -> None:
-    """Small, as it is asked what is stated of a lamp at all, and not what the default preset finds."""
-    check_extreme(EXTREME[name], replace(FAST, light=LAMP), (320, 240))
 
 
 def test_what_a_command_or_a_program_asks_for_reaches_the_estimator() -> None:
