@@ -11,6 +11,7 @@ from ashe_live.process.messages import say
 from ashe_live.tracking.cube.faces import CUBE, USUAL_EDGE_M
 from ashe_live.tracking.cube.sheet import write_cube_sheet
 from ashe_live.tracking.families.layout import Layout, cube_layout, is_of_cube, parse_target
+from ashe_live.tracking.families.page import larger_than
 from ashe_live.tracking.families.printing import write_marker_sheet
 
 USUAL_MM = 80.0
@@ -44,11 +45,13 @@ def run(options: argparse.Namespace) -> int:
         return ExitStatus.ANSWERED
     check_outputs([options.out], marker_files(options), options.overwrite)
     size_mm = USUAL_MM if options.size_mm is None else options.size_mm
-    write_marker_sheet(options.out, marker, size_mm / 1000, options.overwrite, options.paper)
+    page_mm = write_marker_sheet(options.out, marker, size_mm / 1000, options.overwrite, options.paper)
     flags = [] if spec == DEFAULT_MARKER else [f"--marker {shlex.quote(spec)}"]
     flags += [] if size_mm == USUAL_MM else [f"--marker-size {size_mm / 1000:g}"]
     use = f"; use it with {' '.join(flags)}" if flags else ""
-    say(f"{options.out}: print it at 100 %, then the ruler line on it is true{use}")
+    say(
+        f"{options.out}: print it at 100 %{larger_than(options.paper, page_mm)}, then the ruler line on it is true{use}"
+    )
     return ExitStatus.ANSWERED
 
 

@@ -36,6 +36,10 @@ const float LEAST_RADIUS = 2.75;
 const float LEAST_RADIUS = 0.75;
 #endif
 
+// Of a map's side: of a disc with a larger radius few samples may miss what covers a part of it.
+const float MOST_SEEN = 0.02;
+const bool ARE_FEW = BLOCKER_TAPS < 16;
+
 // A direction on the half circle that differs from texel to texel, to turn banding into noise that stays fixed to the
 // receiver (interleaved gradient noise, Jimenez 2014).
 vec2 first_ray(vec2 texel) {
@@ -46,6 +50,7 @@ vec2 first_ray(vec2 texel) {
 // How much of a light's disc, as seen from a receiver, a caster covers, and how wide a penumbra that makes.
 struct Blockers {
     float share;  // of the samples
+    bool is_wide;  // whether they may have missed what covers a part of it
     float radius_m;  // of the penumbra across the light, where they are neither none nor all
 };
 
@@ -66,14 +71,15 @@ Blockers blockers_of(int map, float tan_half, vec3 at, vec2 slope, vec2 ray) {
         ray = GOLDEN_TURN * ray;
     }
     float distance = (at.z - depths / max(blockers, 1.0)) * shadow_extent[map].z;
-    return Blockers(blockers / float(BLOCKER_TAPS), distance * tan_half);
+    bool is_wide = ARE_FEW && search.x > MOST_SEEN * shadow_map_size;
+    return Blockers(blockers / float(BLOCKER_TAPS), is_wide, distance * tan_half);
 }
 
 bool is_penumbra(Blockers blockers) {
 #ifdef DITHERED
-    return true;  // the samples may have missed the texels that stop the light
+    return true;  // as of a wide disc
 #else
-    return blockers.share > 0.0 && blockers.share < 1.0;
+    return blockers.is_wide || (blockers.share > 0.0 && blockers.share < 1.0);
 #endif
 }
 

@@ -7,7 +7,6 @@
 struct Facets {
     vec3 along, across;  // unit vectors perpendicular to the normal
     vec2 alpha;  // along and across
-    float alpha2;  // of a surface that does not turn, squared
 };
 
 Facets facets_in_pixel(float roughness, vec3 n) {
@@ -23,9 +22,9 @@ Facets facets_in_pixel(float roughness, vec3 n) {
     Facets facets;
     facets.along = normalize(dot(turn, turn) > 1e-24 ? turn : some_way);
     facets.across = cross(n, facets.along);
-    facets.alpha2 = roughness * roughness * roughness * roughness;
+    float alpha2 = roughness * roughness * roughness * roughness;
     vec2 turned = min(2.0 * PIXEL_VARIANCE * vec2(most, 2.0 * middle - most), MOST);
-    facets.alpha = sqrt(min(facets.alpha2 + turned, 1.0));
+    facets.alpha = sqrt(min(alpha2 + turned, 1.0));
     return facets;
 }
 
@@ -34,7 +33,8 @@ float ggx(Facets facets, vec3 n, vec3 between, float n_v, float n_l) {
     vec2 aside = vec2(dot(between, facets.along), dot(between, facets.across)) / facets.alpha;
     float n_h = max(dot(n, between), 0.0);
     float d = dot(aside, aside) + n_h * n_h;
-    float a2 = facets.alpha2;
+    // Of the same facets as the distribution: with fewer that hide one another, outlines would sparkle.
+    float a2 = facets.alpha.x * facets.alpha.y;
     float v = n_l * sqrt(n_v * n_v * (1.0 - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0 - a2) + a2);
     return 0.5 / (facets.alpha.x * facets.alpha.y * d * d * v);
 }

@@ -31,6 +31,8 @@ uniform sampler2D sky_map;  // relative to the mean sky
 // a standard deviation of 0.7 texels; so does a smooth step that reaches 3.8 alpha to either side.
 const float TEXELS = 2.4;
 const float STEP = 3.8;
+// Radians, of what a pixel mirrors. At an outline the neighbouring pixel's normal may be any, as it lies beside the triangle.
+const float MOST_TURNED = 0.5;
 
 // The radiance from the unit direction `towards` at the point `from`, as a GGX surface of this `alpha` mirrors it.
 vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
@@ -38,7 +40,7 @@ vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
     float distance = max(from.z, 0.0) / down;
     vec2 meets = from.xy + towards.xy * distance;
     // What a pixel mirrors, which a curved surface spreads wide, is averaged: borders in it would be staircases otherwise.
-    float mirrored_m = max(length(dFdx(meets)), length(dFdy(meets)));
+    float mirrored_m = min(max(length(dFdx(meets)), length(dFdy(meets))), MOST_TURNED * distance);
     float mirrored_z = length(vec2(dFdx(towards.z), dFdy(towards.z)));
     // The lobe's mean width there.
     vec3 ground = ground_seen(meets, max(TEXELS * alpha * distance * inversesqrt(down), mirrored_m));

@@ -37,6 +37,14 @@ def test_the_flags_that_it_names_are_those_for_the_print(run, tmp_path, argument
     assert (options.marker_size or usual_side_m(options.marker)) == side_m
 
 
+@pytest.mark.parametrize(
+    ("arguments", "needs"), [((), ""), (("--size-mm", "150"), ""), (("--size-mm", "185"), " on paper of 297 x 420 mm")]
+)
+def test_a_page_that_the_printer_s_paper_does_not_hold_is_announced(run, tmp_path, arguments, needs):
+    (line,) = run("marker", "--out", tmp_path / "marker.png", *arguments).out
+    assert f"print it at 100 %{needs}, " in line
+
+
 def test_an_existing_sheet_is_left_alone(run, tmp_path):
     path = tmp_path / "marker.pdf"
     path.write_bytes(b"precious")

@@ -94,6 +94,12 @@ class Page:
                 self.image.save(file.stream, "PNG", dpi=(self.dpi, self.dpi))
 
 
+def larger_than(paper: str, page_mm: Millimetres) -> str:
+    """In words, what paper a page needs that is larger than `paper`, one of PAPERS_MM; nothing for one that is not."""
+    (width, height), (usual, _) = page_mm, PAPERS_MM[paper][0]
+    return f" on paper of {width:.0f} x {height:.0f} mm, as {paper} is too small" if width > usual + 1 else ""
+
+
 def check_page_file(path: Path, overwrite: bool) -> None:
     """Raises UserError for a suffix that pages do not have, or an existing file (without `overwrite`)."""
     if path.suffix.lower() not in SUFFIXES:

@@ -17,8 +17,10 @@ QUIET_ZONE = 1 / 8
 
 def write_marker_sheet(
     path: Path, marker: Marker | Layout, side_m: float, overwrite: bool = False, paper: str = "a4"
-) -> None:
+) -> Millimetres:
     """Writes a PDF or PNG page, by `path`'s suffix, whose black squares are `side_m` wide when printed at 100 %.
+
+    Returns the page's width and height.
 
     paper: one of PAPERS_MM; the page is this one, or the next larger one of its series that has room for the marker.
     Raises UserError for another suffix, an existing file (without `overwrite`), a size that fits no page, or a place
@@ -38,11 +40,12 @@ def write_marker_sheet(
         page.picture(member.marker.bitmap(page.px(side_mm)), (middle_x + left, middle_y - top))
     page.text((middle_x, middle_y - side_mm * (height / 2 + QUIET_ZONE) - 4), "up")
     _write(path, overwrite, page, f"{_short(marker.spec)}   {side_mm:g} mm")
+    return page.width_mm, page.height_mm
 
 
 def write_board_sheet(
     path: Path, board: CalibrationBoard, square_m: float, overwrite: bool = False, paper: str = "a4"
-) -> None:
+) -> Millimetres:
     """As write_marker_sheet, with the calibration board, whose squares are `square_m` wide."""
     square_mm = square_m * 1000
     check_page_file(path, overwrite)
@@ -57,6 +60,7 @@ def write_board_sheet(
     picture = board.bitmap((page.px(width_mm), page.px(height_mm)))
     page.picture(picture, (middle_x - width_mm / 2, middle_y - height_mm / 2))
     _write(path, overwrite, page, f"calibration board   {columns} x {rows} squares of {square_mm:g} mm   must lie flat")
+    return page.width_mm, page.height_mm
 
 
 def _blank_page(size_mm: Millimetres, quiet_mm: float, paper: str) -> Page | None:

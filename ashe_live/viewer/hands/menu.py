@@ -8,9 +8,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Image, frozen_view
 from ashe_live.core.camera import Size
-from ashe_live.render.hud import FONT_PT, MIN_FONT_PX, SMALLER, RowLayout, Rows, in_two, row_layout, rows_plate
+from ashe_live.render.hud import FONT_PT, MIN_FONT_PX, SMALLER, RowLayout, Rows, fits, in_two, row_layout, rows_plate
 from ashe_live.render.scene import Overlay
 from ashe_live.viewer.hands.controls import BINDINGS
+from ashe_live.viewer.hands.help import LEGIBLE_PT
 from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
 
 OFFERED = (
@@ -43,6 +44,7 @@ OFFERED = (
 )
 POINTED_AT_SRGBA = (246, 246, 242, 56)
 CHOSEN, OTHER = ">", " "
+MORE = "more"
 CELLS = 3  # columns of text that an entry has: the mark, what it does, its keys
 HIGHEST = 0.6  # of the window: a higher menu stands in two columns, if these fit beside each other
 
@@ -53,7 +55,7 @@ class Entry:
 
     text: str
     keys: str  # the keys that do the same
-    request: Request
+    request: Request | None  # None: shows the entries for which there was no room
     is_chosen: bool = False
 
 
@@ -71,7 +73,9 @@ def entries_for(models: Sequence[str], chosen: int) -> tuple[Entry, ...]:
 
 @dataclass(frozen=True, slots=True)
 class _Opened:
-    entries: tuple[Entry, ...]
+    entries: tuple[Entry, ...]  # that are shown
+    later: tuple[Entry, ...]  # all, in the order of the next page
+    at_px: tuple[float, float]  # the pointer, as it was opened
     size: Size  # of the framebuffer
     font_px: float
     left: int
@@ -158,6 +162,10 @@ class Menu:
             self._swallows_release = True
             if self._pointed_at is not None:
                 self._request = self._opened.entries[self._pointed_at].request
+                if self._request is None:
+                    self._opened = _placed(self._opened.later, self._opened.at_px, size, content_scale)
+                    self._pointed_at = None
+                    return True
             if self._pointed_at is not None or not self._opened.holds(event.x_px, event.y_px):
                 self.close()
         return True
@@ -177,17 +185,26 @@ class Menu:
 
 
 def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], size: Size, content_scale: float) -> _Opened:
-    """The menu with a corner at the pointer, or as near as it fits; in smaller letters where it would be too large."""
-    one, font_px = _rows(entries), FONT_PT * content_scale
+    """The menu with a corner at the pointer, or as near as it fits; in smaller letters where it would be too large.
+
+    In a window too small for all entries in legible letters: the first ones, and one that goes on to the others.
+    """
+    one, shown, font_px = _rows(entries), entries, FONT_PT * content_scale
     rows = one if row_layout(one, font_px).size[1] <= HIGHEST * size[1] else in_two(one)
-    while font_px > MIN_FONT_PX:
-        layout = row_layout(rows, font_px)
-        if all(own <= whole for own, whole in zip(layout.size, size, strict=True)):
-            break
-        font_px = max(MIN_FONT_PX, SMALLER * font_px)
+    legible_px = max(MIN_FONT_PX, LEGIBLE_PT * content_scale)
+    while font_px > legible_px and not fits(rows, font_px, size, gap=0):
+        font_px = max(legible_px, SMALLER * font_px)
+    if not fits(rows, font_px, size, gap=0):
+        while font_px > MIN_FONT_PX and row_layout(one, font_px).size[0] > size[0]:
+            font_px = max(MIN_FONT_PX, SMALLER * font_px)
+        layout = row_layout(one, font_px)
+        count = max(1, (size[1] - 2 * layout.padding) // layout.line - 1)
+        shown = (*entries[:count], Entry(MORE, "", None)) if count < len(entries) else entries
+        rows = _rows(shown)
     layout = row_layout(rows, font_px)
     left, top = (max(0, min(round(at), whole - own)) for at, whole, own in zip(at_px, size, layout.size, strict=True))
-    return _Opened(entries, size, font_px, left, top, rows, layout)
+    later = (*entries[len(shown) - 1 :], *entries[: len(shown) - 1])
+    return _Opened(shown, later, at_px, size, font_px, left, top, rows, layout)
 
 
 def _rows(entries: tuple[Entry, ...]) -> Rows:

@@ -71,7 +71,7 @@ class Recording:
         if not frames:
             return "nothing recorded"
         lost = f", {missed} more were not shown in time" if missed else ""
-        return f"saved {self._recorder.path} ({frames} frames{lost})"
+        return f"saved {self._recorder.path} ({frames} {'frame' if frames == 1 else 'frames'}{lost})"
 
     @property
     def path(self) -> Path:

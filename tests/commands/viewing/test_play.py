@@ -150,6 +150,14 @@ def test_what_cannot_be_is_one_line_and_leaves_nothing(play, tmp_path, monkeypat
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_model_given_as_the_clip_is_called_one(run, tmp_path):
+    (tmp_path / "ball.STL").write_text("solid ball")
+    outcome = run("play", tmp_path / "ball.STL", "--headless")
+    assert outcome.status == 2
+    assert "ball.STL is a model" in outcome.err[0]
+    assert "--model" in outcome.err[0]
+
+
 def test_a_malformed_model_is_one_line(play, files):
     outcome = play("--model", files["broken_model"])
     assert outcome.status == 2

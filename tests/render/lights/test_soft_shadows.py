@@ -130,3 +130,18 @@ def test_models_shadow_on_itself_is_as_soft_as_its_light(make_renderer, stage, q
     # Of a disc's share the 10 and 90 % are 0.69 of its diameter apart, which is the light's angle times the ray.
     expected = 0.69 * math.radians(size_deg) * HEIGHT / math.sin(math.radians(60)) ** 2
     assert width == pytest.approx(expected, abs=0.25 * expected + 0.0012)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_where_a_bar_hides_little_of_a_wide_light_no_dots_are_fully_lit(make_renderer, stage, quality: str) -> None:
+    """A bar over a table top: few samples of the light meet it, and in some places none."""
+    top, bar = box((0.2, 0.1, 0.01)), box((0.006, 0.1, 0.002)).moved(1.0, np.array([-0.03, 0.0, HEIGHT + 0.006]))
+    tracked = stage.tracked(255, stage.pose(0, 40, 0.3, target=(0.0, 0, 0)))
+    renderer = make_renderer(QUALITIES[quality].render)
+    renderer.render(Scene(tracked, stage.placed(top, bar), Illumination((_light(180, 60, 20.0),))))
+    xs, ys = np.meshgrid(np.linspace(-0.015, 0.03, 16), np.linspace(-0.02, 0.02, 61), indexing="ij")
+    points = np.column_stack([xs.ravel(), ys.ravel(), np.full(xs.size, 0.01)])
+    columns, rows = project(tracked.camera, tracked.marker.T_cam_marker, points).round().astype(int).T
+    seen = LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[rows, columns, 1]].reshape(xs.shape)
+    brightest = seen.max(axis=1) - np.median(seen, axis=1)
+    assert brightest.max() < 0.14 * seen.mean()

@@ -439,6 +439,44 @@ def test_the_shadow_of_a_clear_sheet_is_even(make_renderer, stage, quality: str,
         assert (seen.std(axis=1) < 0.005 * seen.mean(axis=1)).all()
 
 
+@pytest.fixture
+def error_of_ball(make_renderer, stage):
+    """How far a small ball's picture is from one that is eight times as fine: RMS over the ball, linear."""
+    preset = replace(FAST.render, matches_blur=False)
+    renderers = [make_renderer(preset, (480 * finer, 360 * finer)) for finer in (1, 8)]
+
+    def error(tracked, material: Material, shift_m: float, *lights) -> float:
+        ball = _ball(material, radius_m=0.012)
+        ball = replace(ball, vertices=ball.vertices + np.float32((shift_m, 0.5 * shift_m, 0)))
+        outline = project(tracked.camera, tracked.marker.T_cam_marker, ball.vertices).astype(int)
+        (left, top), (right, bottom) = outline.min(axis=0) - 3, outline.max(axis=0) + 3
+        seen = []
+        for renderer in renderers:
+            renderer.render(Scene(tracked, stage.placed(ball), Illumination(lights, seen_in=tracked)))
+            light = linear_from_srgb(renderer.read_bgr()[..., 1] / 255)
+            seen.append(cv2.resize(light, (480, 360), interpolation=cv2.INTER_AREA)[top:bottom, left:right])
+        return float(np.sqrt(np.square(seen[0] - seen[1]).mean()))
+
+    return error
+
+
+@pytest.mark.parametrize("shift_m", [0.0, 2e-4, 5e-4])
+def test_the_outline_of_a_polished_ball_mirrors_the_ground_behind_it(error_of_ball, stage, shift_m: float) -> None:
+    """And no mean of all ground: bright ground lies beyond the dark one."""
+    T = stage.pose(-90, 35, 0.35)
+    picture = np.full((360, 480, 3), 200, np.uint8)
+    dark = np.array([(-0.08, -0.08, 0), (0.08, -0.08, 0), (0.08, 0.08, 0), (-0.08, 0.08, 0)])
+    cv2.fillPoly(picture, [np.round(project(stage.camera(), T, dark)).astype(np.int32)], (25, 25, 25))
+    metal = Material(base_colour=(0.5, 0.5, 0.5, 1.0), metallic=1.0, roughness=0.15)
+    assert error_of_ball(stage.tracked(picture, T), metal, shift_m) < 0.014
+
+
+def test_the_outline_of_a_polished_ball_does_not_sparkle_in_the_sun(error_of_ball, stage) -> None:
+    metal = Material(base_colour=(0.5, 0.5, 0.5, 1.0), metallic=1.0, roughness=0.3)
+    tracked, sun = stage.tracked(40, stage.pose(-90, 35, 0.35)), stage.light(60, 30, (0.3, 0.3, 0.3))
+    assert error_of_ball(tracked, metal, 5e-4, sun) < 0.042
+
+
 def test_the_order_of_triangles_in_a_glass_does_not_matter(make_renderer, stage) -> None:
     """Its near wall does not hide the far one."""
     studio = _Studio(make_renderer, stage, elevation_deg=30)

@@ -62,6 +62,12 @@ def test_the_recorded_clip_has_the_rate_and_every_picture_once(tmp_path):
     assert [frame.image_bgr[0, 0, 0] // 4 for frame in frames] == pytest.approx(list(range(48)), abs=1)
 
 
+def test_one_picture_is_a_frame(tmp_path):
+    recording = Recording(tmp_path / "a.mp4", (64, 48), 24.0)
+    recording.take(lambda: np.zeros((48, 64, 3), np.uint8), True, 1.0)
+    assert recording.finish() == f"saved {tmp_path / 'a.mp4'} (1 frame)"
+
+
 def test_after_a_failure_no_picture_is_asked_for(tmp_path, monkeypatch):
     recording = Recording(tmp_path / "a.mp4", (64, 48), 24.0)
 
