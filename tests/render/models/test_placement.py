@@ -59,7 +59,6 @@ def test_it_looks_as_if_it_had_been_built_there(make_renderer, stage, quality: s
     changed = np.abs(pictures[1] - tracked.frame.image_bgr).max(axis=2) > 8
     assert changed.sum() > 10_000
     # Texels of depth maps and the directions of the sky that the contact is made of fall a little differently.
-    print(np.mean(here[changed] > 8), here.mean())
     assert np.mean(here[changed] > 8) < 0.002
     assert here.mean() < 0.15
 
