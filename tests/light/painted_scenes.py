@@ -215,7 +215,17 @@ def _bricks(x: Float32, y: Float32) -> Float32:
     return np.asarray(np.where(mortar[..., None], np.float32(0.45), brick), np.float32)
 
 
+def _planks(x: Float32, y: Float32) -> Float32:
+    """Pale boards, with joints that are as dark as boards in the shadow."""
+    row = np.floor(y / 0.05)
+    along = x / 0.3 + 0.37 * row
+    joint = (y / 0.05 - row < 0.1) | (along - np.floor(along) < 0.017)
+    board = np.array([0.55, 0.48, 0.4], np.float32)
+    return np.asarray(np.where(joint[..., None], board * SHADOW_RATIO, board), np.float32)
+
+
 GROUNDS: Mapping[str, Albedo] = {"plain": _plain, "checkered": _checkered, "striped": _striped, "bricks": _bricks}
+PAINTED = {**GROUNDS, "planks": _planks}
 
 
 def _lit_ground(camera: Camera, T_cam_marker: Float, ground: str) -> Float32:
@@ -232,7 +242,7 @@ def _lit_ground_of(size: Size, K: bytes, T: bytes, ground: str) -> Float32:
     x, y, nearness = (np.float32(corner[i]) + u * np.float32(right[i]) + v * np.float32(below[i]) for i in range(3))
     meets = nearness > 1e-4
     depth = np.where(meets, nearness, 1)
-    lit = GROUNDS[ground](np.asarray(x / depth, np.float32), np.asarray(y / depth, np.float32))
+    lit = PAINTED[ground](np.asarray(x / depth, np.float32), np.asarray(y / depth, np.float32))
     slow = np.exp(0.25 * (u / width - 0.5) + 0.15 * (v / height - 0.5))
     return np.where(meets[..., None], lit * slow[..., None], np.float32(0.7)).astype(np.float32)
 

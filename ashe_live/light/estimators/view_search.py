@@ -21,15 +21,13 @@ from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.known_place import explanations_by_place, hints_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import Glint, glint_in
-from ashe_live.light.ground.lit_ground import LitGround, with_unlit_on_average
+from ashe_live.light.ground.lit_ground import SPECK_SHARE, LitGround, with_unlit_on_average
 from ashe_live.light.ground.regions import Region, unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts, voted_for
 from ashe_live.light.ground.sheet_shadow import SheetShadow, sheet_shadow_in
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.pixels.view import View
 
-# Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
-LEAST_SHARE = 0.0005
 HINTS = 5  # number of lights in which a known object's place is searched
 SAME_RAD, SAME_M = math.radians(1), 0.003  # angle and distance within which two explanations count as one
 
@@ -82,7 +80,7 @@ class ViewSearch:
     def rough(self) -> list[Explanation]:
         """The explanations by fits to the likeliest splits; none if nothing stands out from the ground."""
         view, ground, steps, trace = self.view, self.view.ground, self.steps, self.trace
-        unlit = with_unlit_on_average(view.unlit(round(LEAST_SHARE * view.coarse.is_ground.size)), view.coarse)
+        unlit = with_unlit_on_average(view.unlit(round(SPECK_SHARE * view.coarse.is_ground.size)), view.coarse)
         trace.sheet_shadow = sheet_shadow_in(view.fine)
         trace.glint = glint_in(view.coarse, ground)
         trace.unlit = unlit = unlit if trace.glint is None else unlit & ~trace.glint.halo

@@ -38,7 +38,16 @@ OFF_PLANE, UNUSUAL_DISTANCE = -1.5, 3.5
 # Log odds from which on it is surely on the plane; what is brighter there, by so much in log brightness than the
 # brightest of the palette's colours with a share of COMMON, is a glow.
 ON_PLANE, BRIGHTER, COMMON = 0.5, 0.1, 0.03
+SPECK_SHARE = 0.0005  # of the picture: smaller areas that stand out are specks
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BroadAreas:
+    """Areas in colours that the ground has in narrow joints only, and that are too broad for these."""
+
+    mask: Mask  # (h, w)
+    palette: Mixture  # the ground's other colours, which tell what lies there
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,6 +63,7 @@ class LitGround:
     fall: LightFall | None = None  # a lamp's, or gloss under a sun, one of these functions; None: they are a quadratic
     divided: bool = False  # by edges into surfaces that are lit alike, where a lamp's fall would explain it as one
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
+    broad: BroadAreas | None = None  # which stand out although the palette has their colours; None: none
 
 
 def fit_lit_ground(
@@ -126,6 +136,8 @@ def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
     unexplained = ground.rare & (ground.squared_distance > UNLIT_DISTANCE) & ~ground.sheen
     if ground.on_plane is not None:
         unexplained |= (ground.on_plane < OFF_PLANE) & (ground.squared_distance > UNUSUAL_DISTANCE)
+    if ground.broad is not None:
+        unexplained |= ground.broad.mask
     return large_areas(cleaned(is_ground & unexplained), least_px)
 
 

@@ -49,6 +49,7 @@ class Region:
     frame_shape: tuple[int, ...]  # (h, w) of the whole frame at this scale
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
     faint: Mask | None = None  # (h, w) of `unlit`, those that the lit ground nearly explains; None: not known
+    broad: Mask | None = None  # (h, w) the ground's broad areas in the colours of joints; None: none
     quantised: Quantised = field(init=False)  # its colours, quantised to the size of the noise
     unreliable: Mask = field(init=False)  # (h, w) pixels off the ground, and those near enough to see that border
 
@@ -152,7 +153,9 @@ def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region
     cut = view.cut(window)
     unlit, faint = _unlit(colours, ground, enlarged, cut.is_ground)
     shape = view.is_ground.shape
-    return Region(cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint)
+    return Region(
+        cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint, _broad(ground, shape, window)
+    )
 
 
 def region_with_on_plane(region: Region, ground: LitGround) -> Region:
@@ -167,6 +170,14 @@ def _on_plane(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -
     height, width = frame_shape
     whole = cv2.resize(ground.on_plane, (width, height), interpolation=cv2.INTER_LINEAR)
     return np.asarray(whole[window], dtype=np.float32)
+
+
+def _broad(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -> Mask | None:
+    """(h, w) a window's pixels in broad areas in the colours of joints; arguments as of `_on_plane`."""
+    if ground.broad is None:
+        return None
+    height, width = frame_shape
+    return cv2.resize(ground.broad.mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)[window] > 0
 
 
 def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shape: tuple[int, ...]) -> Window:

@@ -4,6 +4,7 @@ Costs are twice negative log densities of colours, so that they can be compared 
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE
 from ashe_live.light.pixels.areas import shrunk, smoothed
 from ashe_live.light.pixels.log_colour import FROM_OPPONENT, OPPONENT
-from ashe_live.light.pixels.mixtures import UNEXPLAINED, cost, mixture_of
+from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture, cost, mixture_of
 
 OBJECT_COLOURS = 4
 # Pairs of the share of its light that a pixel of ground may have lost of what the shadow takes, and the extra cost of
@@ -75,9 +76,21 @@ def with_other_ground(materials: Materials, other: Mask) -> Materials:
 def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple[tuple[float, float], ...]) -> Float32:
     """(h, w) cost of ground in the likeliest of some shares (each with an extra cost) of a shadow of `shift` (3,)."""
     share, extra = np.array(shares).T
-    shown = ground.palette.shifted(shifts_of_shares(shift, share), 1 + WIDENED * share)
-    costs = cost(region.quantised.colours, shown, np.repeat(extra, len(ground.palette.weights)))
-    return smoothed(region.quantised.as_picture(costs))
+
+    def costs_by(palette: Mixture) -> Float32:
+        shown = palette.shifted(shifts_of_shares(shift, share), 1 + WIDENED * share)
+        costs = cost(region.quantised.colours, shown, np.repeat(extra, len(palette.weights)))
+        return region.quantised.as_picture(costs)
+
+    return smoothed(_by_palette(region, ground, costs_by))
+
+
+def _by_palette(region: Region, ground: LitGround, values_by: Callable[[Mixture], Float32]) -> Float32:
+    """(h, w) what `values_by` says by the ground's palette; in broad areas by what it has beside joints."""
+    values = values_by(ground.palette)
+    if ground.broad is None or region.broad is None or not region.broad.any():
+        return values
+    return np.where(region.broad, values_by(ground.broad.palette), values)
 
 
 def shifts_of_shares(shift: Float, shares: Float) -> Float:
@@ -118,16 +131,20 @@ def share_of_light_lost(region: Region, ground: LitGround, shift: Float) -> Floa
 
     By each colour's position on the line from the likeliest palette colour, 0, to its shadowed colour, 1.
     """
-    common = ground.palette.weights >= COMMON
     # In units of the noise, so that Euclidean distances to that line are Mahalanobis distances of colours.
-    colours, centres = region.quantised.colours / NOISE, ground.palette.centres[common] / NOISE
-    way = (shift / SHIFT_NOISE).astype(np.float32)
+    colours, way = region.quantised.colours / NOISE, (shift / SHIFT_NOISE).astype(np.float32)
     length = way @ way
-    along = ((colours @ way) - (centres @ way)[:, None]) / length
-    fraction = np.clip(along, -0.3, 1.6)
-    away = (centres**2).sum(axis=1)[:, None] - 2 * (centres @ colours.T)
-    off = away + length * fraction * (fraction - 2 * along) - 2 * np.log(ground.palette.weights[common])[:, None]
-    likeliest = np.take_along_axis(fraction, off.argmin(axis=0)[None], axis=0)[0]
+
+    def likeliest_by(palette: Mixture) -> Float32:
+        common = palette.weights >= COMMON
+        centres = palette.centres[common] / NOISE
+        along = ((colours @ way) - (centres @ way)[:, None]) / length
+        fraction = np.clip(along, -0.3, 1.6)
+        away = (centres**2).sum(axis=1)[:, None] - 2 * (centres @ colours.T)
+        off = away + length * fraction * (fraction - 2 * along) - 2 * np.log(palette.weights[common])[:, None]
+        likeliest = np.take_along_axis(fraction, off.argmin(axis=0)[None], axis=0)[0]
+        return region.quantised.as_picture(likeliest.astype(np.float32))
+
     depth = min(float(shift[0]), -LEAST_DEPTH)
-    lost = np.expm1(depth * likeliest) / math.expm1(depth)
-    return region.quantised.as_picture(lost.astype(np.float32))
+    lost = np.expm1(depth * _by_palette(region, ground, likeliest_by)) / math.expm1(depth)
+    return np.asarray(lost, dtype=np.float32)

@@ -36,6 +36,10 @@ class Mixture:
         covariances = self.covariances * widenings[:, None, None, None].astype(np.float32)
         return Mixture(centres.reshape(-1, 3), covariances.reshape(-1, 3, 3), np.tile(self.weights, len(shifts)))
 
+    def only(self, kept: NDArray[np.bool_]) -> "Mixture":
+        """The components in `kept` (k,), with their weights as they are."""
+        return Mixture(self.centres[kept], self.covariances[kept], self.weights[kept])
+
 
 def clusters(colours: Float32, count: int, start: NDArray[np.intp] | None = None) -> tuple[NDArray[np.intp], Float32]:
     """K-means: labels (n,) and centres (k, 3) of colours (n, 3), k at most `count`; deterministic to the bit.

@@ -24,6 +24,7 @@ NOTES = (
     r"ashe-live: a recording that was cut short is now ",
     r"ashe-live: no camera is connected, so this is the demo ",
     r"ashe-live: .* is truncated or damaged: ",
+    r"ashe-live: .*: passed over, as not named as ",
     r"ashe-live: saved ",
     r"ashe-live: nothing to estimate in frame ",
     r"ashe-live: camera: focal length ",
