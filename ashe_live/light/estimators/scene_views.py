@@ -8,7 +8,6 @@ from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import FAST, ProxySteps
 from ashe_live.light.explanation.scene_view import SceneView
-from ashe_live.light.ground.broad_areas import with_broad_areas
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
@@ -33,14 +32,14 @@ def scene_views(
     ground = lit_ground_of(coarse, steps.ground, steps.light)
     if ground is None:
         return []
-    views = [SceneView(tracked.frame.index, fine, coarse, with_broad_areas(ground, coarse))]
+    views = [SceneView(tracked.frame.index, fine, coarse, ground)]
     for number, other in enumerate(usable(tracked, others, steps.views - 1)):
         fine, coarse = fine_and_coarse(other, steps)
         # A view in which nothing is searched for needs only a coarse model of the ground.
         finely = steps.ground if number < steps.companions else FAST.ground
         seen = lit_ground_beside(ground, coarse, finely, steps.light)
         if seen is not None:
-            views.append(SceneView(other.frame.index, fine, coarse, with_broad_areas(seen, coarse)))
+            views.append(SceneView(other.frame.index, fine, coarse, seen))
     return views if len(views) == 1 else with_plane(views)
 
 

@@ -8,6 +8,7 @@ What glossy ground mirrors of a sun is told and taken out in the same way.
 from dataclasses import replace
 
 from ashe_live.core.arrays import Mask
+from ashe_live.light.ground.broad_areas import with_broad_areas
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.slow_shading import LightFall
 from ashe_live.light.ground.steps import GroundSteps
@@ -23,8 +24,14 @@ LEAST_PX = 40  # of what stands out from the ground: specks are texture
 def lit_ground_of(view: View, steps: GroundSteps, kind: str) -> LitGround | None:
     """The lit ground of a view, as `fit_lit_ground`, in the light of a lamp, or of gloss where it asks for one.
 
-    kind: one of KINDS.
+    With the areas that are too broad for its joints. kind: one of KINDS.
     """
+    ground = _ground_in_its_light(view, steps, kind)
+    return None if ground is None else with_broad_areas(ground, view)
+
+
+def _ground_in_its_light(view: View, steps: GroundSteps, kind: str) -> LitGround | None:
+    """As `lit_ground_of`, without these areas."""
     ground = fit_lit_ground(view.image_bgr, view.is_ground, steps)
     if ground is None or kind == SUN:
         return ground
@@ -45,7 +52,7 @@ def lit_ground_beside(first: LitGround, view: View, steps: GroundSteps, kind: st
     first view does not ask for it, it is not looked for in others.
     """
     if first.fall is None and not first.divided:
-        return fit_lit_ground(view.image_bgr, view.is_ground, steps)
+        kind = SUN
     return lit_ground_of(view, steps, kind)
 
 
