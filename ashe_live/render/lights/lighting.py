@@ -29,8 +29,9 @@ MAX_ALBEDO = 0.9
 class Sun:
     """One light, far away or (a lamp) near by. Units as in Lighting, at the marker's centre.
 
-    In the terms of glTF's KHR_lights_punctual a sun is a directional light, a lamp a point light: its `intensity` is in
-    candela where our unit is a lux, and its light falls by the square of the distance in metres.
+    In the terms of glTF's KHR_lights_punctual a sun is a directional light, a lamp a point light, whose light falls by
+    the square of the distance in metres: its intensity in candela, where our unit is a lux, is its irradiance here over
+    the square of `inverse_distance`.
     """
 
     to_light: Float  # (3,) unit, marker frame, from the marker's centre, above the horizon
