@@ -2,7 +2,8 @@
 
 A palette that has the colour of joints explains a shadow of that colour as lit ground. But joints are narrow: where
 their colours fill an area that is broader, in metres, than anywhere else, and that touches what stands out from the
-ground, the area is rather the shadow of that.
+ground, the area is rather the shadow of that. How far the pixels of an area are from its border is their reach: in
+pixels of the picture, or in those that they would be at the marker's distance, which are proportional to metres.
 """
 
 from collections.abc import Iterator
@@ -23,10 +24,12 @@ DARKER = 0.15  # log brightness below the palette's mean: joints are at least so
 # Ground nearer than this, as a share of the picture's width, to what stands out may be in its shadow. The rest, which
 # must be this share of the picture, shows how broad joints are.
 BESIDE, LEAST_ELSEWHERE = 0.06, 0.1
-# An area is broad where its middle is this many times as far from the border as that of joints elsewhere is, at this
-# percentile of the places in their middle; and at least so many pixels.
+# An area is broad where its reach is this many times that of joints elsewhere, at this percentile of the pixels in
+# their middle; and where it is at least so many pixels of the picture.
 BROADER, PERCENTILE, LEAST_REACH_PX = 1.3, 99.5, 2.0
-LEAST_JOINTS_PX, JOINT_REACH_PX = 6, 1.0  # places by which joints are measured; their reach where there are fewer
+LEAST_JOINTS, JOINT_REACH = 6, 1.0  # pixels in the middle of joints; their reach where there are fewer
+MIXED_PX = 3  # across a joint, beside twice its reach: its middle pixel, and a mixed one on either side
+FARTHEST = 50.0  # of the ground, over the marker's distance: beyond, near the horizon, lengths grow no more
 LEAST_SHARE = 0.002  # of the picture: smaller areas are knots and stains
 TOUCHING_PX, TOUCHING_SHARE, TOUCHING_LEAST_PX = 4, 0.02, 3  # how much of an area is near what stands out, at least
 
@@ -66,27 +69,30 @@ def _darkest(palette: Mixture) -> Iterator[NDArray[np.bool_]]:
 
 
 def _relative_distance(view: View) -> Float32:
-    """(h, w) depth of the ground at each pixel over the marker's distance, to scale lengths by; at most 50."""
+    """(h, w) depth of the ground at each pixel over the marker's distance, by which lengths are scaled."""
     height, width = view.is_ground.shape
     plane_from_image = np.linalg.inv(image_from_plane(view.camera, view.T_cam_marker))
     columns, rows = np.arange(width), np.arange(height)
     inverse_depth = plane_from_image[2, 0] * columns + (plane_from_image[2, 1] * rows + plane_from_image[2, 2])[:, None]
     away = float(np.linalg.norm(view.T_cam_marker[:3, 3]))
-    return np.asarray(1 / np.maximum(inverse_depth * away, 0.02), dtype=np.float32)
+    return np.asarray(1 / np.maximum(inverse_depth * away, 1 / FARTHEST), dtype=np.float32)
 
 
 def _broad(dark: Mask, elsewhere: Mask, near: Mask, distance: Float32) -> Mask:
-    """(h, w) the areas of `dark` that touch what is `near`, and are broader than any of it `elsewhere`."""
+    """(h, w) the areas of `dark` that touch what is `near`, and are broader than nearly all of it `elsewhere`.
+
+    distance: (h, w) as by `_relative_distance`.
+    """
     reach_px = distance_to(~dark)
     reach = reach_px * distance
     ridge = dark & elsewhere & (reach >= cv2.dilate(reach, np.ones((3, 3), np.uint8)))
     joints = reach[ridge]
-    widest = float(np.percentile(joints, PERCENTILE)) if len(joints) >= LEAST_JOINTS_PX else JOINT_REACH_PX
+    widest = float(np.percentile(joints, PERCENTILE)) if len(joints) >= LEAST_JOINTS else JOINT_REACH
     core = (reach > BROADER * widest) & (reach_px >= LEAST_REACH_PX)
     if not core.any():
         return core
     # Without the joints that end at it.
-    across_px = 2 * round(widest / float(np.median(distance[core]))) + 3
+    across_px = 2 * round(widest / float(np.median(distance[core]))) + MIXED_PX
     several = areas_by_size(thick(dark, across_px), round(LEAST_SHARE * dark.size))
     broad = np.zeros_like(dark)
     for area in several:

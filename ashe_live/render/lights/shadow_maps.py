@@ -202,9 +202,7 @@ def _overlaps(caster: Caster, receiver: Caster, sun: Sun) -> tuple[bool, bool]:
 
 def _is_seen_soft(caster: Caster, receiver: Caster, sun: Sun) -> bool:
     """Whether the caster's shadow on the receiver, which may be itself, has a penumbra that is seen as one."""
-    if sun.angular_size_rad == 0:
-        return False
-    view = view_of(sun, np.concatenate([caster.points, receiver.points]))
+    view = view_of(sun, np.concatenate([caster.points, receiver.points])) if sun.angular_size_rad > 0 else None
     if view is None:
         return False
     shaded = view.seen(receiver.points)

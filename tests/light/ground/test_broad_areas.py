@@ -46,6 +46,14 @@ def test_no_empty_ground_has_any(ground):
     assert with_broad_areas(of_empty, view) is of_empty
 
 
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_where_no_joint_is_as_dark_as_a_shadow_hardly_any_lit_ground_is_added(ground):
+    scene = paint(BOX, ground=ground)
+    found, view = ground_of(scene)
+    before, after = (unlit_mask(each, view.is_ground, LEAST_PX) for each in (found, with_broad_areas(found, view)))
+    assert np.mean((after & ~before)[~shrunk_to(view, scene.shadow | scene.body)]) < 0.003
+
+
 def test_there_a_shadow_costs_less_than_lit_ground_with_such_joints():
     scene = paint(BOX, ground="planks")
     ground, view = ground_of(scene)
