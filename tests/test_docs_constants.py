@@ -21,9 +21,9 @@ from ashe_live.light.lamps.fall import fall_off, lit_samples
 from ashe_live.light.lamps.lamp import UNTOLD_NEARNESS
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
 from ashe_live.quality import BALANCED, FAST
+from ashe_live.render.camera.held_look import LOOK_HELD_S
 from ashe_live.render.camera.white import ASSUMED_WHITE, PAPER_ALBEDO
 from ashe_live.render.lights.lighting import LAMP_RADIUS_M, SUN_ANGULAR_SIZE_RAD
-from ashe_live.render.lights.photometry import LOOK_HELD_S
 from ashe_live.render.lights.surroundings import HALF_RADIUS_SIDES, PATTERN_SIZE
 from ashe_live.tracking.families.cells import MIN_CORRELATION, MIN_LEAD
 from ashe_live.tracking.search import LARGEST_PX, SMALLEST_PX

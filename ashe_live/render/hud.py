@@ -113,6 +113,8 @@ def fits(rows: Rows, font_px: float, size: Size, gap: int) -> bool:
 
 def _wrapped(line: str, font_px: float, width: int) -> list[str]:
     """Parts of a line, broken between words where it is wider than a plate of `width` holds, and within wider words."""
+    if _extent(((line,),), font_px)[0] <= width:
+        return [line]
     parts: list[str] = []
     # Word by word, so that the time it takes grows with the line and not with its square.
     for word in line.split(" "):
@@ -153,9 +155,29 @@ def _font(font_px: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     return ImageFont.load_default(size=font_px)
 
 
+@lru_cache(maxsize=512)
+def _width(text: str, font_px: float) -> int:
+    """In pixels. Kept, as most lines stay when a number in one of them changes."""
+    return round(_font(font_px).getlength(text))
+
+
+@lru_cache(maxsize=128)
+def _ink(text: str, font_px: float, line: int) -> PillowImage.Image:
+    """Coverage of the text's pixels in a row of height `line`, with space for letters that reach out of their width."""
+    bleed = _bleed(font_px)
+    ink = PillowImage.new("L", (_width(text, font_px) + 2 * bleed, line))
+    ImageDraw.Draw(ink).text((bleed, 0.5 * line), text, fill=255, font=_font(font_px), anchor="lm")
+    return ink
+
+
+def _bleed(font_px: float) -> int:
+    """Pixels by which letters may reach out of their width."""
+    return math.ceil(0.5 * font_px)
+
+
 def _column_widths(rows: Rows, font_px: float) -> list[int]:
     columns = max(len(row) for row in rows)
-    return [max(round(_font(font_px).getlength(row[at])) for row in rows if at < len(row)) for at in range(columns)]
+    return [max(_width(row[at], font_px) for row in rows if at < len(row)) for at in range(columns)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +205,7 @@ def _extent(rows: Rows, font_px: float) -> Size:
 
 def rows_plate(rows: Rows, font_px: float) -> Image:
     """(h, w, 4) uint8 sRGB, straight alpha: rows of text in aligned columns on a rounded rectangle."""
-    font, layout = _font(font_px), row_layout(rows, font_px)
+    layout = row_layout(rows, font_px)
     width, height = layout.size
     picture = PillowImage.new("RGBA", (width, height))
     draw = ImageDraw.Draw(picture)
@@ -191,7 +213,7 @@ def rows_plate(rows: Rows, font_px: float) -> Image:
     for number, row in enumerate(rows):
         left = layout.padding
         for cell, column in zip(row, layout.column_widths, strict=False):
-            middle = layout.padding + (number + 0.5) * layout.line
-            draw.text((left, middle), cell, fill=TEXT_SRGBA, font=font, anchor="lm")
+            at = left - _bleed(font_px), layout.padding + number * layout.line
+            draw.bitmap(at, _ink(cell, font_px, layout.line), fill=TEXT_SRGBA)
             left += column + layout.column_gap
     return np.array(picture, dtype=np.uint8)

@@ -11,13 +11,12 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import REC709_LUMINANCE
-from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.chroma_blur import chroma_blur_px
 from ashe_live.render.camera.edges import blur_and_sharpening
 from ashe_live.render.camera.grain import SILENT, NoiseLevels, has_coarse_chroma, noise_levels
-from ashe_live.render.camera.white import OVEREXPOSED, PAPER_ALBEDO, print_corners_px, white_of
-from ashe_live.render.lights.lighting import RGB, Lighting
+from ashe_live.render.camera.white import OVEREXPOSED, PAPER_ALBEDO, print_corners_px
+from ashe_live.render.lights.lighting import RGB
 
 HALF_RESOLUTION_PX = 1.0  # sigma of colours that are means of two pixels, interpolated: variances of 1/4 and 3/4
 # Encoders round off weak colours more than strong ones. This is the variance of the blur of colours on the ground, less
@@ -49,32 +48,25 @@ class VideoLook:
         return float(self.paper_rgb @ REC709_LUMINANCE) > OVEREXPOSED[1]
 
 
-def look_of(
-    tracked: TrackedFrame,
-    blur: bool = True,
-    noise: bool = True,
-    lighting: Lighting | None = None,
-    real_object: Proxy | None = None,
-    chroma_blur: float | None = None,
-) -> VideoLook:
-    """White (as `white_of`), blur and noise of a frame with a marker; None or 0 for what is not asked for.
+UNSEEN = VideoLook((1.0, 1.0, 1.0), None, SILENT)
 
-    `chroma_blur`: where `VideoLook.chroma_blur_px` is known already, as it takes as long as all else together.
-    """
-    assert tracked.marker is not None
-    white = white_of(tracked, lighting, real_object)
-    if not blur and not noise:
-        return VideoLook(white, None, SILENT)
-    grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
-    corners = print_corners_px(tracked)
-    sigma_px, sharpening = blur_and_sharpening(grey, corners) if blur else (None, 0.0)
-    return VideoLook(
-        white,
-        sigma_px,
-        noise_levels(_window(grey, corners.mean(axis=0))) if noise else SILENT,
-        sharpening,
-        _chroma_blur_px(around_print(tracked), chroma_blur) if blur else 0.0,
-    )
+
+def sharpness_of(tracked: TrackedFrame) -> tuple[float, float]:
+    """Sigma of the blur, in pixels, and amount of sharpening at the marker of a frame, as `VideoLook` has them."""
+    return blur_and_sharpening(_grey(tracked.frame.image_bgr), print_corners_px(tracked))
+
+
+def noise_of(tracked: TrackedFrame) -> NoiseLevels:
+    """The noise around the marker of a frame."""
+    return noise_levels(_grey(around_print(tracked)))
+
+
+def chroma_blur_of(tracked: TrackedFrame) -> float:
+    """Sigma in pixels by which strong colours, as a model's are, would be blurred in a frame with a marker."""
+    image = around_print(tracked)
+    found = chroma_blur_px(image) or 0.0
+    least = HALF_RESOLUTION_PX if has_coarse_chroma(image) else 0.0
+    return max(least, math.sqrt(max(found**2 - WEAK_COLOURS_PX2, 0.0)))
 
 
 def around_print(tracked: TrackedFrame) -> Image:
@@ -82,13 +74,8 @@ def around_print(tracked: TrackedFrame) -> Image:
     return _window(tracked.frame.image_bgr, print_corners_px(tracked).mean(axis=0))
 
 
-def _chroma_blur_px(image: Image, known: float | None) -> float:
-    """Sigma by which strong colours, as a model's are, would be blurred; as it is known, if it is."""
-    if known is not None:
-        return known
-    found = chroma_blur_px(image) or 0.0
-    least = HALF_RESOLUTION_PX if has_coarse_chroma(image) else 0.0
-    return max(least, math.sqrt(max(found**2 - WEAK_COLOURS_PX2, 0.0)))
+def _grey(image_bgr: Image) -> Image:
+    return np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
 
 
 def _window(image: Image, centre: Float) -> Image:

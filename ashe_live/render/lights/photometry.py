@@ -1,24 +1,18 @@
 """The scene's irradiances and the video's exposure, blur and noise, measured again only when they may have changed."""
 
-import math
-from dataclasses import replace
-
 import numpy as np
 
 from ashe_live.core.arrays import same_objects
 from ashe_live.core.types import Illumination, TrackedFrame
-from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2
+from ashe_live.render.camera.held_look import HeldLook
 from ashe_live.render.camera.relief import Relief, relief_of
 from ashe_live.render.camera.shadow_border import unexplained_border_px
-from ashe_live.render.camera.video_look import VideoLook, look_of
+from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.camera.white import white_of
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.lighting import Lighting, lighting_of
 from ashe_live.render.lights.open_sky import open_sky
 from ashe_live.render.lights.shadow_colour import steadied
-
-LOOK_HELD_S = 0.2  # of the video's time
-CHROMA_HELD_S = 10.0  # that a camera's colours count as blurred as they were found to be
 
 
 class Photometry:
@@ -26,8 +20,7 @@ class Photometry:
 
     def __init__(self, preset: RenderPreset) -> None:
         self._preset = preset
-        self._look: tuple[TrackedFrame, Lighting, VideoLook] | None = None
-        self._chroma: tuple[TrackedFrame, float] | None = None
+        self._look = HeldLook(preset)
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
         self._border: tuple[Lighting, float] | None = None
         self._relief: tuple[tuple[object, ...], Lighting, Relief | None] | None = None
@@ -76,34 +69,8 @@ class Photometry:
         return self._relief[2]
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
-        """The look that the preset matches of the video. Exposure and white balance are measured every LOOK_HELD_S."""
-        lighting = self.lighting(of)
-        if self._look is not None:
-            measured_in, measured_by, look = self._look
-            since_s = tracked.frame.time_s - measured_in.frame.time_s
-            if measured_in is tracked or 0 < since_s < LOOK_HELD_S:
-                if measured_by is not lighting:
-                    look = replace(look, white_rgb=white_of(measured_in, lighting, of.real_object))
-                    self._look = measured_in, lighting, look
-                return look
-        blur, noise = self._preset.matches_blur, self._preset.matches_noise
-        chroma_blur = self._known_chroma_blur(tracked)
-        look = look_of(tracked, blur, noise, lighting, of.real_object, chroma_blur)
-        if chroma_blur is None:
-            self._chroma = tracked, look.chroma_blur_px
-        if self._preset.matches_lens and tracked.camera.is_distorted and look.blur_sigma_px is not None:
-            # The composite interpolates then, which blurs as well.
-            variance = max(0.0, look.blur_sigma_px**2 - INTERPOLATION_VARIANCE_PX2)
-            look = replace(look, blur_sigma_px=math.sqrt(variance))
-        self._look = tracked, lighting, look
-        return look
-
-    def _known_chroma_blur(self, tracked: TrackedFrame) -> float | None:
-        """The chroma blur found not long ago in another frame of the same camera; None if it was not measured."""
-        if self._chroma is None or self._chroma[0].camera is not tracked.camera:
-            return None
-        is_fresh = abs(tracked.frame.time_s - self._chroma[0].frame.time_s) < CHROMA_HELD_S
-        return self._chroma[1] if is_fresh else None
+        """The look that the preset matches of the video."""
+        return self._look.at(tracked, self.lighting(of), of.real_object)
 
 
 def _was_seen_in_shadow(of: Illumination) -> bool:

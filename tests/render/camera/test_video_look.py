@@ -2,6 +2,8 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
+from operator import ne
 from statistics import NormalDist
 
 import cv2
@@ -15,7 +17,8 @@ from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.edges import blur_and_sharpening, edge_blur_px
 from ashe_live.render.camera.grain import has_coarse_chroma, noise_levels
-from ashe_live.render.camera.video_look import look_of
+from ashe_live.render.camera.held_look import CUT_S, LOOK_HELD_S, HeldLook
+from ashe_live.render.camera.video_look import VideoLook, noise_of, sharpness_of
 from ashe_live.render.camera.white import (
     ASSUMED_WHITE,
     BODY_PRINT_SHARE,
@@ -27,6 +30,7 @@ from ashe_live.render.camera.white import (
     WHITE_TINT,
     white_of,
 )
+from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.cube.faces import TAG_SHARE
 from ashe_live.tracking.families.layout import cube_layout
@@ -139,12 +143,12 @@ def test_white_is_assumed_where_there_is_no_paper(stage) -> None:
 
 @pytest.mark.parametrize("blur", [0.0, 0.6, 1.0, 1.6, 2.2])
 def test_blur_is_measured_at_the_markers_edges(stage, blur: float) -> None:
-    assert look_of(_sheet(stage, blur=blur, noise=1.0)).blur_sigma_px == pytest.approx(blur, abs=0.3)
+    assert sharpness_of(_sheet(stage, blur=blur, noise=1.0))[0] == pytest.approx(blur, abs=0.3)
 
 
 @pytest.mark.parametrize("noise", [1.0, 3.0, 8.0])
 def test_noise_is_measured_around_the_marker(stage, noise: float) -> None:
-    dark, dim, *_ = look_of(_sheet(stage, noise=noise)).noise_sigmas
+    dark, dim, *_ = noise_of(_sheet(stage, noise=noise))
     # Black ink is clipped where it would be darker than black.
     assert dim * 255 == pytest.approx(noise, rel=0.2, abs=0.3)
     assert dark <= dim * 1.2
@@ -235,7 +239,7 @@ def test_models_noise_is_the_videos_and_new_in_every_frame(make_renderer, stage)
         frame = Frame(tracked.frame.image_bgr, index, 0.0)
         renderer.render(Scene(TrackedFrame(frame, tracked.camera, tracked.marker), model))
         pictures.append(renderer.read_bgr().astype(float))
-        assert pictures[-1][inside > 0].std() == pytest.approx(look_of(tracked).noise_sigmas[2] * 255, rel=0.25)
+        assert pictures[-1][inside > 0].std() == pytest.approx(noise_of(tracked)[2] * 255, rel=0.25)
     assert (pictures[0] - pictures[1])[inside > 0].std() > 4.0
     far = cv2.dilate(inside, np.ones((61, 61))) == 0
     np.testing.assert_array_equal(pictures[0][far], tracked.frame.image_bgr[far])
@@ -259,7 +263,30 @@ def test_of_a_cube_the_paper_on_its_top_is_white() -> None:
     assert BODY_PRINT_SHARE == TAG_SHARE
     scene = CubeScene(CAMERA, looking(0.35, 30, 40), [sun(200, 40)], blur_px=0.9)
     tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
-    look = look_of(tracked)
     # The picture is exposed so that white in the open table's light has this level.
-    assert np.mean(look.white_rgb) == pytest.approx(scene.exposure, rel=0.1)
-    assert look.blur_sigma_px == pytest.approx(0.9, abs=0.3)
+    assert np.mean(white_of(tracked)) == pytest.approx(scene.exposure, rel=0.1)
+    assert sharpness_of(tracked)[0] == pytest.approx(0.9, abs=0.3)
+
+
+def test_of_a_video_that_flows_on_one_part_of_the_look_is_measured_a_frame(stage) -> None:
+    before, after = _sheet(stage, noise=1.0), _sheet(stage, white=(0.5, 0.5, 0.5), blur=1.5, noise=6.0)
+    unlit, held = lighting_of((), None), HeldLook(BALANCED.render)
+
+    def seen_at(time_s: float, scene: TrackedFrame) -> VideoLook:
+        frame = Frame(scene.frame.image_bgr, 0, time_s)
+        return held.at(TrackedFrame(frame, scene.camera, scene.marker), unlit, None)
+
+    def parts(look: VideoLook) -> list[object]:
+        return [look.white_rgb, (look.blur_sigma_px, look.sharpening), look.noise_sigmas]
+
+    first = seen_at(0.0, before)
+    whole = [white_of(after, unlit), sharpness_of(after), noise_of(after)]
+    looks = [first, *(seen_at(k / 60, after) for k in range(1, 30))]
+    changes = [sum(map(ne, parts(a), parts(b))) for a, b in pairwise(looks)]
+    assert max(changes) == 1
+    assert parts(looks[math.ceil((LOOK_HELD_S + 2 / 60) * 60)]) == whole
+    assert parts(first) == [white_of(before, unlit), sharpness_of(before), noise_of(before)]
+    # After a cut, as after a step through a clip, and from one photo to the next, all of it is measured at once.
+    assert parts(seen_at(29 / 60 + CUT_S, before)) == parts(first)
+    assert parts(seen_at(0.0, after)) == whole
+    assert parts(seen_at(0.0, before)) == parts(first)

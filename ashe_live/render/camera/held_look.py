@@ -1,0 +1,83 @@
+"""The look of a video, measured again only now and then, and one part of it at a time while the video flows on."""
+
+import math
+from dataclasses import replace
+from enum import Enum, auto
+
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import TrackedFrame
+from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2
+from ashe_live.render.camera.video_look import UNSEEN, VideoLook, chroma_blur_of, noise_of, sharpness_of
+from ashe_live.render.camera.white import white_of
+from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.lights.lighting import Lighting
+
+LOOK_HELD_S = 0.2  # of the video's time
+CUT_S = 2 * LOOK_HELD_S  # between two frames, from which on the later one may show another scene
+CHROMA_HELD_S = 10.0  # that a camera's colours count as blurred as they were found to be
+
+
+class _Part(Enum):
+    WHITE = auto()
+    SHARPNESS = auto()
+    NOISE = auto()
+
+
+class HeldLook:
+    """Measures what the preset matches of a video's look, each part of it every LOOK_HELD_S."""
+
+    def __init__(self, preset: RenderPreset) -> None:
+        self._preset = preset
+        self._look = UNSEEN
+        self._measured_in: dict[_Part, TrackedFrame] = {}
+        self._lighting: Lighting | None = None  # by which the white was measured
+        self._chroma_in: TrackedFrame | None = None
+
+    def at(self, tracked: TrackedFrame, lighting: Lighting, real_object: Proxy | None) -> VideoLook:
+        """The look of a frame with a marker; the same object while nothing was measured.
+
+        After a cut, which the first frame is as well, all parts are measured in that frame. Otherwise it is one part a
+        call at most, as all together take a third of a picture's time.
+        """
+        if any(_is_cut(seen, tracked) for seen in self._measured_in.values()):
+            self._measured_in.clear()
+        if not self._measured_in:
+            for part in _Part:
+                self._measure(part, tracked, lighting, real_object)
+        oldest = min(_Part, key=lambda part: self._measured_in[part].frame.time_s)
+        if tracked.frame.time_s - self._measured_in[oldest].frame.time_s >= LOOK_HELD_S:
+            self._measure(oldest, tracked, lighting, real_object)
+        if lighting is not self._lighting:
+            self._measure(_Part.WHITE, self._measured_in[_Part.WHITE], lighting, real_object)
+        return self._look
+
+    def _measure(self, part: _Part, tracked: TrackedFrame, lighting: Lighting, real_object: Proxy | None) -> None:
+        self._measured_in[part] = tracked
+        if part is _Part.WHITE:
+            self._look = replace(self._look, white_rgb=white_of(tracked, lighting, real_object))
+            self._lighting = lighting
+        elif part is _Part.SHARPNESS and self._preset.matches_blur:
+            sigma_px, sharpening = sharpness_of(tracked)
+            if self._preset.matches_lens and tracked.camera.is_distorted:
+                # The composite interpolates then, which blurs as well.
+                sigma_px = math.sqrt(max(0.0, sigma_px**2 - INTERPOLATION_VARIANCE_PX2))
+            if not self._knows_chroma_blur(tracked):
+                self._look = replace(self._look, chroma_blur_px=chroma_blur_of(tracked))
+                self._chroma_in = tracked
+            self._look = replace(self._look, blur_sigma_px=sigma_px, sharpening=sharpening)
+        elif part is _Part.NOISE and self._preset.matches_noise:
+            self._look = replace(self._look, noise_sigmas=noise_of(tracked))
+
+    def _knows_chroma_blur(self, tracked: TrackedFrame) -> bool:
+        """Whether it was measured not long ago in a frame of the same camera, as it takes as long as all else."""
+        seen = self._chroma_in
+        return (
+            seen is not None
+            and seen.camera is tracked.camera
+            and abs(seen.frame.time_s - tracked.frame.time_s) < CHROMA_HELD_S
+        )
+
+
+def _is_cut(former: TrackedFrame, tracked: TrackedFrame) -> bool:
+    """Whether `tracked` may show another scene; two frames of one time are two photos."""
+    return former is not tracked and not 0 < tracked.frame.time_s - former.frame.time_s < CUT_S
