@@ -11,6 +11,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask, set_frozen
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.ground.lit_ground import MOST_DISTANCE, LitGround, ground_colours
+from ashe_live.light.ground.surroundings import stands_inside, surroundings_in
 from ashe_live.light.pixels.areas import distance_to, grown, majority, shrunk
 from ashe_live.light.pixels.mixtures import nearest_squared_distance
 from ashe_live.light.pixels.quantised import Quantised
@@ -27,6 +28,7 @@ LEAST_CLEAR_PX = 40  # of such a part
 # Log brightness below the median of the lit ground's from which on a pixel may be in shadow: a part without any shows
 # no light. A part counts by its shadows if they are at least this fraction of the largest part's.
 DARKER, LESSER_PART = 0.1, 0.3
+BEFORE = 2  # number of things that are looked at before their surroundings
 # An object that partly looks like lit ground leaves a gap between the rest of it and its shadow. Of so many of the
 # largest areas, pairs are also tried as one, where the gap is at most this fraction of the smaller one's size. The
 # gap's pixels are those whose distances to both add up to less than BULGE times its width.
@@ -50,6 +52,7 @@ class Region:
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
     faint: Mask | None = None  # (h, w) of `unlit`, those that the lit ground nearly explains; None: not known
     broad: Mask | None = None  # (h, w) the ground's broad areas in the colours of joints; None: none
+    surroundings: Mask | None = None  # (h, w) neither ground nor object: a wall, a floor; None: none are told apart
     quantised: Quantised = field(init=False)  # its colours, quantised to the size of the noise
     unreliable: Mask = field(init=False)  # (h, w) pixels off the ground, and those near enough to see that border
 
@@ -75,19 +78,22 @@ class Region:
 
 
 def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
-    """The regions around the largest groups of unlit areas of a coarser picture, `count` at most.
+    """The regions around the largest groups of unlit areas of a coarser picture: `count`, and BEFORE more, at most.
 
     A pixel counts less the farther its ground is from the marker, beside which people put their object. The clear parts
-    of a group that the lit ground nearly explains come before it. The last region is around two of the groups and the
-    gap between, where that is small. Each is scaled to about `size_px`, as far as the resolution of `fine` allows.
+    of a group that the lit ground nearly explains come before it, and before both what stands before surroundings. The
+    last region is around two of the groups and the gap between, where that is small. Each is scaled to about `size_px`,
+    as far as the resolution of `fine` allows.
     """
     groups = [area for area, _ in _groups(coarse_unlit, coarse_unlit, fine)[:count]]
+    before = [one for group in groups for one in _before_surroundings(group, ground, fine)][:BEFORE]
     parts = [_clear_parts(group, ground, fine) for group in groups]
     areas = [one for own, group in zip(parts, groups, strict=True) for one in (*own, group)]
     apart = [one for own, group in zip(parts, groups, strict=True) for one in own or [group]]
     pairs = (_joined(one, other) for one, other in combinations(apart[:JOINED], 2))
     together = [area for area in pairs if area is not None]
-    return [region_of(fine, area, ground, size_px) for area in areas[: count - len(together)] + together]
+    chosen = [(area, None) for area in areas[: count - len(together)] + together]
+    return [region_of(fine, area, ground, size_px, surroundings) for area, surroundings in [*before, *chosen]]
 
 
 def _groups(area: Mask, counted: Mask, fine: View) -> list[tuple[Mask, float]]:
@@ -99,6 +105,16 @@ def _groups(area: Mask, counted: Mask, fine: View) -> list[tuple[Mask, float]]:
     labels[~area] = 0
     sizes = np.bincount(labels[counted], _nearness(fine, counted), minlength=1)[1:]
     return [(labels == i + 1, float(sizes[i])) for i in np.argsort(-sizes, kind="stable") if sizes[i] > 0]
+
+
+def _before_surroundings(group: Mask, ground: LitGround, fine: View) -> list[tuple[Mask, Mask]]:
+    """The largest parts of a group (h, w) beside the surroundings that it holds, each with these."""
+    surroundings = surroundings_in(group, ground)
+    if surroundings is None:
+        return []
+    inside = group & ~surroundings
+    parts = _groups(inside, inside, fine)[:BEFORE]
+    return [(part, surroundings) for part, size in parts if size > LESSER_PART * parts[0][1] and stands_inside(part)]
 
 
 def _clear_parts(group: Mask, ground: LitGround, fine: View) -> list[Mask]:
@@ -141,21 +157,23 @@ def _joined(one: Mask, other: Mask) -> Mask | None:
     return one | other | (from_one + from_other < BULGE * gap)
 
 
-def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region:
-    """The region around `area`, a mask of the whole frame at any scale, itself scaled to about `size_px`."""
+def region_of(fine: View, area: Mask, ground: LitGround, size_px: int, surroundings: Mask | None = None) -> Region:
+    """The region around `area`, a mask of the whole frame at any scale, itself scaled to about `size_px`.
+
+    surroundings: a mask of the whole frame at any scale too; None where none are told apart.
+    """
     height, width = area.shape
     x, y, across, down = cv2.boundingRect(area.astype(np.uint8))
     scale = min(fine.size[0] / width, max(1.0, size_px / math.sqrt(across * down)))
     view = fine.scaled(round(width * scale))
     window = _window((x, y, across, down), view.size[0] / width, view.size[1] / height, view.is_ground.shape)
     colours = ground_colours(view.image_bgr, ground, window)
-    enlarged = cv2.resize(area.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST)[window].astype(bool)
-    cut = view.cut(window)
-    unlit, faint = _unlit(colours, ground, enlarged, cut.is_ground)
-    shape = view.is_ground.shape
-    return Region(
-        cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint, _broad(ground, shape, window)
-    )
+    cut, shape = view.cut(window), view.is_ground.shape
+    around = None if surroundings is None else _resized(surroundings, shape, window)
+    seen = cut.is_ground if around is None else cut.is_ground & ~around
+    unlit, faint = _unlit(colours, ground, _resized(area, shape, window), seen)
+    broad = None if ground.broad is None else _resized(ground.broad.mask, shape, window)
+    return Region(cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint, broad, around)
 
 
 def region_with_on_plane(region: Region, ground: LitGround) -> Region:
@@ -172,12 +190,10 @@ def _on_plane(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -
     return np.asarray(whole[window], dtype=np.float32)
 
 
-def _broad(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -> Mask | None:
-    """(h, w) a window's pixels in broad areas in the colours of joints; arguments as of `_on_plane`."""
-    if ground.broad is None:
-        return None
+def _resized(mask: Mask, frame_shape: tuple[int, ...], window: Window) -> Mask:
+    """(h, w) a window's pixels of a mask of the whole frame; arguments as of `_on_plane`."""
     height, width = frame_shape
-    return cv2.resize(ground.broad.mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)[window] > 0
+    return cv2.resize(mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)[window] > 0
 
 
 def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shape: tuple[int, ...]) -> Window:

@@ -61,7 +61,9 @@ def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
     lit, shaded, deepest = (
         cost_of_shift(region, ground, shift, shares) for shares in (LIT_SHARES, SHADED_SHARES, CONTACT_SHARES)
     )
-    return Materials((shift,), lit, shaded, np.minimum(shaded, deepest), share_of_light_lost(region, ground, shift))
+    lost = share_of_light_lost(region, ground, shift)
+    materials = Materials((shift,), lit, shaded, np.minimum(shaded, deepest), lost)
+    return materials if region.surroundings is None else with_other_ground(materials, region.surroundings)
 
 
 def with_other_ground(materials: Materials, other: Mask) -> Materials:
@@ -70,7 +72,8 @@ def with_other_ground(materials: Materials, other: Mask) -> Materials:
     It may be shadow still, where that costs less.
     """
     lit = np.where(other, np.minimum(materials.lit, OTHER_GROUND), materials.lit)
-    return replace(materials, lit=lit, other_ground=other)
+    known = materials.other_ground
+    return replace(materials, lit=lit, other_ground=other if known is None else known | other)
 
 
 def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple[tuple[float, float], ...]) -> Float32:
