@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.square import PAGE_FOOT_MM
@@ -90,12 +91,32 @@ def page_around(lines: PageLines, picture: MarkerPicture) -> Page | None:
 def _is_page(ends: Float, seen: Mask) -> bool:
     """Whether sides that end there (4,), where that is seen (4,), are a page's, and not a marker's that was cut out.
 
-    A large marker leaves a page hardly any margin on either side, but more below.
+    A large marker leaves a page hardly any margin on either side, but more below. Where something stands on the page's
+    end on one side, the others may be those of a page that is printed.
     """
     right, _, left, _ = ends
     upright = bool(seen[[0, 2]].all() and abs(right - left) < EVEN)
     large = seen & (ends >= LARGEST_SHEET)
-    return int(np.count_nonzero(seen)) >= SIDES and bool(large.any() if upright else (large == seen).all())
+    is_one = bool(large.any() if upright else (large == seen).all()) or _are_of_a_print(
+        ends[large], np.flatnonzero(large)
+    )
+    return int(np.count_nonzero(seen)) >= SIDES and is_one
+
+
+def _are_of_a_print(ends: Float, sides: NDArray[np.intp]) -> bool:
+    """Whether so many of these ends (n,), on these sides (n,), that they tell width and height are a printed page's."""
+    for shape in _printed_shapes():
+        for end, side in zip(ends, sides, strict=True):
+            fits = np.abs(ends - end * shape[sides] / shape[side]) < PLACED
+            if len(set(shape[sides[fits]].tolist())) >= SIDES:
+                return True
+    return False
+
+
+def _printed_shapes() -> Float:
+    """(p, 4) how far each printed page reaches right, above, left and below of its marker's centre, over its width."""
+    width, height = np.array(PRINTED_MM).T
+    return np.asarray(np.column_stack([width, height - PAGE_FOOT_MM, width, height + PAGE_FOOT_MM]) / width[:, None])
 
 
 def _common_end(is_end: Mask, seen: Mask) -> int | None:
@@ -130,10 +151,7 @@ def _as_printed(lines: PageLines, half: int | None, ground: Float) -> Float:
     none = np.full(4, np.nan)
     if half is None:
         return none
-    across, up, down = (
-        np.array(each) for each in zip(*((w, h - PAGE_FOOT_MM, h + PAGE_FOOT_MM) for w, h in PRINTED_MM), strict=True)
-    )
-    places = lines.outwards[half] * np.column_stack([across, up, across, down]) / across[:, None]
+    places = lines.outwards[half] * _printed_shapes()
     there = np.zeros(places.shape)
     for side in (1, 3):
         is_end = _changes_to(ground, lines, side)

@@ -59,6 +59,16 @@ def test_an_end_that_something_white_hides_is_that_of_the_opposite_side(height_m
     np.testing.assert_allclose((page.ends[0], page.ends[2]), 0.105 / SIDE_M, atol=0.03)
 
 
+@pytest.mark.parametrize("x", [-0.155, -0.175])
+@pytest.mark.parametrize("page_m", [A4, LETTER])
+def test_a_page_is_found_where_a_tin_on_its_end_ends_the_paper_sooner(page_m: tuple[float, ...], x: float) -> None:
+    """Its foot is nearly straight there: many lines end together, nearer than where any page ends beside the others."""
+    tin = Caster("cylinder", at=(x, 0.0), width_m=0.2, height_m=0.04)
+    page = page_in(paint(tin, azimuth_deg=30, T_cam_marker=ABOVE, page_m=page_m).tracked)
+    assert page is not None
+    np.testing.assert_allclose(page.ends, np.array(page_m) / SIDE_M, atol=0.03)
+
+
 @pytest.mark.parametrize("page_m", [A4, LETTER])
 def test_a_few_lines_tell_an_end_where_pages_have_it(page_m: tuple[float, ...]) -> None:
     hiding = [Caster(at=(x, 0.031 - page_m[3]), width_m=0.08, height_m=0.05) for x in (-0.055, 0.015)]
