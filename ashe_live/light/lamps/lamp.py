@@ -8,6 +8,7 @@ shadow of a lamp is not that of a sun.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from operator import attrgetter
 
 import numpy as np
@@ -67,7 +68,7 @@ class Answer:
     place: Place
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """What a picture shows beside the explanation that is stated."""
 
@@ -75,13 +76,18 @@ class Scene:
     view: View  # of it, which `ground` was fitted to
     ground: LitGround
     unlit: Mask  # (h, w) of `view`: what the lit ground does not explain
-    # Explanations of other objects with their log odds: looked for where a sun is not certain.
-    others: Callable[[], Sequence[tuple[Explanation, float]]]
-    judged: Sequence[tuple[Explanation, float]]  # all explanations that the stated one was chosen from, the same way
-    sharpener: Callable[[], Sharpener]  # of all views at full resolution: asked for where lights are aligned as lamps
+    fine_views: Sequence[View]  # all views of the scene at full resolution, that of `tracked` first
+    judged: Sequence[tuple[Explanation, float]]  # the explanations that lost to the stated one, with their log odds
+    # Fits other objects, which takes time: called only where a sun is not certain. With their log odds, too.
+    find_others: Callable[[], Sequence[tuple[Explanation, float]]]
     fit: NearFit  # of one view
     glints: Sequence[Glint]  # mirror images of lights in the ground: one in each view that shows one
     judge: Judge  # that says how sure directions are
+
+    @cached_property
+    def sharpener(self) -> Sharpener:
+        """Made on demand, as only lamps need it."""
+        return Sharpener.of(self.fine_views)
 
     def seen_object(self, explanation: Explanation, probability: float) -> SeenObject:
         """The object of an explanation that is right with some probability."""
@@ -116,14 +122,14 @@ def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float],
     if kind == SUN:
         return Answer(explanation, _as_suns(lights, first, scene), place)
     if kind == LAMP or _may_be_near(place):
-        others = companions(first, place, scene.others(), scene.covariance_rad2, scene.view)
+        others = companions(first, place, scene.find_others(), scene.covariance_rad2, scene.view)
         if others:
             seen = replace(seen, objects=[first, *others])
             place = place_by_all(seen)
             from_sun = max(from_sun, place_seen_from_a_sun(seen), key=attrgetter("standard_errors"))
     is_lamp = kind == LAMP or is_held_near(explanation)
     if not is_lamp and _is_lamp(seen, place, from_sun):
-        evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.fit, scene.sharpener())
+        evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.fit, scene.sharpener)
         # Another object is a witness of its own; one object alone has told all that it can.
         is_lamp = evidence.is_lamp if len(seen.objects) == 1 else evidence.lamp is None or evidence.deviance > 0
     if is_lamp:
@@ -163,7 +169,7 @@ def _is_lamp(seen: Witnesses, place: Place, from_sun: Place) -> bool:
 
 def _fitted_as_lamps(seen: Witnesses, place: Place, worth_sigmas: float, scene: Scene) -> tuple[Witnesses, Place]:
     """The objects fitted again with the lamp's nearness held, and its place by them, as long as that is worth it."""
-    sharpener = scene.sharpener()
+    sharpener = scene.sharpener
     for _ in range(ALIGNMENTS):
         if not _is_near(place, worth_sigmas):
             break
