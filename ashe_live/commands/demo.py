@@ -61,10 +61,10 @@ def _into_files(setup: ViewerSetup, is_bare: bool) -> int:
         now_s = session.tracked.frame.time_s if session.tracked is not None else 0.0
         return display.scene(session, Screen(setup.size), Readings(options.quality), now_s)
 
-    status = show_without_window(setup, scene, thumbnails.add)
+    played = show_without_window(setup, scene, thumbnails.add)
     sheet = write_png(sheet, contact_sheet(*thumbnails.spread()), beside=True)
-    say(f"see {options.out} and {sheet}")
-    return status
+    say(f"see {played.recording} and {sheet}")
+    return played.status
 
 
 class Thumbnails:

@@ -16,7 +16,7 @@ from ashe_live.viewer.display import bare_scene
 
 def show(setup: ViewerSetup) -> int:
     """Runs the viewer as the options want it; returns the exit status."""
-    return show_without_window(setup, bare_scene) if setup.options.headless else show_in_window(setup)
+    return show_without_window(setup, bare_scene).status if setup.options.headless else show_in_window(setup)
 
 
 def show_in_window(setup: ViewerSetup) -> int:
