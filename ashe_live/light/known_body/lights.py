@@ -8,7 +8,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, in_view, mean_near, refined
+from ashe_live.light.known_body.candidates import (
+    APART_RAD,
+    LEAST_DARKENING,
+    MOST_IN_VIEW,
+    Candidates,
+    in_view,
+    mean_near,
+)
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, image_beside, points_of
@@ -46,16 +53,16 @@ def lights_of(seen: Seen) -> Found:
     """No lights where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
     steps = seen.rims(NO_LIGHTS).cautious
-    image = image_beside(seen, ())
-    candidates, ruled_out = refined(seen, alone.everywhere.log_likelihood, alone, image, steps)
+    first = Candidates(seen, alone, image_beside(seen, ()), alone.everywhere.log_likelihood, steps)
+    candidates, ruled_out = first.refined()
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     # Also that of a shadow which cannot be the body's, as its edges should be seen and are not.
     likelihood = max([float(alone.everywhere.log_likelihood.max()), *(each for each, _ in scored)])
     if not scored:
         return Found(seen, (), np.empty((0, 3)), likelihood > DARK_ELSEWHERE)
-    _, first = max(scored, key=lambda pair: pair[0])
+    _, likeliest = max(scored, key=lambda pair: pair[0])
     # A lamp's fan of a shadow and the fall of its light, taken for a sun's, would look like a further light.
-    found = as_lamps(seen, [first])
+    found = as_lamps(seen, [likeliest])
     seen = _in_light_of(seen, found)
     while len(found) < MOST_LIGHTS:
         further = _further(seen, found)
@@ -111,7 +118,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     # A known one that no edges told may be made up of this and others, and is found anew beside it.
     is_vague = known[0].fit is None
     least = (0.0 if is_vague else LEAST_MORE) - WORTH
-    likely, _ = refined(seen, score, beside, image_beside(seen, known), rims.by_depth(), least, AGAINST)
+    likely, _ = Candidates(seen, beside, image_beside(seen, known), score, rims.by_depth(), least, AGAINST).refined()
     for one in likely:
         if one.fit is None:
             continue
