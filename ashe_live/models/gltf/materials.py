@@ -11,7 +11,7 @@ from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.container import named_content
 from ashe_live.models.gltf.maps import Maps
 from ashe_live.models.gltf.schema import CLAMP_TO_EDGE, MIRRORED_REPEAT, REPEAT
-from ashe_live.models.gltf.specular import metal_rough_from_specular
+from ashe_live.models.gltf.specular import SpecularGlossiness
 from ashe_live.models.material import (
     BLACK,
     UNKNOWN,
@@ -112,16 +112,17 @@ class Materials:
     def _specular_glossiness(self, given: Json, maps: Maps) -> dict[str, Any]:
         diffuse, shine = given.get("diffuseTexture", {}), given.get("specularGlossinessTexture", {})
         layouts = [self._layout(texture) for texture in (diffuse, shine) if texture]
-        if len(set(layouts)) > 1:
+        are_apart = len(set(layouts)) > 1
+        if are_apart:
             self._notes.add("a specular-glossiness map is laid out otherwise than its diffuse map, and averaged")
-        converted = metal_rough_from_specular(
+        surface = SpecularGlossiness(
             tuple(given.get("diffuseFactor", WHITE)),
             tuple(given.get("specularFactor", WHITE[:3])),
             given.get("glossinessFactor", 1.0),
             self._texels(diffuse, "diffuseTexture") if diffuse else None,
             self._texels(shine, "specularGlossinessTexture") if shine else None,
-            is_averaged=len(set(layouts)) > 1,
         )
+        converted = (surface.with_mean_shine() if are_apart else surface).as_metal_rough()
         for name, texels in (("base_map", converted.base_map), ("metallic_roughness_map", converted.roughness_map)):
             if texels is not None:
                 key = SPECULAR_GLOSSINESS, name, diffuse.get("index"), shine.get("index"), str(given)
