@@ -1,4 +1,4 @@
-"""The pixels that a window has, and how many of them make a point, in which letters and lines are measured."""
+"""A window's pixels, and how many of them make a point, the unit of letters and lines."""
 
 import math
 from dataclasses import dataclass, replace

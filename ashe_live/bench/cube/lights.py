@@ -1,4 +1,4 @@
-"""What the estimator tells of the lights of a set of cubes: errors, counts, calibration, lamps, ambient light, time."""
+"""The estimator's answers to a set of cubes: errors, counts, calibration, lamps, ambient light, time."""
 
 import math
 import time

@@ -1,4 +1,4 @@
-"""The light whose shadow a hull throws: what silhouettes of any shape, and the smoothness of solids, leave of it."""
+"""The light whose shadow a hull casts, as silhouettes of any shape and the smoothness of solids constrain it."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Lamps near a known body: its shadow grows with the height that casts it, and fans out, which tells their distance."""
+"""Lamps near a known body: their distance shows in how its shadow grows with the height that casts it, and fans out."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The table on both sides of shadows' outlines: which lights' shadows show edges in the picture, of all directions.
+"""The table on both sides of shadow outlines: for every direction, whether a light's shadow shows its edges.
 
 Coarse, but of many lights at once: it says which of them are worth moving onto edges, and which cast no shadow where it
 would be seen.

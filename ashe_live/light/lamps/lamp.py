@@ -1,4 +1,4 @@
-"""From an explanation's directions to lamps: where a light is near enough for its distance to be told, it is stated.
+"""From an explanation's directions to lamps: the distance of a light is stated where it is near enough for that.
 
 The light that an explanation was aligned with is at infinity, and right at the object. The nearness that all sources
 ask for together moves the answer to the marker's centre; borders are then aligned again with that nearness, as the

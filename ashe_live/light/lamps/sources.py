@@ -1,4 +1,4 @@
-"""Where a light is, by all that tells: the borders of one or more objects with their shadows, and the fall of light."""
+"""A light's place from all evidence: the borders of one or more objects with their shadows, and the fall of light."""
 
 import math
 from collections.abc import Sequence

@@ -138,7 +138,7 @@ class Menu:
         return request
 
     def take_mouse(self, event: MouseEvent, entries: Callable[[], tuple[Entry, ...]], screen: Screen) -> bool:
-        """Opens at the right button, chooses at the left one; False for what concerns the picture below.
+        """Opens by the right button, chooses by the left one; False for what concerns the picture below.
 
         A press beside the menu closes it and does nothing else. `entries` is called when it opens.
         """
@@ -147,7 +147,7 @@ class Menu:
             self._pointed_at = None
             return True
         if event.action is MouseAction.RELEASED:
-            # That of a press before it opened ends what the press began, as a drag.
+            # The button may have been pressed before the menu opened: then this ends what that began, such as a drag.
             is_own, self._swallows_release = self._swallows_release, False
             return is_own
         if self._opened is None:
@@ -185,7 +185,7 @@ class Menu:
 def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], screen: Screen) -> _Opened:
     """The menu with a corner at the pointer, or as near as it fits; in smaller letters where it would be too large.
 
-    In a window too small for all entries in legible letters: the first ones, and one that goes on to the others.
+    In a window too small for all entries in legible letters: the first ones, and one that leads to the others.
     """
     size = screen.size
     one, shown, font_px = _rows(entries), entries, FONT_PT * screen.content_scale
