@@ -21,7 +21,7 @@ from ashe_live.light.known_body.table import CELLS_A_HEIGHT, SIDE
 
 PLACES = 40  # of an outline, evenly along it
 SAMPLES = POINTS / POINTS_A_SAMPLE / PLACES  # independent ones in each
-EVERY = 7  # of all places, by which their scatter is told well enough
+EVERY = 7  # of all places, which show their scatter well enough
 # From the outline to where it is dark and lit: of the shadow's length, as templates lie apart by a part of it and the
 # body hides what is nearer to its own middle; in cells no less than blur takes, and no more than there is room for in
 # a long one.

@@ -106,9 +106,9 @@ class Scene:
 
 
 def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float], scene: Scene, kind: str) -> Answer:
-    """The lights of an explanation; its first one as a lamp where that is told, the others always as suns.
+    """The lights of an explanation; its first one as a lamp where it is known to be one, the others always as suns.
 
-    The first has no confidence where the light on the ground is no sun's and no lamp can be told.
+    The first has no confidence where the light on the ground is no sun's and no lamp is found.
 
     ratios: (3,) each light's shadow ratio, linear RGB. kind: one of KINDS.
     """

@@ -49,7 +49,7 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
 
 
 def _with_own_shadow(sheet: Mask, brightness: Float32, is_ground: Mask, side_px: float) -> Mask:
-    """(n, n) the sheet with its rim, and with the shadow that its curled edges throw on the ground beside it."""
+    """(n, n) the sheet with its rim, and with the shadow that its curled edges cast on the ground beside it."""
     grown = cv2.dilate(sheet.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
     near = cv2.dilate(sheet.astype(np.uint8), _disc(THROWN_SIDES * side_px)) > 0
     beside = near & ~grown & is_ground
