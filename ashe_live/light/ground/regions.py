@@ -173,7 +173,7 @@ def _on_plane(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -
 
 
 def _broad(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -> Mask | None:
-    """(h, w) a window's pixels in broad areas in the colours of joints; arguments as of `_on_plane`."""
+    """(h, w) a window's pixels in broad areas in the colours of joints; arguments as for `_on_plane`."""
     if ground.broad is None:
         return None
     height, width = frame_shape

@@ -69,7 +69,7 @@ class Beside(NamedTuple):
 
     pixels: Float32  # (3, m, PLACES, 2) of Rims.places, and between both
     lost: Float32  # (m, PLACES) light from outside to inside
-    hidden: Float32  # (m, PLACES) as of Rims
+    hidden: Float32  # (m, PLACES) as in Rims
 
     def seen(self, is_table: Mask, darkenings: Float, sky: Float, least: float) -> Steps:
         """What is seen of steps at each outline, and of n - m lights more of whose outlines nothing is.
