@@ -36,11 +36,10 @@ class CoarseGround:
 
 def chosen_patches(coarse: CoarseGround) -> list[tuple[Float, Float]]:
     """Middles (row, column) of coarse patches to fill and of those to copy, in the order of filling."""
-    reach, outstanding, sources = PATCH // 2, coarse.outstanding, coarse.sources
-    picture, outstanding_here = coarse.detail.copy(), outstanding.copy()
+    picture, outstanding = coarse.detail.copy(), coarse.outstanding.copy()
     known, left = coarse.known.copy(), coarse.unknown.copy()
     found: list[tuple[Float, Float]] = []
-    size = len(left)
+    reach, size = PATCH // 2, len(left)
     places = [
         (row, column)
         for row in range(reach, size - reach, STEP)
@@ -51,30 +50,39 @@ def chosen_patches(coarse: CoarseGround) -> list[tuple[Float, Float]]:
         place = max(places, key=lambda each: known[_window(*each)].sum())
         places.remove(place)
         window = _window(*place)
-        mask = known[window]
-        if mask.any():
-            masked = np.repeat(mask[..., None].astype(np.float32), 3, axis=2)
-            misfit = cv2.matchTemplate(picture, picture[window], cv2.TM_SQDIFF, mask=masked)
-            # Otherwise the inside of an object's shadow, whose detail is like the ground's, would be copied with a
-            # piece of its border.
-            shades = coarse.shading[reach:-reach, reach:-reach] - coarse.shading[place]
-            misfit += masked.sum() * np.square(shades)
-            # A piece of a joint would be cut off at its ends: no more lines are copied than the known ground here has.
-            brought = cv2.matchTemplate(outstanding, (~mask).astype(np.float32), cv2.TM_CCORR)
-            misfit = misfit + np.maximum(brought - outstanding_here[window][mask].sum(), 0.0)
-            misfit = np.where(sources[reach:-reach, reach:-reach], misfit, np.inf)
-            at = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
-            source = (int(at[0]) + reach, int(at[1]) + reach)
-        else:
-            rows, columns = np.nonzero(sources)
+        is_new = ~known[window]
+        if is_new.all():
+            rows, columns = np.nonzero(coarse.sources)
             source = int(rows[len(rows) // 2]), int(columns[len(rows) // 2])
-        new = ~mask
-        for copy, original in ((picture, coarse.detail), (outstanding_here, outstanding)):
-            copy[window][new] = original[_window(*source)][new]
+        else:
+            source = _best_source(coarse, place, picture, known[window], outstanding[window])
+        for copy, original in ((picture, coarse.detail), (outstanding, coarse.outstanding)):
+            copy[window][is_new] = original[_window(*source)][is_new]
         known[window] = True
         left[window] = False
         found.append((np.array(place, float), np.array(source, float)))
     return found
+
+
+def _best_source(
+    coarse: CoarseGround, place: tuple[int, int], picture: Float32, is_known: Mask, outstanding: Float32
+) -> tuple[int, int]:
+    """The middle of the patch that continues the known part (PATCH, PATCH) of the patch at `place` best.
+
+    picture: (m, m, 3) with the patches so far. outstanding: (PATCH, PATCH) of the patch.
+    """
+    inner = slice(PATCH // 2, -(PATCH // 2))
+    mask = np.repeat(is_known[..., None].astype(np.float32), 3, axis=2)
+    misfit = cv2.matchTemplate(picture, picture[_window(*place)], cv2.TM_SQDIFF, mask=mask)
+    # Otherwise the inside of an object's shadow, whose detail is like the ground's, would be copied with a piece of its
+    # border.
+    misfit += mask.sum() * np.square(coarse.shading[inner, inner] - coarse.shading[place])
+    # A piece of a joint would be cut off at its ends: no more lines are copied than the known ground here has.
+    brought = cv2.matchTemplate(coarse.outstanding, (~is_known).astype(np.float32), cv2.TM_CCORR)
+    misfit = misfit + np.maximum(brought - outstanding[is_known].sum(), 0.0)
+    misfit = np.where(coarse.sources[inner, inner], misfit, np.inf)
+    row, column = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
+    return int(row) + PATCH // 2, int(column) + PATCH // 2
 
 
 def standing_out(detail: Float32, is_ground: Mask) -> Float32:
