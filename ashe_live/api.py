@@ -44,14 +44,16 @@ def estimate_light(
 ) -> LightEstimate:
     """Where the light is in a picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
 
-    A list or tuple of pictures is of one scene in which nothing has moved, from several sides; the answer is for the
-    first of them that shows the marker and what most of them show (a hand may be before another). `camera` is scaled to
-    the picture; `side_m` is the black square's side (None: 0.08) or the cube's edge (None: 0.06). A `light` that is
-    "auto" is a lamp where the picture tells its distance; "sun" and "lamp" are always the one or the other. `caster` is
-    the object that casts the shadow where its shape and size are known: "box:WxDxH", "cylinder:RxH" or "sphere:R" in
-    metres, or the path of a model whose convex hull it is. Without a marker, or without a light, the estimate has no
-    lights and says why. Raises UserError when the marker's or the caster's name or file cannot be used, or the camera
-    is of another shape; ValueError for wrong use.
+    image_bgr: one picture, or several of one scene from different sides, in which nothing has moved. The answer is then
+    for the first that shows the marker and the same as most of them (in another, a hand may be in the way).
+    camera: of the pictures, to whose size it is scaled.
+    side_m: the black square's side (None: 0.08) or the cube's edge (None: 0.06).
+    light: "sun", "lamp", or "auto": a lamp where the picture shows its distance.
+    caster: the object that casts the shadow, where its shape and size are known: "box:WxDxH", "cylinder:RxH" or
+    "sphere:R" in metres, or the path of a model, whose convex hull it is.
+
+    Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the marker's or
+    the caster's name or file cannot be used, or the camera has another aspect ratio; ValueError for wrong use.
     """
     chosen, tracker = make_estimator(estimator, quality, light, caster), Tracker(camera, marker, side_m, quality)
     pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
@@ -71,9 +73,9 @@ def estimate_light(
 def make_estimator(
     name: str = "proxy", quality: str = "balanced", light: str = "auto", caster: str | None = None
 ) -> "LightEstimator":
-    """An estimator for one frame after another, which `estimate_light` makes anew each time.
+    """An estimator to keep for one frame after another; `estimate_light` makes a new one each time.
 
-    Raises UserError for an estimator that is not there or a caster that is none, ValueError for such a quality or
+    Raises UserError for an unknown estimator or a caster that cannot be read, ValueError for an unknown quality or
     light. Frames of the paper cube are estimated by the cube, whatever the caster.
     """
     return LightEstimator(arguments.text(name, "name"), quality, light, caster)
@@ -97,7 +99,7 @@ class LightEstimator:
         """In the frame of the marker. Without one, or without a light, there are no lights and `reason` says why.
 
         `others` are views of the same scene from other sides, with nothing moved in between; those without a marker
-        are left out. What the answer rests on is in its `views` and `span_rad`.
+        are left out. Its `views` and `span_rad` say what the answer rests on.
         """
         for other in others:
             arguments.instance(other, TrackedFrame, "each of others")

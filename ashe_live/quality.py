@@ -32,5 +32,5 @@ QUALITIES: dict[str, Quality] = {quality.name: quality for quality in (FAST, BAL
 
 
 def quality_named(name: str) -> Quality:
-    """Raises ValueError, or TypeError for what is no text, that says which there are."""
+    """Raises ValueError, which lists the known ones, or TypeError for what is no text."""
     return QUALITIES[arguments.one_of(name, QUALITIES, "quality")]

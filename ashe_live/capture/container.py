@@ -1,4 +1,4 @@
-"""The one way to a clip's content: FFmpeg gets a file that is open, and may reach nothing else.
+"""The only way to a clip's content: FFmpeg is handed an open file, and can reach nothing else.
 
 A name could mean an address or a protocol to it (`http:`, `concat:`), and some formats are lists of addresses.
 """

@@ -40,7 +40,7 @@ def refuse_folder(path: Path) -> None:
 
 def _files_in(folder: Path) -> Iterator[Path]:
     entries = list(folder.iterdir())
-    if entries and not os.access(folder, os.X_OK):  # its files' names are told, and nothing else of them
+    if entries and not os.access(folder, os.X_OK):  # the names of its files can be read, and nothing else
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     for path in entries:
         try:

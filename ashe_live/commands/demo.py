@@ -17,7 +17,8 @@ from ashe_live.drawing.contact_sheet import contact_sheet
 from ashe_live.files.writing import unused_name
 from ashe_live.process.messages import say
 from ashe_live.render.scene import Scene
-from ashe_live.viewer.display import Display, bare_scene
+from ashe_live.render.screen import Screen
+from ashe_live.viewer.display import Display, Readings, bare_scene
 from ashe_live.viewer.session import Session
 
 THUMBNAIL_COUNT = 12
@@ -58,12 +59,12 @@ def _into_files(setup: ViewerSetup, is_bare: bool) -> int:
         if is_bare:
             return bare_scene(session)
         now_s = session.tracked.frame.time_s if session.tracked is not None else 0.0
-        return display.scene(session, setup.size, options.quality, now_s)
+        return display.scene(session, Screen(setup.size), Readings(options.quality), now_s)
 
-    status = show_without_window(setup, scene, thumbnails.add)
+    played = show_without_window(setup, scene, thumbnails.add)
     sheet = write_png(sheet, contact_sheet(*thumbnails.spread()), beside=True)
-    say(f"see {options.out} and {sheet}")
-    return status
+    say(f"see {played.recording} and {sheet}")
+    return played.status
 
 
 class Thumbnails:

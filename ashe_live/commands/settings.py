@@ -1,4 +1,4 @@
-"""`ashe-live settings`: where the settings are, and what holds; the output is a settings file itself."""
+"""`ashe-live settings`: where the settings are, and the values in force; the output is itself a settings file."""
 
 import argparse
 import json

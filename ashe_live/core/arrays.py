@@ -1,8 +1,9 @@
 """Types of arrays, the checks with which value types freeze theirs, and a few computations that many parts need."""
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import wraps
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,8 @@ Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 Image = NDArray[np.uint8]
+Owner = TypeVar("Owner")
+Result = TypeVar("Result")
 
 # The standard deviation of a normal variable over the median of its absolute value.
 SIGMA_OVER_MEDIAN = 1.48
@@ -66,6 +69,24 @@ def set_given_frozen(instance: object, **shapes: tuple[int, ...]) -> None:
 def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:
     """Whether both hold the same objects in the same order; equal ones do not count."""
     return len(some) == len(others) and all(a is b for a, b in zip(some, others, strict=True))
+
+
+def cached_by_array(method: Callable[[Owner, Float], Result]) -> Callable[[Owner, Float], Result]:
+    """Makes a method of one array compute each result once for its object: `functools.cache` takes no arrays.
+
+    The object must have a __dict__, where the results are kept.
+    """
+    name = f"_{method.__name__}_by_array"
+
+    @wraps(method)
+    def cached(owner: Owner, array: Float) -> Result:
+        results: dict[bytes, Result] = owner.__dict__.setdefault(name, {})
+        key = np.ascontiguousarray(array).tobytes()
+        if key not in results:
+            results[key] = method(owner, array)
+        return results[key]
+
+    return cached
 
 
 def upper_median(values: Float | Float32) -> float:

@@ -1,4 +1,4 @@
-"""A real object whose shape and size are known to the person who put it on the table: only its place is not."""
+"""A real object whose shape and size are given: only its place on the table is unknown."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Lays pictures out as labelled thumbnails: a clip at one glance, for those without a display."""
+"""Lays pictures out as labelled thumbnails: a clip at a glance, for those without a display."""
 
 from collections.abc import Sequence
 

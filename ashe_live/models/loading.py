@@ -81,7 +81,7 @@ def _read(path: Path, up: str | None) -> Model:
         warnings.simplefilter("ignore")
         meshes: list[tuple[Float, RawMesh]]
         if suffix in GLTF_SUFFIXES:
-            meshes = list(read_gltf(path, content, folder, notes))
+            meshes = read_gltf(path, content, folder, notes)
             chosen = up or Y_UP
         else:
             content = in_utf8(content)

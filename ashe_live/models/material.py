@@ -96,7 +96,7 @@ class Material:
 
     @property
     def maps(self) -> dict[str, Image]:
-        """The maps that there are, by their fields' names."""
+        """The maps that it has, by their fields' names."""
         return {name: texels for name in MAPS if (texels := getattr(self, name)) is not None}
 
     def layout(self, name: str) -> MapLayout:

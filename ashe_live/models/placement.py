@@ -57,7 +57,7 @@ class Placement:
             SHIFT.checked(shift, "shift_m")
 
     def __matmul__(self, first: "Placement") -> "Placement":
-        """This one after `first`, as of matrices."""
+        """`first`, then this one: the product of their matrices."""
         if self == UNMOVED:
             return first
         x, y = self.turned(first.shift_m)

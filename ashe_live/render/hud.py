@@ -16,6 +16,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.process.messages import printable
 from ashe_live.render.scene import Overlay
+from ashe_live.render.screen import Screen
 
 Rows = tuple[tuple[str, ...], ...]  # of one or more columns
 
@@ -23,8 +24,6 @@ FONT_PT = 15
 GAP_PT = 8  # around plates
 MIN_FONT_PX = 6.0
 SMALLER = 0.95
-# Text is sized as if the picture were at most this high: a larger picture is seen as a whole, on a display or in print.
-FULL_HEIGHT_PX = 1080
 PLATE_SRGBA = (12, 14, 18, 175)
 TEXT_SRGBA = (246, 246, 242, 255)
 
@@ -48,36 +47,28 @@ class Hud:
     """Turns text into overlays; what has not changed comes back as the same objects, so it is not uploaded again."""
 
     def __init__(self) -> None:
-        self._asked: tuple[HudText, Size, float, int | None] | None = None
-        self._plates: dict[tuple[_Block, Size, float], Overlay] = {}
+        self._asked: tuple[HudText, Screen, int | None] | None = None
+        self._plates: dict[tuple[_Block, Screen], Overlay] = {}
 
-    def overlays(
-        self, text: HudText, size: Size, content_scale: float = 1.0, free_width: int | None = None
-    ) -> tuple[Overlay, ...]:
-        """Plates for a framebuffer of `size` pixels whose display shows `content_scale` pixels a point.
+    def overlays(self, text: HudText, screen: Screen, free_width: int | None = None) -> tuple[Overlay, ...]:
+        """The plates of the text.
 
         `free_width`: pixels from the left that status and hint may have, where something else is at the right.
         """
-        asked = text, size, content_scale, free_width
+        asked = text, screen, free_width
         if asked != self._asked:
-            gap = round(GAP_PT * content_scale)
-            blocks = _blocks(text, size, content_scale, gap, (free_width or size[0]) - 2 * gap)
-            keys = [(block, size, content_scale) for block in blocks]
-            self._plates = {key: self._plates.get(key) or _overlay(key[0], size, gap) for key in keys}
+            keys = [(block, screen) for block in _blocks(text, screen, free_width or screen.size[0])]
+            self._plates = {key: self._plates.get(key) or _overlay(*key) for key in keys}
             self._asked = asked
         return tuple(self._plates.values())
 
 
-def readable_scale(size: Size, content_scale: float) -> float:
-    """Pixels a point for a framebuffer of `size`: what the display says, or more where it says 1 of a 4K picture."""
-    return max(content_scale, math.floor(4 * size[1] / FULL_HEIGHT_PX) / 4)
-
-
-def _blocks(text: HudText, size: Size, content_scale: float, gap: int, width: int) -> list[_Block]:
-    """With letters as large as wanted, or as fit."""
+def _blocks(text: HudText, screen: Screen, free_width: int) -> list[_Block]:
+    """The text, in letters of the usual size, or in smaller ones where these do not fit."""
     # Names of files, and what these hold, are in it.
     status, hint = (tuple(map(printable, lines)) for lines in (text.status, text.hint))
-    font_px = FONT_PT * content_scale
+    gap, font_px = screen.px(GAP_PT), FONT_PT * screen.content_scale
+    width = free_width - 2 * gap
     while True:
         corners = [
             _Block(place, tuple((part,) for line in lines for part in _wrapped(line, font_px, width)), font_px)
@@ -85,11 +76,11 @@ def _blocks(text: HudText, size: Size, content_scale: float, gap: int, width: in
             if lines
         ]
         heights = [_extent(block.rows, font_px)[1] for block in corners]
-        all_fit = sum(heights) + (len(heights) + 1) * gap <= size[1]
+        all_fit = sum(heights) + (len(heights) + 1) * gap <= screen.size[1]
         all_fit &= all(_extent(block.rows, font_px)[0] <= width for block in corners)
         centred = []
         if text.help:
-            one_or_two = [rows for rows in (text.help, in_two(text.help)) if fits(rows, font_px, size, gap)]
+            one_or_two = [rows for rows in (text.help, in_two(text.help)) if fits(rows, font_px, screen.size, gap)]
             centred = [_Block("centre", (one_or_two or [text.help])[0], font_px)]
             all_fit &= bool(one_or_two)
         if all_fit or font_px <= MIN_FONT_PX:
@@ -139,8 +130,9 @@ def _pieces(word: str, font_px: float, width: int) -> list[str]:
     return pieces or [""]
 
 
-def _overlay(block: _Block, size: Size, gap: int) -> Overlay:
+def _overlay(block: _Block, screen: Screen) -> Overlay:
     plate = rows_plate(block.rows, block.font_px)
+    size, gap = screen.size, screen.px(GAP_PT)
     height, width = plate.shape[:2]
     left, top = {
         "top left": (gap, gap),

@@ -56,19 +56,19 @@ class LayerPasses:
         self.hidden_marker.follow(scene.tracked, scene.illumination, at_once)
         return self.hidden_marker if len(self.hidden_marker.corners) else None
 
-    def draw(self, content: LayerContent, has_models: bool = True, has_ground: bool = False) -> None:
-        """`has_models`: with them and the signs, which else are drawn later. `has_ground`: that was drawn before."""
+    def draw(self, content: LayerContent, with_models: bool = True, with_ground: bool = True) -> None:
+        """Without models and their signs, which are then drawn later, or without ground that was drawn before."""
         models, inputs = content.models, content.inputs
         frame = inputs.framing
         self._ctx.viewport = frame.viewport
         if self.real is not None:
             self.real.draw(frame, inputs.lighting, inputs.looked_up.shadows)
-        shows_model = content.shows_model and has_models
+        shows_model = content.shows_model and with_models
         if shows_model:
             self.model_pass.draw_opaque(models, inputs)
-        for sign in content.signs if has_models else ():
+        for sign in content.signs if with_models else ():
             self._light_signs.draw(frame, sign)
-        if content.ground is not None and not has_ground:
+        if content.ground is not None and with_ground:
             self.catcher.draw(models, inputs, content.ground)
         if shows_model:
             self.model_pass.draw_rims(models, inputs)

@@ -100,22 +100,27 @@ class ModelsOnVideo:
         ground = self._ground(scene, straight, hidden, viewport)
         content = LayerContent(models, inputs, scene.shows_model, signs, ground)
         with surface.drawing(grown(frame.region, 2 * onto.blurs.farthest + 1, surface.size)):
-            self.layers.draw(content, has_models=surface.samples == 0)
+            self.layers.draw(content, with_models=surface.samples == 0)
         real = [] if self.layers.real is None else [self.layers.real.points]
         if surface.samples and (scene.shows_model or signs or real):
-            # The ground looks the same with one sample, and several are expensive: they are used where edges are.
             edged = framing(camera, T_cam_marker, np.concatenate([standing, *real]), viewport)
-            within = (0, 0, 0, 0) if edged is None else common(grown(edged.region, 1, surface.size), frame.region)
-            if min(within[2:]) > 0:
-                # The ground is included where the real object's border ends it.
-                has_ground = self.layers.real is None
-                with surface.drawing(within, several_samples=True, over_drawn=has_ground):
-                    self.layers.draw(content, has_ground=has_ground)
+            if edged is not None:
+                self._sample_edges(surface, content, common(grown(edged.region, 1, surface.size), frame.region))
         elif scene.shows_model and not surface.samples:
             model = framing(camera, T_cam_marker, models.corners, viewport)
             if model is not None:
                 self._outlines.smooth(surface, grown(model.region, 1, surface.size), viewport)
         self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
+
+    def _sample_edges(self, surface: Surface, content: LayerContent, within: Rectangle) -> None:
+        """Draws again with several samples a pixel, which are expensive, where there are edges.
+
+        The ground looks the same with one sample: it is only drawn where the real object's border ends it.
+        """
+        if min(within[2:]) > 0:
+            with_ground = self.layers.real is not None
+            with surface.drawing(within, several_samples=True, over_drawn=not with_ground):
+                self.layers.draw(content, with_ground=with_ground)
 
     def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, at_once: bool) -> HiddenMarker | None:
         """Readies shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""

@@ -153,7 +153,7 @@ class SceneRenderer:
         return self._surface.read_bgr()
 
     def read_bgra(self) -> Image:
-        """(h, w, 4) uint8 sRGB with straight alpha, as `read_bgr`: of a scene that is cut out, what there is of it."""
+        """(h, w, 4) uint8 sRGB with straight alpha, otherwise as `read_bgr`: for a scene that is cut out."""
         return self._surface.read_bgra()
 
     def release(self) -> None:

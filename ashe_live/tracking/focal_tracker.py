@@ -76,7 +76,7 @@ class FocalTracker(MarkerTracker):
         return dataclasses.replace(super().track(tracked.frame), note=tracked.note)
 
     def _is_contradicted(self, stated: Camera) -> bool:
-        """Whether the marker's perspective, with as little known before as of any camera, tells another length."""
+        """Whether the marker's perspective, with as vague a prior as for any camera, implies another focal length."""
         focal_px = float(stated.K[0, 0])
         told = focal_of_view(self._sightings, Camera.from_focal(stated.size, focal_px, "assumed"), self.side_m)
         if told is None:

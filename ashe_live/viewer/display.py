@@ -1,7 +1,7 @@
 """Turns the session's state into scenes: the bare picture, and the one with the heads-up display over it."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.framing import box_corners, framing, letterbox
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.before_after import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
 from ashe_live.viewer.drawn.estimate_inset import EstimateInset, Span
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
@@ -53,6 +54,16 @@ def cut_out(scene: Scene) -> Scene:
     return replace(scene, is_cut_out=True, shows_light=False, hides_marker=scene.hides_marker and scene.casts_shadow)
 
 
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """What is shown beside the session's own state."""
+
+    quality: str
+    fps: float | None = None
+    source_status: str | None = None
+    moment: Moment | None = None  # None: without the time bar
+
+
 class Display:
     """Composes scenes, and caches what has not changed, so that it is neither drawn nor uploaded again."""
 
@@ -61,53 +72,50 @@ class Display:
         self._time_bar = TimeBar()
         self._inset = EstimateInset()
         self._name = ""  # of the model in hand, once that is drawn
-        self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
+        self._steady: tuple[float | None, TrackedFrame | None] = (None, None)
         self._read_s = -math.inf
 
-    def scene(
-        self,
-        session: Session,
-        size: Size,
-        quality: str,
-        now_s: float,
-        fps: float | None = None,
-        source_status: str | None = None,
-        content_scale: float = 1.0,
-        moment: Moment | None = None,
-    ) -> Scene:
-        """The bare scene under status, masks and time bar, or under the help, for a framebuffer of `size` pixels."""
+    def scene(self, session: Session, screen: Screen, readings: Readings, now_s: float) -> Scene:
+        """The bare scene under status, masks and time bar, or under the help."""
         if session.help.is_shown:  # a small window has no room for anything beside it
-            overlays = self._hud.overlays(HudText(help=session.help.rows(size, content_scale)), size, content_scale)
-            return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
-        fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
+            overlays = self._hud.overlays(HudText(help=session.help.rows(screen)), screen)
+        else:
+            overlays = self._overlays(session, screen, readings, now_s)
+        return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
+
+    def _overlays(self, session: Session, screen: Screen, readings: Readings, now_s: float) -> tuple[Overlay, ...]:
+        text = self._text(session, readings, now_s)
+        models = _span_of_models(session, screen.size) if session.show_masks else None
+        bar: tuple[Overlay, ...] = ()
+        if readings.moment is not None and session.show_hud:
+            bar = self._time_bar.overlays(readings.moment, screen)
+            screen = screen.without_bottom(bar_at(screen).height)  # everything else stands above it
+        width, height = screen.size
+        if session.parts_shown == SPLIT:
+            line = max(1, screen.px(LINE_PT))
+            bar = Overlay(SPLIT_LINE, (width - line) // 2, 0, (line, height)), *bar
+        masks = self._masks(session, screen.size, models)
+        free_width = min((mask.left_px for mask in masks), default=width)
+        return (*masks, *self._hud.overlays(text, screen, free_width), *bar)
+
+    def _text(self, session: Session, readings: Readings, now_s: float) -> HudText:
+        fps, marker = self._steady_readings(readings.fps, session.tracked, now_s)
         if not self._name or session.table.is_drawn:
             self._name = session.table.in_hand_said
-        status = status_lines(session, fps_read, quality, marker_read, self._name)
-        text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
-        if not session.show_hud:
-            text = HudText()
-        models = _span_of_models(session, size) if session.show_masks else None
-        bar: tuple[Overlay, ...] = ()
-        if moment is not None and session.show_hud:
-            bar = self._time_bar.overlays(moment, size, content_scale)
-            size = size[0], max(1, size[1] - bar_at(size, content_scale).height)  # everything else stands above it
-        if session.parts_shown == SPLIT:
-            line = max(1, round(LINE_PT * content_scale))
-            bar = Overlay(SPLIT_LINE, (size[0] - line) // 2, 0, (line, size[1])), *bar
-        masks = self._masks(session, size, models)
-        free_width = min((mask.left_px for mask in masks), default=size[0])
-        overlays = (*masks, *self._hud.overlays(text, size, content_scale, free_width), *bar)
-        return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
+        # Also while they are hidden: the wait for a model counts from when it was first asked about.
+        status = status_lines(session, fps, readings.quality, marker, self._name)
+        text = HudText(tuple(status), tuple(source_lines(session, readings.source_status, now_s)))
+        return text if session.show_hud else HudText()
 
     def _steady_readings(
         self, fps: float | None, tracked: TrackedFrame | None, now_s: float
     ) -> tuple[float | None, TrackedFrame | None]:
         """The frame rate and the tracked frame whose numbers are shown; a marker lost or found is shown at once."""
-        fps_read, marker_read = self._readings
+        fps_read, marker_read = self._steady
         is_current = 0 <= now_s - self._read_s < READINGS_SHOWN_FOR_S and (fps_read is None) == (fps is None)
         if not is_current or _has_marker(marker_read) != _has_marker(tracked):
-            self._readings, self._read_s = (fps, tracked), now_s
-        return self._readings
+            self._steady, self._read_s = (fps, tracked), now_s
+        return self._steady
 
     def _masks(self, session: Session, size: Size, models: Span | None) -> tuple[Overlay, ...]:
         estimate, frozen = session.estimate, session.estimated_from

@@ -3,7 +3,7 @@
 import contextlib
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ashe_live.errors import UserError
@@ -11,7 +11,7 @@ from ashe_live.process.mailbox import Closed
 from ashe_live.process.messages import say, tell
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.display import Display
+from ashe_live.viewer.display import Display, Readings
 from ashe_live.viewer.hands.gestures import Gestures
 from ashe_live.viewer.hands.menu import Menu, entries_for
 from ashe_live.viewer.hands.pointing import in_mirror, in_video
@@ -32,37 +32,40 @@ from ashe_live.viewer.windows.window import Window
 IDLE_S = 0.1
 
 
+@dataclass(frozen=True, slots=True)
+class ViewerOptions:
+    """What a person asked for at the start."""
+
+    quality: str  # one of quality_choice.NAMES
+    loop: bool = False
+    recording: Recording | None = None  # one that has begun
+    opener: Opener | None = None  # of later sources; None: there will be none
+    takes_any_marker: bool = False  # follows the only one in view, as nobody has named another
+    flags: tuple[str, ...] = ()  # of the command line, for a command that plays the same again
+
+
 class LiveViewer:
     """All that needs the window: drawing, recording, and the requests that the session does not handle."""
 
     def __init__(
-        self,
-        window: Window,
-        renderer: SceneRenderer,
-        pipeline: Pipeline,
-        session: Session,
-        quality_name: str,
-        recording: Recording | None = None,
-        loop: bool = False,
-        opener: Opener | None = None,
+        self, window: Window, renderer: SceneRenderer, pipeline: Pipeline, session: Session, options: ViewerOptions
     ) -> None:
         self._window = window
         self._renderer = renderer
         self._session = session
         self._display = Display()
-        self._gestures = Gestures(window.content_scale)
+        self._gestures = Gestures(window.screen.content_scale)
         self._menu = Menu()
         self._interval_s = 1 / window.refresh_rate_hz
-        self._quality = QualityChoice(quality_name, self._interval_s, renderer, session)
-        self._keeper = Keeper(renderer, session, self._tell, recording)
-        self._opening = Opening(opener)
-        self._loop = loop
+        self._quality = QualityChoice(options.quality, self._interval_s, renderer, session)
+        self._keeper = Keeper(renderer, session, self._tell, options.recording)
+        self._opening = Opening(options.opener)
+        self._loop = options.loop
         self._quit = False
         self._source_error: str | None = None
         self._take_up(pipeline)
-        self.followed = Followed(pipeline, session, self._tell)
-        self.flags: list[str] = []  # of the command line that started the viewer
-        self._keeper.flags = lambda: [*self.flags, *self.followed.flags]
+        self.followed = Followed(pipeline, session, self._tell, options.takes_any_marker)
+        self._keeper.flags = lambda: [*options.flags, *self.followed.flags]
         self._stillness = Stillness()
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
@@ -143,23 +146,21 @@ class LiveViewer:
         # An estimate that agrees with those before it is not printed again.
         if self._session.poll(now_s) is not None and self._session.watch.held.is_news:
             say(light_line(self._session))
-        size = self._window.framebuffer_size
-        if min(size) < 1:  # minimised
+        screen = self._window.screen
+        if screen.is_minimised:
             return
-        if size != self._renderer.size:
-            self._renderer.resize(size)
+        if screen.size != self._renderer.size:
+            self._renderer.resize(screen.size)
         status = self._opening.said or self._source_error or self._pipeline.stall or self._pipeline.status
-        scale = self._window.content_scale
         moment = self._playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality.shown, self._playback.pace_shown, recording)))
         self._session.table.drawn = self._renderer.shown_models
-        scene = self._display.scene(
-            self._session, size, manner, now_s, self._stillness.fps(self._is_idle), status, scale, moment
-        )
-        if menu := self._menu.overlays(size):
+        readings = Readings(manner, self._stillness.fps(self._is_idle), status, moment)
+        scene = self._display.scene(self._session, screen, readings, now_s)
+        if menu := self._menu.overlays(screen):
             scene = replace(scene, overlays=menu)  # without the other text, over which it could not be read
-        self._stillness.add(scene, size, self._renderer.preset, self._renderer.is_settled)
+        self._stillness.add(scene, screen.size, self._renderer.preset, self._renderer.is_settled)
         # Nothing changes (a pause, a photo, the end of a clip): the last picture is shown again.
         if not self._is_idle:
             self._renderer.render(scene)
@@ -168,12 +169,13 @@ class LiveViewer:
     @property
     def _is_idle(self) -> bool:
         """Whether the picture has not changed for some time, or the window is minimised."""
-        return self._stillness.is_still or min(self._window.framebuffer_size) < 1
+        return self._stillness.is_still or self._window.screen.is_minimised
 
     def _obey(self, request: Request, now_s: float) -> None:
+        framebuffer = self._window.screen.size
         if self._session.is_mirrored:
-            request = in_mirror(request, self._window.framebuffer_size)
-        request = in_video(request, self._window.framebuffer_size, self._session.tracked)
+            request = in_mirror(request, framebuffer)
+        request = in_video(request, framebuffer, self._session.tracked)
         if request.command is Command.OPEN:
             dropped = request.argument
             self._open(dropped.paths if isinstance(dropped, Files) else paths_in(self._window.clipboard), now_s)
@@ -182,13 +184,13 @@ class LiveViewer:
             self._commands[request.command](now_s)
 
     def _follow_mouse(self, now_s: float) -> None:
-        size, scale = self._window.framebuffer_size, self._window.content_scale
+        screen = self._window.screen
         for event in self._window.take_mouse():
-            if self._menu.take_mouse(event, lambda: entries_for(*self._session.table.offered), size, scale):
+            if self._menu.take_mouse(event, lambda: entries_for(*self._session.table.offered), screen):
                 if (chosen := self._menu.take_request()) is not None:
                     self._obey(chosen, now_s)
                 continue
-            if self._playback.take_mouse(event, size, scale, now_s):
+            if self._playback.take_mouse(event, screen, now_s):
                 continue
             if (request := self._gestures.add(event, now_s)) is not None:
                 self._obey(request, now_s)

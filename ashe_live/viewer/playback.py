@@ -2,8 +2,8 @@
 
 import math
 
-from ashe_live.core.camera import Size
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.drawn.time_bar import Moment, bar_at
 from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
 from ashe_live.viewer.session import Session
@@ -56,13 +56,13 @@ class Playback:
                 return False
         return True
 
-    def take_mouse(self, event: MouseEvent, size: Size, content_scale: float, now_s: float) -> bool:
+    def take_mouse(self, event: MouseEvent, screen: Screen, now_s: float) -> bool:
         """Shows the bar when the pointer is near, and seeks where it is dragged; False for events beside the bar."""
         duration_s = self._pipeline.duration_s
         is_dragged = self._dragged_to_s is not None  # to its end, even if the bar is hidden meanwhile
         if duration_s is None or not (self._session.show_hud or is_dragged):
             return False
-        bar = bar_at(size, content_scale)
+        bar = bar_at(screen)
         is_over = bar.is_near(event.y_px)
         if is_over:
             self._bar_until_s = now_s + BAR_SHOWN_S

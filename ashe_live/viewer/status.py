@@ -17,7 +17,7 @@ KEYS = "H: keys"
 SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
 LAMP_BELOW = "the lamp is below the table: it gives no light"
 OUT_OF_PICTURE = "the model stands outside the picture: Backspace puts it back"
-LAMP_INSIDE = "the lamp is inside the model or touches it: it throws no shadow"
+LAMP_INSIDE = "the lamp is inside the model or touches it: it casts no shadow"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",

@@ -21,6 +21,7 @@ from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.estimates.easing import LightEasing
 
 SIZE = (480, 360)
@@ -63,7 +64,7 @@ def pictures():
                 easing.at(illumination, frame.time_s),
                 shows_light=frame.time_s < ARROW_UNTIL_S,
                 hides_marker=is_estimated,
-                overlays=hud.overlays(HudText(hint=(latest(CAPTIONS, frame.time_s),)), SIZE, LETTERS),
+                overlays=hud.overlays(HudText(hint=(latest(CAPTIONS, frame.time_s),)), Screen(SIZE, LETTERS)),
             )
             renderer.render(scene)
             yield Image.fromarray(cv2.cvtColor(renderer.read_bgr(), cv2.COLOR_BGR2RGB))

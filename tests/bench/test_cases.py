@@ -9,27 +9,9 @@ import pytest
 from ashe_live.bench.cases import read_cases
 from ashe_live.core.transforms import angle_between
 from ashe_live.errors import UserError
+from tests.bench.scene_files import scene, written
 from tests.shared_data import shared_folder
 from tests.shipped_scenes import CASES
-
-
-def scene(**changes):
-    return {
-        "id": "one",
-        "image": "one.png",
-        "size": [64, 48],
-        "K": [[60, 0, 31.5], [0, 60, 23.5], [0, 0, 1]],
-        "dist": [0, 0, 0, 0, 0],
-        "R": [[1, 0, 0], [0, -1, 0], [0, 0, -1]],
-        "t": [0, 0, 1],
-        "marker": {"side_m": 0.2, "corners_px": [[25.5, 17.5], [37.5, 17.5], [37.5, 29.5], [25.5, 29.5]]},
-        "lights": [{"dir_to_light": [0, 0.6, 0.8]}],
-    } | changes
-
-
-def written(folder, content):
-    (folder / "ground_truth.json").write_text(json.dumps(content))
-    return folder
 
 
 def test_a_scene_with_only_what_every_folder_has(tmp_path):

@@ -52,8 +52,8 @@ WINDOWS: dict[str, Callable[[], AbstractContextManager[Window]]] = {
 def try_out(name: str) -> None:
     """All that the protocol names, as LiveViewer uses it."""
     with WINDOWS[name]() as window:
-        assert min(window.framebuffer_size) > 0
-        assert window.content_scale > 0
+        assert not window.screen.is_minimised
+        assert window.screen.content_scale > 0
         assert window.refresh_rate_hz > 0
         assert window.clipboard == "" or name == "glfw"
         window.set_title("ashe-live: another title, of a file whose name is not UTF-8: \udcff")
@@ -66,7 +66,7 @@ def try_out(name: str) -> None:
             window.present(picture)
             window.swap()
             assert len(picture.targets) <= 1
-            assert min(window.framebuffer_size) > 0
+            assert not window.screen.is_minimised
         assert not window.is_closing
 
 

@@ -28,6 +28,15 @@ def camera_towards(target: tuple[float, float], distance: float, pitch_deg: floa
     return rigid(R, -R @ eye)
 
 
+IMPOSSIBLE_POSES = {
+    "below the ground": camera_towards((0.0, 0.0), 0.5, -20.0),
+    "in the ground": camera_towards((0.0, 0.0), 0.5, 0.0),
+    "looking away": camera_towards((0.0, 0.0), -0.5, 40.0),
+    "in the marker": camera_towards((0.0, 0.0), 1e-6, 40.0),
+    "a mile away": camera_towards((0.0, 0.0), 1600.0, 40.0),
+}
+
+
 def box(x: float, y: float, size: tuple[float, float, float], yaw_deg: float = 0.0) -> Parts:
     yaw, (length, depth, height) = math.radians(yaw_deg), size
     corners = []

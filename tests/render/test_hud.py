@@ -3,8 +3,9 @@ import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.render import hud
-from ashe_live.render.hud import Hud, HudText, readable_scale
+from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
+from ashe_live.render.screen import Screen
 
 TEXT = HudText(("60 fps", "light 120° / 35° ± 4°"), ("H help",), (("Space", "estimate the light"), ("Esc", "quit")))
 
@@ -13,10 +14,10 @@ def test_same_text_is_not_uploaded_again(make_renderer, stage) -> None:
     renderer, hud = make_renderer(), Hud()
     tracked = stage.tracked(150, None)
     for _ in range(3):
-        renderer.render(Scene(tracked, overlays=hud.overlays(TEXT, (480, 360))))
+        renderer.render(Scene(tracked, overlays=hud.overlays(TEXT, Screen((480, 360)))))
     assert renderer.overlays.uploads == 3
     changed = HudText(("59 fps",), TEXT.hint, TEXT.help)
-    renderer.render(Scene(tracked, overlays=hud.overlays(changed, (480, 360))))
+    renderer.render(Scene(tracked, overlays=hud.overlays(changed, Screen((480, 360)))))
     assert renderer.overlays.uploads == 4
 
 
@@ -24,7 +25,7 @@ def test_same_text_is_not_uploaded_again(make_renderer, stage) -> None:
 def test_text_is_legible_on_any_video(make_renderer, stage, value: int) -> None:
     """Contrast of the brightest letters to the plate at least 4.5 to 1 (WCAG 2.1, 1.4.3)."""
     renderer = make_renderer()
-    (plate,) = Hud().overlays(HudText(("light 120° / 35° ± 4°",)), (480, 360))
+    (plate,) = Hud().overlays(HudText(("light 120° / 35° ± 4°",)), Screen((480, 360)))
     renderer.render(Scene(stage.tracked(value, None), overlays=(plate,)))
     width, height = plate.shown_size
     shown = renderer.read_bgr()[plate.top_px : plate.top_px + height, plate.left_px : plate.left_px + width]
@@ -47,7 +48,7 @@ SIZES = [(320, 240), (480, 360), (640, 360), (1280, 720), (1366, 768), (3840, 21
 def test_no_text_is_cut_and_none_lies_on_other_text(size: tuple[int, int], text: HudText, content_scale: float) -> None:
     corners = HudText(text.status, text.hint)
     for shown, free_width in ((corners, size[0]), (corners, round(0.6 * size[0])), (HudText(help=text.help), size[0])):
-        overlays = Hud().overlays(shown, size, content_scale, free_width)
+        overlays = Hud().overlays(shown, Screen(size, content_scale), free_width)
         assert len(overlays) == bool(shown.status) + bool(shown.hint) + bool(shown.help)
         for overlay in overlays:
             width, height = overlay.shown_size
@@ -59,8 +60,8 @@ def test_no_text_is_cut_and_none_lies_on_other_text(size: tuple[int, int], text:
 
 
 def test_a_line_is_broken_before_its_letters_become_smaller() -> None:
-    (short,) = Hud().overlays(HudText(("a word",)), (400, 300))
-    (broken,) = Hud().overlays(HudText(("a word " * 12,)), (400, 300))
+    (short,) = Hud().overlays(HudText(("a word",)), Screen((400, 300)))
+    (broken,) = Hud().overlays(HudText(("a word " * 12,)), Screen((400, 300)))
     lines, rest = divmod(broken.shown_size[1] - short.shown_size[1], 20)
     assert lines >= 1
     assert rest == 0
@@ -105,15 +106,15 @@ HOSTILE = {
 
 @pytest.mark.parametrize("name", HOSTILE)
 def test_whatever_a_file_says_fits_on_the_picture(name: str) -> None:
-    status, hint = Hud().overlays(HudText((HOSTILE[name],), ("choose another",)), (640, 480))
+    status, hint = Hud().overlays(HudText((HOSTILE[name],), ("choose another",)), Screen((640, 480)))
     width, height = status.shown_size
     assert status.left_px + width <= 640
     assert status.top_px + height <= hint.top_px
 
 
 def test_help_stands_in_two_halves_where_it_is_too_long_for_one() -> None:
-    (tall,) = Hud().overlays(HELP, (1280, 800))
-    (wide,) = Hud().overlays(HELP, (1280, 400))
+    (tall,) = Hud().overlays(HELP, Screen((1280, 800)))
+    (wide,) = Hud().overlays(HELP, Screen((1280, 400)))
     assert tall.shown_size[1] > 1.9 * wide.shown_size[1] - 40
     assert wide.shown_size[0] > 1.9 * tall.shown_size[0] - 40
 
@@ -122,16 +123,16 @@ def test_help_stands_in_two_halves_where_it_is_too_long_for_one() -> None:
     ("size", "said", "scale"), [((1280, 720), 1, 1), ((3840, 2160), 1, 2), ((3840, 2160), 2.5, 2.5)]
 )
 def test_letters_follow_the_picture_where_the_display_does_not_say(size, said, scale) -> None:
-    assert readable_scale(size, said) == scale
+    assert Screen.readable(size, said) == Screen(size, scale)
 
 
 def test_letters_grow_with_the_displays_scale() -> None:
-    (small,), (large,) = (Hud().overlays(HudText(("60 fps",)), (1280, 720), scale) for scale in (1.0, 2.0))
+    (small,), (large,) = (Hud().overlays(HudText(("60 fps",)), Screen((1280, 720), scale)) for scale in (1.0, 2.0))
     assert large.shown_size[1] == pytest.approx(2 * small.shown_size[1], abs=3)
 
 
 def test_nothing_to_say_is_nothing_to_draw() -> None:
-    assert Hud().overlays(HudText(), (480, 360)) == ()
+    assert Hud().overlays(HudText(), Screen((480, 360))) == ()
 
 
 def test_overlay_lies_where_it_says_pixel_by_pixel(make_renderer, stage) -> None:

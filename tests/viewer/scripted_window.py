@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable, Iterable
 
-from ashe_live.core.camera import Size
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.requests import Command, MouseEvent, Request
 from ashe_live.viewer.windows.window import Presentable
 
@@ -13,8 +13,7 @@ RATE_HZ = 500.0
 class ScriptedWindow:
     """Calls the script's steps, one a picture, obeys what they return (a request, the mouse's event), and closes."""
 
-    framebuffer_size: Size = (64, 48)
-    content_scale = 1.0
+    screen = Screen((64, 48))
     refresh_rate_hz = RATE_HZ
     clipboard = ""
     is_closing = False

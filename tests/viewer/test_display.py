@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
+from ashe_live.render.screen import Screen
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer import display as display_module
-from ashe_live.viewer.display import Display, bare_scene
+from ashe_live.viewer.display import Display, Readings, bare_scene
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.session import Session
 
-SIZE = (640, 480)
+SCREEN = Screen((640, 480))
 
 
 @pytest.fixture
@@ -44,9 +45,9 @@ def test_the_lights_become_those_of_the_estimate(session):
 def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):
     session.say("saved", 0.0)
     session.show_hud = False
-    assert Display().scene(session, SIZE, "fast", 0.0).overlays == ()
+    assert Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays == ()
     session.help.turn()
-    assert len(Display().scene(session, SIZE, "fast", 0.0).overlays) == 1
+    assert len(Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays) == 1
 
 
 @pytest.mark.parametrize(
@@ -55,10 +56,11 @@ def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):
 def test_everything_stays_inside_the_window(session, size, scale):
     session.show_masks = True
     session.say("a notice of the usual length, as a saved snapshot has", 0.0)
-    overlays = Display().scene(session, size, "auto (balanced)", 0.0, 60.0, "end of the clip", scale).overlays
+    readings = Readings("auto (balanced)", 60.0, "end of the clip")
+    overlays = Display().scene(session, Screen(size, scale), readings, 0.0).overlays
     assert len(overlays) == 4
     session.help.turn()
-    overlays += Display().scene(session, size, "auto (balanced)", 0.0, 60.0, "end of the clip", scale).overlays
+    overlays += Display().scene(session, Screen(size, scale), readings, 0.0).overlays
     assert len(overlays) == 5
     assert all(inside(overlay, size) for overlay in overlays)
 
@@ -66,19 +68,19 @@ def test_everything_stays_inside_the_window(session, size, scale):
 def test_what_has_not_changed_is_the_same_object(session):
     session.show_masks = True
     display = Display()
-    first = display.scene(session, SIZE, "fast", 0.0, 60.0).overlays
-    again = display.scene(session, SIZE, "fast", 0.1, 75.0).overlays
+    first = display.scene(session, SCREEN, Readings("fast", 60.0), 0.0).overlays
+    again = display.scene(session, SCREEN, Readings("fast", 75.0), 0.1).overlays
     assert all(a is b for a, b in zip(first, again, strict=True))
-    later = display.scene(session, SIZE, "fast", 5.0, 75.0).overlays
+    later = display.scene(session, SCREEN, Readings("fast", 75.0), 5.0).overlays
     assert [now is before for now, before in zip(later, first, strict=True)] == [True, True, False]
 
 
 def test_the_masks_are_shown_over_the_frozen_frame(session):
     session.show_masks = True
-    (inset, *_) = Display().scene(session, SIZE, "fast", 0.0).overlays
+    (inset, *_) = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
     width, height = inset.shown_size
-    assert inset.left_px > SIZE[0] / 2
-    assert inset.top_px > SIZE[1] / 2
+    assert inset.left_px > SCREEN.size[0] / 2
+    assert inset.top_px > SCREEN.size[1] / 2
     assert width / height == pytest.approx(64 / 48, rel=0.02)
 
     def colour_at(x: float, y: float) -> np.ndarray:
@@ -94,7 +96,7 @@ def test_the_masks_are_shown_over_the_frozen_frame(session):
 def test_without_an_estimate_there_are_no_masks(fakes):
     session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
     session.show_masks = True
-    assert len(Display().scene(session, SIZE, "fast", 0.0).overlays) == 1
+    assert len(Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays) == 1
 
 
 def test_the_name_is_that_of_the_model_in_the_picture(session, monkeypatch):
@@ -109,7 +111,7 @@ def test_the_name_is_that_of_the_model_in_the_picture(session, monkeypatch):
     for drawn, model in ((before, before), (before, chosen), (chosen, chosen)):
         monkeypatch.setattr(session.table.shelf, "model", lambda model=model: model)
         session.table.drawn = (drawn,)
-        display.scene(session, (640, 480), "fast", 0.0)
+        display.scene(session, SCREEN, Readings("fast"), 0.0)
         if drawn is model:
             session.table.shelf.step(1)
     assert names[0] == names[1] == "cube"

@@ -28,7 +28,7 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.hands.requests import Command, Files, MouseAction, MouseEvent, Request
-from ashe_live.viewer.live import LiveViewer
+from ashe_live.viewer.live import LiveViewer, ViewerOptions
 from ashe_live.viewer.output import keeping
 from ashe_live.viewer.output import recording as recording_module
 from ashe_live.viewer.session import Session
@@ -98,8 +98,8 @@ class Stage:
         self, *steps, quality: str = "fast", frame_limit: int | None = None, takes_any_marker: bool = False
     ) -> LiveViewer:
         self.window = ScriptedWindow(step if callable(step) else lambda step=step: step for step in steps)
-        viewer = LiveViewer(self.window, self.renderer, self.pipeline, self.session, quality, opener=self.opener)
-        viewer.followed.takes_any_marker = takes_any_marker
+        options = ViewerOptions(quality, opener=self.opener, takes_any_marker=takes_any_marker)
+        viewer = LiveViewer(self.window, self.renderer, self.pipeline, self.session, options)
         viewer.run(frame_limit)
         return viewer
 
@@ -208,9 +208,9 @@ def test_recording_goes_on_while_paused_and_ends_by_the_same_key(stage, tmp_path
 def test_that_it_records_is_shown_as_long_as_it_does(stage, monkeypatch):
     shown, scene = [], Display.scene
 
-    def spy(display, session, size, manner, *rest):
-        shown.append("recording" in manner)
-        return scene(display, session, size, manner, *rest)
+    def spy(display, session, screen, readings, now_s):
+        shown.append("recording" in readings.quality)
+        return scene(display, session, screen, readings, now_s)
 
     monkeypatch.setattr(Display, "scene", spy)
     stage.put(0)

@@ -2,6 +2,7 @@
 
 import pytest
 
+from ashe_live.render.screen import Screen
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.drawn.time_bar import bar_at
 from ashe_live.viewer.estimates.policy import EstimatePolicy
@@ -9,7 +10,7 @@ from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Re
 from ashe_live.viewer.playback import BAR_SHOWN_S, SPEEDS, Playback
 from ashe_live.viewer.session import Session
 
-SIZE, SCALE = (640, 480), 1.0
+SCREEN = Screen((640, 480))
 OF_TIME = (Command.PAUSE, Command.RESTART, Command.STEP, Command.SEEK, Command.SPEED, Command.LOOP)
 
 
@@ -31,16 +32,16 @@ class Stage:
         self.session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
         self.playback = Playback(self.pipeline, self.session)
         self.shown = fakes.tracked(30)
-        self.bar = bar_at(SIZE, SCALE)
+        self.bar = bar_at(SCREEN)
 
     def ask(self, command: Command, argument: int = 0) -> list[tuple]:
         self.pipeline.told.clear()
         assert self.playback.handle(Request(command, argument), 0.0)
         return self.pipeline.told
 
-    def mouse(self, action: MouseAction, share: float, y_px: float = SIZE[1] - 5, now_s: float = 0.0) -> bool:
+    def mouse(self, action: MouseAction, share: float, y_px: float = SCREEN.size[1] - 5, now_s: float = 0.0) -> bool:
         x_px = self.bar.left + share * (self.bar.right - self.bar.left)
-        return self.playback.take_mouse(MouseEvent(action, x_px, y_px), SIZE, SCALE, now_s)
+        return self.playback.take_mouse(MouseEvent(action, x_px, y_px), SCREEN, now_s)
 
     def moment(self, now_s: float = 0.0):
         return self.playback.moment(self.shown, now_s)

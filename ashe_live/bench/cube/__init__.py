@@ -1,1 +1,1 @@
-"""The paper cube: how well its pose and the lights that it stands in are told, on painted pictures with known truth."""
+"""The paper cube: how well its pose and its lights are estimated, on painted pictures with known truth."""

@@ -1,4 +1,4 @@
-"""The bench of the cube: its pose beside a flat marker's, and the lights that its shadows tell."""
+"""The bench of the cube: its pose compared with a flat marker's, and the lights estimated from its shadows."""
 
 import time
 from collections.abc import Iterator, Sequence

@@ -1,4 +1,4 @@
-"""What the table sends to a facet of the painted cube, less where it lies in the cube's shadow; and a facet to it."""
+"""Light that the table sends to a facet of the painted cube, less of it from the cube's shadow; and a facet's to it."""
 
 import math
 from collections.abc import Callable, Sequence

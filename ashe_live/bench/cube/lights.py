@@ -1,4 +1,4 @@
-"""What the estimator tells of the lights of a set of cubes: errors, counts, calibration, lamps, ambient light, time."""
+"""The estimator's answers to a set of cubes: errors, counts, calibration, lamps, ambient light, time."""
 
 import math
 import time
@@ -130,5 +130,5 @@ def _is_sure_and_wrong(estimate: LightEstimate, lights: Float) -> bool:
 
 
 def _true_over_found_distance(light: Light, true: Float) -> float:
-    """1 of what is told rightly, for a lamp (4,)."""
+    """1 of what is estimated rightly, for a lamp (4,)."""
     return float(np.linalg.norm(true[:3]) / true[3] * light.inverse_distance)

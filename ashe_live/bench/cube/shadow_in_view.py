@@ -1,4 +1,4 @@
-"""How much of a painted cube's shadow the camera sees: none of it where the cube stands before its shadow."""
+"""How much of a painted cube's shadow the camera sees: none if the cube hides all of it."""
 
 import cv2
 import numpy as np

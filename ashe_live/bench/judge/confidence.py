@@ -1,4 +1,4 @@
-"""How sure answers are: looks averaged, confidences recalibrated, and the least one at which an answer is given."""
+"""Fits confidences: averaged over looks, recalibrated, and the least one at which an answer is given."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""`ashe-live bench fit-judge --sheets`: how well the shadow of the marker's own sheet tells the light's azimuth.
+"""`ashe-live bench fit-judge --sheets`: how well the shadow of the marker's own sheet determines the light's azimuth.
 
 No explanation is needed for that: the number that is fitted, the concentration of azimuths about where a clear shadow
 comes from, makes those of known lights likeliest. It is independent of objects and of marks at their feet, so that what

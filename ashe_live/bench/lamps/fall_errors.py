@@ -1,4 +1,4 @@
-"""By how much the fall of light over the ground alone errs in a lamp's nearness, where all else is given."""
+"""The error of a lamp's nearness estimated from the fall of light over the ground alone, with all else given."""
 
 import math
 from collections.abc import Sequence

@@ -26,7 +26,7 @@ class LampFigures:
     distance_error: float | None  # of a lamp stated as such: error of its distance over that distance
     sigmas: float | None  # of the same: error of its inverse distance, in standard deviations
     squared_sigmas: float | None  # of the same: squared Mahalanobis distance of direction and inverse distance
-    radius_error: float | None  # of the same, where its radius is told: error of that over the true one
+    radius_error: float | None  # of the same, where its radius is stated: error of that over the true one
 
 
 def lamp_figures(light: Light | None, case: Case) -> LampFigures | None:

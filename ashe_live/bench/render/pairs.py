@@ -85,7 +85,7 @@ class Regions(NamedTuple):
 @dataclass(frozen=True, slots=True, eq=False)
 class PairError:
     flip: float  # mean LDR-FLIP where model or shadow change the photo; NaN where they nowhere do, as all others
-    border_ratio: float  # median over places on the shadow's border of its width over the true one; NaN if none is told
+    border_ratio: float  # median over places on the shadow's border of its width over the true one; NaN without any
     border_places: int
     ground_de: float  # mean CIE 1976 colour difference in the shadow on the ground
     paper_de: float  # the same in the shadow on the sheet

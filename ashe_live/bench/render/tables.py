@@ -74,7 +74,7 @@ def _size(size: list[int]) -> str:
 
 
 def pairs_table(rows: list[Json]) -> Table:
-    """A row a preset; medians of borders and relief, means of the others, of the scenes in which each is told."""
+    """A row a preset; medians of borders and relief, means of the others, of the scenes in which each is measured."""
     table = figures_table(
         "against photos of the same with the model",
         "",

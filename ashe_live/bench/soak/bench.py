@@ -26,7 +26,7 @@ from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.estimates.policy import EstimatePolicy
-from ashe_live.viewer.live import LiveViewer
+from ashe_live.viewer.live import LiveViewer, ViewerOptions
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.table.shelf import Shelf
@@ -106,7 +106,7 @@ class SoakBench(Bench):
             stage.window = OffscreenWindow(ctx, camera.size, rate_hz, lambda picture: stage.on_picture(picture))
             stack.callback(stage.window.release)
             pipeline.start()
-            stage.viewer = LiveViewer(stage.window, renderer, pipeline, session, self.quality.name)
+            stage.viewer = LiveViewer(stage.window, renderer, pipeline, session, ViewerOptions(self.quality.name))
             yield stage
 
 

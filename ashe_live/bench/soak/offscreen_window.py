@@ -10,6 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.gl.offscreen import Context
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.requests import MouseEvent, Request
 from ashe_live.viewer.windows.window import Presentable
 
@@ -25,12 +26,11 @@ class ShownPicture(NamedTuple):
 class OffscreenWindow:
     """A Window without a screen; `on_picture` is called for each picture shown."""
 
-    content_scale = 1.0
     clipboard = ""
     is_closing = False
 
     def __init__(self, ctx: Context, size: Size, rate_hz: float, on_picture: Callable[[ShownPicture], None]) -> None:
-        self.framebuffer_size = size
+        self.screen = Screen(size)
         self.refresh_rate_hz = rate_hz
         self.requests: list[Request] = []  # served with the next picture
         self._ctx = ctx
@@ -71,7 +71,7 @@ class OffscreenWindow:
 
     def read_bgr(self) -> Image:
         """(h, w, 3) uint8 BGR: the picture shown last."""
-        width, height = self.framebuffer_size
+        width, height = self.screen.size
         rgb = np.frombuffer(self._screen.read(components=3, alignment=1), np.uint8).reshape(height, width, 3)
         return np.asarray(cv2.cvtColor(rgb[::-1], cv2.COLOR_RGB2BGR), dtype=np.uint8)
 

@@ -29,11 +29,12 @@ from ashe_live.quality import Quality
 from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
+from ashe_live.render.screen import Screen
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
-from ashe_live.viewer.display import Display
+from ashe_live.viewer.display import Display, Readings
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.output.report import frame_time_percentiles
 from ashe_live.viewer.session import Session
@@ -164,8 +165,7 @@ class BenchScene:
         self._session = session
         assert clip.to_light_marker is not None
         self._true = Illumination((Light(clip.to_light_marker),))
-        self._size = size
-        self._quality = quality
+        self._screen, self._readings = Screen(size), Readings(quality, DISPLAY_HZ)
         self._display = Display()
 
     def __call__(self, tracked: TrackedFrame) -> Scene:
@@ -177,7 +177,7 @@ class BenchScene:
             self._request(now_s)
         self._note(self._session.poll(now_s))
         self._session.hand.light = self._session.shown = self._true
-        return self._display.scene(self._session, self._size, self._quality, now_s, fps=DISPLAY_HZ)
+        return self._display.scene(self._session, self._screen, self._readings, now_s)
 
     def watch(self, key_views: KeyViews) -> None:
         """Takes these key views from now on."""

@@ -1,4 +1,4 @@
-"""Clips whose camera and marker are known, as of the one that ships with the program and others like it."""
+"""Clips with a known camera and marker: the one that ships with the program, and others like it."""
 
 import json
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A page of thumbnails with the light drawn into them: many estimates at one glance, in one HTML file of its own."""
+"""A page of thumbnails with the light drawn into them: many estimates at a glance, in a single HTML file."""
 
 import base64
 import html

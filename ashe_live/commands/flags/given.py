@@ -1,4 +1,4 @@
-"""The flags that a command was given, for a command that does the same again."""
+"""The flags that a command was given, to build a command that does the same again."""
 
 import argparse
 

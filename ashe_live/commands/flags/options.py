@@ -1,4 +1,4 @@
-"""The options of a command: by its flags, or else by the settings, or else the defaults."""
+"""The options of a command: from its flags, else from the settings, else the defaults."""
 
 import argparse
 from collections.abc import Sequence

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX, LastPicture
 from ashe_live.capture.recording.recorder import Recorder
@@ -29,9 +30,16 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import camera_line, light_line
 
 
+class Played(NamedTuple):
+    """How a run without a window ended."""
+
+    status: int  # of the process
+    recording: Path | None  # under another name than the one asked for, if a file of that name has appeared meanwhile
+
+
 def show_without_window(
     setup: ViewerSetup, scene: Callable[[Session], Scene], *takers: Callable[[Image, float], None]
-) -> int:
+) -> Played:
     """Plays every frame; `takers` get each picture (h, w, 3) uint8 BGR and its time in seconds."""
     options = setup.options
     tell_of_recordings_cut_short(options.out)
@@ -62,11 +70,10 @@ def show_without_window(
     # Only now is it known what has become of the recording.
     if recorder is not None:
         _tell_where(options.out, recorder.path)
-        options.out = recorder.path
     status = _summed_up(setup, session, report)
     if refusal is not None:
         raise refusal
-    return status
+    return Played(status, None if recorder is None else recorder.path)
 
 
 def _report_refused(report: Report, options: argparse.Namespace) -> UserError | None:

@@ -28,6 +28,13 @@ from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
 
+# Options that a window refuses: what is said of each, and what helps.
+WITHOUT_WINDOW = {
+    "layers": ("--layers are written without a window", "give --headless --out FILE.mov too; Shift+S saves one"),
+    "as_shown": ("--as-shown is shown without a window only", "give --headless --out FILE.mp4 too"),
+    "report": ("--report is written without a window only", "give --headless too"),
+}
+
 
 @dataclass(frozen=True, slots=True)
 class ViewerSetup:
@@ -54,23 +61,26 @@ def check_outputs(options: argparse.Namespace) -> None:
     inputs = [getattr(options, "file", None), options.camera_file, options.as_shown, caster]
     inputs += [*models, *marker_files(options)]
     files.check_outputs((options.out, options.report), inputs, options.overwrite)
+    for name, refusal in WITHOUT_WINDOW.items():
+        if getattr(options, name) is not None and not options.headless:
+            raise UserError(*refusal)
     if options.headless and options.loop and options.frames is None:
         raise UserError("--loop without a window never ends", "give --frames N too")
-    if options.layers is not None and (not options.headless or options.out is None):
-        raise UserError(
-            "--layers are written without a window", "give --headless --out FILE.mov too; Shift+S saves one"
-        )
-    if options.as_shown is not None and not options.headless:
-        raise UserError("--as-shown is shown without a window only", "give --headless --out FILE.mp4 too")
-    if options.report is not None and not options.headless:
-        raise UserError("--report is written without a window only", "give --headless too")
-    if options.out is not None and options.out.suffix.lower() == PICTURE_SUFFIX and not options.headless:
+    if options.layers is not None and options.out is None:
+        raise UserError(*WITHOUT_WINDOW["layers"])
+    if options.out is not None:
+        _check_suffix(options.out, options)
+
+
+def _check_suffix(out: Path, options: argparse.Namespace) -> None:
+    suffix = out.suffix.lower()
+    if suffix == PICTURE_SUFFIX and not options.headless:
         raise UserError("--out FILE.png is written without a window only", "give --headless too; S saves a picture")
     kinds = {".mp4": "a clip"} if options.layers is None else {".mov": "ProRes 4444", ".webm": "VP9"}
     kinds[PICTURE_SUFFIX] = "the last picture alone"
-    if options.out is not None and options.out.suffix.lower() not in kinds:
+    if suffix not in kinds:
         ends = ", ".join(f"{suffix} ({what})" for suffix, what in kinds.items())
-        raise UserError(f"{options.out} is of no kind that is recorded", f"let its name end in {ends}")
+        raise UserError(f"{out} is of no kind that is recorded", f"let its name end in {ends}")
 
 
 def has_display() -> bool:

@@ -16,14 +16,14 @@ from ashe_live.viewer.display import bare_scene
 
 def show(setup: ViewerSetup) -> int:
     """Runs the viewer as the options want it; returns the exit status."""
-    return show_without_window(setup, bare_scene) if setup.options.headless else show_in_window(setup)
+    return show_without_window(setup, bare_scene).status if setup.options.headless else show_in_window(setup)
 
 
 def show_in_window(setup: ViewerSetup) -> int:
     """Runs the viewer until its window is closed; returns the exit status."""
     # Imported here, as playing without a display must not need GLFW.
     from ashe_live.commands.flags.opening import LaterSources
-    from ashe_live.viewer.live import LiveViewer
+    from ashe_live.viewer.live import LiveViewer, ViewerOptions
     from ashe_live.viewer.output.recording import Recording
     from ashe_live.viewer.sources.pipeline import Pipeline
     from ashe_live.viewer.windows.glfw_window import GlfwWindow
@@ -42,15 +42,17 @@ def show_in_window(setup: ViewerSetup) -> int:
         stack.callback(pipeline.close)
         pipeline.start()
         preset = quality_of(options).render
-        renderer = SceneRenderer(window.context, preset, window.framebuffer_size, switches_at_once=False)
+        renderer = SceneRenderer(window.context, preset, window.screen.size, switches_at_once=False)
         recording = None
         if options.out is not None:
             recording = Recording(options.out, drawn_size(setup.source.size), pipeline.fps, options.overwrite)
-
-        viewer = LiveViewer(
-            window, renderer, pipeline, session, options.quality, recording, options.loop, LaterSources(options)
+        asked = ViewerOptions(
+            options.quality,
+            options.loop,
+            recording,
+            LaterSources(options),
+            options.takes_any_marker,
+            tuple(flags_given(options)),
         )
-        viewer.followed.takes_any_marker = options.takes_any_marker
-        viewer.flags = flags_given(options)
-        viewer.run(options.frames, end_if_asked)
+        LiveViewer(window, renderer, pipeline, session, asked).run(options.frames, end_if_asked)
     return ExitStatus.ANSWERED

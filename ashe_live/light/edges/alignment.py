@@ -94,7 +94,7 @@ def aligned_with_steps(
 
 
 def step_costs(several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float) -> list[StepCosts]:
-    """The mean costs of bodies where they stand; arguments as of `aligned_with_steps`."""
+    """The mean costs of bodies where they stand; arguments as for `aligned_with_steps`."""
     seen = _Seen([measured_steps(several, picture, shifts, REACHES_PX[0]) for picture in pictures])
     return [mean_costs(*each) for each in zip(*seen.costs(), strict=True)]
 

@@ -1,4 +1,4 @@
-"""How a view's pose may be moved with what is aligned in it: about the pose measured by its marker, by its covariance.
+"""Lets a view's pose move with what is aligned in it: around the pose measured by its marker, within its covariance.
 
 A marker that is small in the picture leaves the camera's tilt uncertain by half a degree, and rolling shutters and
 focal lengths that breathe bend it by more. What stands on the plane is then misplaced by other pixels in each view, so

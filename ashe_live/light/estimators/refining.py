@@ -30,33 +30,48 @@ class Refiner:
     lamps: LampHypotheses  # that the view's ground suggests
 
     def refined_and_others(self, rough: Sequence[Explanation], log_odds: LogOdds) -> list[Explanation]:
-        """The likeliest different explanations, refined, their lights counted and near ones told; then the others.
+        """The likeliest different explanations, refined, with lights counted and lamps decided; then the others.
 
-        Those are judged as well, as they are what else the picture may show; so is what refinement has turned into
-        another answer, or could not fit. Where all of them leave doubt, shadows are searched for by the objects'
-        shapes; what that finds may have a second light as well.
+        The others are judged as well, as they are what else the picture may show. Where all of them leave doubt,
+        shadows are searched for by the objects' shapes.
         """
-        view, region_px, fine_fit = self.view, self.steps.region_px, self.steps.fine_fit
+        sharp, others = self._refined_apart(rough, log_odds)
+        judged = [*sharp, *others]
+        if leaves_no_doubt(judged, log_odds):
+            return judged
+        return self._with_shadows_searched(judged, [each for each in sharp if len(each.lights) > 1], log_odds)
+
+    def _refined_apart(
+        self, rough: Sequence[Explanation], log_odds: LogOdds
+    ) -> tuple[list[Explanation], list[Explanation]]:
+        """The likeliest, refined; and the other rough ones, with those that refinement could not fit or has turned into
+        another answer.
+        """
         ranked = sorted(rough, key=log_odds, reverse=True)
         chosen = different(ranked, self.steps.refined)
-        fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, fine_fit)]
+        fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, self.steps.fine_fit)]
         turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
         # They are compared with the rough ones by their steps of light, among others, which must be measured alike.
-        sharp = self.sharpener.measured([fine for fine in fines if fine is not None])
-        found = with_lights_counted(sharp, rough, view, region_px, log_odds)
+        measured = self.sharpener.measured([fine for fine in fines if fine is not None])
+        found = with_lights_counted(measured, rough, self.view, self.steps.region_px, log_odds)
         others = different(each for each in ranked if not any(each is one for one in chosen))
         others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
         others = [each for each in others if not any(is_part_of(one, each) for one in found)]
         sharp = self._sharp_and_decided(found)
-        sharp = with_other_heights(sharp, self.sharpener, fine_fit, self.refined_alone, log_odds)
-        judged = [*sharp, *others]
-        if leaves_no_doubt(judged, log_odds):
-            return judged
-        by_two = [each for each in sharp if len(each.lights) > 1]
+        return with_other_heights(sharp, self.sharpener, self.steps.fine_fit, self.refined_alone, log_odds), others
+
+    def _with_shadows_searched(
+        self, judged: Sequence[Explanation], by_two: Sequence[Explanation], log_odds: LogOdds
+    ) -> list[Explanation]:
+        """The explanations with shadows searched for by the objects' shapes, which may have a second light as well.
+
+        by_two: those of `judged` that are by two lights.
+        """
+        view, region_px = self.view, self.steps.region_px
         searched = with_shadows_searched(judged, view, region_px, self.refined_alone, log_odds)
         new = [each for each in searched if not any(each is one for one in judged)]
         likeliest = max(searched, key=log_odds, default=None)
-        # Also what takes the place of one of two lights, whose second may only have been told by a worse body.
+        # Also what takes the place of one of two lights, of which the second may be the artefact of a worse body.
         tried = [each for each in new if each is likeliest or any(is_part_of(both, each) for both in by_two)]
         counted = [with_lights_counted([one], [], view, region_px, log_odds) for one in tried]
         several = [each for found_of_one in counted for each in found_of_one if len(each.lights) > 1]

@@ -19,7 +19,6 @@ from ashe_live.light.explanation.judgement.evidence import shadow_core
 from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, Judge, likeliest_direction, recalibrated
 from ashe_live.light.explanation.light_covariance import averaged
 from ashe_live.light.explanation.penumbra import size_of
-from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb
 from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
@@ -77,9 +76,9 @@ def illumination_of(
         view=trace.view,
         ground=ground,
         unlit=trace.unlit,
-        others=lambda: _other_objects(choice, judge),
+        fine_views=[view.fine for view in look.views],
         judged=_judged_beside(best, trace),
-        sharpener=lambda: Sharpener.of([view.fine for view in look.views]),
+        find_others=partial(_other_objects, choice, judge),
         fit=partial(explained_near, preset=steps.fine_fit),
         glints=[glint for view in look.views if (glint := glint_in(view.coarse, view.ground)) is not None],
         judge=judge,

@@ -8,6 +8,7 @@ from functools import cache, cached_property, partial
 import numpy as np
 
 from ashe_live.core.arrays import Mask
+from ashe_live.core.caster import Caster
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
@@ -53,10 +54,17 @@ class ViewSearch:
     """Looks for explanations of one view, and keeps in its trace what it found on the way."""
 
     def __init__(self, view: SceneView, steps: ProxySteps, judge: Judge, clock: StageClock) -> None:
-        self.view, self.trace = view, Trace(view.coarse, view.ground)
-        self.steps, self.judge, self.clock = steps, judge, clock
+        """Segments the view; explanations are looked for as they are asked for."""
+        self.view, self.steps, self.judge, self.clock = view, steps, judge, clock
         self._sharpener = Sharpener.of([view.fine])
         self._own_features = cache(explanation_features)
+        coarse, ground = view.coarse, view.ground
+        unlit = with_unlit_on_average(view.unlit(round(SPECK_SHARE * coarse.is_ground.size)), coarse)
+        self._sheet_shadow, self._glint = sheet_shadow_in(view.fine), glint_in(coarse, ground)
+        self._unlit = unlit if self._glint is None else unlit & ~self._glint.halo
+        regions = unlit_regions(view.fine, self._unlit, ground, steps.region_px, steps.regions)
+        self.trace = Trace(coarse, ground, self._sheet_shadow, self._glint, self._unlit, regions)
+        clock.end("segment")
 
     def another(self, view: SceneView, steps: ProxySteps) -> "ViewSearch":
         """The search of another view, or with other steps."""
@@ -70,8 +78,9 @@ class ViewSearch:
         refiner = Refiner(self.view, self._sharpener, self.steps, self.lamps)
         found = refiner.refined_and_others(rough, self.log_odds_among(rough))
         self.clock.end("fit")
-        if self.steps.caster is not None and not leaves_no_doubt(found, self.log_odds_among(found)):
-            found += self._found_by_place(found, refiner)
+        caster = self.steps.caster
+        if caster is not None and not leaves_no_doubt(found, self.log_odds_among(found)):
+            found += self._found_by_place(caster, found, refiner)
             self.clock.end("fit")
         log_odds = list(map(self.log_odds_among(found), found))
         self.clock.end("judge")
@@ -79,16 +88,10 @@ class ViewSearch:
 
     def rough(self) -> list[Explanation]:
         """The explanations by fits to the likeliest splits; none if nothing stands out from the ground."""
-        view, ground, steps, trace = self.view, self.view.ground, self.steps, self.trace
-        unlit = with_unlit_on_average(view.unlit(round(SPECK_SHARE * view.coarse.is_ground.size)), view.coarse)
-        trace.sheet_shadow = sheet_shadow_in(view.fine)
-        trace.glint = glint_in(view.coarse, ground)
-        trace.unlit = unlit = unlit if trace.glint is None else unlit & ~trace.glint.halo
-        trace.regions = unlit_regions(view.fine, unlit, ground, steps.region_px, steps.regions)
-        self.clock.end("segment")
+        ground, steps, trace = self.view.ground, self.steps, self.trace
         proposals: list[Proposal] = []
         voted = partial(voted_for, ground=ground, count=steps.shifts, widths=(1.0, FINE))
-        everywhere = voted(ground.colours[unlit])
+        everywhere = voted(ground.colours[self._unlit])
         for region in trace.regions:
             # Its own pixels vote first, as others could outvote its shadow; then all, as shadows share their lights.
             own = voted(region.colours[region.unlit])
@@ -104,12 +107,11 @@ class ViewSearch:
 
     @cached_property
     def lamps(self) -> LampHypotheses:
-        """Those that the fall of light over the view's ground suggests; to be asked for after `rough`."""
-        assert self.trace.unlit is not None
-        return LampHypotheses.of(self.view.coarse, self.view.ground, self.trace.unlit, self.steps.light)
+        """Those that the fall of light over the view's ground suggests."""
+        return LampHypotheses.of(self.view.coarse, self.view.ground, self._unlit, self.steps.light)
 
     def log_odds_among(self, several: Sequence[Explanation]) -> LogOdds:
-        """The log odds of an explanation, judged beside these several; to be asked for after `rough`."""
+        """The log odds of an explanation, judged beside these several."""
         company = self.company_of(several)
 
         def log_odds(each: Explanation) -> float:
@@ -120,21 +122,19 @@ class ViewSearch:
 
     def company_of(self, several: Sequence[Explanation]) -> Company:
         """What an explanation of the view is judged beside: these several, and what else shows the light."""
-        return Company(several, self.trace.glint, self.trace.sheet_shadow)
+        return Company(several, self._glint, self._sheet_shadow)
 
-    def _found_by_place(self, found: Sequence[Explanation], refiner: Refiner) -> list[Explanation]:
+    def _found_by_place(self, caster: Caster, found: Sequence[Explanation], refiner: Refiner) -> list[Explanation]:
         """Where the known object may stand in the lights that it, or any object of the picture, may show.
 
-        found: explanations by the known object, beside those by any.
+        found: explanations by the known object.
         """
-        assert self.steps.caster is not None
-        assert self.trace.unlit is not None
         log_odds = self.log_odds_among(found)
         of_any = ViewSearch(self.view, self.steps.with_caster(None), self.judge, StageClock())
         by_any = of_any.rough()
         likeliest = sorted(by_any, key=of_any.log_odds_among(by_any), reverse=True)[:HINTS]
         hints = hints_of([*likeliest, *sorted(found, key=log_odds, reverse=True)], HINTS)
-        placed = explanations_by_place(self.steps.caster, hints, self.view, self.trace.unlit, self.steps.region_px)
+        placed = explanations_by_place(caster, hints, self.view, self._unlit, self.steps.region_px)
         likeliest = sorted(self._sharpener.measured(placed), key=log_odds, reverse=True)[: self.steps.refined + 1]
         sharp = refiner.refined_alone(likeliest)
         return [each for each in sharp if not any(_is_same(each, one) for one in found)]

@@ -1,4 +1,4 @@
-"""Why there is no answer, in words for a person: the likeliest cause that can be seen, and what to change."""
+"""Why there is no answer, in words for the user: the likeliest cause that can be seen, and what to change."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""The glint: the mirror image of a light in glossy ground, which tells the light's direction without any shadow.
+"""The glint: the mirror image of a light in glossy ground, which shows the light's direction without any shadow.
 
 A polished table or a glazed tile reflects a sun or a lamp where the plane, as a mirror, turns the ray from the camera
 towards it. Its surface blurs the image, so that a glint is brighter than any lit ground and fades on all sides, whereas

@@ -1,4 +1,4 @@
-"""Gloss: the light that rough ground mirrors, beside what it scatters. It makes a sunlit ground uneven.
+"""Gloss: the light that rough ground mirrors, in addition to what it scatters. It makes a sunlit ground uneven.
 
 By the microfacets of GGX (Walter et al., 2007) with Smith's shadowing as Schlick approximates it, and a dielectric's
 Fresnel reflection: a rough table is brightest where it would mirror the light, and low against the light all over.

@@ -47,7 +47,7 @@ class BroadAreas:
     """Areas in colours that the ground has in narrow joints only, and that are too broad for these."""
 
     mask: Mask  # (h, w)
-    palette: Mixture  # the ground's other colours, which tell what lies there
+    palette: Mixture  # the ground's other colours, which show what lies there
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -191,7 +191,7 @@ def _on_plane(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -
 
 
 def _resized(mask: Mask, frame_shape: tuple[int, ...], window: Window) -> Mask:
-    """(h, w) a window's pixels of a mask of the whole frame; arguments as of `_on_plane`."""
+    """(h, w) a window's pixels of a mask of the whole frame; arguments as for `_on_plane`."""
     height, width = frame_shape
     return cv2.resize(mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)[window] > 0
 

@@ -86,7 +86,7 @@ def _votes(colours: Float32, palette: Mixture) -> tuple[Float32, Float32]:
 
 
 def _most_voted(offsets: Float32, weights: Float32, count: int) -> Float:
-    """(p, 3) up to `count` shifts about which the likeliest ones have most votes; arguments as of `_votes`."""
+    """(p, 3) up to `count` shifts about which the likeliest ones have most votes; arguments as for `_votes`."""
     bins = np.floor((offsets - LOWEST.astype(np.float32)) / BIN.astype(np.float32)).astype(np.intp)
     inside = ((bins >= 0) & (bins < BINS)).all(axis=1)
     flat = np.ravel_multi_index(tuple(bins[inside].T), tuple(BINS))

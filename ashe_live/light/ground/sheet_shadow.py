@@ -1,7 +1,7 @@
 """The printed sheet's own shadow: a body that lies in every picture, whatever else stands or is painted there.
 
 Card is thick and paper curls, so that a sheet's edges stand a little above the ground. The sides that face away from
-the light throw a strip of shadow beyond the paper, those that face it none. How high an edge stands is not known: the
+the light cast a strip of shadow beyond the paper, those that face it none. How high an edge stands is not known: the
 strips tell the light's azimuth, and nothing of its elevation. What darkens the ground along all four sides alike, as
 sharpening does, cancels.
 """
@@ -35,7 +35,7 @@ EDGE_PX, NOISE = 0.3, 0.05  # standard deviations of the edge's place, and of a 
 LEAST_STEP = 0.02  # from paper to ground, over the ground: a smaller one holds the edge's place no better
 EDGE_BLUR, EDGE_MARGIN = 2.0, 3  # in samples: blur before the steepest place is looked for; not looked for at the ends
 LEAST_BESIDE_PX = 9.0  # that are looked at beyond the edge, however small the marker is
-# Samples of a line by which the paper's and the ground's light are told, the latter at least.
+# Samples of a line by which the paper's and the ground's light are measured, the latter at least.
 PAPER_SAMPLES, LEAST_SAMPLES = 5, 6
 # Darkness beside a sheet that has no thickness, in sides: by patterns, objects and their shadows (root mean square of
 # `away` of the sets `scenes` and `scenes_more`, docs/accuracy.md).
@@ -43,7 +43,7 @@ OTHERWISE = 0.018
 INDEPENDENT = 1 / 3  # of neighbouring lines
 # Of azimuths about the direction from which a clear shadow comes (von Mises): `ashe-live bench fit-judge --sheets`.
 CONCENTRATION = 5.0
-# Of clear shadows, those that something else throws beside the sheet: of 87 that the same command counts, 62 point away
+# Of clear shadows, those that something else casts beside the sheet: of 87 that the same command counts, 62 point away
 # from the light to 45 degrees, where a quarter does by chance.
 OTHERS = 0.3
 MEDIAN_OVER_MEAN = 1.25  # standard deviation of a median over that of a mean, of normal variables
@@ -61,7 +61,7 @@ class SheetShadow:
         """How much likelier this shadow is in such a light than in lights from anywhere, in nats.
 
         Azimuths are von Mises distributed about where the shadow comes from, the narrower the clearer it is, and even
-        where something else throws it. A light straight overhead has no azimuth, and the shadow says nothing of it.
+        where something else casts it. A light straight overhead has no azimuth, and the shadow says nothing of it.
         """
         across = float(np.hypot(*to_light_marker[:2]) * np.hypot(*self.away))
         if across < 1e-9:

@@ -1,4 +1,4 @@
-"""The lit ground's own slow shading: by what its colours change over the picture, whatever they are.
+"""The lit ground's slowly varying shading: how its colours change over the picture, whatever they are.
 
 A quadratic in the image's coordinates follows vignetting, a wall near by, and what a lamp far away does. Near below a
 lamp the light falls by a factor of ten within a metre, which no quadratic follows: there its fall is one function more.

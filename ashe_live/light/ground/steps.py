@@ -1,4 +1,4 @@
-"""How finely the lit ground is modelled: what the estimator's presets set, without what it takes to do it."""
+"""How finely the lit ground is modelled: the part of the estimator's presets that concerns it."""
 
 from dataclasses import dataclass
 

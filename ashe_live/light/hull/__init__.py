@@ -1,4 +1,4 @@
-"""The hull of an object's silhouettes in several views: a body of any shape, and the light whose shadow it throws.
+"""The hull of an object's silhouettes in several views: a body of any shape, and the light whose shadow it casts.
 
 May import `core`, `pixels`, `shape`, `edges`, `labels`, `explanation` and `views`.
 """

@@ -1,4 +1,4 @@
-"""The visual hull of an object: all places that its silhouettes in several views, and its shadow, leave to it.
+"""The visual hull of an object: all of space that its silhouettes in several views, and its shadow, allow it.
 
 A grid of voxels above the plane loses those that some view sees as no object (Laurentini, "The visual hull concept",
 1994), and, for a light, those whose shadow would fall on ground that is surely lit. The truth survives both, so that in

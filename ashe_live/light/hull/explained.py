@@ -34,7 +34,7 @@ CORNERS = 64  # directions in which a hull's farthest points stand for its conve
 
 
 def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExplanation:
-    """The explanation with the hull as its real object, and the light whose shadow that throws.
+    """The explanation with the hull as its real object, and the light whose shadow that casts.
 
     As it is where a family explains the silhouettes as well, where there are two lights or a lamp, where the views are
     too near to each other or show too little of body and shadow, and where the hull tells no light. sharpener: of all

@@ -1,4 +1,4 @@
-"""The light whose shadow a hull throws: what silhouettes of any shape, and the smoothness of solids, leave of it."""
+"""The light whose shadow a hull casts, as silhouettes of any shape and the smoothness of solids constrain it."""
 
 import math
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ class HullLight:
 
 
 def light_of_hull(hull: Carved, start: Float) -> HullLight | None:
-    """The posterior mean of the light's direction around `start` (3,), with its covariance; None where none is told.
+    """The posterior mean of the light's direction around `start` (3,), with its covariance; None where that is unknown.
 
     The likelihood is that of the views' pixels under the hull in each light, times that of the shadow's tangents under
     the support function that the silhouettes leave (docs/maths, "A hull"), on a grid of directions around the start,

@@ -1,4 +1,4 @@
-"""What silhouettes near a hull's measure: planes that touch the body, and tangents of its shadow on the plane."""
+"""Measurements from silhouettes near a hull's: planes that touch the body, and tangents of its shadow on the plane."""
 
 import math
 from collections.abc import Sequence

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -62,74 +63,82 @@ class _Starts:
         self._least = max(self._least, float(self._log_odds[number]) - TRIED_WITHIN)
 
 
-def refined(
-    seen: Seen,
-    score: Float,
-    beside: Evidence,
-    image: EdgeImage,
-    steps: Float,
-    least: float = -math.inf,
-    told: float = -math.inf,
-) -> tuple[list[FoundLight], list[Float]]:
-    """The likeliest different directions, each moved onto its shadow's edges where these are seen; and what is ruled
-    out: lights (4,) whose shadow or whose light on the body's sides should be seen, and is not, as some other thing is
-    dark.
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidates:
+    """The directions of the scan in which another light may be, beside those that are known."""
 
-    score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside, image: the picture,
-    beside the lights that are known. steps: (m,) log odds of each shadow by steps of light in the map, which say with
-    the score what is tried first. least: log likelihood that is tried, with these or not; told: that below which no
-    edge is looked for, of the likeliest around.
-    """
-    lights, darkenings = seen.templates.lights, beside.everywhere.darkenings[:, -1]
-    starts = _Starts(lights, score + steps)
-    found: list[FoundLight] = []
-    clear: list[FoundLight] = []
-    ruled_out: list[Float] = []
-    for number in starts:
-        template = lights[number]
-        if max(score[number], score[number] + steps[number]) < least:
-            starts.spend()
-            continue
-        start, darkening, likelihood = _nearby(seen, template, beside)
-        if score[number] < 0:
-            # Only steps in the picture tell this one: where map and sides are best nearby, there may be a stain.
-            start = template
-        if darkening < LEAST_DARKENING or likelihood < told:
-            continue
-        if any(_finds_again(seen, start, other) for other in clear):
-            continue
-        fit = _moved_onto_edges(image, start, darkening)
-        if fit is None and steps[number] >= 0 and start is not template:
-            # The map is misled by its stains, and may have led away from what is there.
-            fit = _clear_at(image, template, float(darkenings[number]))
-            darkening = darkening if fit is None else float(darkenings[number])
-        is_denied = fit is not None and seen.observed.sides.deny(fit.light, darkening)
-        if fit is not None and not is_denied:
-            one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
-            starts.spend()
-            if fit.clear > CLEAR:  # else map and score were another thing's
-                clear.append(one)
+    seen: Seen
+    beside: Evidence  # of the picture, beside the known lights
+    image: EdgeImage  # likewise
+    score: Float  # (m,) log likelihood of each direction; -inf where none is looked for
+    steps: Float  # (m,) log odds of each by its shadow's steps of light in the map: with the score, the order of trial
+    least: float = -math.inf  # log likelihood, with these or without, below which none is tried
+    told: float = -math.inf  # the same below which no edge is looked for, of the likeliest direction around
+
+    def refined(self) -> tuple[list[FoundLight], list[Float]]:
+        """The likeliest different directions, each moved onto its shadow's edges where these are seen; and what is
+        ruled out: lights (4,) whose shadow or whose light on the body's sides should be seen, and is not, as some other
+        thing is dark.
+        """
+        starts = _Starts(self.seen.templates.lights, self.score + self.steps)
+        found: list[FoundLight] = []
+        clear: list[FoundLight] = []
+        ruled_out: list[Float] = []
+        for number in starts:
+            template = self.seen.templates.lights[number]
+            if max(self.score[number], self.score[number] + self.steps[number]) < self.least:
+                starts.spend()
+                continue
+            start, darkening, likelihood = self._start(number)
+            if darkening < LEAST_DARKENING or likelihood < self.told:
+                continue
+            if any(_finds_again(self.seen, start, other) for other in clear):
+                continue
+            fit, darkening = self._fit(number, start, darkening)
+            is_denied = fit is not None and self.seen.observed.sides.deny(fit.light, darkening)
+            if fit is not None and not is_denied:
+                one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
+                starts.spend()
+                if fit.clear > CLEAR:  # else map and score were another thing's
+                    clear.append(one)
+                    starts.explained_by(number)
+                found.append(one)
+            elif not is_denied and in_view(self.seen, template, self.image.room) <= MOST_IN_VIEW:
+                starts.spend()
                 starts.explained_by(number)
-            found.append(one)
-        elif not is_denied and in_view(seen, template, image.room) <= MOST_IN_VIEW:
-            starts.spend()
-            starts.explained_by(number)
-            mean, spread, darkening = mean_near(seen.templates, score, darkenings, template)
-            found.append(FoundLight(mean, spread, None, darkening))
-        else:
-            ruled_out.append(template)
-    return found, ruled_out
+                mean, spread, darkening = mean_near(self.seen.templates, self.score, self._darkenings, template)
+                found.append(FoundLight(mean, spread, None, darkening))
+            else:
+                ruled_out.append(template)
+        return found, ruled_out
+
+    @property
+    def _darkenings(self) -> Float:
+        """(m,) part of the table's light that a light in each direction would give."""
+        return self.beside.everywhere.darkenings[:, -1]
+
+    def _start(self, number: int) -> tuple[Float, float, float]:
+        """Where a fit starts near a template: the light (4,); its darkening and log likelihood, the best around."""
+        template = self.seen.templates.lights[number]
+        start, darkening, likelihood = _nearby(self.seen, template, self.beside)
+        # If only steps in the picture tell this one, there may be a stain where map and sides are best nearby.
+        return template if self.score[number] < 0 else start, darkening, likelihood
+
+    def _fit(self, number: int, start: Float, darkening: float) -> tuple[EdgeFit | None, float]:
+        """The fit from a start near a template, and the darkening that it was made with."""
+        fit = _moved_onto_edges(self.image, start, darkening)
+        if fit is None and self.steps[number] >= 0 and self.score[number] >= 0:
+            # The map is misled by its stains, and may have led away from what is there.
+            own = float(self._darkenings[number])
+            at_template = _moved_onto_edges(self.image, self.seen.templates.lights[number], own)
+            if at_template is not None and at_template.clear > CLEAR:
+                return at_template, own
+        return fit, darkening
 
 
 def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
     """Whether a fit from a light (4,) would end at one that was found, whose edges are clear."""
     return bool(normalised(start[:3]) @ found.sun_alike(height_of(seen.body)) > math.cos(APART_RAD))
-
-
-def _clear_at(image: EdgeImage, start: Float, darkening: float) -> EdgeFit | None:
-    """As `_moved_onto_edges`; None where the edges found are not clear."""
-    fit = _moved_onto_edges(image, start, darkening)
-    return fit if fit is not None and fit.clear > CLEAR else None
 
 
 def _moved_onto_edges(image: EdgeImage, start: Float, darkening: float) -> EdgeFit | None:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -53,7 +53,8 @@ def with_confidence(
     lamp = float(beside.scanned(seen.lit(own)).log_likelihood[0]) if one.is_lamp else -math.inf
     to_sun = one.sun_alike(height_of(seen.body))
     steps = seen.rims(known).log_odds
-    near, around, none = _posterior(seen.templates, beside.everywhere, steps, to_sun, lamp, log_none, ruled_out)
+    directions = _Directions(seen.templates, beside.everywhere, steps, log_none, ruled_out)
+    near, around, none = directions.posterior(to_sun, lamp)
     darkening = float(dark_rgb.mean())
     # Beside the foot the hidden sky's gradient looks like a step. No body hides more than half of a sky.
     step = darkening - (1 - darkening) / 2
@@ -81,33 +82,35 @@ def _shares(one: FoundLight) -> Float:
     )
 
 
-def _posterior(
-    templates: Templates,
-    scan: Scan,
-    steps: Float,
-    to_sun: Float,
-    lamp: float,
-    log_none: float,
-    ruled_out: Sequence[Float],
-) -> tuple[float, float, float]:
-    """Posterior probabilities, before its edges are looked at: of the directions within NEAR_RAD of one (3,), of those
-    within AROUND_RAD, and of no light.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Directions:
+    """All directions of the scan, and what speaks for and against each before its edges are looked at."""
 
-    steps: (m,) log odds by steps of light in the map, which speak against directions elsewhere whose shadows would be
-    seen. lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none.
-    log_none: weight of no light before the picture is seen. ruled_out: lights (4,) about which there is none.
-    """
-    by_light = scan.log_likelihood + np.log(templates.solid_angle)
-    by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
-    cosines = templates.lights[:, :3] @ to_sun
-    is_near, is_around = cosines > math.cos(NEAR_RAD), cosines > math.cos(AROUND_RAD)
-    by_light = by_light + np.where(is_around, 0.0, np.minimum(steps, 0.0))
-    for rival in ruled_out:
-        by_light[~is_near & (templates.lights[:, :3] @ rival[:3] > math.cos(APART_RAD))] = -np.inf
-    most = max(float(by_light.max()), by_lamp, log_none)
-    posterior = np.exp(by_light - most)
-    near, around = float(posterior[is_near].sum()), float(posterior[is_around & ~is_near].sum())
-    elsewhere, none = float(posterior[~is_around].sum()), math.exp(log_none - most)
-    near = max(near, math.exp(by_lamp - most))
-    whole = near + around + elsewhere + none
-    return near / whole, (near + around) / whole, none / whole
+    templates: Templates
+    scan: Scan
+    steps: Float  # (m,) log odds of each by steps of light in the map
+    log_none: float  # prior weight of no light
+    ruled_out: Sequence[Float]  # lights (4,) around which there is none
+
+    def posterior(self, to_sun: Float, lamp: float) -> tuple[float, float, float]:
+        """The posterior probabilities of a light within NEAR_RAD of a direction (3,), of one within AROUND_RAD, and of
+        no light.
+
+        lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none.
+        """
+        to_lights = self.templates.lights[:, :3]
+        by_light = self.scan.log_likelihood + np.log(self.templates.solid_angle)
+        by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
+        cosines = to_lights @ to_sun
+        is_near, is_around = cosines > math.cos(NEAR_RAD), cosines > math.cos(AROUND_RAD)
+        # Steps only speak against directions elsewhere, whose shadows would be seen.
+        by_light = by_light + np.where(is_around, 0.0, np.minimum(self.steps, 0.0))
+        for rival in self.ruled_out:
+            by_light[~is_near & (to_lights @ rival[:3] > math.cos(APART_RAD))] = -np.inf
+        most = max(float(by_light.max()), by_lamp, self.log_none)
+        posterior = np.exp(by_light - most)
+        near, around = float(posterior[is_near].sum()), float(posterior[is_around & ~is_near].sum())
+        elsewhere, none = float(posterior[~is_around].sum()), math.exp(self.log_none - most)
+        near = max(near, math.exp(by_lamp - most))
+        whole = near + around + elsewhere + none
+        return near / whole, (near + around) / whole, none / whole

@@ -22,7 +22,7 @@ from ashe_live.light.shape.predicted import predicted
 # From a shadow's edge to where it is dark, or lit: pixels, and of the light's angular diameter times the penumbra's
 # standard deviation for a light of 1 rad.
 BEYOND_PX, BEYOND_PENUMBRA = 3.0, 2.2
-SOFT_RAD = math.radians(10)  # diameter of the softest sun whose shadow's middle is told
+SOFT_RAD = math.radians(10)  # diameter of the softest sun whose shadow's middle is located
 LEAST_WITHIN = 0.9  # of that way, how far from all edges of the shadow it is dark
 LEAST_LEFT = 0.2  # of a lamp's height, above the body
 # Beside another light's edges the table is not clear: pixels, and of that light's penumbra for a light of 1 rad.
@@ -34,23 +34,23 @@ class FoundLight:
     """A light of a known body."""
 
     light: Float  # (4,) homogeneous, marker frame
-    covariance: Float  # (p, p) of s = (x, y) / z, and of the nearness w / z where that is told
+    covariance: Float  # (p, p) of s = (x, y) / z, and of the nearness w / z where that is determined
     fit: EdgeFit | None  # None where the shadow's edges are hidden: the direction is then that which map and sides say
     darkening: float  # part of the table's light that it gives
     confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
     around: float = 0.0  # that it is within twice as much, where there surely is a light
-    may_be_lamp: bool = False  # whether it likelier is a lamp than a sun, whose distance is not told well enough
+    may_be_lamp: bool = False  # whether it is likelier a lamp, of uncertain distance, than a sun
     has_folds: bool = False  # whether the covariance has in it how the body and its frame may be off
     exists: float | None = None  # probability that there is one, of a hidden light, and of others once that is asked
 
     @property
     def size_rad(self) -> float:
-        """The light's angular diameter; 0 where it is not told from a point."""
+        """The light's angular diameter; 0 where it cannot be told from a point."""
         return 0.0 if self.fit is None else self.fit.size_rad or 0.0
 
     @property
     def is_lamp(self) -> bool:
-        """Whether its distance is told."""
+        """Whether its distance is known."""
         return bool(self.light[3] > 0)
 
     @property

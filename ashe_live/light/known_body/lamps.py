@@ -1,4 +1,4 @@
-"""Lamps near a known body: its shadow grows with the height that casts it, and fans out, which tells their distance."""
+"""Lamps near a known body: their distance shows in how its shadow grows with the height that casts it, and fans out."""
 
 import math
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 
 # Standard deviation of the body's width over its height, of bodies of which nothing tells how they may be off: one
-# wider by a hundredth throws the shadow of a lamp whose w / z is larger by a hundredth over that height.
+# wider by a hundredth casts the shadow of a lamp whose w / z is larger by a hundredth over that height.
 FOLDED = 0.017
 LAMP_ODDS = 0.5  # of a lamp near by over a sun, or what is as far as one, before the picture is seen
 LEAST_SIGMAS = 4.0  # standard errors by which the nearness of a lamp must differ from that of a sun, 0
@@ -35,7 +35,7 @@ MUCH_NEARER = 0.5  # of a sun's misfit: no sun's straight edges come that near t
 
 
 def as_lamps(seen: Seen, found: Sequence[FoundLight], told: int = 0) -> list[FoundLight]:
-    """The lights, those as lamps whose distance is told; others as uncertain as they are if they may be lamps.
+    """The lights: as lamps where their distance is determined; else as uncertain as they are if they may be lamps.
 
     told: the first so many lights have been told from lamps before, without some of the others.
     """
@@ -81,7 +81,7 @@ def _of_folded_body(
     told = None if wobble is None else beside_folds(fit, image, darkening, wobble, with_nearness=True)
     if told is not None:
         return *told, True
-    # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
+    # A wider body casts the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
     end = fit.light[:2] / (1 - image.height_m * fit.light[3])
     by_width = FOLDED * np.append(-end, 1 / image.height_m)
     return fit.light, fit.covariance + np.outer(by_width, by_width), False

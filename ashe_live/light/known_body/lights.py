@@ -8,7 +8,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, in_view, mean_near, refined
+from ashe_live.light.known_body.candidates import (
+    APART_RAD,
+    LEAST_DARKENING,
+    MOST_IN_VIEW,
+    Candidates,
+    in_view,
+    mean_near,
+)
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, image_beside, points_of
@@ -22,12 +29,12 @@ from ashe_live.light.shape.light_points import NO_LIGHTS
 
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
 MOST_LIGHTS = 3
-# A further light: what map and sides say for it before it is fitted, and afterwards; and together with its edges, where
-# these are what tells it.
+# Log likelihood of a further light by map and sides, before it is fitted and afterwards; and with its edges, where it
+# rests on these.
 LEAST_SCORE, LEAST_MORE, LEAST_BY_EDGES = -1.5, 4.5, 6.5
 AGAINST = -1.0  # log likelihood of map and sides, from which down they speak against it: less is what its freedom costs
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
-LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if they are what tells it: so many are steps, and so near
+LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if it rests on these: so many are steps, and so near
 LEAST_TOLD = 0.5  # probability that a light is where it was found, from which on its direction is known
 LEAST_EXISTS = 0.5  # probability that the body hides another light's shadow, from which on one is stated
 
@@ -46,16 +53,16 @@ def lights_of(seen: Seen) -> Found:
     """No lights where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
     steps = seen.rims(NO_LIGHTS).cautious
-    image = image_beside(seen, ())
-    candidates, ruled_out = refined(seen, alone.everywhere.log_likelihood, alone, image, steps)
+    first = Candidates(seen, alone, image_beside(seen, ()), alone.everywhere.log_likelihood, steps)
+    candidates, ruled_out = first.refined()
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     # Also that of a shadow which cannot be the body's, as its edges should be seen and are not.
     likelihood = max([float(alone.everywhere.log_likelihood.max()), *(each for each, _ in scored)])
     if not scored:
         return Found(seen, (), np.empty((0, 3)), likelihood > DARK_ELSEWHERE)
-    _, first = max(scored, key=lambda pair: pair[0])
+    _, likeliest = max(scored, key=lambda pair: pair[0])
     # A lamp's fan of a shadow and the fall of its light, taken for a sun's, would look like a further light.
-    found = as_lamps(seen, [first])
+    found = as_lamps(seen, [likeliest])
     seen = _in_light_of(seen, found)
     while len(found) < MOST_LIGHTS:
         further = _further(seen, found)
@@ -92,7 +99,7 @@ def _log_likelihood(seen: Seen, one: FoundLight, beside: Evidence) -> float:
 
 
 def are_apart(found: Sequence[FoundLight], height: float) -> bool:
-    """Whether no two lights' shadows of a body of some height are as near to each other as the map tells none apart."""
+    """Whether the map can tell all lights' shadows, of a body of some height, apart."""
     to_suns = np.array([each.sun_alike(height) for each in found])
     return bool((to_suns @ to_suns.T - 2 * np.eye(len(found)) < math.cos(APART_RAD)).all())
 
@@ -108,22 +115,16 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
         return None
     best, likeliest = LEAST_MORE, None
     rims = seen.rims(points_of(known))
-    # A known one that no edges told may be made up of this and others, and is found anew beside it.
+    # A known light without edges may be a mixture of this one and others, and is then found anew beside it.
     is_vague = known[0].fit is None
     least = (0.0 if is_vague else LEAST_MORE) - WORTH
-    likely, _ = refined(seen, score, beside, image_beside(seen, known), rims.by_depth(), least, AGAINST)
+    likely, _ = Candidates(seen, beside, image_beside(seen, known), score, rims.by_depth(), least, AGAINST).refined()
     for one in likely:
         if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)
         by_table = more - edge_log_odds(one.fit)
-        # Edges alone do not do against map and sides: beside the foot the hidden sky's gradient looks like a step.
-        # Nor do map and sides against edges that are in view: some other thing is dark, or throws a shadow.
-        is_edged = one.fit.clear > LEAST_CLEAR or (more > by_table and one.fit.misfit_px < MOST_MISFIT_PX)
-        is_told = by_table > LEAST_MORE and (one.fit.seen <= MOST_IN_VIEW or is_edged)
-        is_told |= by_table > AGAINST and more > LEAST_BY_EDGES and _is_clear(one.fit)
-        is_told |= is_vague and by_table > 0 and _is_clear(one.fit)
-        if is_told and more > best:
+        if _is_told(one.fit, by_table, more, is_vague) and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
     if likeliest is None and len(known) == 1 and _is_surely_sun(known[0]):
@@ -131,10 +132,23 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     return likeliest
 
 
-def _is_surely_sun(one: FoundLight) -> bool:
-    """Whether its edges are seen, and tell its direction, as of one whose shadow leaves the picture they do not.
+def _is_told(fit: EdgeFit, by_table: float, more: float, is_vague: bool) -> bool:
+    """Whether there is evidence enough for a further light: log likelihoods by map and sides, and with its edges too.
 
-    Then they leave open as well how its light falls off, and how much of it each side gets.
+    Edges alone are not enough against map and sides: beside the foot the hidden sky's gradient looks like a step. Nor
+    are map and sides against edges that are in view: some other thing is dark, or casts a shadow. is_vague: whether no
+    edges determine the light that is known.
+    """
+    is_edged = fit.clear > LEAST_CLEAR or (more > by_table and fit.misfit_px < MOST_MISFIT_PX)
+    by_map = by_table > LEAST_MORE and (fit.seen <= MOST_IN_VIEW or is_edged)
+    by_edges = by_table > AGAINST and more > LEAST_BY_EDGES and _is_clear(fit)
+    return by_map or by_edges or (is_vague and by_table > 0 and _is_clear(fit))
+
+
+def _is_surely_sun(one: FoundLight) -> bool:
+    """Whether its edges are seen and determine its direction: they do not if its shadow leaves the picture.
+
+    Else they leave open as well how its light falls off, and how much of it each side gets.
     """
     if one.fit is None or one.is_lamp or one.may_be_lamp:
         return False

@@ -1,4 +1,4 @@
-"""A picture of a known body as map of its table's light and light of its sides, and what lights would do to both.
+"""A picture of a known body as a map of the light on its table and the light of its sides; how lights change both.
 
 Both are linear in the part of the open table's light that each light gives, its darkening, once the lights' directions
 are given; the sky gives the rest. Slow gradients of the table's light, and how much of the sky the body really hides,

@@ -1,4 +1,4 @@
-"""The table on both sides of shadows' outlines: which lights' shadows show edges in the picture, of all directions.
+"""The table on both sides of shadow outlines: for every direction, whether a light's shadow shows its edges.
 
 Coarse, but of many lights at once: it says which of them are worth moving onto edges, and which cast no shadow where it
 would be seen.
@@ -21,7 +21,7 @@ from ashe_live.light.known_body.table import CELLS_A_HEIGHT, SIDE
 
 PLACES = 40  # of an outline, evenly along it
 SAMPLES = POINTS / POINTS_A_SAMPLE / PLACES  # independent ones in each
-EVERY = 7  # of all places, by which their scatter is told well enough
+EVERY = 7  # of all places, which show their scatter well enough
 # From the outline to where it is dark and lit: of the shadow's length, as templates lie apart by a part of it and the
 # body hides what is nearer to its own middle; in cells no less than blur takes, and no more than there is room for in
 # a long one.
@@ -69,7 +69,7 @@ class Beside(NamedTuple):
 
     pixels: Float32  # (3, m, PLACES, 2) of Rims.places, and between both
     lost: Float32  # (m, PLACES) light from outside to inside
-    hidden: Float32  # (m, PLACES) as of Rims
+    hidden: Float32  # (m, PLACES) as in Rims
 
     def seen(self, is_table: Mask, darkenings: Float, sky: Float, least: float) -> Steps:
         """What is seen of steps at each outline, and of n - m lights more of whose outlines nothing is.

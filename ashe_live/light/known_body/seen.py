@@ -1,11 +1,12 @@
 """A picture of a known body, prepared once for all that looks at it, and what it says of lights as a whole."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask, upper_quantile
+from ashe_live.core.arrays import Float, Float32, Mask, cached_by_array, upper_quantile
 from ashe_live.core.proxy import Proxy, Wobble
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.known_body.evidence import Evidence
@@ -66,9 +67,9 @@ class Measured:
         return Observed(values, weight, templates.hidden_sky, templates.hidden_slope, sides, everywhere)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Seen:
-    """A picture of a known body, prepared once for all that looks at it."""
+    """A picture of a known body, prepared once for all that looks at it; what is asked again is computed once."""
 
     view: View
     body: Proxy
@@ -82,13 +83,6 @@ class Seen:
     measured: Measured
     observed: Observed  # by the mean of the channels
     wobble: Wobble | None = None  # how the body and its frame may be off
-    # What was asked for, by the known lights.
-    _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
-    _rims: dict[bytes, Steps] = field(default_factory=dict, init=False)
-    _darkenings: dict[bytes, Float] = field(default_factory=dict, init=False)
-    _edges: dict[bytes, ShadowEdges | None] = field(default_factory=dict, init=False)  # of lights
-    # Once made: the picture beside shadows' outlines, and (h, w) what of it is table beside no known light.
-    _outlines: list[tuple[Beside, Mask]] = field(default_factory=list, init=False)
 
     @staticmethod
     def of(view: View, body: Proxy, wobble: Wobble | None = None) -> "Seen | None":
@@ -151,36 +145,31 @@ class Seen:
         unit = lights / np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
         return Lit(unit, shadows_of(self.body, lights), falls)
 
+    @cached_by_array
     def beside(self, known: Float) -> Evidence:
         """What the picture says of further lights, beside `known` ones (l, 4)."""
-        key = np.ascontiguousarray(known).tobytes()
-        if key not in self._beside:
-            lit, observed = self.lit(known), self.observed
-            if len(known):
-                everywhere = Lit(self.templates.lights, self.templates.shadows)
-                observed = self.measured.observed(MEAN, self.templates, everywhere, _cells_away_from_edges(lit))
-            self._beside[key] = Evidence(observed, lit)
-        return self._beside[key]
+        lit, observed = self.lit(known), self.observed
+        if len(known):
+            everywhere = Lit(self.templates.lights, self.templates.shadows)
+            observed = self.measured.observed(MEAN, self.templates, everywhere, _cells_away_from_edges(lit))
+        return Evidence(observed, lit)
 
+    @cached_by_array
     def rims(self, known: Float) -> Steps:
         """At the outlines of the shadows of all lights that are looked for, beside `known` ones (l, 4)."""
-        key = np.ascontiguousarray(known).tobytes()
-        if key not in self._rims:
-            darkenings = self.beside(known).everywhere.darkenings
-            sky = 1 - darkenings.sum(axis=1)
-            beside, is_table = self._at_outlines()
-            is_away = self._away_from_edges(is_table, known)
-            self._rims[key] = beside.seen(is_away, darkenings[:, -1], sky, DEEP)
-        return self._rims[key]
+        darkenings = self.beside(known).everywhere.darkenings
+        sky = 1 - darkenings.sum(axis=1)
+        beside, is_table = self._at_outlines
+        is_away = self._away_from_edges(is_table, known)
+        return beside.seen(is_away, darkenings[:, -1], sky, DEEP)
 
+    @cached_property
     def _at_outlines(self) -> tuple[Beside, Mask]:
         """The picture beside the outlines of all shadows, and (h, w) what of it is bare table away from the body."""
-        if not self._outlines:
-            around = self.around / np.float32(self.lit_rgb.mean())
-            is_table = cv2.erode((self.view.is_ground & (around < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
-            beside = self.templates.rims.beside(around, pixel_from_cell(self.view, self.body))
-            self._outlines.append((beside, is_table.view(bool)))
-        return self._outlines[0]
+        around = self.around / np.float32(self.lit_rgb.mean())
+        is_table = cv2.erode((self.view.is_ground & (around < BRIGHTEST)).view(np.uint8), BESIDE_BODY)
+        beside = self.templates.rims.beside(around, pixel_from_cell(self.view, self.body))
+        return beside, is_table.view(bool)
 
     def _away_from_edges(self, is_table: Mask, known: Float) -> Mask:
         """(h, w) what of the table lies away from the edges of the shadows in `known` lights (l, 4)."""
@@ -192,21 +181,17 @@ class Seen:
                 cv2.polylines(is_away, [outline], True, 0, EDGE_BROAD_PX)
         return is_away.view(bool)
 
+    @cached_by_array
     def shadow_edges(self, light: Float) -> ShadowEdges | None:
         """The outline of the body's shadow in a light (4,); None where it has none in the picture."""
-        key = np.ascontiguousarray(light).tobytes()
-        if key not in self._edges:
-            self._edges[key] = shadow_edges(self.body, light, self.view)
-        return self._edges[key]
+        return shadow_edges(self.body, light, self.view)
 
+    @cached_by_array
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""
-        key = np.ascontiguousarray(lights).tobytes()
-        if key not in self._darkenings:
-            known, nothing = self.lit(lights), self.lit(lights[:0])
-            channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
-            self._darkenings[key] = np.stack([Evidence(channel, known).darkenings for channel in channels], axis=1)
-        return self._darkenings[key]
+        known, nothing = self.lit(lights), self.lit(lights[:0])
+        channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
+        return np.stack([Evidence(channel, known).darkenings for channel in channels], axis=1)
 
 
 def _cells_away_from_edges(lit: Lit) -> Mask:

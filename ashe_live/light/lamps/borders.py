@@ -1,4 +1,4 @@
-"""What the borders of silhouette and shadow tell of a light's nearness, whatever the body."""
+"""How the borders of silhouette and shadow constrain a light's nearness, whatever the body."""
 
 from dataclasses import dataclass
 

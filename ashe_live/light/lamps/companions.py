@@ -1,4 +1,4 @@
-"""Other objects in the picture: each has a shadow in the same light, so that two tell where a lamp is.
+"""Other objects in the picture: each has a shadow in the same light, so that two of them locate a lamp.
 
 What explains another object may be wrong, and then gives a direction from anywhere on the hemisphere; if it is right,
 its direction is where the light that is known so far puts it. That settles whether it counts. How well it tells its

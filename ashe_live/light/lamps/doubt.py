@@ -1,4 +1,4 @@
-"""The direction at the marker of a light that may be a sun or a lamp, where the picture tells neither for sure.
+"""The direction at the marker of a light that may be a sun or a lamp, where the picture decides neither for sure.
 
 A sun that explains an object's shadow is right at the object. Beside it a lamp is elsewhere: half a metre away, 15 cm
 beside the object, by 17 degrees. The evidence that is too weak to state a lamp still tells what to expect there.

@@ -1,4 +1,4 @@
-"""From an explanation's directions to lamps: where a light is near enough for its distance to be told, it is stated.
+"""From an explanation's directions to lamps: the distance of a light is stated where it is near enough for that.
 
 The light that an explanation was aligned with is at infinity, and right at the object. The nearness that all sources
 ask for together moves the answer to the marker's centre; borders are then aligned again with that nearness, as the
@@ -8,6 +8,7 @@ shadow of a lamp is not that of a sun.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from operator import attrgetter
 
 import numpy as np
@@ -67,7 +68,7 @@ class Answer:
     place: Place
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """What a picture shows beside the explanation that is stated."""
 
@@ -75,13 +76,18 @@ class Scene:
     view: View  # of it, which `ground` was fitted to
     ground: LitGround
     unlit: Mask  # (h, w) of `view`: what the lit ground does not explain
-    # Explanations of other objects with their log odds: looked for where a sun is not certain.
-    others: Callable[[], Sequence[tuple[Explanation, float]]]
-    judged: Sequence[tuple[Explanation, float]]  # all explanations that the stated one was chosen from, the same way
-    sharpener: Callable[[], Sharpener]  # of all views at full resolution: asked for where lights are aligned as lamps
+    fine_views: Sequence[View]  # all views of the scene at full resolution, that of `tracked` first
+    judged: Sequence[tuple[Explanation, float]]  # the explanations that lost to the stated one, with their log odds
+    # Fits other objects, which takes time: called only where a sun is not certain. With their log odds, too.
+    find_others: Callable[[], Sequence[tuple[Explanation, float]]]
     fit: NearFit  # of one view
     glints: Sequence[Glint]  # mirror images of lights in the ground: one in each view that shows one
     judge: Judge  # that says how sure directions are
+
+    @cached_property
+    def sharpener(self) -> Sharpener:
+        """Made on demand, as only lamps need it."""
+        return Sharpener.of(self.fine_views)
 
     def seen_object(self, explanation: Explanation, probability: float) -> SeenObject:
         """The object of an explanation that is right with some probability."""
@@ -100,9 +106,9 @@ class Scene:
 
 
 def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float], scene: Scene, kind: str) -> Answer:
-    """The lights of an explanation; its first one as a lamp where that is told, the others always as suns.
+    """The lights of an explanation; its first one as a lamp where it is known to be one, the others always as suns.
 
-    The first has no confidence where the light on the ground is no sun's and no lamp can be told.
+    The first has no confidence where the light on the ground is no sun's and no lamp is found.
 
     ratios: (3,) each light's shadow ratio, linear RGB. kind: one of KINDS.
     """
@@ -116,14 +122,14 @@ def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float],
     if kind == SUN:
         return Answer(explanation, _as_suns(lights, first, scene), place)
     if kind == LAMP or _may_be_near(place):
-        others = companions(first, place, scene.others(), scene.covariance_rad2, scene.view)
+        others = companions(first, place, scene.find_others(), scene.covariance_rad2, scene.view)
         if others:
             seen = replace(seen, objects=[first, *others])
             place = place_by_all(seen)
             from_sun = max(from_sun, place_seen_from_a_sun(seen), key=attrgetter("standard_errors"))
     is_lamp = kind == LAMP or is_held_near(explanation)
     if not is_lamp and _is_lamp(seen, place, from_sun):
-        evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.fit, scene.sharpener())
+        evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.fit, scene.sharpener)
         # Another object is a witness of its own; one object alone has told all that it can.
         is_lamp = evidence.is_lamp if len(seen.objects) == 1 else evidence.lamp is None or evidence.deviance > 0
     if is_lamp:
@@ -163,7 +169,7 @@ def _is_lamp(seen: Witnesses, place: Place, from_sun: Place) -> bool:
 
 def _fitted_as_lamps(seen: Witnesses, place: Place, worth_sigmas: float, scene: Scene) -> tuple[Witnesses, Place]:
     """The objects fitted again with the lamp's nearness held, and its place by them, as long as that is worth it."""
-    sharpener = scene.sharpener()
+    sharpener = scene.sharpener
     for _ in range(ALIGNMENTS):
         if not _is_near(place, worth_sigmas):
             break

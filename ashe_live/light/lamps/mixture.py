@@ -1,4 +1,4 @@
-"""Where a light is if it may be in one of several places: the mean of all, and how far the truth is from it."""
+"""A light that may be in one of several places: the mean of these, and how far from it the truth may be."""
 
 import math
 from collections.abc import Sequence

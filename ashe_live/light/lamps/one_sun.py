@@ -1,4 +1,4 @@
-"""A sun's direction by all objects that stand in its light: each of them tells it with errors of its own.
+"""A sun's direction from all objects in its light, each of which measures it with errors of its own.
 
 What a body's model cannot show of an object, and labels that are a little off, move that object's answer by degrees.
 Another object errs independently, so that their mean, weighted by informations, is nearer to the truth and surer.

@@ -1,4 +1,4 @@
-"""What is known of a light's place: a normal distribution, to which every source adds with its own variance.
+"""A light's place as a normal distribution, to which every source of evidence adds with its own variance.
 
 Its parameters are those in which shadows are linear: the displacement s of a shadow at the marker's centre per unit of
 height, and the nearness w / z, one over the light's height. At any other point p of the plane the displacement is

@@ -1,4 +1,4 @@
-"""Where a light is, by all that tells: the borders of one or more objects with their shadows, and the fall of light."""
+"""A light's place from all evidence: the borders of one or more objects with their shadows, and the fall of light."""
 
 import math
 from collections.abc import Sequence
@@ -56,7 +56,7 @@ class SeenObject:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Witnesses:
-    """All that tells where the first light of the first object is."""
+    """All evidence on where the first light of the first object is."""
 
     objects: Sequence[SeenObject]
     ratios: Sequence[Float]  # (3,) the shadow ratio of each light of the first object, linear RGB
@@ -102,7 +102,7 @@ def place_by_the_rest(seen: Witnesses, about: Place) -> Place:
 
 
 def anywhere_about(place: Place, foot_m: Float) -> Place:
-    """A light of which nothing is told: on the hemisphere that an object at foot_m (2,) sees, as near as lamps are.
+    """A light of which nothing is known: on the hemisphere that an object at foot_m (2,) sees, as near as lamps are.
 
     place: the mean of that wide distribution.
     """

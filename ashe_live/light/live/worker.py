@@ -1,4 +1,4 @@
-"""The light worker: makes estimates in a process of its own, which gives way to the viewer while nobody waits.
+"""The light worker: makes estimates in a process of its own, which yields to the viewer while nobody waits for it.
 
 A thread would share the interpreter's lock and its full priority with the loop; docs/reliability.md has the figures.
 """

@@ -1,4 +1,4 @@
-"""What of things on the ground lies before the camera, where they reach behind it: pages, sheets, bodies, shadows."""
+"""Clips what reaches behind the camera from the ground: pages, sheets, bodies, shadows."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A phone or tablet whose screen shows the marker: how far it reaches, with the shadow that it throws beside itself.
+"""A phone or tablet whose screen shows the marker: how far it reaches, with the shadow that it casts beside itself.
 
 Its dark rim stands out from the ground all around the marker, and would join the objects and shadows that touch it.
 """

@@ -1,6 +1,6 @@
 """A marker's sheet that a shadow falls on, shown as the ground that it lies on.
 
-Beside a marker stands what throws a shadow, and often onto the sheet. There the shadow's end would be out of sight, as
+Beside a marker stands what casts a shadow, and often onto the sheet. There the shadow's end would be out of sight, as
 the print hides it. But the paper is lit as the ground is: one ratio of linear light parts both, in light as in shadow.
 """
 

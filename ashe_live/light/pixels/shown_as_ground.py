@@ -1,4 +1,4 @@
-"""Paper shown in the colour of the ground that it lies on, by the ratio of linear light that parts both."""
+"""Paper shown in the colour of the ground that it lies on, by the ratio of their linear light."""
 
 import cv2
 import numpy as np

@@ -19,7 +19,7 @@ SIZE_SPREAD = 0.3
 
 
 def unit_m(caster: Caster) -> float:
-    """The unit of the families' lengths: as of every body frame, the larger of radius and height, metres."""
+    """The unit of the families' lengths: the larger of radius and height, metres, as in every body frame."""
     return max(caster.radius_m, caster.height_m)
 
 

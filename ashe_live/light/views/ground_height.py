@@ -25,7 +25,7 @@ WIDTH_PX = 320  # of the pictures compared
 # object may stand as well.
 HIGHEST = 0.12
 STEP_PX = 0.5  # by which the ground moves in the other view from one height that is tried to the next
-# Poses, lenses and sharpening misplace whole pictures by less than this; no lower height is told.
+# Poses, lenses and sharpening misplace whole pictures by less than this; no lower height can be measured.
 LEAST_PX = 0.4
 LEAST_LOG_ODDS = 10.0  # of a height, to pay for sheets that lie flat, and for those tried
 PIXELS_PER_SAMPLE = 40.0  # pixels over their effective sample size, as neighbours are blurred alike

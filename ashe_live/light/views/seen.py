@@ -1,4 +1,4 @@
-"""A view with what the others tell about which of its pixels lie on the plane, and without that."""
+"""A view with the others' evidence on which of its pixels lie on the plane, and without it."""
 
 from collections.abc import Sequence
 from dataclasses import replace

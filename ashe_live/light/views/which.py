@@ -1,4 +1,4 @@
-"""Which other views of a scene are of use beside one of them, and how far apart they are."""
+"""Which other views of a scene are useful beside one of them, and how far apart they are."""
 
 import math
 from collections.abc import Sequence

@@ -3,38 +3,19 @@
 The JSON is one that `schema.checked` has passed.
 """
 
-from dataclasses import dataclass
-from typing import Any
-
-from ashe_live.models.gltf.schema import (
-    ATTRIBUTES,
-    COMPONENT_BYTES,
-    COMPONENTS,
-    COMPRESSED_VIEWS,
-    DISPLACED,
-    INDICES,
-)
+from ashe_live.models.gltf.layouts import ATTRIBUTES, COMPONENT_TYPES, COMPONENTS, DISPLACED, INDICES
+from ashe_live.models.gltf.schema import COMPRESSED_VIEWS
+from ashe_live.models.parsing.json_kinds import Json
+from ashe_live.models.parsing.limits import GltfAmounts
 from ashe_live.models.parsing.malformed import MalformedError
 
 TRIANGLES, STRIP, FAN = 4, 5, 6  # modes of primitives; the others are points and lines
 
 
-@dataclass(frozen=True, slots=True)
-class GltfAmounts:
-    """Each counted as often as it is read, used or drawn, whichever is more: what is shared is large in few bytes."""
-
-    triangles: int
-    vertices: int
-    parts: int  # primitives of meshes
-    bytes: int  # of the parts of buffers, or of the arrays made from them
-    nodes: int  # of the scene
-    depth: int  # of nodes within nodes
-
-
-def amounts_of(header: dict[str, Any]) -> GltfAmounts:
+def amounts_of(header: Json) -> GltfAmounts:
     """Raises MalformedError when its nodes are no tree, or a primitive is none."""
-    accessors, nodes = header.get("accessors", []), header.get("nodes", [])
-    meshes = [mesh["primitives"] for mesh in header.get("meshes", [])]
+    accessors, nodes = header["accessors"], header["nodes"]
+    meshes = [mesh["primitives"] for mesh in header["meshes"]]
     triangles = [sum(_triangles(primitive, accessors) for primitive in mesh) for mesh in meshes]
     vertices = [sum(accessors[primitive["attributes"]["POSITION"]]["count"] for primitive in mesh) for mesh in meshes]
     parts = [len(mesh) for mesh in meshes]
@@ -43,43 +24,48 @@ def amounts_of(header: dict[str, Any]) -> GltfAmounts:
     def most(of_meshes: list[int]) -> int:
         return max(sum(of_meshes), sum(of_meshes[mesh] * times for mesh, times in drawn))
 
-    views = sum(view["byteLength"] for view in header.get("bufferViews", []))
+    views = sum(view["byteLength"] for view in header["bufferViews"])
     arrays = sum(accessor["count"] * item_bytes(accessor) for accessor in accessors)
-    node_count, depth = _tree(header, nodes)
+    node_count, depth = _tree(header)
     return GltfAmounts(most(triangles), most(vertices), most(parts), max(views, arrays), node_count, depth)
 
 
-def instances(node: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
+def instances(node: Json, accessors: list[Json]) -> int:
     """How often a node's mesh is drawn."""
-    own = node.get("extensions", {}).get("EXT_mesh_gpu_instancing", {}).get("attributes", {})
-    counts: list[int] = [accessors[place]["count"] for place in own.values()]
+    counts: list[int] = [accessors[place]["count"] for place in instancing_of(node).values()]
     return min(counts, default=1)
 
 
-def compression_of(view: dict[str, Any]) -> dict[str, Any] | None:
+def instancing_of(node: Json) -> dict[str, int]:
+    """The accessors by which a node's mesh is drawn several times, by what they hold; none if it is drawn once."""
+    attributes: dict[str, int] = node.get("extensions", {}).get("EXT_mesh_gpu_instancing", {}).get("attributes", {})
+    return attributes
+
+
+def compression_of(view: Json) -> Json | None:
     """The extension that describes how a view is compressed; None if it is not."""
-    extensions: dict[str, Any] = view.get("extensions", {})
+    extensions: Json = view.get("extensions", {})
     return next((extensions[name] for name in COMPRESSED_VIEWS if name in extensions), None)
 
 
-def item_bytes(accessor: dict[str, Any]) -> int:
+def item_bytes(accessor: Json) -> int:
     components: int = COMPONENTS[accessor["type"]]
-    return components * COMPONENT_BYTES[accessor["componentType"]]
+    return components * COMPONENT_TYPES[accessor["componentType"]].itemsize
 
 
-def check_layout(header: dict[str, Any]) -> None:
+def check_layout(header: Json) -> None:
     """Raises MalformedError where an array reaches beyond what it lies in, or is not of the kind that it is used as."""
-    accessors, views = header.get("accessors", []), header.get("bufferViews", [])
+    accessors, views = header["accessors"], header["bufferViews"]
     for place, view in enumerate(views):
         _check_view(place, view, header["buffers"])
     for place, accessor in enumerate(accessors):
         _check_accessor(f"accessors[{place}]", accessor, views)
-    for mesh_place, mesh in enumerate(header.get("meshes", [])):
+    for mesh_place, mesh in enumerate(header["meshes"]):
         for place, primitive in enumerate(mesh["primitives"]):
             _check_primitive(f"meshes[{mesh_place}].primitives[{place}]", primitive, accessors)
 
 
-def _check_view(place: int, view: dict[str, Any], buffers: list[dict[str, Any]]) -> None:
+def _check_view(place: int, view: Json, buffers: list[Json]) -> None:
     compressed = compression_of(view)
     if compressed is not None and compressed["byteStride"] * compressed["count"] != view["byteLength"]:
         held = f"{compressed['count']} times {compressed['byteStride']} bytes"
@@ -90,7 +76,7 @@ def _check_view(place: int, view: dict[str, Any], buffers: list[dict[str, Any]])
         raise MalformedError(f"bufferViews[{place}] ends at byte {end} of a buffer of {length}")
 
 
-def _check_accessor(where: str, accessor: dict[str, Any], views: list[dict[str, Any]]) -> None:
+def _check_accessor(where: str, accessor: Json, views: list[Json]) -> None:
     item = item_bytes(accessor)
     if "bufferView" in accessor and accessor["count"] > 0:
         view = views[accessor["bufferView"]]
@@ -101,18 +87,18 @@ def _check_accessor(where: str, accessor: dict[str, Any], views: list[dict[str, 
         return
     if sparse["count"] > accessor["count"]:
         raise MalformedError(f"{where}.sparse.count is {sparse['count']} of {accessor['count']} items")
-    for part, size in (("indices", COMPONENT_BYTES[sparse["indices"]["componentType"]]), ("values", item)):
+    for part, size in (("indices", COMPONENT_TYPES[sparse["indices"]["componentType"]].itemsize), ("values", item)):
         place = sparse[part]
         end = place.get("byteOffset", 0) + sparse["count"] * size
         _check_end(f"{where}.sparse.{part}", end, views[place["bufferView"]])
 
 
-def _check_end(where: str, end: int, view: dict[str, Any]) -> None:
+def _check_end(where: str, end: int, view: Json) -> None:
     if end > view["byteLength"]:
         raise MalformedError(f"{where} ends at byte {end} of a bufferView of {view['byteLength']}")
 
 
-def _check_primitive(where: str, primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> None:
+def _check_primitive(where: str, primitive: Json, accessors: list[Json]) -> None:
     attributes = primitive["attributes"]
     used = {name: (accessors[at], ATTRIBUTES[name]) for name, at in attributes.items()}
     for number, target in enumerate(primitive.get("targets", [])):
@@ -131,11 +117,11 @@ def _check_primitive(where: str, primitive: dict[str, Any], accessors: list[dict
         raise MalformedError(f"{where} has {corners} corners, which are no triangles")
 
 
-def _corners(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
+def _corners(primitive: Json, accessors: list[Json]) -> int:
     return int(accessors[primitive.get("indices", primitive["attributes"]["POSITION"])]["count"])
 
 
-def _triangles(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
+def _triangles(primitive: Json, accessors: list[Json]) -> int:
     corners = _corners(primitive, accessors)
     mode = primitive.get("mode", TRIANGLES)
     if mode == TRIANGLES:
@@ -143,13 +129,18 @@ def _triangles(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> in
     return max(corners - 2, 0) if mode in (STRIP, FAN) else 0
 
 
-def _tree(header: dict[str, Any], nodes: list[dict[str, Any]]) -> tuple[int, int]:
+def roots_of(header: Json) -> list[int]:
+    """The nodes at the top of the scene that is shown."""
+    scenes: list[Json] = header["scenes"]
+    return list(scenes[header.get("scene", 0)].get("nodes", [])) if scenes else []
+
+
+def _tree(header: Json) -> tuple[int, int]:
     """Number of the scene's nodes, and depth of their tree.
 
     Raises MalformedError when one stands in two places.
     """
-    scenes = header.get("scenes", [])
-    level = list(scenes[header.get("scene", 0)].get("nodes", [])) if scenes else []
+    nodes, level = header["nodes"], roots_of(header)
     seen: set[int] = set()
     depth = 0
     while level:

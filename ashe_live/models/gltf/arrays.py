@@ -8,20 +8,20 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.models.gltf.amounts import compression_of, item_bytes
 from ashe_live.models.gltf.container import Buffers
+from ashe_live.models.gltf.layouts import COMPONENT_TYPES, COMPONENTS
 from ashe_live.models.gltf.meshopt import decompressed
-from ashe_live.models.gltf.schema import COMPONENTS
+from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 
 Numbers = NDArray[Any]
-DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 
 
 class Arrays:
     """Accessors of a header that `check_layout` has passed. Raises MalformedError for buffers that are too short."""
 
-    def __init__(self, header: dict[str, Any], buffers: Buffers) -> None:
-        self._accessors: list[dict[str, Any]] = header.get("accessors", [])
-        self._views: list[dict[str, Any]] = header.get("bufferViews", [])
+    def __init__(self, header: Json, buffers: Buffers) -> None:
+        self._accessors: list[Json] = header["accessors"]
+        self._views: list[Json] = header["bufferViews"]
         self._buffers = buffers
         self._unpacked: dict[int, bytes] = {}
 
@@ -42,7 +42,7 @@ class Arrays:
     def numbers(self, place: int) -> Numbers:
         """(count, components) of an accessor as it is stored."""
         accessor = self._accessors[place]
-        dtype, count, components = DTYPES[accessor["componentType"]], accessor["count"], COMPONENTS[accessor["type"]]
+        dtype, (count, components) = COMPONENT_TYPES[accessor["componentType"]], self.shape(place)
         if "bufferView" in accessor and count > 0:
             stride = self._views[accessor["bufferView"]].get("byteStride", item_bytes(accessor))
             stored: Numbers = np.ndarray(
@@ -50,7 +50,7 @@ class Arrays:
                 dtype,
                 self.view(accessor["bufferView"]),
                 accessor.get("byteOffset", 0),
-                (stride, np.dtype(dtype).itemsize),
+                (stride, dtype.itemsize),
             )
         else:
             stored = np.zeros((count, components), dtype)
@@ -69,11 +69,11 @@ class Arrays:
         """How many items an accessor has, and components each."""
         return self._accessors[place]["count"], COMPONENTS[self._accessors[place]["type"]]
 
-    def _with(self, stored: Numbers, sparse: dict[str, Any]) -> Numbers:
-        """A copy in which some rows are others."""
+    def _with(self, stored: Numbers, sparse: Json) -> Numbers:
+        """A copy in which a sparse accessor replaces some rows."""
         indices, values = sparse["indices"], sparse["values"]
         which, what = (self.view(part["bufferView"])[part.get("byteOffset", 0) :] for part in (indices, values))
-        rows = np.frombuffer(which, DTYPES[indices["componentType"]], sparse["count"])
+        rows = np.frombuffer(which, COMPONENT_TYPES[indices["componentType"]], sparse["count"])
         given = np.frombuffer(what, stored.dtype, sparse["count"] * stored.shape[1])
         if rows.max() >= len(stored):
             raise MalformedError(f"a sparse accessor replaces item {rows.max()} of {len(stored)}")
@@ -81,7 +81,7 @@ class Arrays:
         filled[rows] = given.reshape(-1, stored.shape[1])
         return filled
 
-    def _part(self, view: dict[str, Any]) -> memoryview:
+    def _part(self, view: Json) -> memoryview:
         return self._buffers.part(view["buffer"], view.get("byteOffset", 0), view["byteLength"])
 
 

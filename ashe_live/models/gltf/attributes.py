@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.models.gltf.arrays import Arrays, as_floats
+from ashe_live.models.gltf.layouts import JOINT_SETS
 from ashe_live.models.gltf.motion.pose import Shape
+from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 
 
@@ -42,7 +44,7 @@ class DracoPrimitive:
 class Attributes:
     """The vertex attributes of a primitive, compressed by Draco or not."""
 
-    def __init__(self, primitive: dict[str, Any], arrays: Arrays, unpacked: DracoPrimitive | None) -> None:
+    def __init__(self, primitive: Json, arrays: Arrays, unpacked: DracoPrimitive | None) -> None:
         self._primitive = primitive
         self._places: dict[str, int] = primitive["attributes"]
         self._arrays = arrays
@@ -88,7 +90,7 @@ class Attributes:
     def _influences(self) -> list[tuple[NDArray[np.int64], Float]]:
         """The joints of each vertex (n, 4) and their weights (n, 4), set by set."""
         found = []
-        for number in range(2):
+        for number in range(JOINT_SETS):
             joints, weights = f"JOINTS_{number}", f"WEIGHTS_{number}"
             if joints in self and weights in self:
                 which = self.floats(joints).astype(np.int64)

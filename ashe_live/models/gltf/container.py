@@ -5,18 +5,18 @@ import binascii
 import json
 import struct
 from pathlib import Path
-from typing import Any
 from urllib.parse import unquote_to_bytes
 
 from ashe_live.errors import UserError
 from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.process.messages import printable
 
 GLB_JSON, GLB_BINARY = 0x4E4F534A, 0x004E4942
 
 
-def split(path: Path, content: bytes) -> tuple[dict[str, Any], bytes | None]:
+def split(path: Path, content: bytes) -> tuple[Json, bytes | None]:
     """The JSON, and a GLB's binary chunk. Raises UserError for another version, MalformedError for what is no glTF."""
     binary = None
     text = content
@@ -50,7 +50,7 @@ def _binary_chunk(rest: bytes) -> bytes:
     return rest[8 : 8 + length]
 
 
-def _parsed(text: bytes) -> dict[str, Any]:
+def _parsed(text: bytes) -> Json:
     try:
         document = json.loads(text)
     except RecursionError:
@@ -64,7 +64,7 @@ def _parsed(text: bytes) -> dict[str, Any]:
     return document
 
 
-def _check_version(path: Path, document: dict[str, Any]) -> None:
+def _check_version(path: Path, document: Json) -> None:
     asset = document.get("asset")
     version = asset.get("version") if isinstance(asset, dict) else None
     # In glTF 1.0 meshes have names instead of places, and the version may be missing.
@@ -81,8 +81,8 @@ def _other_version(path: Path, version: str) -> UserError:
 class Buffers:
     """The bytes of each buffer, read when it is first asked for: what compressed files fall back to never is."""
 
-    def __init__(self, header: dict[str, Any], binary: bytes | None, folder: Folder) -> None:
-        self._buffers = header.get("buffers", [])
+    def __init__(self, header: Json, binary: bytes | None, folder: Folder) -> None:
+        self._buffers = header["buffers"]
         self._binary = binary
         self._folder = folder
         self._read: dict[int, bytes] = {}

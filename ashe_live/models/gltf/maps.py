@@ -1,4 +1,4 @@
-"""The maps of one glTF material as they are gathered."""
+"""The maps of one glTF material, as far as a mesh's texture coordinates let them be drawn."""
 
 from typing import Any
 
@@ -10,15 +10,18 @@ class Maps:
     """A material's maps as they are gathered, by the sets of texture coordinates that the mesh has."""
 
     def __init__(self, uv_sets: frozenset[int]) -> None:
-        self.texels: dict[str, Any] = {}
+        self.texels: dict[str, Any] = {}  # as a Material takes them
         self.layouts: dict[str, MapLayout] = {}
-        self.unplaced: dict[str, tuple[Any, MapLayout]] = {}  # for which the mesh has no coordinates
+        self.unplaced: dict[str, tuple[Image, MapLayout]] = {}  # for which the mesh has no coordinates
         self.sets: list[int] = []
         self.has_third_set = self.lacks_coordinates = False
         self._there = uv_sets
 
     def takes(self, layout: MapLayout) -> bool:
-        """Whether the map can be drawn: laid out, or in one colour where the mesh has no such coordinates."""
+        """Whether the map can be drawn: laid out, or in one colour where the mesh has no such coordinates.
+
+        Notes what is in the way, so it is asked before a map's picture is read.
+        """
         is_there = layout.uv_set in self._there
         has_room = layout.uv_set in self.sets or len(self.sets) < MAP_SETS
         self.has_third_set |= is_there and not has_room

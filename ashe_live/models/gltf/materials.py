@@ -1,6 +1,7 @@
 """glTF's materials as ours: factors, maps with their layouts, and the extensions that can be said in the same terms."""
 
 import math
+from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.container import named_content
 from ashe_live.models.gltf.maps import Maps
 from ashe_live.models.gltf.schema import CLAMP_TO_EDGE, MIRRORED_REPEAT, REPEAT
-from ashe_live.models.gltf.specular import metal_rough_from_specular
+from ashe_live.models.gltf.specular import SpecularGlossiness
 from ashe_live.models.material import (
     BLACK,
     UNKNOWN,
@@ -23,13 +24,14 @@ from ashe_live.models.material import (
 )
 from ashe_live.models.parsing import basis
 from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES, Notes
 from ashe_live.models.parsing.pictures import Pictures, filled_beyond
 
 NEAREST = 9728
 ALPHAS = {"OPAQUE": Alpha.OPAQUE, "MASK": Alpha.CUT_OUT, "BLEND": Alpha.BLEND}
-OLD = "KHR_materials_pbrSpecularGlossiness"
+SPECULAR_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness"
 # Coverage with which a pane that transmits everything is still drawn.
 LEAST_COVER = 0.15
 
@@ -37,7 +39,7 @@ LEAST_COVER = 0.15
 class Materials:
     """The materials of one file. Their pictures are read when they are asked for."""
 
-    def __init__(self, header: dict[str, Any], arrays: Arrays, folder: Folder, notes: Notes) -> None:
+    def __init__(self, header: Json, arrays: Arrays, folder: Folder, notes: Notes) -> None:
         self._header = header
         self._arrays = arrays
         self._folder = folder
@@ -58,11 +60,11 @@ class Materials:
             self._made[key] = self._converted(self._header["materials"][place], uv_sets)
         return self._made[key]
 
-    def _converted(self, given: dict[str, Any], uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:
+    def _converted(self, given: Json, uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:
         extensions = given.get("extensions", {})
         maps = Maps(uv_sets)
-        if OLD in extensions:
-            surface = self._specular_glossiness(extensions[OLD], maps)
+        if SPECULAR_GLOSSINESS in extensions:
+            surface = self._specular_glossiness(extensions[SPECULAR_GLOSSINESS], maps)
         else:
             surface = self._metallic_roughness(given.get("pbrMetallicRoughness", {}), maps)
         normal, occlusion = given.get("normalTexture", {}), given.get("occlusionTexture", {})
@@ -98,7 +100,7 @@ class Materials:
         )
         return material, tuple(maps.sets)
 
-    def _metallic_roughness(self, given: dict[str, Any], maps: Maps) -> dict[str, Any]:
+    def _metallic_roughness(self, given: Json, maps: Maps) -> dict[str, Any]:
         self._add(maps, "base_map", "baseColorTexture", given.get("baseColorTexture", {}))
         self._add(maps, "metallic_roughness_map", "metallicRoughnessTexture", given.get("metallicRoughnessTexture", {}))
         return {
@@ -107,29 +109,29 @@ class Materials:
             "roughness": given.get("roughnessFactor", 1.0),
         }
 
-    def _specular_glossiness(self, given: dict[str, Any], maps: Maps) -> dict[str, Any]:
+    def _specular_glossiness(self, given: Json, maps: Maps) -> dict[str, Any]:
         diffuse, shine = given.get("diffuseTexture", {}), given.get("specularGlossinessTexture", {})
         layouts = [self._layout(texture) for texture in (diffuse, shine) if texture]
-        if len(set(layouts)) > 1:
+        are_apart = len(set(layouts)) > 1
+        if are_apart:
             self._notes.add("a specular-glossiness map is laid out otherwise than its diffuse map, and averaged")
-        converted = metal_rough_from_specular(
+        surface = SpecularGlossiness(
             tuple(given.get("diffuseFactor", WHITE)),
             tuple(given.get("specularFactor", WHITE[:3])),
             given.get("glossinessFactor", 1.0),
             self._texels(diffuse, "diffuseTexture") if diffuse else None,
             self._texels(shine, "specularGlossinessTexture") if shine else None,
-            is_averaged=len(set(layouts)) > 1,
         )
+        converted = (surface.with_mean_shine() if are_apart else surface).as_metal_rough()
         for name, texels in (("base_map", converted.base_map), ("metallic_roughness_map", converted.roughness_map)):
             if texels is not None:
-                key = OLD, name, diffuse.get("index"), shine.get("index"), str(given)
-                kept = self._pictures.get(key)
-                maps.add(
-                    name,
-                    layouts[0],
-                    self._mirrored(self._pictures.keep(key, texels) if kept is None else kept, layouts[0]),
-                )
+                key = SPECULAR_GLOSSINESS, name, diffuse.get("index"), shine.get("index"), str(given)
+                maps.add(name, layouts[0], self._mirrored(self._shared(key, texels), layouts[0]))
         return {"base_colour": converted.base_colour, "metallic": converted.metallic, "roughness": converted.roughness}
+
+    def _shared(self, key: Hashable, texels: Image) -> Image:
+        """The texels, or those that have come under the same key before."""
+        return self._pictures.made(key, lambda: texels)
 
     def _filled(self, texels: Image) -> Image:
         """As `filled_beyond`, once for each picture."""
@@ -138,7 +140,7 @@ class Materials:
             self._filled_pictures[key] = filled_beyond(texels)
         return self._filled_pictures[key]
 
-    def _see_through(self, extensions: dict[str, Any], surface: dict[str, Any]) -> dict[str, Any]:
+    def _see_through(self, extensions: Json, surface: dict[str, Any]) -> dict[str, Any]:
         share = extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0.0)
         if share == 0 or surface["alpha"] is not Alpha.OPAQUE:
             return {}
@@ -146,7 +148,7 @@ class Materials:
         red, green, blue, _ = surface["base_colour"]
         return {"base_colour": (red, green, blue, 1 - share * (1 - LEAST_COVER)), "alpha": Alpha.BLEND}
 
-    def _add(self, maps: Maps, name: str, key: str, texture: dict[str, Any]) -> None:
+    def _add(self, maps: Maps, name: str, key: str, texture: Json) -> None:
         if not texture:
             return
         layout = self._layout(texture)
@@ -157,15 +159,15 @@ class Materials:
         """Followed by its mirror image to the right and upwards, where every other repetition is one."""
         if not any(layout.mirrors):
             return texels
-        key = "mirrored", id(texels), layout.mirrors
-        kept = self._pictures.get(key)
-        if kept is not None:
-            return kept
-        across, upwards = layout.mirrors
-        doubled = np.hstack([texels, texels[:, ::-1]]) if across else texels
-        return self._pictures.keep(key, np.vstack([doubled[::-1], doubled]) if upwards else doubled)
 
-    def _layout(self, texture: dict[str, Any]) -> MapLayout:
+        def doubled() -> Image:
+            across, upwards = layout.mirrors
+            wide = np.hstack([texels, texels[:, ::-1]]) if across else texels
+            return np.vstack([wide[::-1], wide]) if upwards else wide
+
+        return self._pictures.made(("mirrored", id(texels), layout.mirrors), doubled)
+
+    def _layout(self, texture: Json) -> MapLayout:
         """With the set of texture coordinates by the file's number."""
         moved = texture.get("extensions", {}).get("KHR_texture_transform", {})
         sampler = self._header["textures"][texture["index"]].get("sampler")
@@ -184,14 +186,18 @@ class Materials:
             is_sharp=wraps.get("magFilter") == NEAREST,
         )
 
-    def _texels(self, texture: dict[str, Any], name: str) -> Image | None:
+    def _texels(self, texture: Json, name: str) -> Image | None:
+        """(h, w, 4) uint8 of a texture; None, with a note, where it has no picture that can be read."""
         found = self._header["textures"][texture["index"]]
-        sources = found.get("extensions", {})
-        source = sources.get("EXT_texture_webp", found).get("source", found.get("source"))
+        extensions = found.get("extensions", {})
+        source = extensions.get("EXT_texture_webp", {}).get("source", found.get("source"))
         if source is None:
-            source = sources.get("KHR_texture_basisu", {}).get("source")
-            if source is None or not basis.is_readable():
-                self._notes.add(f"a {name} names no image" if source is None else basis.LEFT_OUT)
+            source = extensions.get("KHR_texture_basisu", {}).get("source")
+            if source is None:
+                self._notes.add(f"a {name} names no image")
+                return None
+            if not basis.is_readable():
+                self._notes.add(basis.LEFT_OUT)
                 return None
         return self._pictures.texels(source, lambda: self._image(source, name), name)
 
@@ -204,7 +210,7 @@ class Materials:
         return bytes(self._arrays.view(image["bufferView"]))
 
 
-def _coat(extensions: dict[str, Any]) -> dict[str, Any]:
+def _coat(extensions: Json) -> dict[str, Any]:
     """The clear coat by its factors; no coat where a map says how much of it there is, as that is not drawn."""
     given = extensions.get("KHR_materials_clearcoat", {})
     if "clearcoatTexture" in given:
@@ -212,7 +218,7 @@ def _coat(extensions: dict[str, Any]) -> dict[str, Any]:
     return {"coat": given.get("clearcoatFactor", 0.0), "coat_roughness": given.get("clearcoatRoughnessFactor", 0.0)}
 
 
-def _from_top_left(moved: dict[str, Any]) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+def _from_top_left(moved: Json) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """KHR_texture_transform, whose origin is a picture's top left corner, for coordinates from its bottom left."""
     (x, y), (scale_x, scale_y) = moved.get("offset", (0.0, 0.0)), moved.get("scale", (1.0, 1.0))
     cosine, sine = math.cos(moved.get("rotation", 0.0)), math.sin(moved.get("rotation", 0.0))

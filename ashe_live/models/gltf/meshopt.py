@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 
 Bytes = NDArray[np.uint8]
@@ -20,7 +21,7 @@ LEAST_TAIL_BYTES = 32
 FIFO = 16
 
 
-def decompressed(content: bytes, compression: dict[str, Any]) -> bytes:
+def decompressed(content: bytes, compression: Json) -> bytes:
     """`content` as the extension's JSON describes it. Raises MalformedError, or IndexError where it ends too early."""
     stride, count, mode = compression["byteStride"], compression["count"], compression["mode"]
     if mode != "ATTRIBUTES":
@@ -71,7 +72,7 @@ def _attributes(content: bytes, count: int, stride: int) -> Bytes:
 
 
 def _read_group(data: Bytes, at: int, width: int, deltas: Bytes) -> int:
-    """Fills `deltas` (GROUP,) from `at` on; returns where the next group begins."""
+    """Fills `deltas` (GROUP,) from `at` on, 0, 2, 4 or 8 bits each by `width`; returns where the next group begins."""
     if width == 0:
         deltas[:] = 0
         return at
@@ -83,11 +84,12 @@ def _read_group(data: Bytes, at: int, width: int, deltas: Bytes) -> int:
     shifts = np.arange(8 - bits, -1, -bits, dtype=np.uint8)
     sentinel = (1 << bits) - 1
     deltas[:] = (packed >> shifts & sentinel).ravel()
-    is_apart = deltas == sentinel
+    # A sentinel stands for a delta that is too large for the width, and follows the group as a whole byte.
+    is_whole = deltas == sentinel
     begin = at + len(packed)
-    apart = int(np.count_nonzero(is_apart))
-    deltas[is_apart] = data[begin : begin + apart]
-    return begin + apart
+    end = begin + int(np.count_nonzero(is_whole))
+    deltas[is_whole] = data[begin:end]
+    return end
 
 
 class _Stream:
@@ -118,6 +120,7 @@ class _Stream:
 
 
 def _indices(content: bytes, count: int) -> Iterator[int]:
+    """Any indices, each as its difference from one of two that came before it."""
     if content[0] != 0xD1:
         raise MalformedError(f"its header is 0x{content[0]:02x} and not 0xd1")
     stream, last = _Stream(content, 1), [0, 0]
@@ -136,15 +139,15 @@ def _triangles(content: bytes, count: int) -> Iterator[int]:
         raise MalformedError(f"{count} indices are no triangles")
     table, stream = content[-16:], _Stream(content, 1 + count // 3)
     edges, vertices = [(0, 0)] * FIFO, [0] * FIFO  # rings, the newest before `edge` and `vertex`
-    edge = vertex = following = 0
+    edge = vertex = next_vertex = 0
     for code in content[1 : 1 + count // 3]:
         high, low = code >> 4, code & 15
         if high < 15:
             a, b = edges[edge - 1 - high & 15]
             is_new = True
             if low == 0:
-                c = following
-                following += 1
+                c = next_vertex
+                next_vertex += 1
             elif low < 13:
                 c, is_new = vertices[vertex - 1 - low & 15], False
             elif low < 15:
@@ -155,12 +158,12 @@ def _triangles(content: bytes, count: int) -> Iterator[int]:
         else:
             pair = table[low] if low < 14 else stream.byte()
             if low >= 14 and pair == 0:
-                following = 0
+                next_vertex = 0
             corners, met = [], []
             for place in (15 if low == 15 else 0, pair >> 4, pair & 15):
                 if place == 0:
-                    corner = following
-                    following += 1
+                    corner = next_vertex
+                    next_vertex += 1
                 elif place == 15 and low >= 14:
                     corner = stream.index()
                 else:
@@ -182,6 +185,7 @@ def _triangles(content: bytes, count: int) -> Iterator[int]:
 
 
 def _octahedral(packed: NDArray[Any]) -> NDArray[Any]:
+    """(n, 4) unit vectors of which x and y of the octahedron are stored, over the third component; the fourth stays."""
     largest = np.iinfo(packed.dtype).max
     x, y, one = (packed[:, column].astype(np.float64) for column in range(3))
     one = np.where(one == 0, 1, one)
@@ -197,6 +201,7 @@ def _octahedral(packed: NDArray[Any]) -> NDArray[Any]:
 
 
 def _quaternions(packed: NDArray[Any]) -> NDArray[Any]:
+    """(n, 4) unit quaternions of which the three smaller components are stored, and which one is the largest."""
     one = (packed[:, 3] | 3).astype(np.float64)
     x, y, z = (packed[:, column] / np.where(one == 0, 1, one) * np.sqrt(0.5) for column in range(3))
     w = np.sqrt(np.maximum(0, 1 - x * x - y * y - z * z))

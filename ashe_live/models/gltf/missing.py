@@ -1,8 +1,8 @@
 """Notes on features of a glTF file that are not drawn as it says."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
+from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.notes import Notes, listed
 
 PLAIN = {
@@ -17,14 +17,14 @@ USUAL_REFLECTANCE, VISIBLE_REFLECTANCE = 0.04, 0.02
 VISIBLE_SHARE, VISIBLE_TINT = 0.5, 0.1
 
 
-def _refracts_otherwise(extensions: dict[str, Any]) -> bool:
+def _refracts_otherwise(extensions: Json) -> bool:
     index = _number(extensions, "KHR_materials_ior", "ior", 1.5)
     if index < 1:  # 0: as if infinite
         return True
     return abs(((index - 1) / (index + 1)) ** 2 - USUAL_REFLECTANCE) > VISIBLE_REFLECTANCE
 
 
-def _shines_otherwise(extensions: dict[str, Any]) -> bool:
+def _shines_otherwise(extensions: Json) -> bool:
     given = extensions.get("KHR_materials_specular")
     if not isinstance(given, dict):
         return False
@@ -35,21 +35,21 @@ def _shines_otherwise(extensions: dict[str, Any]) -> bool:
     return is_mapped or abs(share - 1) > VISIBLE_SHARE or any(abs(each - 1) > VISIBLE_TINT for each in tints)
 
 
-def _coat_has(extensions: dict[str, Any], *maps: str) -> bool:
+def _coat_has(extensions: Json, *maps: str) -> bool:
     given = extensions.get("KHR_materials_clearcoat")
     if not isinstance(given, dict) or _number(extensions, "KHR_materials_clearcoat", "clearcoatFactor", 0.0) <= 0:
         return False
     return any(name in given for name in maps)
 
 
-def _number(extensions: dict[str, Any], name: str, key: str, usual: float) -> float:
+def _number(extensions: Json, name: str, key: str, usual: float) -> float:
     given = extensions.get(name)
     value = given.get(key, usual) if isinstance(given, dict) else usual
     return float(value) if isinstance(value, int | float) else usual
 
 
 # Exporters write these for every material, mostly with values that change nothing.
-SEEN_BY_VALUE: Mapping[str, Callable[[dict[str, Any]], bool]] = {
+SEEN_BY_VALUE: Mapping[str, Callable[[Json], bool]] = {
     "clear coats that a map limits": lambda each: _coat_has(each, "clearcoatTexture"),
     "the relief of clear coats": lambda each: _coat_has(each, "clearcoatNormalTexture", "clearcoatRoughnessTexture"),
     "refractive indices": _refracts_otherwise,
@@ -59,7 +59,7 @@ SEEN_BY_VALUE: Mapping[str, Callable[[dict[str, Any]], bool]] = {
 }
 
 
-def note_what_is_missing(document: dict[str, Any], header: dict[str, Any], notes: Notes) -> None:
+def note_what_is_missing(document: Json, header: Json, notes: Notes) -> None:
     """From the whole document and from the part of it that `checked` has passed."""
     materials = document.get("materials", [])
     used = [extensions for material in materials if isinstance(extensions := material.get("extensions", {}), dict)]
@@ -67,11 +67,11 @@ def note_what_is_missing(document: dict[str, Any], header: dict[str, Any], notes
     plain += [words for words, is_seen in SEEN_BY_VALUE.items() if any(map(is_seen, used))]
     if plain:
         notes.add(f"it is drawn without {listed(plain)}")
-    channels = [channel for animation in header.get("animations", []) for channel in animation["channels"]]
+    channels = [channel for animation in header["animations"] for channel in animation["channels"]]
     if any(channel["target"]["path"] == "pointer" for channel in channels):
         notes.add("what its animation does beside moving things is left out")
     nodes = document.get("nodes", [])
     if any("KHR_lights_punctual" in (node.get("extensions") or ()) for node in nodes):
         notes.add("its own lights are left out")
-    if len(header.get("scenes", [])) > 1:
+    if len(header["scenes"]) > 1:
         notes.add(f"one of its {len(header['scenes'])} scenes is shown")

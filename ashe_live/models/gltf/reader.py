@@ -1,38 +1,38 @@
 """A glTF file's meshes, as its scene shows them, and as its first animation moves them.
 
-A reader of our own over the schema: those that there are take arrays for granted that a file only claims, and leave out
-without a word what they do not know.
+The reader is our own, as those that exist trust a file's claims about its arrays, and silently leave out what they do
+not support.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
-from ashe_live.models.assembly.geometry import RawMesh, RawMotion
+from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.gltf.amounts import FAN, STRIP, TRIANGLES, amounts_of, check_layout
 from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.attributes import Attributes, DracoPrimitive
 from ashe_live.models.gltf.container import Buffers, split
+from ashe_live.models.gltf.layouts import UV_SETS
 from ashe_live.models.gltf.materials import Materials
 from ashe_live.models.gltf.missing import note_what_is_missing
 from ashe_live.models.gltf.motion.animation import Animation
-from ashe_live.models.gltf.motion.pose import Pose, Shape, of_normals
-from ashe_live.models.gltf.schema import UV_SETS, checked
+from ashe_live.models.gltf.motion.playing import Drawn, played
+from ashe_live.models.gltf.motion.pose import Pose, Shape
+from ashe_live.models.gltf.schema import checked
 from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.limits import check_gltf
 from ashe_live.models.parsing.notes import Notes
 from ashe_live.process.messages import printable
 
 DRACO = "KHR_draco_mesh_compression"
 NAME_CHARACTERS = 60
-SMALL = 0.5  # of the largest that a mesh becomes while it moves
-DRAWN = {
+SUPPORTED = {
     DRACO,
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
@@ -46,7 +46,7 @@ DRAWN = {
 TOLERATED = ("KHR_materials_", "KHR_texture_basisu", "KHR_lights_punctual", "KHR_xmp", "KHR_animation_pointer")
 
 
-def read_gltf(path: Path, content: bytes, folder: Folder, notes: Notes) -> Iterator[tuple[Float, RawMesh]]:
+def read_gltf(path: Path, content: bytes, folder: Folder, notes: Notes) -> list[tuple[Float, RawMesh]]:
     """Each mesh with the (4, 4) that places it in the scene, from the bytes of the .gltf or .glb at `path`.
 
     Raises UserError for another version, an unknown extension and for more than the limits, MalformedError for what is
@@ -54,8 +54,8 @@ def read_gltf(path: Path, content: bytes, folder: Folder, notes: Notes) -> Itera
     """
     document, binary = split(path, content)
     _check_extensions(path, document)
-    header = {"accessors": [], **checked(document)}
-    for mesh in header.get("meshes", []):
+    header = checked(document)
+    for mesh in header["meshes"]:
         # Without places there is nothing to draw.
         mesh["primitives"] = [primitive for primitive in mesh["primitives"] if "POSITION" in primitive["attributes"]]
     check_gltf(path, amounts_of(header))
@@ -63,119 +63,43 @@ def read_gltf(path: Path, content: bytes, folder: Folder, notes: Notes) -> Itera
     note_what_is_missing(document, header, notes)
     arrays = Arrays(header, Buffers(header, binary, folder))
     reader = _Reader(header, arrays, Materials(header, arrays, folder, notes), notes)
-    animation = Animation(header, arrays) if header.get("animations") else None
-    drawn = list(reader.drawn(Pose(header, arrays, {} if animation is None else animation.at(0.0))))
-    if animation is not None and animation.is_damaged:
+    animation = Animation(header, arrays)
+    drawn = list(reader.drawn(Pose(header, arrays, animation.at(0.0))))
+    if animation.is_damaged:
         notes.add("what of its animation is damaged is left out")
-    if animation is not None and animation.moving:
-        if animation.left_out:
-            notes.add(f"{animation.left_out} of its {len(header['animations'])} animations are not played")
-        played = _played(header, arrays, drawn, animation)
-        if played is not None:
-            yield from played
-            return
-        notes.add("its animation is too long to be played: it stands as that begins")
-        if not any(each.has_extent for each in drawn):
-            # Things that are to grow begin as nothing.
-            drawn = list(reader.drawn(Pose(header, arrays, {})))
-    yield from ((each.T, each.mesh) for each in drawn)
+    if not animation.moving:
+        return [(each.T, each.mesh) for each in drawn]
+    if animation.left_out:
+        notes.add(f"{animation.left_out} of its {len(header['animations'])} animations are not played")
+    moving = played(header, arrays, drawn, animation)
+    if moving is not None:
+        return moving
+    notes.add("its animation is too long to be played: it stands as that begins")
+    if not any(each.has_extent for each in drawn):
+        # Things that are to grow begin as nothing.
+        drawn = list(reader.drawn(Pose(header, arrays, {})))
+    return [(each.T, each.mesh) for each in drawn]
 
 
-def _check_extensions(path: Path, document: dict[str, Any]) -> None:
+def _check_extensions(path: Path, document: Json) -> None:
     required = document.get("extensionsRequired", [])
     for name in required if isinstance(required, list) else []:
-        if not (isinstance(name, str) and (name in DRAWN or name.startswith(TOLERATED))):
+        if not (isinstance(name, str) and (name in SUPPORTED or name.startswith(TOLERATED))):
             said = printable(name, NAME_CHARACTERS)
             raise UserError(f"the model file {path} needs {said}, which is not supported", "export it without that")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Drawn:
-    """A primitive at a node, once for each of the node's instances."""
-
-    node: int
-    instance: int
-    shape: Shape
-    T: Float  # (4, 4) from the mesh to the scene
-    mesh: RawMesh
-
-    @property
-    def has_extent(self) -> bool:
-        corners = self.mesh.vertices[self.mesh.triangles].reshape(-1, 3) @ self.T[:3, :3].T
-        return bool(len(corners) and np.any(np.ptp(corners, axis=0) > 0))
-
-    def posed(self, header: dict[str, Any], pose: Pose) -> tuple[Float, Float | None, bool]:
-        """Vertices and normals in the scene, and whether they are mirrored there."""
-        weights = pose.weights(self.node, header["meshes"][header["nodes"][self.node]["mesh"]])
-        joints = pose.joints(self.node)
-        vertices, normals = self.shape.posed(weights, joints)
-        if joints is not None:
-            return vertices, normals, False
-        T = pose.instances(self.node)[self.instance]
-        turned = None if normals is None else normals @ of_normals(T).T
-        return vertices @ T[:3, :3].T + T[:3, 3], turned, bool(np.linalg.det(T[:3, :3]) < 0)
-
-
-def _played(
-    header: dict[str, Any], arrays: Arrays, drawn: list[_Drawn], animation: Animation
-) -> list[tuple[Float, RawMesh]] | None:
-    """All that is drawn, with the poses of what moves; None where these are more than can be kept."""
-    moved = Pose(header, arrays, {}).moved_by(animation.moving)
-    moving = [place for place, each in enumerate(drawn) if each.node in moved]
-    meshes = [(each.T, each.mesh) for each in drawn]
-    times = animation.times(sum(len(drawn[place].mesh.vertices) for place in moving))
-    if not moving or times is None:
-        return None if moving else meshes
-    kept = {place: _Poses(drawn[place].mesh, len(times)) for place in moving}
-    for number, time_s in enumerate(times):
-        pose = Pose(header, arrays, animation.at(time_s))
-        for place, poses in kept.items():
-            poses.keep(number, *drawn[place].posed(header, pose))
-    for place, poses in kept.items():
-        meshes[place] = np.eye(4), poses.mesh(animation.duration_s)
-    return meshes
-
-
-class _Poses:
-    """The poses of one moving mesh, in the scene."""
-
-    def __init__(self, mesh: RawMesh, count: int) -> None:
-        shape = count, len(mesh.vertices), 3
-        self._mesh = mesh
-        self._vertices = np.empty(shape, np.float32)
-        self._normals = None if mesh.normals is None else np.empty(shape, np.float32)
-        self._mirrored = np.zeros(count, np.bool_)
-
-    def keep(self, number: int, vertices: Float, normals: Float | None, is_mirrored: bool) -> None:
-        self._vertices[number], self._mirrored[number] = vertices, is_mirrored
-        if normals is not None and self._normals is not None:
-            self._normals[number] = normals
-
-    def mesh(self, duration_s: float) -> RawMesh:
-        """The mesh in its first pose that is not small (things that are to grow begin as nothing), with its motion."""
-        extents = np.nan_to_num(np.ptp(self._vertices, axis=1).sum(axis=1))
-        first = int(np.argmax(extents >= SMALL * extents.max()))
-        triangles = self._mesh.triangles
-        return replace(
-            self._mesh,
-            vertices=self._vertices[first],
-            triangles=triangles[:, ::-1] if self._mirrored[first] else triangles,
-            normals=None if self._normals is None else self._normals[first].astype(np.float64),
-            motion=RawMotion(self._vertices, self._normals, duration_s),
-        )
-
-
 class _Reader:
-    """Walks the scene's nodes, and makes a RawMesh of each primitive."""
+    """Makes a RawMesh of each primitive of the scene's nodes."""
 
-    def __init__(self, header: dict[str, Any], arrays: Arrays, materials: Materials, notes: Notes) -> None:
+    def __init__(self, header: Json, arrays: Arrays, materials: Materials, notes: Notes) -> None:
         self._header = header
         self._arrays = arrays
         self._materials = materials
         self._notes = notes
         self._decoded: dict[tuple[int, tuple[tuple[str, int], ...]], DracoPrimitive] = {}  # by view and attributes
 
-    def drawn(self, pose: Pose) -> Iterator[_Drawn]:
+    def drawn(self, pose: Pose) -> Iterator[Drawn]:
         # In the order of nodes, whatever the way in which the scene was walked through.
         for place in sorted(pose.worlds):
             node = self._header["nodes"][place]
@@ -190,9 +114,9 @@ class _Reader:
                 shape, mesh = self._mesh(primitive, weights, joints)
                 # A skin's joints say where it is, and the node that bears it does not.
                 for number, T in enumerate([np.eye(4)] if joints is not None else pose.instances(place)):
-                    yield _Drawn(place, number, shape, T, mesh)
+                    yield Drawn(place, number, shape, T, mesh)
 
-    def _mesh(self, primitive: dict[str, Any], weights: Float, joints: Float | None) -> tuple[Shape, RawMesh]:
+    def _mesh(self, primitive: Json, weights: Float, joints: Float | None) -> tuple[Shape, RawMesh]:
         attributes = Attributes(primitive, self._arrays, self._unpacked(primitive))
         shape = attributes.shape(joints is not None)
         vertices, normals = shape.posed(weights, joints)
@@ -211,7 +135,7 @@ class _Reader:
             colours=attributes.colours(),
         )
 
-    def _unpacked(self, primitive: dict[str, Any]) -> DracoPrimitive | None:
+    def _unpacked(self, primitive: Json) -> DracoPrimitive | None:
         packed = primitive.get("extensions", {}).get(DRACO)
         if packed is None:
             return None

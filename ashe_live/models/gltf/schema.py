@@ -6,6 +6,7 @@ has the right type, and every index names something that is there.
 https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html#properties-reference
 """
 
+from ashe_live.models.gltf.layouts import ATTRIBUTES, COMPONENT_TYPES, COMPONENTS, DISPLACED, INDICES
 from ashe_live.models.parsing.json_kinds import (
     Json,
     Required,
@@ -22,30 +23,12 @@ from ashe_live.models.parsing.json_kinds import (
 )
 from ashe_live.models.parsing.malformed import MalformedError
 
-COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
-COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-SHARES = (5126, 5121, 5123)  # floats, and integers as shares of their largest
-QUANTISED = (5126, 5120, 5121, 5122, 5123)  # KHR_mesh_quantization
-UV_SETS = 4
-# Attributes that are drawn, with what the specification lets their accessors be.
-Layout = tuple[tuple[str, ...], tuple[int, ...]]
-ATTRIBUTES: dict[str, Layout] = {
-    "POSITION": (("VEC3",), QUANTISED),
-    "NORMAL": (("VEC3",), (5126, 5120, 5122)),
-    **{f"TEXCOORD_{number}": (("VEC2",), QUANTISED) for number in range(UV_SETS)},
-    "COLOR_0": (("VEC3", "VEC4"), SHARES),
-    **{f"JOINTS_{number}": (("VEC4",), (5121, 5123)) for number in range(2)},
-    **{f"WEIGHTS_{number}": (("VEC4",), SHARES) for number in range(2)},
-}
-DISPLACED: dict[str, Layout] = {"POSITION": (("VEC3",), QUANTISED), "NORMAL": (("VEC3",), (5126, 5120, 5122))}
 # Properties of views whose content is compressed; the second is the first's successor and reads the same.
 COMPRESSED_VIEWS = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 TEXTURE_SOURCES = ("EXT_texture_webp", "KHR_texture_basisu")
 REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE = WRAPS = 10497, 33648, 33071
-INDICES: Layout = (("SCALAR",), (5121, 5123, 5125))
 
-
-_TEXTURE = object_of(
+_TEXTURE_INFO = object_of(
     {
         "index": Required(index_of("textures")),
         "texCoord": integer_from(0),
@@ -70,15 +53,15 @@ _MATERIAL = object_of(
         "pbrMetallicRoughness": object_of(
             {
                 "baseColorFactor": list_of(share, 4),
-                "baseColorTexture": _TEXTURE,
+                "baseColorTexture": _TEXTURE_INFO,
                 "metallicFactor": share,
                 "roughnessFactor": share,
-                "metallicRoughnessTexture": _TEXTURE,
+                "metallicRoughnessTexture": _TEXTURE_INFO,
             }
         ),
-        "normalTexture": _TEXTURE,
-        "occlusionTexture": _TEXTURE,
-        "emissiveTexture": _TEXTURE,
+        "normalTexture": _TEXTURE_INFO,
+        "occlusionTexture": _TEXTURE_INFO,
+        "emissiveTexture": _TEXTURE_INFO,
         "emissiveFactor": list_of(share, 3),
         "alphaMode": one_of(("OPAQUE", "MASK", "BLEND")),
         "alphaCutoff": number,
@@ -86,16 +69,16 @@ _MATERIAL = object_of(
         "extensions": object_of(
             {
                 "KHR_materials_clearcoat": object_of(
-                    {"clearcoatFactor": share, "clearcoatRoughnessFactor": share, "clearcoatTexture": _TEXTURE}
+                    {"clearcoatFactor": share, "clearcoatRoughnessFactor": share, "clearcoatTexture": _TEXTURE_INFO}
                 ),
                 "KHR_materials_emissive_strength": object_of({"emissiveStrength": number}),
                 "KHR_materials_pbrSpecularGlossiness": object_of(
                     {
                         "diffuseFactor": list_of(share, 4),
-                        "diffuseTexture": _TEXTURE,
+                        "diffuseTexture": _TEXTURE_INFO,
                         "specularFactor": list_of(share, 3),
                         "glossinessFactor": share,
-                        "specularGlossinessTexture": _TEXTURE,
+                        "specularGlossinessTexture": _TEXTURE_INFO,
                     }
                 ),
                 "KHR_materials_transmission": object_of({"transmissionFactor": share}),
@@ -155,92 +138,97 @@ _CHANNEL = object_of(
         "target": Required(object_of({"node": index_of("nodes"), "path": Required(text)})),
     }
 )
-_SAMPLER = object_of(
+_ANIMATION_SAMPLER = object_of(
     {
         "input": Required(index_of("accessors")),
         "output": Required(index_of("accessors")),
         "interpolation": one_of(("LINEAR", "STEP", "CUBICSPLINE")),
     }
 )
-_INSTANCES = dict.fromkeys(("TRANSLATION", "ROTATION", "SCALE"), index_of("accessors"))
+_NODE = object_of(
+    {
+        "children": list_of(index_of("nodes")),
+        "mesh": index_of("meshes"),
+        "skin": index_of("skins"),
+        "weights": list_of(number),
+        "matrix": list_of(number, 16),
+        "translation": list_of(number, 3),
+        "rotation": list_of(number, 4),
+        "scale": list_of(number, 3),
+        "extensions": object_of(
+            {
+                "EXT_mesh_gpu_instancing": object_of(
+                    {
+                        "attributes": Required(
+                            object_of(dict.fromkeys(("TRANSLATION", "ROTATION", "SCALE"), index_of("accessors")))
+                        )
+                    }
+                ),
+                "KHR_node_visibility": object_of({"visible": flag}),
+            }
+        ),
+    }
+)
+_ACCESSOR = object_of(
+    {
+        "bufferView": index_of("bufferViews"),
+        "byteOffset": integer_from(0),
+        "componentType": Required(one_of(COMPONENT_TYPES)),
+        "count": Required(integer_from(0)),
+        "type": Required(one_of(COMPONENTS)),
+        "normalized": flag,
+        "sparse": _SPARSE,
+    }
+)
+_BUFFER_VIEW = object_of(
+    {
+        "buffer": Required(index_of("buffers")),
+        "byteOffset": integer_from(0),
+        "byteLength": Required(integer_from(0)),
+        "byteStride": integer_from(1),
+        "extensions": object_of(dict.fromkeys(COMPRESSED_VIEWS, _COMPRESSED)),
+    }
+)
+_TEXTURE = object_of(
+    {
+        "source": index_of("images"),
+        "sampler": index_of("samplers"),
+        "extensions": object_of(dict.fromkeys(TEXTURE_SOURCES, object_of({"source": index_of("images")}))),
+    }
+)
+_LISTS = {
+    "scenes": object_of({"nodes": list_of(index_of("nodes"))}),
+    "nodes": _NODE,
+    "meshes": object_of({"primitives": Required(list_of(_PRIMITIVE)), "weights": list_of(number)}),
+    "skins": object_of({"joints": Required(list_of(index_of("nodes"))), "inverseBindMatrices": index_of("accessors")}),
+    "animations": object_of(
+        {"channels": Required(list_of(_CHANNEL)), "samplers": Required(list_of(_ANIMATION_SAMPLER))}
+    ),
+    "accessors": _ACCESSOR,
+    "bufferViews": _BUFFER_VIEW,
+    "buffers": object_of({"uri": text, "byteLength": Required(integer_from(0))}),
+    "materials": _MATERIAL,
+    "textures": _TEXTURE,
+    "samplers": object_of({"magFilter": integer_from(0), "wrapS": one_of(WRAPS), "wrapT": one_of(WRAPS)}),
+    "images": object_of({"uri": text, "bufferView": index_of("bufferViews")}),
+}
 _DOCUMENT = object_of(
     {
         "asset": Required(object_of({"version": Required(text)})),
         "scene": index_of("scenes"),
-        "scenes": list_of(object_of({"nodes": list_of(index_of("nodes"))})),
-        "nodes": list_of(
-            object_of(
-                {
-                    "children": list_of(index_of("nodes")),
-                    "mesh": index_of("meshes"),
-                    "skin": index_of("skins"),
-                    "weights": list_of(number),
-                    "matrix": list_of(number, 16),
-                    "translation": list_of(number, 3),
-                    "rotation": list_of(number, 4),
-                    "scale": list_of(number, 3),
-                    "extensions": object_of(
-                        {
-                            "EXT_mesh_gpu_instancing": object_of({"attributes": Required(object_of(_INSTANCES))}),
-                            "KHR_node_visibility": object_of({"visible": flag}),
-                        }
-                    ),
-                }
-            )
-        ),
-        "meshes": list_of(object_of({"primitives": Required(list_of(_PRIMITIVE)), "weights": list_of(number)})),
-        "skins": list_of(
-            object_of({"joints": Required(list_of(index_of("nodes"))), "inverseBindMatrices": index_of("accessors")})
-        ),
-        "animations": list_of(
-            object_of({"channels": Required(list_of(_CHANNEL)), "samplers": Required(list_of(_SAMPLER)), "name": text})
-        ),
-        "accessors": list_of(
-            object_of(
-                {
-                    "bufferView": index_of("bufferViews"),
-                    "byteOffset": integer_from(0),
-                    "componentType": Required(one_of(COMPONENT_BYTES)),
-                    "count": Required(integer_from(0)),
-                    "type": Required(one_of(COMPONENTS)),
-                    "normalized": flag,
-                    "sparse": _SPARSE,
-                }
-            )
-        ),
-        "bufferViews": list_of(
-            object_of(
-                {
-                    "buffer": Required(index_of("buffers")),
-                    "byteOffset": integer_from(0),
-                    "byteLength": Required(integer_from(0)),
-                    "byteStride": integer_from(1),
-                    "extensions": object_of(dict.fromkeys(COMPRESSED_VIEWS, _COMPRESSED)),
-                }
-            )
-        ),
-        "buffers": list_of(object_of({"uri": text, "byteLength": Required(integer_from(0))})),
-        "materials": list_of(_MATERIAL),
-        "textures": list_of(
-            object_of(
-                {
-                    "source": index_of("images"),
-                    "sampler": index_of("samplers"),
-                    "extensions": object_of(dict.fromkeys(TEXTURE_SOURCES, object_of({"source": index_of("images")}))),
-                }
-            )
-        ),
-        "samplers": list_of(object_of({"magFilter": integer_from(0), "wrapS": one_of(WRAPS), "wrapT": one_of(WRAPS)})),
-        "images": list_of(object_of({"uri": text, "bufferView": index_of("bufferViews"), "mimeType": text})),
+        **{name: list_of(kind) for name, kind in _LISTS.items()},
     }
 )
 
 
 def checked(document: Json) -> Json:
-    """Raises MalformedError, such as for "nodes[3].mesh is 7, and there are 2 meshes"."""
+    """The document's copy, in which every list is there, if only an empty one.
+
+    Raises MalformedError, such as for "nodes[3].mesh is 7, and there are 2 meshes".
+    """
     counts = {name: len(value) for name, value in document.items() if isinstance(value, list)}
     try:
         copy: Json = _DOCUMENT(document, counts)
     except WrongValueError as error:
         raise MalformedError(f"{error.where[1:]} {error.what}") from None
-    return copy
+    return {**{name: [] for name in _LISTS}, **copy}

@@ -4,7 +4,7 @@ After the conversion in the extension's own archive (KHR_materials_pbrSpecularGl
 workflows): the metal is what explains the brightness of both colours, given that a dielectric reflects 4 %.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ LINEAR = LINEAR_FROM_SRGB_8BIT.astype(np.float32)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetalRough:
-    """Factors, and the maps that they are factors of."""
+    """Factors, and the maps that they are factors of: (h, w, 4) uint8, as a Material has them."""
 
     base_colour: LinearRGBA
     metallic: float
@@ -32,45 +32,48 @@ class MetalRough:
     roughness_map: Image | None = None
 
 
-def metal_rough_from_specular(
-    diffuse: LinearRGBA,
-    specular: tuple[float, ...],
-    glossiness: float,
-    diffuse_map: Image | None,
-    shine_map: Image | None,
-    is_averaged: bool = False,
-) -> MetalRough:
-    """Maps are (h, w, 4) uint8: sRGB with alpha; sRGB with glossiness in place of alpha.
+@dataclass(frozen=True, slots=True, eq=False)
+class SpecularGlossiness:
+    """Factors, and the maps that they are factors of."""
 
-    `is_averaged`: they are laid out differently, so the mean of the second stands for all of it.
-    """
-    if shine_map is not None and is_averaged:
-        mean = shine_map.reshape(-1, 4).mean(axis=0)
-        specular = tuple(np.asarray(specular) * LINEAR[mean[:3].astype(int)])
-        glossiness, shine_map = glossiness * float(mean[3]) / 255, None
-    diffuse_factor, specular_factor = np.array(diffuse[:3], np.float32), np.array(specular, np.float32)
-    if diffuse_map is None and shine_map is None:
-        base, metal = _converted(diffuse_factor[None], specular_factor[None])
-        red, green, blue = (float(value) for value in base[0])
-        return MetalRough((red, green, blue, diffuse[3]), float(metal[0]), 1 - glossiness)
-    size = max((texels.shape[1], texels.shape[0]) for texels in (diffuse_map, shine_map) if texels is not None)
-    white = np.full((size[1], size[0], 4), 255, np.uint8)
-    colours, shine = (white if texels is None else resized(texels, size) for texels in (diffuse_map, shine_map))
-    base_map, roughness_map = np.empty_like(white), white.copy()
-    for first in range(0, size[1], ROWS_AT_ONCE):
-        rows = slice(first, first + ROWS_AT_ONCE)
-        base, metal = _converted(
-            LINEAR[colours[rows, :, :3]] * diffuse_factor, LINEAR[shine[rows, :, :3]] * specular_factor
-        )
-        base_map[rows, :, :3] = np.round(srgb_from_linear(base) * 255)
-        base_map[rows, :, 3] = colours[rows, :, 3]
-        roughness_map[rows, :, 1] = np.round(255 - glossiness * shine[rows, :, 3])
-        roughness_map[rows, :, 2] = np.round(metal * 255)
-    flat = roughness_map.reshape(-1, 4)
-    factor: LinearRGBA = (*WHITE[:3], diffuse[3])
-    if (flat == flat[0]).all():
-        return MetalRough(factor, float(flat[0, 2]) / 255, float(flat[0, 1]) / 255, base_map)
-    return MetalRough(factor, 1.0, 1.0, base_map, roughness_map)
+    diffuse: LinearRGBA
+    specular: tuple[float, ...]
+    glossiness: float
+    diffuse_map: Image | None  # (h, w, 4) uint8 sRGB with alpha
+    shine_map: Image | None  # (h, w, 4) uint8 sRGB of the specular colour, with glossiness in place of alpha
+
+    def with_mean_shine(self) -> "SpecularGlossiness":
+        """With the mean of `shine_map` in its place, as one that is laid out like no diffuse map cannot be combined."""
+        if self.shine_map is None:
+            return self
+        mean = self.shine_map.reshape(-1, 4).mean(axis=0)
+        specular = tuple(np.asarray(self.specular) * LINEAR[mean[:3].astype(int)])
+        return replace(self, specular=specular, glossiness=self.glossiness * float(mean[3]) / 255, shine_map=None)
+
+    def as_metal_rough(self) -> MetalRough:
+        """Converted: the maps texel by texel, at the larger one's size."""
+        diffuse, specular = np.array(self.diffuse[:3], np.float32), np.array(self.specular, np.float32)
+        maps = (self.diffuse_map, self.shine_map)
+        if not any(texels is not None for texels in maps):
+            base, metal = _converted(diffuse[None], specular[None])
+            red, green, blue = (float(value) for value in base[0])
+            return MetalRough((red, green, blue, self.diffuse[3]), float(metal[0]), 1 - self.glossiness)
+        size = max((texels.shape[1], texels.shape[0]) for texels in maps if texels is not None)
+        white = np.full((size[1], size[0], 4), 255, np.uint8)
+        colours, shine = (white if texels is None else resized(texels, size) for texels in maps)
+        base_map, roughness_map = np.empty_like(white), white.copy()
+        for first in range(0, size[1], ROWS_AT_ONCE):
+            rows = slice(first, first + ROWS_AT_ONCE)
+            base, metal = _converted(LINEAR[colours[rows, :, :3]] * diffuse, LINEAR[shine[rows, :, :3]] * specular)
+            base_map[rows, :, :3] = np.round(srgb_from_linear(base) * 255)
+            base_map[rows, :, 3] = colours[rows, :, 3]
+            roughness_map[rows, :, 1] = np.round(255 - self.glossiness * shine[rows, :, 3])
+            roughness_map[rows, :, 2] = np.round(metal * 255)
+        flat = roughness_map.reshape(-1, 4)
+        factor: LinearRGBA = (*WHITE[:3], self.diffuse[3])
+        if (flat == flat[0]).all():
+            return MetalRough(factor, float(flat[0, 2]) / 255, float(flat[0, 1]) / 255, base_map)
+        return MetalRough(factor, 1.0, 1.0, base_map, roughness_map)
 
 
 def _converted(diffuse: Values, specular: Values) -> tuple[Values, Values]:

@@ -1,12 +1,12 @@
 """How large a model may be, told from its file's own numbers before anything is allocated for them."""
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 from PIL import Image as PillowImage
 
 from ashe_live.errors import UserError
-from ashe_live.models.gltf.amounts import GltfAmounts
 
 MAX_FILE_BYTES = 200_000_000  # of the model's file, and of all others that it names together
 MAX_NAMED_FILES = 1_000
@@ -80,6 +80,18 @@ def check_triangles(path: Path, triangles: int) -> None:
 def check_surfaces(path: Path, surfaces: int) -> None:
     """Meshes of different materials, and blended ones."""
     _check(path, surfaces, MAX_SURFACES, "surfaces of different materials")
+
+
+@dataclass(frozen=True, slots=True)
+class GltfAmounts:
+    """Each counted as often as it is read, used or drawn, whichever is more: what is shared is large in few bytes."""
+
+    triangles: int
+    vertices: int
+    parts: int  # primitives of meshes
+    bytes: int  # of the parts of buffers, or of the arrays made from them
+    nodes: int  # of the scene
+    depth: int  # of nodes within nodes
 
 
 def check_gltf(path: Path, amounts: GltfAmounts) -> None:

@@ -32,18 +32,17 @@ class Pictures:
         Raises UserError when it is too large or of a kind that is not read, MalformedError naming `name` when it is
         damaged.
         """
+        return self.made(key, lambda: self._decoded_from(content(), name))
+
+    def made(self, key: Hashable, make: Callable[[], Image]) -> Image:
+        """(h, w, 4) uint8 that is made of the file's pictures; `make` is called for a new `key`.
+
+        Raises UserError when all of the model's pictures are too large together.
+        """
         if key not in self._texels:
-            self.keep(key, self._decoded_from(content(), name))
+            self._texels[key] = make()
+            check_texels(self._model, sum(kept.size // 4 for kept in self._texels.values()))
         return self._texels[key]
-
-    def keep(self, key: Hashable, texels: Image) -> Image:
-        """Counts `texels` (h, w, 4) uint8 among the model's, under `key`. Raises UserError when they are too many."""
-        self._texels[key] = texels
-        check_texels(self._model, sum(kept.size // 4 for kept in self._texels.values()))
-        return texels
-
-    def get(self, key: Hashable) -> Image | None:
-        return self._texels.get(key)
 
     def _decoded_from(self, content: bytes, name: str) -> Image:
         if content.startswith(KTX2):

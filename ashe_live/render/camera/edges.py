@@ -76,7 +76,7 @@ def _profile(grey: Image, corners_px: Float, reach_px: float) -> Profile | None:
 def profile_at(
     grey: Image, points: Float, outwards: Float, reach_px: float, ratio: float | None = None
 ) -> Profile | None:
-    """The profile at places (n, 2) with unit normals (n, 2), from dark to light; None where no edge can be told.
+    """The profile at places (n, 2) with unit normals (n, 2), from dark to light; None where no edge is found.
 
     `ratio`: of dark over light, linear; places with another one are left out. Without it, those as high as most count.
     """

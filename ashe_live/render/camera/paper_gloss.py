@@ -1,4 +1,4 @@
-"""What printed paper mirrors of the lights: opposite a sun it is brighter than by its albedo, and so is its ink."""
+"""The gloss of printed paper: opposite a sun, paper and ink are brighter than their albedo."""
 
 import math
 from collections.abc import Iterable

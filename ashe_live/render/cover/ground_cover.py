@@ -15,6 +15,7 @@ from ashe_live.core.square import side_lengths_px
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.cover.hidden_by_body import half_of_square, hidden_and_shaded
 from ashe_live.render.cover.inpainting import BESIDE_SIDES, BLEED_SIDES, filled, with_rim
+from ashe_live.render.cover.masked import distances_from
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import sheet_mask
 
@@ -61,7 +62,7 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCov
     ground = filled(lit, hole, known, side_px if body is None else COARSER * side_px)
     if ground is None:
         return None
-    far = cv2.distanceTransform((~covered).astype(np.uint8), cv2.DIST_L2, 5)
+    far = distances_from(covered)
     least = BLEED_SIDES * side_px
     rows, columns = np.nonzero((far > least) & (far < least + BESIDE_SIDES * side_px) & plane.is_seen)
     if not len(rows):

@@ -6,12 +6,14 @@ pattern that repeats is continued (`repetition.py`). Shading is spread from the 
 smoothly as possible (Perez, Gangnet, Blake, "Poisson image editing", SIGGRAPH 2003).
 """
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked_blur import HOLE_FROM, KNOWN_FROM, blurred_within
-from ashe_live.render.cover.patches import PATCH, CopiedPatches, chosen_patches, standing_out
+from ashe_live.render.cover.masked import HOLE_FROM, KNOWN_FROM, blurred_within, distances_from, reduced
+from ashe_live.render.cover.patches import PATCH, CoarseGround, CopiedPatches, chosen_patches, standing_out
 from ashe_live.render.cover.repetition import Pattern, pattern_of
 from ashe_live.render.cover.straight_lines import straight_lines
 
@@ -32,11 +34,10 @@ AROUND_SIDES = 0.5  # ground up to this distance from the hole gives the range o
 UNLIKE, UNLIKE_HUE = 0.12, 0.03
 MOST_GRAIN = 2.0  # largest factor by which the fine contrast of blended patches is raised to that of the ground
 EDGE_OVER_GRAIN = 5.0  # fine contrast beyond this multiple of its median is an edge, and is not raised further
-# "Things" are objects and their shadows. They differ from the ground's level by both of these: in roots, and over the
-# median difference.
-THING, THING_OVER_TEXTURE = 0.08, 5.0
-THING_PX = 7  # their least width, in coarse pixels
-MOST_THINGS = 0.25  # largest share of the ground that they are: what is more is a pattern of it
+# Objects and their shadows differ from the ground's level by both of these: in roots, and over the median difference.
+OBJECT, OBJECT_OVER_TEXTURE = 0.08, 5.0
+OBJECT_PX = 7  # their least width, in coarse pixels
+MOST_OBJECTS = 0.25  # largest share of the ground that they are: what is more is a pattern of it
 FIELD = 128  # cells a side of the grid in which the difference at the border is spread
 BORDER_CELLS = 3.0  # standard deviation of a mean along the border
 SMOOTH_ROUNDS = 100  # iterations of the relaxation
@@ -50,82 +51,90 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     """
     # Roots: dark and bright patches are compared alike.
     roots = np.sqrt(np.clip(lit, 0, 4)).astype(np.float32)
-    bleeds = with_rim(hole, side_px)
-    size = max(PATCH + 2, round(len(hole) * COARSE_SIDE_PX / side_px))
-    unknown, ground, trusted = _ground_to_copy(roots, bleeds, is_source & ~bleeds, size)
-    sources = cv2.erode(ground.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
-    if not sources.any() or not unknown.any():
+    to_fill = with_rim(hole, side_px)
+    ground = _Ground.around(to_fill, is_source & ~to_fill, roots, side_px)
+    if not ground.sources.any() or not ground.unknown.any():
         return None
+    trusted = ground.trusted
     shading = _mean_around(roots, trusted, SHADING_SIDES * side_px)
     detail = np.where(trusted[..., None], roots - shading, 0)
-    plain = trusted & (_scaled(ground, len(hole)) > 0.5)
-    pattern = _pattern_of_all(detail, shading, plain, bleeds, side_px)
-    lines, told = np.zeros_like(detail), np.zeros_like(bleeds)
+    plain = trusted & (reduced(ground.known, len(hole)) > 0.5)
+    pattern = _pattern_of_all(detail, shading, plain, to_fill, side_px)
+    lines, predicted = np.zeros_like(detail), np.zeros_like(to_fill)
     if pattern is None:
-        lines = straight_lines(detail, bleeds, trusted, side_px)
+        lines = straight_lines(detail, to_fill, trusted, side_px)
         lines *= _visibility(lines, detail[trusted])[..., None]
     else:  # its joints are part of it, and its checks, which touch at their corners, are no lines
-        told = bleeds & pattern.is_there
+        predicted = to_fill & pattern.is_there
         continued = pattern.contrast * shading
-        continued += _spread_difference(detail, continued, pattern.is_there & trusted, bleeds, side_px)
-        detail = np.where(told[..., None], continued, detail)
+        continued += _spread_difference(detail, continued, pattern.is_there & trusted, to_fill, side_px)
+        detail = np.where(predicted[..., None], continued, detail)
     # Lines are drawn, and not copied with patches: those would add to them. The ground on them is darker or brighter.
     on_line = np.maximum(1 + lines / np.maximum(shading, DIMMEST), DARKEST_LINE)
-    plainer = np.asarray(np.where((trusted | told)[..., None], (detail - lines) / on_line, 0), np.float32)
-    is_told = _scaled(told, size) > 0.5
-    copied = _copied(plainer, trusted | told, shading.mean(axis=2), (unknown & ~is_told, ground | is_told, sources))
-    copied.keep(told)
-    texture = copied.blended(bleeds, COARSER_SIDES * side_px)
+    plainer = np.asarray(np.where((trusted | predicted)[..., None], (detail - lines) / on_line, 0), np.float32)
+    texture = _copied(plainer, predicted, shading, ground).blended(to_fill, COARSER_SIDES * side_px)
     if pattern is None:
-        texture = _with_grain_of(plainer, plain, texture, bleeds, side_px)
+        texture = _with_grain_of(plainer, plain, texture, to_fill, side_px)
     texture = np.asarray(texture * on_line + lines, np.float32)
-    found = np.square(np.maximum(texture + _spread_difference(roots, texture, trusted, bleeds, side_px), 0))
-    return np.asarray(np.where(bleeds[..., None], found, lit), np.float32)
+    found = np.square(np.maximum(texture + _spread_difference(roots, texture, trusted, to_fill, side_px), 0))
+    return np.asarray(np.where(to_fill[..., None], found, lit), np.float32)
 
 
-def _ground_to_copy(roots: Float32, bleeds: Mask, trusted: Mask, size: int) -> tuple[Mask, Mask, Mask]:
-    """(size, size) what is filled, and the ground like that around it; (n, n) what shows ground rather than things.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ground:
+    """Where a picture (n, n) shows ground rather than objects; coarse (m, m), also what is to be filled."""
 
-    bleeds, trusted: (n, n) what is filled, and what else may be ground.
+    trusted: Mask  # (n, n)
+    unknown: Mask  # (m, m) to be filled
+    known: Mask  # (m, m) like the ground around that, and no object
+    sources: Mask  # (m, m) middles of patches of it
+
+    @staticmethod
+    def around(to_fill: Mask, may_be_ground: Mask, roots: Float32, side_px: float) -> "_Ground":
+        n = len(to_fill)
+        m = max(PATCH + 2, round(n * COARSE_SIDE_PX / side_px))
+        unknown, known = reduced(to_fill, m) > HOLE_FROM, reduced(may_be_ground, m) > KNOWN_FROM
+        coarse = reduced(roots, m)
+        known &= _like_the_ground_around(coarse, known, unknown)
+        objects = _objects(coarse, known)
+        known &= ~objects
+        sources = cv2.erode(known.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
+        return _Ground(may_be_ground & (reduced(objects, n) < 0.5), unknown, known, sources)
+
+
+def _copied(plainer: Float32, predicted: Mask, shading: Float32, ground: _Ground) -> CopiedPatches:
+    """The patches that are copied into the hole, and the pattern where that is predicted (n, n).
+
+    plainer: (n, n, 3) detail without lines. shading: (n, n, 3) of the ground.
     """
-    unknown, ground = _scaled(bleeds, size) > HOLE_FROM, _scaled(trusted, size) > KNOWN_FROM
-    coarse = _scaled(roots, size)
-    ground &= _like_the_ground_around(coarse, ground, unknown)
-    things = _things(coarse, ground)
-    return unknown, ground & ~things, trusted & (_scaled(things, len(bleeds)) < 0.5)
+    n, m, known = len(predicted), len(ground.unknown), ground.trusted | predicted
+    is_predicted = reduced(predicted, m) > 0.5
+    coarse = CoarseGround(
+        reduced(plainer, m),
+        reduced(shading.mean(axis=2), m),
+        reduced(standing_out(plainer, known), m),
+        ground.unknown & ~is_predicted,
+        ground.known | is_predicted,
+        ground.sources,
+    )
+    copied = CopiedPatches(plainer, known, n / m)
+    for place, source in chosen_patches(coarse):
+        copied.paste(place, source)
+    copied.keep(predicted)
+    return copied
 
 
-def _pattern_of_all(detail: Float32, shading: Float32, plain: Mask, bleeds: Mask, side_px: float) -> Pattern | None:
+def _pattern_of_all(detail: Float32, shading: Float32, plain: Mask, to_fill: Mask, side_px: float) -> Pattern | None:
     """The pattern that repeats on plain ground (n, n), if it fills the hole; None for another, or none."""
     contrast = np.where(plain[..., None], detail / np.maximum(shading, DIMMEST), 0)
-    pattern = pattern_of(contrast, plain, bleeds, side_px)
+    pattern = pattern_of(contrast, plain, to_fill, side_px)
     # One that fills only a part may be grain, which repeats itself along a seam.
-    return None if pattern is None or pattern.is_there[bleeds].mean() < WHOLE else pattern
-
-
-def _copied(plainer: Float32, known: Mask, brightness: Float32, coarse: tuple[Mask, Mask, Mask]) -> CopiedPatches:
-    """The patches that are copied into the hole.
-
-    plainer: (n, n, 3) detail without lines, where it is `known` (n, n). brightness: (n, n) of the ground. coarse:
-    (m, m) each: what is filled, what else is known, and where patches are ground alone.
-    """
-    unknown, ground, sources = coarse
-    size = len(unknown)
-    copied = CopiedPatches(plainer, known, len(known) / size)
-    level, outstanding = _scaled(brightness, size), _scaled(standing_out(plainer, known), size)
-    for place, source in chosen_patches(_scaled(plainer, size), level, outstanding, unknown, ground, sources):
-        copied.paste(place, source)
-    return copied
+    return None if pattern is None or pattern.is_there[to_fill].mean() < WHOLE else pattern
 
 
 def with_rim(hole: Mask, side_px: float) -> Mask:
     """(n, n) the hole and what lies within BLEED_SIDES of it, which is filled as well."""
-    return cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < BLEED_SIDES * side_px
-
-
-def _scaled(picture: Float32 | Mask, size: int) -> Float32:
-    """(size, size[, 3]) means."""
-    return np.asarray(cv2.resize(picture.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA), np.float32)
+    return distances_from(hole) < BLEED_SIDES * side_px
 
 
 def _visibility(lines: Float32, ground: Float32) -> Float:
@@ -139,7 +148,7 @@ def _mean_around(roots: Float32, trusted: Mask, sigma: float) -> Float32:
     """(n, n, 3) of the ground that is trusted, weighted by a Gaussian; from a quarter of the resolution."""
     weight = trusted.astype(np.float32)
     sums, share = (
-        cv2.GaussianBlur(_scaled(each, len(weight) // 4), (0, 0), sigma / 4)
+        cv2.GaussianBlur(reduced(each, len(weight) // 4), (0, 0), sigma / 4)
         for each in (roots * weight[..., None], weight)
     )
     means = sums / np.maximum(share, 1e-6)[..., None]
@@ -151,7 +160,7 @@ def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask
 
     coarse: (m, m, 3) roots of linear RGB.
     """
-    away = cv2.distanceTransform((~unknown).astype(np.uint8), cv2.DIST_L2, 5)
+    away = distances_from(unknown)
     beside = known & (away < AROUND_SIDES * COARSE_SIDE_PX)
     if not beside.any():
         return known
@@ -165,10 +174,10 @@ def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask
     return np.asarray(alike & ((hues > low - UNLIKE_HUE) & (hues < high + UNLIKE_HUE)).all(axis=2))
 
 
-def _things(coarse: Float32, ground: Mask) -> Mask:
+def _objects(coarse: Float32, ground: Mask) -> Mask:
     """(m, m) objects and their shadows: wide areas much darker or brighter than the ground (m, m) around them.
 
-    Joints and cracks are narrow. If such areas are more than MOST_THINGS, they are a pattern of the ground. coarse:
+    Joints and cracks are narrow. If such areas are more than MOST_OBJECTS, they are a pattern of the ground. coarse:
     (m, m, 3) roots.
     """
     plain = ground.copy()
@@ -176,11 +185,11 @@ def _things(coarse: Float32, ground: Mask) -> Mask:
         level = _mean_around(coarse, plain, SHADING_SIDES * COARSE_SIDE_PX)
         apart = np.abs((coarse - level).mean(axis=2))
         texture = float(np.median(apart[plain])) if plain.any() else 0.0
-        plain = ground & (apart < max(THING, THING_OVER_TEXTURE * texture))
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (THING_PX, THING_PX))
+        plain = ground & (apart < max(OBJECT, OBJECT_OVER_TEXTURE * texture))
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (OBJECT_PX, OBJECT_PX))
     wide = cv2.morphologyEx((ground & ~plain).astype(np.uint8), cv2.MORPH_OPEN, disc)
-    things = cv2.dilate(wide, disc) > 0
-    return things if (things & ground).sum() < MOST_THINGS * ground.sum() else np.zeros_like(things)
+    objects = cv2.dilate(wide, disc) > 0
+    return objects if (objects & ground).sum() < MOST_OBJECTS * ground.sum() else np.zeros_like(objects)
 
 
 def _with_grain_of(detail: Float32, plain: Mask, texture: Float32, hole: Mask, side_px: float) -> Float32:
@@ -188,7 +197,7 @@ def _with_grain_of(detail: Float32, plain: Mask, texture: Float32, hole: Mask, s
 
     detail: (n, n, 3) of the ground, where it is `plain` (n, n).
     """
-    near = plain & (cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < AROUND_SIDES * side_px)
+    near = plain & (distances_from(hole) < AROUND_SIDES * side_px)
     if not near.any():
         return texture
     weight = plain.astype(np.float32)
@@ -205,17 +214,13 @@ def _spread_difference(roots: Float32, texture: Float32, is_known: Mask, hole: M
 
     texture: (n, n, 3) what was copied. is_known: (n, n) where ground is seen and something was copied.
     """
-    size = FIELD
-    near = hole.astype(np.uint8)
-    beside = cv2.distanceTransform(1 - near, cv2.DIST_L2, 5) / side_px
-    ring = ~hole & (beside < BESIDE_SIDES) & is_known
+    ring = ~hole & (distances_from(hole) / side_px < BESIDE_SIDES) & is_known
     difference = np.where(ring[..., None], roots - texture, 0).astype(np.float32)
-    share = cv2.resize(ring.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA)
-    sums = cv2.resize(difference, (size, size), interpolation=cv2.INTER_AREA)
+    share, sums = reduced(ring, FIELD), reduced(difference, FIELD)
     fixed = share > 0.05
     # Means along the border, as single speckles there say nothing of the inside.
-    sums, share = (cv2.GaussianBlur(each, (0, 0), BORDER_CELLS) for each in (sums, share))
-    value = np.where(fixed[..., None], sums / np.maximum(share, 1e-6)[..., None], 0).astype(np.float32)
+    along, weight = (cv2.GaussianBlur(each, (0, 0), BORDER_CELLS) for each in (sums, share))
+    value = np.where(fixed[..., None], along / np.maximum(weight, 1e-6)[..., None], 0).astype(np.float32)
     trusted = fixed.astype(np.float32)
     # From coarse to fine: a start by ever wider means, then Laplace's equation relaxed.
     start, seen = value * trusted[..., None], trusted.copy()

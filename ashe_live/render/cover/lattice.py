@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked_blur import blurred_within
+from ashe_live.render.cover.masked import blurred_within
 
 MOST_CONTRASTS = 3.0  # contrast is clipped at this multiple of its median, lest a glint outweighs all ground
 REPEATS = 0.22  # least correlation of the ground with itself, shifted; that of a table of white tiles is 0.4

@@ -6,12 +6,13 @@ chosen in a coarse picture, copied in the fine one.
 """
 
 import math
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked_blur import blurred_within
+from ashe_live.render.cover.masked import Box, blurred_within, box_around, distances_from
 
 PATCH = 15  # side of a patch, in coarse pixels
 STEP = 7  # distance between the patches of the hole, which overlap, in coarse pixels
@@ -21,52 +22,67 @@ LEAST_SHARE = 1e-3  # weight of a patch at its border, where it may be the only 
 TINY = 1e-20  # smaller weights count as 0
 
 
-def chosen_patches(
-    coarse: Float32, shading: Float32, outstanding: Float32, unknown: Mask, known: Mask, sources: Mask
-) -> list[tuple[Float, Float]]:
-    """Middles (row, column) of coarse patches to fill and of those to copy, in the order of filling.
+@dataclass(frozen=True, slots=True, eq=False)
+class CoarseGround:
+    """The ground at the resolution at which patches are chosen."""
 
-    coarse: (m, m, 3) detail, from which the shading (m, m) was subtracted. Patches of the same shading are preferred:
-    otherwise the inside of an object's shadow, whose detail is like the ground's, would be copied with a piece of its
-    border. outstanding: (m, m) means of `standing_out` of the fine picture. known: (m, m) where `coarse` shows the
-    ground; in the unknown part, where a pattern was drawn.
-    """
-    reach = PATCH // 2
-    picture, outstanding_here = coarse.copy(), outstanding.copy()
-    known, left = known.copy(), unknown.copy()
+    detail: Float32  # (m, m, 3) without the shading
+    shading: Float32  # (m, m)
+    outstanding: Float32  # (m, m) means of `standing_out` of the fine picture
+    unknown: Mask  # (m, m) what is filled
+    known: Mask  # (m, m) where `detail` is the ground's
+    sources: Mask  # (m, m) middles of patches that may be copied
+
+
+def chosen_patches(coarse: CoarseGround) -> list[tuple[Float, Float]]:
+    """Middles (row, column) of coarse patches to fill and of those to copy, in the order of filling."""
+    picture, outstanding = coarse.detail.copy(), coarse.outstanding.copy()
+    known, left = coarse.known.copy(), coarse.unknown.copy()
     found: list[tuple[Float, Float]] = []
-    size = len(unknown)
+    reach, size = PATCH // 2, len(left)
     places = [
         (row, column)
         for row in range(reach, size - reach, STEP)
         for column in range(reach, size - reach, STEP)
-        if unknown[_window(row, column)].any()
+        if left[_window(row, column)].any()
     ]
     while places and left.any():
         place = max(places, key=lambda each: known[_window(*each)].sum())
         places.remove(place)
         window = _window(*place)
-        mask = known[window]
-        if mask.any():
-            masked = np.repeat(mask[..., None].astype(np.float32), 3, axis=2)
-            misfit = cv2.matchTemplate(picture, picture[window], cv2.TM_SQDIFF, mask=masked)
-            misfit += masked.sum() * np.square(shading[reach:-reach, reach:-reach] - shading[place])
-            # A piece of a joint would be cut off at its ends: no more lines are copied than the known ground here has.
-            brought = cv2.matchTemplate(outstanding, (~mask).astype(np.float32), cv2.TM_CCORR)
-            misfit = misfit + np.maximum(brought - outstanding_here[window][mask].sum(), 0.0)
-            misfit = np.where(sources[reach:-reach, reach:-reach], misfit, np.inf)
-            at = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
-            source = (int(at[0]) + reach, int(at[1]) + reach)
-        else:
-            rows, columns = np.nonzero(sources)
+        is_new = ~known[window]
+        if is_new.all():
+            rows, columns = np.nonzero(coarse.sources)
             source = int(rows[len(rows) // 2]), int(columns[len(rows) // 2])
-        new = ~mask
-        for copy, original in ((picture, coarse), (outstanding_here, outstanding)):
-            copy[window][new] = original[_window(*source)][new]
+        else:
+            source = _best_source(coarse, place, picture, known[window], outstanding[window])
+        for copy, original in ((picture, coarse.detail), (outstanding, coarse.outstanding)):
+            copy[window][is_new] = original[_window(*source)][is_new]
         known[window] = True
         left[window] = False
         found.append((np.array(place, float), np.array(source, float)))
     return found
+
+
+def _best_source(
+    coarse: CoarseGround, place: tuple[int, int], picture: Float32, is_known: Mask, outstanding: Float32
+) -> tuple[int, int]:
+    """The middle of the patch that continues the known part (PATCH, PATCH) of the patch at `place` best.
+
+    picture: (m, m, 3) with the patches so far. outstanding: (PATCH, PATCH) of the patch.
+    """
+    inner = slice(PATCH // 2, -(PATCH // 2))
+    mask = np.repeat(is_known[..., None].astype(np.float32), 3, axis=2)
+    misfit = cv2.matchTemplate(picture, picture[_window(*place)], cv2.TM_SQDIFF, mask=mask)
+    # Otherwise the inside of an object's shadow, whose detail is like the ground's, would be copied with a piece of its
+    # border.
+    misfit += mask.sum() * np.square(coarse.shading[inner, inner] - coarse.shading[place])
+    # A piece of a joint would be cut off at its ends: no more lines are copied than the known ground here has.
+    brought = cv2.matchTemplate(coarse.outstanding, (~is_known).astype(np.float32), cv2.TM_CCORR)
+    misfit = misfit + np.maximum(brought - outstanding[is_known].sum(), 0.0)
+    misfit = np.where(coarse.sources[inner, inner], misfit, np.inf)
+    row, column = np.unravel_index(int(np.argmin(misfit)), misfit.shape)
+    return int(row) + PATCH // 2, int(column) + PATCH // 2
 
 
 def standing_out(detail: Float32, is_ground: Mask) -> Float32:
@@ -76,7 +92,7 @@ def standing_out(detail: Float32, is_ground: Mask) -> Float32:
     return np.where(is_ground, np.maximum(squares - STANDS_OUT**2 * usual, 0.0), 0.0).astype(np.float32)
 
 
-def _window(row: int, column: int) -> tuple[slice, slice]:
+def _window(row: int, column: int) -> Box:
     """A coarse patch by its middle."""
     reach = PATCH // 2
     return slice(row - reach, row + reach + 1), slice(column - reach, column + reach + 1)
@@ -141,13 +157,7 @@ class CopiedPatches:
 
     def blended(self, hole: Mask, coarser_px: float) -> Float32:
         """(n, n, 3) the picture with patches in the hole (n, n). Detail coarser than `coarser_px` is blended softly."""
-        reach = round(4 * coarser_px)
-        left, top, width, height = cv2.boundingRect(hole.astype(np.uint8))
-        n = len(hole)
-        window = (
-            slice(max(top - reach, 0), min(top + height + reach, n)),
-            slice(max(left - reach, 0), min(left + width + reach, n)),
-        )
+        window = box_around(hole, round(4 * coarser_px))
         inside = hole[window]
         soft = np.where(inside[..., None], self._mean(window), self._picture[window])
         sharp = self._gradient_sum[window] / np.maximum(self._sharp_weight[window], TINY)[..., None]
@@ -160,7 +170,7 @@ class CopiedPatches:
         found[window] = there + _carried_in(ground - there, rim, inside, 2 * coarser_px)
         return found
 
-    def _mean(self, of: tuple[slice, slice]) -> Float32:
+    def _mean(self, of: Box) -> Float32:
         return np.asarray(self._sum[of] / np.maximum(self._weight[of], TINY)[..., None], np.float32)
 
 
@@ -176,7 +186,7 @@ def _carried_in(difference: Float32, rim: Float32, hole: Mask, reach_px: float) 
 
     Within reach_px of the rim it fades, and becomes a mean over twice the distance from there.
     """
-    away = cv2.distanceTransform(hole.astype(np.uint8), cv2.DIST_L2, 5)
+    away = distances_from(~hole)
     carried = np.zeros_like(difference)
     for octave in range(math.ceil(math.log2(max(reach_px, 2.0))) + 1):
         share = np.clip(1 - np.abs(np.log2(np.maximum(away, 1.0)) - octave), 0, 1) * np.clip(1 - away / reach_px, 0, 1)

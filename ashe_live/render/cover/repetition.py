@@ -12,7 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.lattice import LEAST_OVERLAP, REPEATS, repeated_shifts, structure_of
-from ashe_live.render.cover.masked_blur import HOLE_FROM, KNOWN_FROM
+from ashe_live.render.cover.masked import HOLE_FROM, KNOWN_FROM, Box, box_around, reduced
 
 # "Sides" below is the length of a side of the marker.
 SIDE_PX = 26.0  # length of a side in the coarse picture, in which shifts are found
@@ -42,36 +42,25 @@ def pattern_of(contrast: Float32, trusted: Mask, hole: Mask, side_px: float) -> 
     n = len(trusted)
     size = min(n, round(n * SIDE_PX / side_px))
     scale = n / size
-    coarse, share, hole_share = (
-        cv2.resize(each.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA)
-        for each in (np.where(trusted[..., None], contrast, 0), trusted, hole)
-    )
+    coarse = reduced(np.where(trusted[..., None], contrast, 0), size)
+    share, hole_share = reduced(trusted, size), reduced(hole, size)
     seen = np.asarray(share > KNOWN_FROM)
-    structure = structure_of(np.asarray(coarse), seen, LEVEL_SIDES * SIDE_PX)
+    structure = structure_of(coarse, seen, LEVEL_SIDES * SIDE_PX)
     shifts = repeated_shifts(structure, seen)
     if not len(shifts):
         return None
-    around = _box(np.asarray(hole_share > HOLE_FROM), round(BESIDE_SIDES * SIDE_PX))
+    around = box_around(hole_share > HOLE_FROM, round(BESIDE_SIDES * SIDE_PX))
     alike = np.array([_correlation(structure, seen, around, shift) for shift in shifts])
     kept = np.argsort(-alike)[: min(MOST_SHIFTS, int((alike > REPEATS).sum()))]
     if not len(kept):
         return None
-    box = _box(hole, round(FEATHER_SIDES * side_px))
+    box = box_around(hole, round(FEATHER_SIDES * side_px))
     pattern, is_there = np.zeros_like(contrast), np.zeros_like(trusted)
     pattern[box], is_there[box] = _moved_into(box, contrast, trusted, shifts[kept] * scale, side_px)
     return Pattern(pattern, is_there)
 
 
-def _box(mask: Mask, beside: int) -> tuple[slice, slice]:
-    """The rectangle around a mask, and so many pixels more."""
-    left, top, width, height = cv2.boundingRect(mask.astype(np.uint8))
-    return (
-        slice(max(0, top - beside), min(len(mask), top + height + beside)),
-        slice(max(0, left - beside), min(len(mask), left + width + beside)),
-    )
-
-
-def _correlation(structure: Float32, seen: Mask, box: tuple[slice, slice], shift: Float) -> float:
+def _correlation(structure: Float32, seen: Mask, box: Box, shift: Float) -> float:
     """Correlation of ground and shifted ground in a box; 0 if too little of both is seen."""
     moved, there = (_moved(each, shift, box) for each in (structure, seen.astype(np.float32)))
     both = seen[box] & (there > 0.99)
@@ -81,7 +70,7 @@ def _correlation(structure: Float32, seen: Mask, box: tuple[slice, slice], shift
     return 2 * float((here * moved).sum()) / max(float(np.square(here).sum() + np.square(moved).sum()), 1e-9)
 
 
-def _moved(picture: Float32, shift: Float, box: tuple[slice, slice]) -> Float32:
+def _moved(picture: Float32, shift: Float, box: Box) -> Float32:
     """The picture's values at the pixels of a box moved by `shift` (x, y); 0 beyond the picture's border."""
     size = box[1].stop - box[1].start, box[0].stop - box[0].start
     to_source = np.column_stack([np.eye(2), (shift[0] + box[1].start, shift[1] + box[0].start)])
@@ -90,9 +79,7 @@ def _moved(picture: Float32, shift: Float, box: tuple[slice, slice]) -> Float32:
     )
 
 
-def _moved_into(
-    box: tuple[slice, slice], contrast: Float32, trusted: Mask, shifts: Float, side_px: float
-) -> tuple[Float32, Mask]:
+def _moved_into(box: Box, contrast: Float32, trusted: Mask, shifts: Float, side_px: float) -> tuple[Float32, Mask]:
     """The ground moved into a box of the picture by shifts (k, 2): their median, and where there is one.
 
     The median of all that show a place, as shadows and things lie on some. It gets the fine texture of the shift

@@ -45,19 +45,23 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
     sheet = _hull(paper_there)
     if sheet[away > MOST_HALF_SIDES - 2 / side_px].any() or paper_there.sum() < CONVEX * sheet.sum():
         sheet = least | _rectangle(unlike, side_px)
+    return _with_own_shadow(sheet, lit @ REC709_LUMINANCE.astype(np.float32), is_ground, side_px)
+
+
+def _with_own_shadow(sheet: Mask, brightness: Float32, is_ground: Mask, side_px: float) -> Mask:
+    """(n, n) the sheet with its rim, and with the shadow that its curled edges cast on the ground beside it."""
     grown = cv2.dilate(sheet.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
     near = cv2.dilate(sheet.astype(np.uint8), _disc(THROWN_SIDES * side_px)) > 0
-    brightness = lit @ REC709_LUMINANCE.astype(np.float32)
     beside = near & ~grown & is_ground
-    if beside.any():
-        dark = near & ~sheet & (brightness < DARKER * np.median(brightness[beside]))
-        touching = cv2.morphologyEx((dark | grown).astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3)))
-        # Between the sheet and a wide shadow may lie a rim of paper, where the paper is not told from the ground.
-        wide = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, _disc(WIDE_SIDES * side_px))
-        reaching = cv2.morphologyEx(wide | grown.astype(np.uint8), cv2.MORPH_CLOSE, _disc(EDGE_SIDES * side_px))
-        thrown = _joined((touching | reaching) > 0, sheet)
-        grown |= cv2.dilate(thrown.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
-    return grown
+    if not beside.any():
+        return grown
+    dark = near & ~sheet & (brightness < DARKER * np.median(brightness[beside]))
+    touching = cv2.morphologyEx((dark | grown).astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3)))
+    # Between the sheet and a wide shadow may lie a rim of paper, where the paper is not told from the ground.
+    wide = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, _disc(WIDE_SIDES * side_px))
+    reaching = cv2.morphologyEx(wide | grown.astype(np.uint8), cv2.MORPH_CLOSE, _disc(EDGE_SIDES * side_px))
+    thrown = _joined((touching | reaching) > 0, sheet)
+    return grown | (cv2.dilate(thrown.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0)
 
 
 def _rectangle(unlike: Float32, side_px: float) -> Mask:

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked_blur import blurred_within
+from ashe_live.render.cover.masked import blurred_within
 from ashe_live.render.cover.turned_rows import Ground, TurnedRows
 
 # "Sides" below is the length of a side of the marker.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked_blur import HOLE_FROM, KNOWN_FROM
+from ashe_live.render.cover.masked import HOLE_FROM, KNOWN_FROM, reduced
 
 Indices = NDArray[np.intp]
 
@@ -33,10 +33,7 @@ class Ground:
 
     def reduced(self, m: int) -> "Ground":
         """At a resolution of `m` pixels a side."""
-        detail, hole, share = (
-            cv2.resize(each.astype(np.float32), (m, m), interpolation=cv2.INTER_AREA)
-            for each in (self.detail, self.hole, self.seen)
-        )
+        detail, hole, share = (reduced(each, m) for each in (self.detail, self.hole, self.seen))
         seen = np.asarray(share > KNOWN_FROM)
         side = self.side * m / len(self.hole)
         return Ground(np.where(seen[..., None], detail, np.float32(0)), hole > HOLE_FROM, seen, side)

@@ -1,4 +1,4 @@
-"""A table of how much even light from all around a rough surface mirrors, integrated, as no fit is as exact.
+"""A table of how much of an even light a rough surface reflects, integrated numerically, as no fit is as exact.
 
 The two terms of Schlick's Fresnel factor f0 (1 - c) + c, with c = (1 - cos)^5, are kept apart (the split sum of Karis,
 "Real shading in Unreal Engine 4", 2013), for GGX with Smith's height-correlated shadowing. Beside them

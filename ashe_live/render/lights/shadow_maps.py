@@ -64,7 +64,6 @@ class ShadowMaps:
         self.texel_m = 0.0  # the largest side of a texel across a light, metres
         self.boxes: tuple[LightBox, ...] = ()
         self.caster_count = 0
-        # Conservative, by the bounding boxes of model and real object.
         self.shadows_meet = self.real_shades_model = self.model_shades_real = False
         self._is_soft_on_model = self._is_dithered = False
         self._ctx = ctx
@@ -106,29 +105,35 @@ class ShadowMaps:
             return
         self._content = tuple(casters), lights
         self._lights, self.caster_count = lighting.constants, len(casters)
+        self._find_overlaps(casters, suns)
+        self.renders += 1
+        if suns:
+            self._draw(casters, lighting)
+
+    def _find_overlaps(self, casters: Sequence[Caster], suns: Sequence[Sun]) -> None:
+        """Which shadows may meet or lie on the other caster, conservatively by boxes, and which are seen to be soft."""
         model, *real = casters
         pairs = [(_overlaps(other, model, sun), _overlaps(model, other, sun)) for other in real for sun in suns]
         self.shadows_meet = any(onto_model[0] for onto_model, _ in pairs)
         self.real_shades_model = any(onto_model[1] for onto_model, _ in pairs)
+        self.model_shades_real = any(onto_real[1] for _, onto_real in pairs)
         shading = casters if self.real_shades_model else (model,)
         self._is_soft_on_model = any(_is_seen_soft(caster, model, sun) for caster in shading for sun in suns)
         self._is_dithered = any(caster.is_clear for caster in casters)
-        self.model_shades_real = any(onto_real[1] for _, onto_real in pairs)
-        self.renders += 1
-        if not suns:
-            return
-        size = self._preset.shadow_map_size
+
+    def _draw(self, casters: Sequence[Caster], lighting: Lighting) -> None:
+        """A tile for each caster and sun, and the uniforms by which shaders look them up."""
+        suns, size = lighting.suns, self._preset.shadow_map_size
         tiles = tile_corners(len(suns) * len(casters)) * size
-        self._allocate(tiles.max(axis=0) + size)
-        assert self._framebuffer is not None
+        framebuffer = self._allocated(tiles.max(axis=0) + size)
         self.boxes = tuple(
             _fitted(view_of(sun, caster.points), caster.points, size, self._margin)
             for caster in casters
             for sun in suns
         )
-        self._framebuffer.viewport = (0, 0, *self._framebuffer.size)
-        self._framebuffer.use()
-        self._framebuffer.clear(depth=1.0)
+        framebuffer.viewport = (0, 0, *framebuffer.size)
+        framebuffer.use()
+        framebuffer.clear(depth=1.0)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         for number, (box, corner) in enumerate(zip(self.boxes, tiles, strict=True)):
             self._ctx.viewport = (int(corner[0]), int(corner[1]), size, size)
@@ -137,7 +142,7 @@ class ShadowMaps:
         extents = np.array([box.extent for box in self.boxes])
         self.texel_m = float(extents[:, :2].max()) / size
         self._uniforms = {
-            "shadow_texture_size": np.array(self._framebuffer.size, dtype=np.float64),
+            "shadow_texture_size": np.array(framebuffer.size, dtype=np.float64),
             "shadow_tile": tiles.astype(np.float64),
             "shadow_from_marker": np.array([box.unit_from_marker for box in self.boxes]),
             "shadow_extent": extents,
@@ -153,11 +158,7 @@ class ShadowMaps:
         self._texture.use(UNIT_OF["shadow_maps"])
         self._texture.use(UNIT_OF["shadow_depths"])
         self._depths.use(UNIT_OF["shadow_depths"])
-        set_uniforms(
-            program,
-            shadow_map_size=float(self._preset.shadow_map_size),
-            **self._uniforms,
-        )
+        set_uniforms(program, shadow_map_size=float(self._preset.shadow_map_size), **self._uniforms)
 
     def forget(self) -> None:
         """Drops the references to what was drawn last."""
@@ -168,16 +169,16 @@ class ShadowMaps:
         self._release_texture()
         self._depths.release()
 
-    def _allocate(self, size: Float) -> None:
-        wanted = (int(size[0]), int(size[1]))
-        if self._texture is not None and self._texture.size == wanted:
-            return
+    def _allocated(self, size: Float) -> moderngl.Framebuffer:
+        if self._framebuffer is not None and self._framebuffer.size == tuple(size):
+            return self._framebuffer
         self._release_texture()
-        self._texture = self._ctx.depth_texture(wanted)
+        self._texture = self._ctx.depth_texture((int(size[0]), int(size[1])))
         self._texture.compare_func = "<="
         self._texture.filter = moderngl.LINEAR, moderngl.LINEAR
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = self._ctx.framebuffer(depth_attachment=self._texture)
+        return self._framebuffer
 
     def _release_texture(self) -> None:
         if self._texture is not None and self._framebuffer is not None:
@@ -233,8 +234,7 @@ def _fitted(view: LightView | None, points: Float, size: int, margin: int) -> Li
     box_lower = np.array([*corner, middle - depth / 2])
     box_extent = np.array([*(size * texel), depth])
     clip_from_marker = orthographic(box_lower, box_lower + box_extent) @ view.from_marker
-    penumbra_m = view.penumbra_m(points)
-    return LightBox(UNIT_FROM_CLIP @ clip_from_marker, box_extent, view.tan_half_size, penumbra_m)
+    return LightBox(UNIT_FROM_CLIP @ clip_from_marker, box_extent, view.tan_half_size, view.penumbra_m(points))
 
 
 def _plane_transform(unit_from_marker: Float) -> Float:

@@ -12,8 +12,9 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.corner_errors import corrected
 from ashe_live.tracking.edges.corners import LAST_REACH_PX, fitted_squares
-from ashe_live.tracking.edges.edge_profiles import LightView
+from ashe_live.tracking.edges.edge_profiles import Light, LightView
 from ashe_live.tracking.edges.print_alignment import Aligned, Alignment, PrintAlignment, in_units
+from ashe_live.tracking.edges.print_shade import Shade
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 
 # Least correlation between the print's inside and the picture for the inside to be trusted while a side is covered.
@@ -43,32 +44,20 @@ def checked(
 
     `view` and `samples` as in fitted_squares; `aligned_sigma` as the frame before had it.
     """
-    side_px = mean_side_px(square.corners_px)
-    blurred = alignment.blurred(view, square.corners_px)
-    seen_print = alignment.sampled(blurred, square.corners_px)
-    shade = alignment.shade.on(seen_print)
-    if shade is not None:
-        seen_print = shade.removed_from(seen_print)
-    is_print = alignment.is_print(seen_print)
+    seen = _PrintSeen.within(square, view, alignment)
     if leaves_frame(square, view):
-        return square if is_print and square.sides_seen >= LEAST_SEEN else None
+        return square if seen.is_print and square.sides_seen >= LEAST_SEEN else None
     if not alignment.tells_place:
-        if not is_print or square.sides_seen < 4:
-            return None
-        return corrected(square, alignment.bleed_px(seen_print, side_px, shade))
+        return corrected(square, seen.bleed_px) if seen.is_print and square.sides_seen == 4 else None
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
-    seen = alignment.look(seen_print, side_px, shade)
-    # Where the print is elsewhere, it explains the samples badly, and a single step is uncertain.
-    is_sure = seen is not None and seen.sigma <= SURE_SIGMA
-    is_as_aligned = seen is not None and seen.sigma <= AS_ALIGNED * aligned_sigma and seen.inside >= MIN_INSIDE
-    if seen is not None and square.sides_seen == 4 and (is_sure or is_as_aligned):
-        bleed_px = alignment.bleed_px(seen_print, side_px, shade) if is_sure else seen.bleed_px
-        even = corrected(square, bleed_px)
-        if not _off(seen.step - in_units(even.corners_px, square.corners_px), seen, tolerance).any():
-            return dataclasses.replace(even, aligned_sigma=aligned_sigma) if is_print else None
-    found = alignment.aligned(blurred, square.corners_px, seen, shade)
+    step = alignment.look(seen.samples, seen.side_px, seen.shade)
+    even = None if step is None else _confirmed(square, seen, step, tolerance, aligned_sigma)
+    if even is not None:
+        return dataclasses.replace(even, aligned_sigma=aligned_sigma) if seen.is_print else None
+    found = alignment.aligned(seen.blurred, square.corners_px, step, seen.shade)
     if found is None or found.seen.inside < MIN_INSIDE:
         return None
+    is_print = seen.is_print
     square, off = _compared(square, found, tolerance)
     if off.sum() > MOST_COVERED:
         # Edges other than the print's were measured, as those of its paper on a bright floor. Measure again where the
@@ -76,15 +65,56 @@ def checked(
         (again,) = fitted_squares([view], [found.corners_px], samples, most_reach_px=LAST_REACH_PX)
         if again is not None:
             square, off = _compared(again, found, tolerance)
-            is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, shade))
+            is_print = alignment.is_print(alignment.sampled(seen.blurred, square.corners_px, seen.shade))
+    if off.any() and off.sum() <= MOST_COVERED:
+        return _without_covered(square, found, off)
+    if not is_print:
+        return None
     if not off.any():
-        return dataclasses.replace(square, aligned_sigma=found.seen.sigma) if is_print else None
-    if off.sum() > MOST_COVERED:
-        # See MOST_BENT.
-        astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())
-        is_whole = is_print and square.sides_seen == 4 and astray_px <= MOST_BENT * side_px
-        return dataclasses.replace(square, by_side=_no_surer(square.by_side, astray_px)) if is_whole else None
-    return _without_covered(square, found, off)
+        return dataclasses.replace(square, aligned_sigma=found.seen.sigma)
+    return _as_bent(square, found, MOST_BENT * seen.side_px)
+
+
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
+class _PrintSeen:
+    """What the picture shows within a square that may be the print."""
+
+    alignment: PrintAlignment
+    blurred: LightView
+    samples: Light  # without the shade
+    shade: Shade | None
+    side_px: float
+
+    @staticmethod
+    def within(square: FittedSquare, view: LightView, alignment: PrintAlignment) -> "_PrintSeen":
+        blurred = alignment.blurred(view, square.corners_px)
+        samples = alignment.sampled(blurred, square.corners_px)
+        shade = alignment.shade.on(samples)
+        if shade is not None:
+            samples = shade.removed_from(samples)
+        return _PrintSeen(alignment, blurred, samples, shade, mean_side_px(square.corners_px))
+
+    @property
+    def is_print(self) -> bool:
+        return self.alignment.is_print(self.samples)
+
+    @property
+    def bleed_px(self) -> float | None:
+        return self.alignment.bleed_px(self.samples, self.side_px, self.shade)
+
+
+def _confirmed(
+    square: FittedSquare, seen: _PrintSeen, step: Aligned, tolerance: float, aligned_sigma: float
+) -> FittedSquare | None:
+    """The square corrected for bleeding, if a single step of its alignment is certain and moves no side; else None."""
+    # Where the print is elsewhere, it explains the samples badly, and a single step is uncertain.
+    is_sure = step.sigma <= SURE_SIGMA
+    is_as_aligned = step.sigma <= AS_ALIGNED * aligned_sigma and step.inside >= MIN_INSIDE
+    if square.sides_seen < 4 or not (is_sure or is_as_aligned):
+        return None
+    even = corrected(square, seen.bleed_px if is_sure else step.bleed_px)
+    left = step.step - in_units(even.corners_px, square.corners_px)
+    return None if _off(left, step, tolerance).any() else even
 
 
 def _compared(square: FittedSquare, found: Alignment, tolerance: float) -> tuple[FittedSquare, Mask]:
@@ -105,6 +135,14 @@ def _without_covered(square: FittedSquare, found: Alignment, off: Mask) -> Fitte
     by_side = square.by_side.copy()
     by_side[off] = found.information / off.sum()
     return dataclasses.replace(square, corners_px=corners, by_side=by_side, seen=~off)
+
+
+def _as_bent(square: FittedSquare, found: Alignment, most_px: float) -> FittedSquare | None:
+    """The square with a larger uncertainty, if all of it is seen and the paper may just be bent; see MOST_BENT."""
+    astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())
+    if square.sides_seen < 4 or astray_px > most_px:
+        return None
+    return dataclasses.replace(square, by_side=_no_surer(square.by_side, astray_px))
 
 
 def _no_surer(by_side: Float, sigma_px: float) -> Float:

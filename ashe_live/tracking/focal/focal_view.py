@@ -50,7 +50,7 @@ def focal_of_view(sightings: Sequence[Sighting], assumed: Camera, side_m: float)
         weights = np.exp(-0.5 * ((costs - least) / understated + (tried / sigma) ** 2))
         weights /= weights.sum()
         mean = float(weights @ tried)
-        # Between two of the grid's focal lengths nothing is told apart.
+        # Focal lengths between two of the grid's cannot be told apart.
         step = float(tried[1] - tried[0])
         return mean, math.hypot(math.sqrt(float(weights @ (tried - mean) ** 2)), step / math.sqrt(12))
 

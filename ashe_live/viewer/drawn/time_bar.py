@@ -8,11 +8,10 @@ from PIL import Image as PillowImage
 from PIL import ImageDraw, ImageFont
 
 from ashe_live.core.arrays import Image, frozen_view
-from ashe_live.core.camera import Size
 from ashe_live.render.hud import PLATE_SRGBA, TEXT_SRGBA
 from ashe_live.render.scene import Overlay
+from ashe_live.render.screen import Screen
 
-# In points: a display's pixels are `content_scale` times as many.
 HEIGHT_PT, LINE_PT, KNOB_PT, FONT_PT, GAP_PT = 26, 4, 12, 13, 10
 # Within this distance above the bar the pointer makes it appear, and a press counts as one on the bar.
 NEAR_PT = 14
@@ -37,27 +36,30 @@ class Moment:
 class Bar:
     """The bar's layout, in pixels of the framebuffer."""
 
-    size: Size  # of the framebuffer
+    screen: Screen
     height: int
     left: int  # of the line
     right: int
     near_from: int  # the pointer is near below this
 
     def is_near(self, y_px: float) -> bool:
-        return self.near_from <= y_px <= self.size[1]
+        return self.near_from <= y_px <= self.screen.size[1]
 
     def share_at(self, x_px: float) -> float:
         """The position in the clip at a place on the line: 0 at its start and before, 1 at its end and beyond."""
         return min(1.0, max(0.0, (x_px - self.left) / max(1, self.right - self.left)))
 
 
-def bar_at(size: Size, content_scale: float) -> Bar:
-    """For a framebuffer of `size` whose display shows `content_scale` pixels a point."""
-    height, gap = round(HEIGHT_PT * content_scale), round(GAP_PT * content_scale)
-    longest = "0:00.0 / 0:00.0 " if size[0] < WIDE_PT * content_scale else "0:00.0 / 0:00.0   frame 0000   0.25x loop "
-    left = 2 * gap + round(_font(content_scale).getlength(longest))
-    near_from = size[1] - height - round(NEAR_PT * content_scale)
-    return Bar(size, height, left, max(left + 1, size[0] - 2 * gap), near_from)
+def bar_at(screen: Screen) -> Bar:
+    """The bar's layout at the bottom of the window."""
+    (width, bottom), height, gap = screen.size, screen.px(HEIGHT_PT), screen.px(GAP_PT)
+    longest = "0:00.0 / 0:00.0   frame 0000   0.25x loop " if _is_wide(screen) else "0:00.0 / 0:00.0 "
+    left = 2 * gap + round(_font(screen.content_scale).getlength(longest))
+    return Bar(screen, height, left, max(left + 1, width - 2 * gap), bottom - height - screen.px(NEAR_PT))
+
+
+def _is_wide(screen: Screen) -> bool:
+    return screen.size[0] >= WIDE_PT * screen.content_scale
 
 
 class TimeBar:
@@ -68,28 +70,28 @@ class TimeBar:
             _one_pixel(srgba) for srgba in ((*PLATE_SRGBA[:3], 210), REST_SRGBA, TEXT_SRGBA)
         )
         self._text: tuple[str, float, Image] | None = None
-        self._last: tuple[tuple[Moment, Size, float], tuple[Overlay, ...]] | None = None
+        self._last: tuple[tuple[Moment, Screen], tuple[Overlay, ...]] | None = None
 
-    def overlays(self, moment: Moment, size: Size, content_scale: float) -> tuple[Overlay, ...]:
+    def overlays(self, moment: Moment, screen: Screen) -> tuple[Overlay, ...]:
         """The bar's parts: the same objects as before where nothing has changed."""
-        asked = moment, size, content_scale
+        asked = moment, screen
         if self._last is None or self._last[0] != asked:
             self._last = asked, self._drawn(*asked)
         return self._last[1]
 
-    def _drawn(self, moment: Moment, size: Size, content_scale: float) -> tuple[Overlay, ...]:
-        bar = bar_at(size, content_scale)
-        line = max(1, round(LINE_PT * content_scale))
-        top = size[1] - bar.height
+    def _drawn(self, moment: Moment, screen: Screen) -> tuple[Overlay, ...]:
+        bar = bar_at(screen)
+        line = max(1, screen.px(LINE_PT))
+        top = screen.size[1] - bar.height
         middle = top + bar.height // 2
         line_top = middle - line // 2
         share = min(1.0, max(0.0, moment.time_s / moment.duration_s)) if moment.duration_s > 0 else 0.0
         at = round(bar.left + share * (bar.right - bar.left))
-        text = self._written(text_of(moment, size[0] >= WIDE_PT * content_scale), content_scale)
-        knob = _knob(round(KNOB_PT * content_scale))
+        text = self._written(text_of(moment, _is_wide(screen)), screen.content_scale)
+        knob = _knob(screen.px(KNOB_PT))
         return (
-            Overlay(self._plate, 0, top, (size[0], bar.height)),
-            Overlay(text, round(GAP_PT * content_scale), middle - text.shape[0] // 2),
+            Overlay(self._plate, 0, top, (screen.size[0], bar.height)),
+            Overlay(text, screen.px(GAP_PT), middle - text.shape[0] // 2),
             Overlay(self._rest, bar.left, line_top, (bar.right - bar.left, line)),
             Overlay(self._played, bar.left, line_top, (max(1, at - bar.left), line)),
             Overlay(knob, at - knob.shape[1] // 2, middle - knob.shape[0] // 2),

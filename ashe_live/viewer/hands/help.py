@@ -2,8 +2,8 @@
 
 from itertools import pairwise
 
-from ashe_live.core.camera import Size
 from ashe_live.render.hud import GAP_PT, MIN_FONT_PX, Rows, fits, in_two
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import help_rows
 
 LEGIBLE_PT = 9.0  # least size of letters, for which the rows are spread over several pages
@@ -28,19 +28,19 @@ class Help:
     def close(self) -> None:
         self.is_shown, self._page = False, 0
 
-    def rows(self, size: Size, content_scale: float) -> Rows:
-        """The rows of the page that is shown, for a framebuffer of `size` pixels."""
-        pages = pages_of(help_rows(), size, content_scale)
+    def rows(self, screen: Screen) -> Rows:
+        """The rows of the page that is shown."""
+        pages = pages_of(help_rows(), screen)
         self._pages = len(pages)
         self._page = min(self._page, len(pages) - 1)  # the window may have grown
         return pages[self._page]
 
 
-def pages_of(rows: Rows, size: Size, content_scale: float) -> tuple[Rows, ...]:
+def pages_of(rows: Rows, screen: Screen) -> tuple[Rows, ...]:
     """As few pages as hold all rows in legible letters; where there are several, each says how to get to the next."""
-    gap = round(GAP_PT * content_scale)
+    size, gap = screen.size, screen.px(GAP_PT)
     pages: tuple[Rows, ...] = (rows,)
-    for font_px in (LEGIBLE_PT * content_scale, MIN_FONT_PX):
+    for font_px in (LEGIBLE_PT * screen.content_scale, MIN_FONT_PX):
         for count in range(1, max(1, len(rows) // FEWEST_ROWS) + 1):
             pages = _parted(rows, count)
             if all(fits(page, font_px, size, gap) or fits(in_two(page), font_px, size, gap) for page in pages):

@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Image, frozen_view
 from ashe_live.core.camera import Size
 from ashe_live.render.hud import FONT_PT, MIN_FONT_PX, SMALLER, RowLayout, Rows, fits, in_two, row_layout, rows_plate
 from ashe_live.render.scene import Overlay
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import BINDINGS
 from ashe_live.viewer.hands.help import LEGIBLE_PT
 from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
@@ -76,7 +77,7 @@ class _Opened:
     entries: tuple[Entry, ...]  # that are shown
     later: tuple[Entry, ...]  # all, in the order of the next page
     at_px: tuple[float, float]  # the pointer, as it was opened
-    size: Size  # of the framebuffer
+    screen: Screen
     font_px: float
     left: int
     top: int
@@ -136,25 +137,22 @@ class Menu:
         request, self._request = self._request, None
         return request
 
-    def take_mouse(
-        self, event: MouseEvent, entries: Callable[[], tuple[Entry, ...]], size: Size, content_scale: float
-    ) -> bool:
-        """Opens at the right button, chooses at the left one; False for what concerns the picture below.
+    def take_mouse(self, event: MouseEvent, entries: Callable[[], tuple[Entry, ...]], screen: Screen) -> bool:
+        """Opens by the right button, chooses by the left one; False for what concerns the picture below.
 
-        A press beside the menu closes it and does nothing else. `entries` is called when it opens; size: of the
-        framebuffer.
+        A press beside the menu closes it and does nothing else. `entries` is called when it opens.
         """
         if event.action is MouseAction.MENU:
-            self._opened = _placed(entries(), (event.x_px, event.y_px), size, content_scale)
+            self._opened = _placed(entries(), (event.x_px, event.y_px), screen)
             self._pointed_at = None
             return True
         if event.action is MouseAction.RELEASED:
-            # That of a press before it opened ends what the press began, as a drag.
+            # The button may have been pressed before the menu opened: then this ends what that began, such as a drag.
             is_own, self._swallows_release = self._swallows_release, False
             return is_own
         if self._opened is None:
             return False
-        if self._opened.size != size:  # made for another window
+        if self._opened.screen != screen:  # made for another window
             self.close()
             return False
         self._pointed_at = self._opened.at(event.x_px, event.y_px)
@@ -163,17 +161,17 @@ class Menu:
             if self._pointed_at is not None:
                 self._request = self._opened.entries[self._pointed_at].request
                 if self._request is None:
-                    self._opened = _placed(self._opened.later, self._opened.at_px, size, content_scale)
+                    self._opened = _placed(self._opened.later, self._opened.at_px, screen)
                     self._pointed_at = None
                     return True
             if self._pointed_at is not None or not self._opened.holds(event.x_px, event.y_px):
                 self.close()
         return True
 
-    def overlays(self, size: Size) -> tuple[Overlay, ...]:
+    def overlays(self, screen: Screen) -> tuple[Overlay, ...]:
         """The menu's parts, the same objects while nothing changes; none while it is closed."""
         opened = self._opened
-        if opened is None or opened.size != size:
+        if opened is None or opened.screen != screen:
             return ()
         if self._drawn is None or self._drawn[0] is not opened or self._drawn[1] != self._pointed_at:
             plate = Overlay(_plate(opened.rows, opened.font_px), opened.left, opened.top)
@@ -184,14 +182,15 @@ class Menu:
         return self._drawn[2]
 
 
-def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], size: Size, content_scale: float) -> _Opened:
+def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], screen: Screen) -> _Opened:
     """The menu with a corner at the pointer, or as near as it fits; in smaller letters where it would be too large.
 
-    In a window too small for all entries in legible letters: the first ones, and one that goes on to the others.
+    In a window too small for all entries in legible letters: the first ones, and one that leads to the others.
     """
-    one, shown, font_px = _rows(entries), entries, FONT_PT * content_scale
+    size = screen.size
+    one, shown, font_px = _rows(entries), entries, FONT_PT * screen.content_scale
     rows = one if row_layout(one, font_px).size[1] <= HIGHEST * size[1] else in_two(one)
-    legible_px = max(MIN_FONT_PX, LEGIBLE_PT * content_scale)
+    legible_px = max(MIN_FONT_PX, LEGIBLE_PT * screen.content_scale)
     while font_px > legible_px and not fits(rows, font_px, size, gap=0):
         font_px = max(legible_px, SMALLER * font_px)
     if not fits(rows, font_px, size, gap=0):
@@ -204,7 +203,7 @@ def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], size: Size, 
     layout = row_layout(rows, font_px)
     left, top = (max(0, min(round(at), whole - own)) for at, whole, own in zip(at_px, size, layout.size, strict=True))
     later = (*entries[len(shown) - 1 :], *entries[: len(shown) - 1])
-    return _Opened(shown, later, at_px, size, font_px, left, top, rows, layout)
+    return _Opened(shown, later, at_px, screen, font_px, left, top, rows, layout)
 
 
 def _rows(entries: tuple[Entry, ...]) -> Rows:

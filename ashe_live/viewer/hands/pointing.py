@@ -22,7 +22,7 @@ def source_pixel(at_px: Pixel, framebuffer: Size, video: Size) -> Pixel:
 
 
 def in_mirror(request: Request, framebuffer: Size) -> Request:
-    """`request` of a person who looks at the mirrored picture, as of one who looks at the picture itself."""
+    """A request made while looking at the mirrored picture, as if made in the picture itself."""
     match request.argument:
         case Drag((x0, y0), (x, y), is_first):
             width = framebuffer[0]

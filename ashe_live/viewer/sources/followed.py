@@ -14,9 +14,14 @@ FIELDS_OF_VIEW_DEG = (50.0, 60.0, 70.0, 80.0)  # of webcams and phones, across t
 class Followed:
     """The marker and the field of view for the source that is played. Used by the main thread only."""
 
-    def __init__(self, pipeline: Pipeline, session: Session, tell: Callable[[str, float], None]) -> None:
-        """`tell` shows a line, at a time in seconds, and prints it."""
-        self.takes_any_marker = False  # whether the one in view is followed, as nobody has named another
+    def __init__(
+        self, pipeline: Pipeline, session: Session, tell: Callable[[str, float], None], takes_any_marker: bool = False
+    ) -> None:
+        """`tell` shows a line, at a time in seconds, and prints it.
+
+        takes_any_marker: whether the only one in view is followed, as nobody has named another.
+        """
+        self._takes_any_marker = takes_any_marker
         self._session = session
         self._tell = tell
         self.begin_anew(pipeline)
@@ -53,7 +58,7 @@ class Followed:
         session.markers_in_view = self._hunt.in_view
         if (answer := self._hunt.take_answer()) is not None:
             self._take_next(answer, now_s)
-        elif is_news and self.takes_any_marker and not session.has_seen_marker:
+        elif is_news and self._takes_any_marker and not session.has_seen_marker:
             own = {stand.marker for stand in session.arrangement.stands}
             free = [spec for spec in self._hunt.in_view if spec not in own]
             if len(free) == 1:

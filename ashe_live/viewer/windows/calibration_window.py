@@ -25,15 +25,15 @@ class CalibrationWindow:
     """Shows frames as they come. Used by the main thread only."""
 
     def __init__(self, name: str, size: Size) -> None:
-        self._screen = PictureWindow(f"ashe-live: calibrate {name}", size)
+        self._pictures = PictureWindow(f"ashe-live: calibrate {name}", size)
 
     def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
         """Shows one frame; returns False when the window is closed or Esc is pressed."""
-        window = self._screen.window
-        if min(window.framebuffer_size) > 0:
+        window = self._pictures.window
+        if not window.screen.is_minimised:
             hint = (said,) if said else ()
             text = HudText(progress_lines(view, guide), (*hint, "Esc: end with the views so far"))
-            self._screen.show(guidance_picture(frame.image_bgr, view, guide), text)
+            self._pictures.show(guidance_picture(frame.image_bgr, view, guide), text)
         wants_end = any(request.command is Command.LEAVE for request in window.take_requests(0.0))
         return not (wants_end or window.is_closing)
 
@@ -41,7 +41,7 @@ class CalibrationWindow:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._screen.close()
+        self._pictures.close()
 
 
 def progress_lines(view: BoardView | None, guide: CalibrationGuide) -> tuple[str, ...]:

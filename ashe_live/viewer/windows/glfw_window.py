@@ -11,7 +11,7 @@ from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
 from ashe_live.process.messages import printable
 from ashe_live.render.gl.offscreen import window_context
-from ashe_live.render.hud import readable_scale
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import COMMAND_BY_GESTURE, HELD, REPEATED, REQUEST_BY_KEY, request_for
 from ashe_live.viewer.hands.requests import Files, Gesture, MouseAction, MouseEvent, Request
 from ashe_live.viewer.windows.window import Presentable
@@ -64,14 +64,10 @@ class GlfwWindow:
             raise
 
     @property
-    def framebuffer_size(self) -> Size:
-        """The size in pixels; a high-density screen has several for each of the window's own units."""
+    def screen(self) -> Screen:
+        # In pixels: a high-density display has several for each of the window's own units.
         width, height = glfw.get_framebuffer_size(self._window)
-        return int(width), int(height)
-
-    @property
-    def content_scale(self) -> float:
-        return readable_scale(self.framebuffer_size, float(glfw.get_window_content_scale(self._window)[0]))
+        return Screen.readable((int(width), int(height)), float(glfw.get_window_content_scale(self._window)[0]))
 
     @property
     def refresh_rate_hz(self) -> float:
@@ -181,7 +177,7 @@ class GlfwWindow:
     def _mouse_event(self, action: MouseAction) -> MouseEvent:
         """An event at the position of the last move: asked for it, GLFW would report where the pointer is by now."""
         x, y = self._cursor
-        (width, height), (width_px, height_px) = glfw.get_window_size(self._window), self.framebuffer_size
+        (width, height), (width_px, height_px) = glfw.get_window_size(self._window), self.screen.size
         return MouseEvent(action, x * width_px / max(1, width), y * height_px / max(1, height), self._shift)
 
 

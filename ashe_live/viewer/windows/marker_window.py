@@ -21,8 +21,8 @@ EXPLAINED = (
 
 def show_marker(spec: str, square_grey: Image) -> None:
     """Shows the marker until Esc. `square_grey`: (n, n) uint8, with its border. Raises UserError without a display."""
-    with PictureWindow(f"ashe-live: marker {spec}", (SIDE_PX, SIDE_PX)) as screen:
-        window = screen.window
+    with PictureWindow(f"ashe-live: marker {spec}", (SIDE_PX, SIDE_PX)) as pictures:
+        window = pictures.window
         explains = True
         while not window.is_closing:
             for request in window.take_requests(FRAME_S):
@@ -32,9 +32,8 @@ def show_marker(spec: str, square_grey: Image) -> None:
                     window.toggle_fullscreen()
                 if request.command is Command.TOGGLE_HUD:
                     explains = not explains
-            size = window.framebuffer_size
-            if min(size) > 0:
-                screen.show(on_white(square_grey, size), HudText(hint=EXPLAINED if explains else ()))
+            if not window.screen.is_minimised:
+                pictures.show(on_white(square_grey, window.screen.size), HudText(hint=EXPLAINED if explains else ()))
 
 
 def on_white(square_grey: Image, size: Size) -> Image:

@@ -19,17 +19,17 @@ class PictureWindow:
     def __init__(self, title: str, size: Size) -> None:
         """Raises UserError when there is no display or no OpenGL 3.3."""
         self.window = GlfwWindow(title, size)
-        self._renderer = SceneRenderer(self.window.context, FAST.render, self.window.framebuffer_size)
+        self._renderer = SceneRenderer(self.window.context, FAST.render, self.window.screen.size)
         self._hud = Hud()
 
     def show(self, picture_bgr: Image, text: HudText) -> None:
         """(h, w, 3) uint8, fitted into the window, which must not be minimised."""
-        size = self.window.framebuffer_size
-        if size != self._renderer.size:
-            self._renderer.resize(size)
+        screen = self.window.screen
+        if screen.size != self._renderer.size:
+            self._renderer.resize(screen.size)
         frame = Frame(picture_bgr, 0, 0.0)
         camera = Camera.assumed(frame.size)
-        overlays = self._hud.overlays(text, size, self.window.content_scale)
+        overlays = self._hud.overlays(text, screen)
         self._renderer.render(Scene(TrackedFrame(frame, camera, None), overlays=overlays))
         self.window.present(self._renderer)
         self.window.swap()

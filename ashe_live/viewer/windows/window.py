@@ -2,8 +2,8 @@
 
 from typing import Protocol
 
-from ashe_live.core.camera import Size
 from ashe_live.render.gl.offscreen import Framebuffer
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.requests import MouseEvent, Request
 
 
@@ -19,13 +19,8 @@ class Window(Protocol):
     """Used by the main thread only."""
 
     @property
-    def framebuffer_size(self) -> Size:
-        """Width and height in pixels; 0x0 while minimised."""
-        ...
-
-    @property
-    def content_scale(self) -> float:
-        """Pixels a point, as text wants it."""
+    def screen(self) -> Screen:
+        """Its pixels now."""
         ...
 
     @property
@@ -61,7 +56,7 @@ class Window(Protocol):
         ...
 
     def toggle_fullscreen(self) -> None:
-        """Switches between the whole screen and the former size; `framebuffer_size` follows."""
+        """Switches between the whole screen and the former size; `screen` follows."""
         ...
 
     def present(self, picture: Presentable) -> None:

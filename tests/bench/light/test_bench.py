@@ -10,6 +10,7 @@ from ashe_live.bench.cases import read_cases
 from ashe_live.bench.light.bench import LightBench, thinned
 from ashe_live.bench.light.results import ALL_LIT
 from ashe_live.errors import UserError
+from tests.bench.scene_files import scene, written
 
 
 @pytest.fixture
@@ -18,19 +19,9 @@ def plain_scenes(tmp_path):
     folder = tmp_path / "scenes"
     folder.mkdir()
     cv2.imwrite(str(folder / "plain.png"), np.full((48, 64, 3), 128, np.uint8))
-    base = {
-        "image": "plain.png",
-        "size": [64, 48],
-        "K": [[60, 0, 31.5], [0, 60, 23.5], [0, 0, 1]],
-        "dist": [0, 0, 0, 0, 0],
-        "R": [[1, 0, 0], [0, -1, 0], [0, 0, -1]],
-        "t": [0, 0, 1],
-        "marker": {"side_m": 0.2, "corners_px": [[25.5, 17.5], [37.5, 17.5], [37.5, 29.5], [25.5, 29.5]]},
-    }
-    lit = {"id": "lit", "category": "clean", "lights": [{"dir_to_light": [0, 0.6, 0.8]}]}
-    unlit = {"id": "unlit", "category": "diffuse", "lights": []}
-    (folder / "ground_truth.json").write_text(json.dumps({"scenes": [base | lit, base | unlit]}))
-    return folder
+    lit = scene(id="lit", image="plain.png", category="clean")
+    unlit = scene(id="unlit", image="plain.png", category="diffuse", lights=[])
+    return written(folder, {"scenes": [lit, unlit]})
 
 
 def test_abstentions_are_counted_and_written_by_preset(plain_scenes, tmp_path, capsys):

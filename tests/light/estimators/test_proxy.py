@@ -34,7 +34,7 @@ from tests.light.painted_scenes import (
     paint,
     tracked_frame,
 )
-from tests.light.synthetic_masks import camera_towards
+from tests.light.synthetic_masks import IMPOSSIBLE_POSES, camera_towards
 from tests.shared_data import shared_folder
 
 CASTERS = {"box": BOX, "cylinder": CYLINDER}
@@ -442,16 +442,7 @@ def test_any_field_of_view_ends_in_an_answer_or_a_reason(hfov_deg: float) -> Non
     check_answer_or_reason(quickly_estimated(tracked_frame(image, camera)))
 
 
-POSES = {
-    "below the ground": camera_towards((0.0, 0.0), 0.5, -20.0),
-    "in the ground": camera_towards((0.0, 0.0), 0.5, 0.0),
-    "looking away": camera_towards((0.0, 0.0), -0.5, 40.0),
-    "in the marker": camera_towards((0.0, 0.0), 1e-6, 40.0),
-    "a mile away": camera_towards((0.0, 0.0), 1600.0, 40.0),
-}
-
-
-@pytest.mark.parametrize("T_cam_marker", POSES.values(), ids=POSES)
+@pytest.mark.parametrize("T_cam_marker", IMPOSSIBLE_POSES.values(), ids=IMPOSSIBLE_POSES)
 def test_poses_that_cannot_be_end_in_an_answer_or_a_reason(T_cam_marker: Float) -> None:
     tracked = paint(BOX, size=SMALL).tracked
     frame = tracked_frame(np.asarray(tracked.frame.image_bgr), tracked.camera, T_cam_marker)

@@ -10,7 +10,6 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.explanation.explain import NearFit, Proposal, explained, explained_near
 from ashe_live.light.explanation.judgement.judge import fitted_judge
-from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.shadow_shift import shadow_ratio
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
@@ -45,9 +44,9 @@ def answer(
         fine.scaled(BALANCED.coarse_width_px),
         here.ground,
         here.unlit,
-        list,
+        [fine],
         [(replace(sun, as_object=sun.as_object.copy()), 5.0)] if found_again else [],
-        lambda: Sharpener.of([fine]),
+        list,
         fit,
         [],
         fitted_judge(),

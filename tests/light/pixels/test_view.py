@@ -9,7 +9,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import inverse_rigid, project
 from ashe_live.light.pixels.view import FARTHEST, View
 from tests.light.painted_scenes import BOX, SIDE_M, VIEW, overlap, paint, tracked_frame
-from tests.light.synthetic_masks import camera_towards
+from tests.light.synthetic_masks import IMPOSSIBLE_POSES, camera_towards
 
 POINTS = np.array([(0.0, 0.0, 0.0), (0.1, 0.05, 0.0), (-0.08, 0.1, 0.03), (0.12, 0.0, 0.08)])
 
@@ -127,17 +127,8 @@ def test_no_pixel_of_the_sheet_is_ground_and_little_else_is_left_out(width_px: i
     assert overlap(~view.is_ground, sheet) > 0.7
 
 
-POSES = {
-    "below the ground": camera_towards((0.0, 0.0), 0.5, -20.0),
-    "in the ground": camera_towards((0.0, 0.0), 0.5, 0.0),
-    "looking away": camera_towards((0.0, 0.0), -0.5, 40.0),
-    "in the marker": camera_towards((0.0, 0.0), 1e-6, 40.0),
-    "a mile away": camera_towards((0.0, 0.0), 1600.0, 40.0),
-}
-
-
 @pytest.mark.parametrize("size", [(1, 1), (1, 40), (40, 1), (40, 30)])
-@pytest.mark.parametrize("T_cam_marker", POSES.values(), ids=POSES)
+@pytest.mark.parametrize("T_cam_marker", IMPOSSIBLE_POSES.values(), ids=IMPOSSIBLE_POSES)
 def test_any_pose_and_size_has_a_ground_or_none(T_cam_marker: Float, size: tuple[int, int]) -> None:
     view = view_of(T_cam_marker, size, hfov_deg=30.0)
     assert view.is_ground.shape == size[::-1]

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from ashe_live.core.colour import linear_from_srgb
-from ashe_live.models.gltf.specular import metal_rough_from_specular
+from ashe_live.models.gltf.specular import SpecularGlossiness
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import BLACK, Alpha, MapLayout, Material
 from ashe_live.models.mesh import Model
@@ -127,7 +127,7 @@ def test_specular_glossiness_is_converted_texel_by_texel() -> None:
     diffuse[:, 0, :3] = 0
     shine = np.full((2, 2, 4), 255, np.uint8)
     shine[:, 0], shine[:, 1] = (255, 200, 120, 204), (56, 56, 56, 51)
-    made = metal_rough_from_specular((1.0, 1.0, 1.0, 0.5), (1.0, 1.0, 1.0), 1.0, diffuse, shine)
+    made = SpecularGlossiness((1.0, 1.0, 1.0, 0.5), (1.0, 1.0, 1.0), 1.0, diffuse, shine).as_metal_rough()
     np.testing.assert_array_equal(made.roughness_map[0, :, 1], (255 - 204, 255 - 51))
     np.testing.assert_allclose(made.roughness_map[0, :, 2], (255, 0), atol=1)
     np.testing.assert_allclose(

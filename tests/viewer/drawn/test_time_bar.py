@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at, clock, text_of
 
 PLACES = [
@@ -19,7 +20,7 @@ PLACES = [
 
 @pytest.mark.parametrize(("size", "scale"), PLACES)
 def test_it_lies_at_the_bottom_and_inside(size, scale):
-    plate, text, *line = TimeBar().overlays(Moment(3.0, 7.0, 90, 0.25, True), size, scale)
+    plate, text, *line = TimeBar().overlays(Moment(3.0, 7.0, 90, 0.25, True), Screen(size, scale))
     assert (plate.left_px, plate.top_px + plate.shown_size[1], plate.shown_size[0]) == (0, size[1], size[0])
     if size[0] < 100:
         return
@@ -33,16 +34,17 @@ def test_it_lies_at_the_bottom_and_inside(size, scale):
 
 @pytest.mark.parametrize(("size", "scale"), PLACES)
 def test_a_click_goes_to_where_the_knob_then_stands(size, scale):
-    bar = bar_at(size, scale)
+    screen = Screen(size, scale)
+    bar = bar_at(screen)
     for x_px in np.linspace(bar.left, bar.right, 7):
-        *_, knob = TimeBar().overlays(Moment(10 * bar.share_at(x_px), 10.0), size, scale)
+        *_, knob = TimeBar().overlays(Moment(10 * bar.share_at(x_px), 10.0), screen)
         assert knob.left_px + knob.shown_size[0] // 2 == pytest.approx(x_px, abs=1)
     assert (bar.share_at(-1e6), bar.share_at(1e6)) == (0, 1)
 
 
 def test_time_moves_the_knob_and_nothing_is_uploaded_anew():
     bar = TimeBar()
-    drawn = [bar.overlays(Moment(second, 9.0), (640, 480), 1.0) for second in (2.0, 2.5, 2.9)]
+    drawn = [bar.overlays(Moment(second, 9.0), Screen((640, 480))) for second in (2.0, 2.5, 2.9)]
     knobs = [overlays[-1].left_px for overlays in drawn]
     assert all(earlier < later for earlier, later in pairwise(knobs))
     for before, after in pairwise(drawn):
@@ -50,7 +52,7 @@ def test_time_moves_the_knob_and_nothing_is_uploaded_anew():
 
 
 def test_a_clip_of_one_frame_has_a_bar_too():
-    assert TimeBar().overlays(Moment(0.0, 0.0), (640, 480), 1.0)
+    assert TimeBar().overlays(Moment(0.0, 0.0), Screen((640, 480)))
 
 
 def test_it_says_where_the_picture_is():
@@ -63,6 +65,6 @@ def test_it_says_where_the_picture_is():
 
 def test_a_bar_that_stands_still_is_the_same_objects():
     bar = TimeBar()
-    first = bar.overlays(Moment(3.0, 7.0, 90), (640, 480), 1.0)
-    assert bar.overlays(Moment(3.0, 7.0, 90), (640, 480), 1.0) is first
-    assert bar.overlays(Moment(3.1, 7.0, 93), (640, 480), 1.0) is not first
+    first = bar.overlays(Moment(3.0, 7.0, 90), Screen((640, 480)))
+    assert bar.overlays(Moment(3.0, 7.0, 90), Screen((640, 480))) is first
+    assert bar.overlays(Moment(3.1, 7.0, 93), Screen((640, 480))) is not first

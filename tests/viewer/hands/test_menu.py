@@ -5,6 +5,7 @@ import copy
 import numpy as np
 import pytest
 
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import BINDINGS
 from ashe_live.viewer.hands.menu import OFFERED, Menu, entries_for
 from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
@@ -16,18 +17,18 @@ MENU, MOVED, PRESSED, RELEASED = MouseAction.MENU, MouseAction.MOVED, MouseActio
 
 def opened(x_px: float = 50, y_px: float = 40, size: tuple[int, int] = SIZE) -> Menu:
     menu = Menu()
-    assert menu.take_mouse(MouseEvent(MENU, x_px, y_px), lambda: ENTRIES, size, 1.0)
+    assert menu.take_mouse(MouseEvent(MENU, x_px, y_px), lambda: ENTRIES, Screen(size))
     return menu
 
 
 def plate(menu: Menu, size: tuple[int, int] = SIZE) -> tuple[int, int, int, int]:
-    (overlay, *_) = menu.overlays(size)
+    (overlay, *_) = menu.overlays(Screen(size))
     return overlay.left_px, overlay.top_px, *overlay.shown_size
 
 
 def chosen_at(x_px: float, y_px: float, menu: Menu, size: tuple[int, int] = SIZE) -> Request | None:
     for action in (MOVED, PRESSED, RELEASED):
-        assert menu.take_mouse(MouseEvent(action, x_px, y_px), lambda: ENTRIES, size, 1.0)
+        assert menu.take_mouse(MouseEvent(action, x_px, y_px), lambda: ENTRIES, Screen(size))
     return menu.take_request()
 
 
@@ -91,8 +92,8 @@ def test_what_is_pointed_at_is_what_is_brighter(size: tuple[int, int]):
     for x in np.linspace(1, size[0] - 1, 5):
         for y in np.linspace(1, size[1] - 1, 60):
             menu = opened(0, 0, size)
-            menu.take_mouse(MouseEvent(MOVED, x, y), lambda: ENTRIES, size, 1.0)
-            bars = menu.overlays(size)[1:]
+            menu.take_mouse(MouseEvent(MOVED, x, y), lambda: ENTRIES, Screen(size))
+            bars = menu.overlays(Screen(size))[1:]
             wanted = chosen_at(x, y, menu, size) if menu.is_open and bars else None
             assert bool(bars) == (wanted is not None)
             for bar in bars:
@@ -109,37 +110,38 @@ def test_a_press_beside_it_closes_it_and_reaches_nothing_below():
     left, top, width, height = plate(menu)
     assert chosen_at(left + width + 5, top + height + 5, menu) is None
     assert not menu.is_open
-    assert not menu.take_mouse(MouseEvent(PRESSED, 1, 1), lambda: ENTRIES, SIZE, 1.0)
+    assert not menu.take_mouse(MouseEvent(PRESSED, 1, 1), lambda: ENTRIES, Screen(SIZE))
 
 
 def test_while_it_is_closed_the_mouse_is_the_picture_s():
     menu = Menu()
     assert not any(
-        menu.take_mouse(MouseEvent(action, 5, 5), lambda: ENTRIES, SIZE, 1.0) for action in (MOVED, PRESSED, RELEASED)
+        menu.take_mouse(MouseEvent(action, 5, 5), lambda: ENTRIES, Screen(SIZE))
+        for action in (MOVED, PRESSED, RELEASED)
     )
 
 
 def test_a_drag_that_it_interrupts_ends_with_its_button():
     """Opened while the left button is down: else the drag would go on, with no button down, once it is closed."""
     menu = opened()
-    assert not menu.take_mouse(MouseEvent(RELEASED, 60, 60), lambda: ENTRIES, SIZE, 1.0)
+    assert not menu.take_mouse(MouseEvent(RELEASED, 60, 60), lambda: ENTRIES, Screen(SIZE))
     assert menu.is_open
 
 
 def test_the_row_under_the_pointer_is_brighter():
     menu = opened()
     left, top, width, height = plate(menu)
-    assert len(menu.overlays(SIZE)) == 1
-    menu.take_mouse(MouseEvent(MOVED, left + width / 2, top + height / 2), lambda: ENTRIES, SIZE, 1.0)
-    _, bar = menu.overlays(SIZE)
+    assert len(menu.overlays(Screen(SIZE))) == 1
+    menu.take_mouse(MouseEvent(MOVED, left + width / 2, top + height / 2), lambda: ENTRIES, Screen(SIZE))
+    _, bar = menu.overlays(Screen(SIZE))
     assert bar.top_px <= top + height / 2 < bar.top_px + bar.shown_size[1]
-    assert menu.overlays(SIZE) is menu.overlays(SIZE)
+    assert menu.overlays(Screen(SIZE)) is menu.overlays(Screen(SIZE))
 
 
 def test_it_goes_when_the_window_changes_its_size():
     menu = opened()
-    assert menu.overlays((800, 600)) == ()
-    assert not menu.take_mouse(MouseEvent(MOVED, 60, 60), lambda: ENTRIES, (800, 600), 1.0)
+    assert menu.overlays(Screen((800, 600))) == ()
+    assert not menu.take_mouse(MouseEvent(MOVED, 60, 60), lambda: ENTRIES, Screen((800, 600)))
     assert not menu.is_open
 
 
@@ -158,7 +160,7 @@ def test_entries_are_asked_for_only_when_it_opens():
 
     menu = Menu()
     for action in (MOVED, PRESSED, RELEASED, MENU, MOVED, PRESSED, RELEASED):
-        menu.take_mouse(MouseEvent(action, 60, 60), entries, SIZE, 1.0)
+        menu.take_mouse(MouseEvent(action, 60, 60), entries, Screen(SIZE))
     assert len(asked) == 1
 
 

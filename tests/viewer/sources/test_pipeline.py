@@ -28,6 +28,17 @@ def await_that(condition: Callable[[], bool]) -> None:
         threading.Event().wait(0.002)
 
 
+class Gate:
+    """A source's hook that holds its reads until it is opened."""
+
+    def __init__(self) -> None:
+        self.reached, self.opened = threading.Event(), threading.Event()
+
+    def __call__(self, _index: int) -> None:
+        self.reached.set()
+        self.opened.wait(PATIENCE_S)
+
+
 def indices(pipeline: Pipeline, until: int) -> list[int]:
     """Of the frames taken, up to and with the first from `until` on; some may have been overtaken by the next."""
     taken: list[int] = []
@@ -221,28 +232,21 @@ def test_a_step_pauses_at_the_very_next_frame(run, fakes):
 def test_a_held_key_does_not_queue(held):
     """While one jump is under way, all that is asked for becomes one more."""
     pipeline, source, _ = held
-    jumps, may_go_on = threading.Event(), threading.Event()
-
-    def hang(_index: int) -> None:
-        jumps.set()
-        may_go_on.wait(PATIENCE_S)
-
-    source.hook = hang
+    source.hook = gate = Gate()
     pipeline.step(-1)
-    assert jumps.wait(PATIENCE_S)
+    assert gate.reached.wait(PATIENCE_S)
     for _ in range(20):
         pipeline.step(-1)
-    may_go_on.set()
+    gate.opened.set()
     assert_settles(pipeline, at=50 - 21)
     assert source.sought == [49, 29]
     source.sought.clear()
-    may_go_on.clear()
-    jumps.clear()
+    source.hook = gate = Gate()
     pipeline.seek(0.5)
-    assert jumps.wait(PATIENCE_S)
+    assert gate.reached.wait(PATIENCE_S)
     for _ in range(10):
         pipeline.seek_by(0.1)
-    may_go_on.set()
+    gate.opened.set()
     assert_settles(pipeline, at=300)
     assert source.sought == [100, 300]
 
@@ -522,21 +526,15 @@ def test_of_wishes_that_come_faster_than_frames_none_is_lost(held):
     """They are one value: a pause does not undo a seek that nobody has obeyed yet. And where it was sent is shown,
     however soon after another frame: at twice the pace frames in a row that come so soon are left out."""
     pipeline, source, _ = held
-    jumps, may_go_on = threading.Event(), threading.Event()
-
-    def hang(_index: int) -> None:
-        jumps.set()
-        may_go_on.wait(PATIENCE_S)
-
-    source.hook = hang
+    source.hook = gate = Gate()
     pipeline.step(1)
-    assert jumps.wait(PATIENCE_S)
+    assert gate.reached.wait(PATIENCE_S)
     pipeline.restart()
     pipeline.step(3)
     pipeline.play(2.0, loop=True)
     pipeline.pause(False)
     pipeline.pause(True)
-    may_go_on.set()
+    gate.opened.set()
     assert_settles(pipeline, at=3)  # from the start, where it was sent before
     assert (pipeline._capture._pace.speed, pipeline._capture._wish.loop) == (2.0, True)
 

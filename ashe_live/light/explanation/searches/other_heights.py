@@ -1,7 +1,7 @@
-"""Bodies of another height that throw the same shadow, tried where the steps of light show that a body's top is wrong.
+"""Bodies of another height that cast the same shadow, tried where the steps of light show that a body's top is wrong.
 
 An object's lit top may have its ground's colours, so that the labels lack it: a black tin with a pale lid. Then the
-fitted body is too low, and so is its light. Stretched together with its light, a body throws the same shadow, and only
+fitted body is too low, and so is its light. Stretched together with its light, a body casts the same shadow, and only
 its outline above moves; from there it is moved onto the steps of light once more.
 """
 

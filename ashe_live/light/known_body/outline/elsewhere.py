@@ -23,7 +23,7 @@ EVERY = 3  # of the outline's points, which still is more than are independent
 # what is seen of it at the body must be seen there.
 APART_HEIGHTS, MOST_PLACES, LEAST_SEEN = 0.6, 60, 0.8
 START_SIGMA_HEIGHTS = 0.15  # how far it gives way to edges, about as far as a light's start does
-FEWEST_PLACES = 8  # with less of the table in view nothing is told
+FEWEST_PLACES = 8  # with less of the table in view nothing is concluded
 # Of the log odds of outlines where no shadow is: their least standard deviation; and of so many of these a shadow's may
 # be anywhere.
 LEAST_SCATTER, SPREAD = 1.0, 10.0

@@ -84,15 +84,11 @@ def fitted(
             return None
         if number >= len(reaches) - 1:
             blur, size = profiles.widths(weight)
-        J = edges.by_light[:, : len(parameters)]
-        weighted = J.T * weight
-        normal = weighted @ J + prior
-        pull = weighted @ profiles.offset_px - prior @ (here[parameters] - start)
-        step = np.linalg.solve(normal, pull)
-        here = moved(here, step, image.height_m)
-        if not is_first and np.abs(J @ step).max() < DONE_PX:
+        last = _Round.of(profiles, weight, prior, here[parameters] - start)
+        here = moved(here, last.step, image.height_m)
+        if not is_first and np.abs(last.moves_px).max() < DONE_PX:
             break
-    return _edge_fit(here, profiles, weight, step, prior, size or None, darkening)
+    return last.fit(here, size or None, darkening)
 
 
 def windows_px(edges: ShadowEdges, blur_px2: float, size_rad: float, height_px: float) -> Float:
@@ -148,33 +144,47 @@ def telling_sides(profiles: Profiles, weight: Float, darkening: float, with_near
     return np.asarray(shown)
 
 
-def _edge_fit(
-    light: Float,
-    profiles: Profiles,
-    weight: Float,
-    step: Float,
-    prior: Float,
-    size_rad: float | None,
-    darkening: float,
-) -> EdgeFit:
-    """What is said of a light (4,) after its last step (p,), with the information (p, p) of its start."""
-    edges = profiles.edges
-    J, with_nearness = edges.by_light[:, : len(step)], len(step) > 2
-    left_px = profiles.offset_px - J @ step
-    variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
-    visible = profiles.visible
-    told = weight * telling_sides(profiles, weight, darkening, with_nearness)[edges.side]
-    inverse = np.linalg.inv((J.T * told) @ J + prior)
-    # What the edges leave open is as open as before, however well they fit.
-    by_prior = max(EDGE_SIGMA_PX**2 - variance, 0.0) * inverse @ prior @ inverse
-    # Neighbouring points err alike, and a whole side does where stains, folds or the hidden sky's gradient shift it.
-    by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(len(edges.corners_px))[:, None]) * told) @ J @ inverse
-    return EdgeFit(
-        light,
-        np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),
-        size_rad,
-        math.sqrt(variance),
-        math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),
-        profiles.clear(darkening) if visible.any() else 0.0,
-        float(visible.mean()),
-    )
+@dataclass(frozen=True, slots=True, eq=False)
+class _Round:
+    """A Gauss-Newton step of a light's p parameters, by n points of its shadow's edges."""
+
+    profiles: Profiles
+    weight: Float  # (n,)
+    prior: Float  # (p, p) information of the start
+    J: Float  # (n, p) pixels by which each edge moves along its normal, by each parameter
+    step: Float  # (p,)
+
+    @staticmethod
+    def of(profiles: Profiles, weight: Float, prior: Float, off_start: Float) -> "_Round":
+        """off_start: (p,) from the parameters of the start to those of the light whose edges these are."""
+        J = profiles.edges.by_light[:, : len(off_start)]
+        weighted = J.T * weight
+        normal = weighted @ J + prior
+        pull = weighted @ profiles.offset_px - prior @ off_start
+        return _Round(profiles, weight, prior, J, np.asarray(np.linalg.solve(normal, pull)))
+
+    @property
+    def moves_px(self) -> Float:
+        """(n,) by how much the step moves each edge."""
+        return self.J @ self.step
+
+    def fit(self, light: Float, size_rad: float | None, darkening: float) -> EdgeFit:
+        """What is said of the light (4,) that this step has led to."""
+        profiles, weight, edges, J = self.profiles, self.weight, self.profiles.edges, self.J
+        left_px = profiles.offset_px - self.moves_px
+        variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
+        told = weight * telling_sides(profiles, weight, darkening, with_nearness=len(self.step) > 2)[edges.side]
+        inverse = np.linalg.inv((J.T * told) @ J + self.prior)
+        # What the edges leave open is as open as before, however well they fit.
+        by_prior = max(EDGE_SIGMA_PX**2 - variance, 0.0) * inverse @ self.prior @ inverse
+        # Neighbouring points err alike, and whole sides do where stains, folds or the hidden sky's gradient shift them.
+        by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(len(edges.corners_px))[:, None]) * told) @ J @ inverse
+        return EdgeFit(
+            light,
+            np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),
+            size_rad,
+            math.sqrt(variance),
+            math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),
+            profiles.clear(darkening) if profiles.visible.any() else 0.0,
+            float(profiles.visible.mean()),
+        )

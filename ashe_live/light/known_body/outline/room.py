@@ -1,4 +1,4 @@
-"""How much of the bare table is around a place in the picture: how far an edge may be looked for there."""
+"""How much bare table surrounds a place in the picture, which limits how far an edge may be searched for there."""
 
 from dataclasses import dataclass, replace
 

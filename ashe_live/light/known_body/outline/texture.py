@@ -1,4 +1,4 @@
-"""A table's texture: on gravel and prints single pixels say little of the light, and means of a few of them more."""
+"""A table's texture: on gravel and prints single pixels say little about the light, and means of a few say more."""
 
 import cv2
 import numpy as np

@@ -17,7 +17,7 @@ NORMALS.flags.writeable = False
 # A print leaves half of a facet white: what is brighter than most of it, without what gloss or noise makes brightest.
 WHITE = (0.9, 0.98)  # quantiles
 RIM_PX, LEAST_PX = 2, 30
-ENOUGH = 2000  # pixels of a facet, by which the limits are told to less than a hundredth of all
+ENOUGH = 2000  # pixels of a facet, by which the limits are known to less than a hundredth of all
 CLIPPED = 0.95  # linear light, from which on it may be any
 INK = 0.1  # quantile of a facet's brightness: print is a good third of it
 # Ink is as dark beside white on every facet, but for the light that it mirrors, glare and what a camera does to dark
@@ -76,7 +76,7 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
 
 
 def _with_level(normals: Float, light: Float, is_clipped: Mask, widths: Float, inks: Float) -> tuple[Float, float]:
-    """The facets' light (n, 3), that of a clipped level one by its ink (n,), and how well that is told.
+    """The facets' light (n, 3), that of a clipped level one by its ink (n,), and how well that is determined.
 
     Its ink over a side's tells its light over the side's; and it is no darker than it looks.
     """

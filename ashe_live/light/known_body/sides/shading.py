@@ -14,7 +14,7 @@ LEVEL_Z = 0.99  # of the normal of a facet that counts as level, at least
 LEAST_RELATIVE = 1e-3  # of a side's light over the level facet's
 LOWEST_Z = 0.05  # of the unit vector towards a light: what a lower one gives to sides, over level ground, is bounded
 # Standard deviations: of a side's light over level paper's, whatever lights it; of a light's part of the table's light,
-# which is told by its shadow, over that; and of the turn of a facet that was folded by hand.
+# which its shadow determines, over that; and of the turn of a facet that was folded by hand.
 NOISE, OF_LIGHT, TURN_RAD = 0.02, 0.08, np.radians(0.9).item()
 # A facet's brightest white lies some way from its centre, towards a lamp or away: by a third of this, as the light of a
 # lamp changes by about three times the way over its distance.

@@ -1,1 +1,1 @@
-"""How the light falls off over the ground, by which a lamp's nearness is told, and lamps lower than what they light."""
+"""The fall of light over the ground, which reveals a lamp's nearness; and lamps lower than what they light."""

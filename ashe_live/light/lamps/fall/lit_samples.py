@@ -1,4 +1,4 @@
-"""The lit ground's brightness at places all over it, with what beside a lamp may cause it, and how much each counts.
+"""Samples of the lit ground's brightness, with what other than a lamp may cause it, and the samples' weights.
 
 The picture's brightness also has the ground's paint and texture, vignetting, and what else is uneven. Vignetting and a
 little unevenness are fitted along (docs/maths, "The fall of light"). Paint and texture are noise that is correlated

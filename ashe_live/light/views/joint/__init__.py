@@ -1,1 +1,1 @@
-"""One body with its lights, aligned in several views at once: how far they tell it, and what they say for it."""
+"""One body with its lights, aligned in several views at once: how well they determine it, and the evidence for it."""

@@ -2,12 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.models.gltf.arrays import Arrays
+from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 
 PATHS = {"translation": 3, "rotation": 4, "scale": 3}
@@ -21,13 +21,13 @@ Changes = dict[tuple[int, str], Float]  # by node and path
 
 
 class Animation:
-    """What a file's nodes do over time, from the first keyframe on; its header has passed `checked`.
+    """What a file's nodes do over time, from the first keyframe on: nothing if the file animates none.
 
     It combines the first of a file's animations with those that move nothing that one before them moves. (Exporters
     write an animation for each object, or one for each action of a figure.)
     """
 
-    def __init__(self, header: dict[str, Any], arrays: Arrays) -> None:
+    def __init__(self, header: Json, arrays: Arrays) -> None:
         self._tracks: dict[tuple[int, str], _Track] = {}
         self.left_out = 0  # animations that are alternatives
         self.is_damaged = False  # some of what it says of nodes
@@ -38,7 +38,7 @@ class Animation:
                 self.left_out += 1
             else:
                 self._tracks |= tracks
-        self._cost = len(header.get("nodes", [])) + len(self._tracks)
+        self._cost = len(header["nodes"]) + len(self._tracks)
         times = [track.times for track in self._tracks.values()]
         self.begin_s = min((float(each[0]) for each in times), default=0.0)
         self.duration_s = max((float(each[-1]) for each in times), default=0.0) - self.begin_s
@@ -89,7 +89,7 @@ class _Track:
         return np.asarray(first + share * (last - first))
 
 
-def _tracks(animation: dict[str, Any], arrays: Arrays) -> tuple[dict[tuple[int, str], _Track], bool]:
+def _tracks(animation: Json, arrays: Arrays) -> tuple[dict[tuple[int, str], _Track], bool]:
     """Tracks by node and path, and whether these are all channels."""
     found: dict[tuple[int, str], _Track] = {}
     sampled: dict[tuple[int, str], _Track | None] = {}
@@ -107,7 +107,7 @@ def _tracks(animation: dict[str, Any], arrays: Arrays) -> tuple[dict[tuple[int, 
     return found, None not in sampled.values()
 
 
-def _track(sampler: dict[str, Any], path: str, arrays: Arrays) -> _Track | None:
+def _track(sampler: Json, path: str, arrays: Arrays) -> _Track | None:
     """None for what holds no keyframe, other rows than the path has, no numbers, or times that do not increase."""
     times = arrays.floats(sampler["input"]).ravel()
     values = arrays.floats(sampler["output"])

@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
+from ashe_live.models.gltf.amounts import instancing_of, roots_of
 from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.motion.animation import PATHS, Changes
+from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 
 VERTICES_AT_ONCE = 1 << 16
@@ -19,15 +21,14 @@ VERTICES_AT_ONCE = 1 << 16
 class Pose:
     """Places of nodes and joints, for a header that `checked` has passed and whose scene is a tree."""
 
-    def __init__(self, header: dict[str, Any], arrays: Arrays, changes: Changes) -> None:
+    def __init__(self, header: Json, arrays: Arrays, changes: Changes) -> None:
         """`changes`: what an animation does to nodes at that moment."""
         self._arrays = arrays
-        self._nodes: list[dict[str, Any]] = header.get("nodes", [])
-        self._skins: list[dict[str, Any]] = header.get("skins", [])
+        self._nodes: list[Json] = header["nodes"]
+        self._skins: list[Json] = header["skins"]
         self._changes = changes
         self.worlds: dict[int, Float] = {}  # (4, 4) of every node of the scene that is seen
-        scenes = header.get("scenes", [])
-        self._place(scenes[header.get("scene", 0)].get("nodes", []) if scenes else [])
+        self._place(roots_of(header))
         self._joints: dict[int, Float] = {}
 
     def _place(self, roots: list[int]) -> None:
@@ -40,13 +41,13 @@ class Pose:
             self.worlds[place] = world = parent @ self._local(place, node)
             waiting += [(child, world) for child in node.get("children", [])]
 
-    def _local(self, place: int, node: dict[str, Any]) -> Float:
+    def _local(self, place: int, node: Json) -> Float:
         moved = {path: self._changes.get((place, path), node.get(path)) for path in PATHS}
         if "matrix" in node and not any((place, path) in self._changes for path in PATHS):
             return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
         return matrix_of(moved["translation"], moved["rotation"], moved["scale"])
 
-    def weights(self, place: int, mesh: dict[str, Any]) -> Float:
+    def weights(self, place: int, mesh: Json) -> Float:
         """Weights of the mesh's morph targets, at the node."""
         changed = self._changes.get((place, "weights"))
         given = self._nodes[place].get("weights", mesh.get("weights", ()))
@@ -84,7 +85,7 @@ class Pose:
 
     def instances(self, place: int) -> list[Float]:
         """(4, 4) each, from a mesh at the node to the scene: one, or as many as the node says."""
-        own = self._nodes[place].get("extensions", {}).get("EXT_mesh_gpu_instancing", {}).get("attributes", {})
+        own = instancing_of(self._nodes[place])
         if not own:
             return [self.worlds[place]]
         names = ("TRANSLATION", "ROTATION", "SCALE")
