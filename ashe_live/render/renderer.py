@@ -105,6 +105,10 @@ class SceneRenderer:
         self._models_on_video.use_preset(preset)
         self.resize(self.size)
 
+    def begin_anew(self) -> None:
+        """Another video follows: nothing of the last one, as the ground over its marker, is drawn into it."""
+        self._models_on_video.begin_anew()
+
     def resize(self, size: Size) -> None:
         """Follows the window's framebuffer; sides of 0 (a minimised window) count as 1."""
         former = self._surface

@@ -243,9 +243,13 @@ class FakeRenderer:
     def __init__(self, _context: object = None, _preset: object = None, size: tuple[int, int] = SIZE) -> None:
         self.size = size
         self.scenes = []
+        self.begun_after = []  # the numbers of scenes after which another video began
 
     def render(self, scene) -> None:
         self.scenes.append(scene)
+
+    def begin_anew(self) -> None:
+        self.begun_after.append(len(self.scenes))
 
     def beside(self, preset: object, size: tuple[int, int]) -> "FakeRenderer":
         return FakeRenderer(None, preset, size)

@@ -395,6 +395,8 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
     assert stage.session.estimate is None
     assert viewer._pipeline is stage.dropped
     assert stage.dropped.tracking is FAST.tracking
+    (begun,) = stage.renderer.begun_after
+    assert [scene.tracked.frame.index for scene in stage.renderer.scenes[begun - 1 : begun + 1]] == [5, 0]
     assert len(list(tmp_path.glob("*.mp4"))) == 1
     assert "saved" in capfd.readouterr().out
     assert stage.dropped.frames.is_closed  # when the viewer ends

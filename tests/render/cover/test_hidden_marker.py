@@ -270,6 +270,18 @@ def test_another_source_is_covered_by_its_own_ground(make_renderer, stage) -> No
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
 
+def test_ground_of_the_last_source_is_not_laid_into_the_next(make_renderer, stage) -> None:
+    """Where pictures cannot wait for the next cover, the sheet is seen until that is there."""
+    renderer = make_renderer(FAST.render)
+    first, second = _view(stage), _view(stage, gain=0.15)
+    renderer.render(Scene(first, _aside(stage), Illumination(seen_in=first), hides_marker=True))
+    renderer.switches_at_once = False
+    renderer.begin_anew()
+    renderer.render(Scene(second, _aside(stage), Illumination(seen_in=second), hides_marker=True))
+    within = _on_sheet(second, -0.004)
+    assert _difference(renderer.read_bgr(), second.frame.image_bgr)[within].max() < 3
+
+
 def test_a_cover_that_was_given_up_meanwhile_is_not_taken(ctx, stage) -> None:
     hidden = HiddenMarker(ctx)
     tracked = _view(stage)
