@@ -221,9 +221,9 @@ class FakeShelf:
     def model(self) -> PlacedModel:
         return MODEL
 
-    def turn_up(self) -> str:
-        self.turned += 1
-        return "z"
+    def turn_up(self, by: int = 1) -> str:
+        self.turned += by
+        return "yzx"[self.turned]
 
     def take_words(self):
         words, self.words = self.words, []
