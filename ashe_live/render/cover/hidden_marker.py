@@ -2,7 +2,7 @@
 
 The cover is made once and then only drawn in perspective, its brightness following the camera's exposure. It is made
 anew for another scene or light, and once the camera has come so much nearer, or moved so far around, that the old one
-would show.
+would show. Where pictures do not wait for it, a draft comes before the first.
 """
 
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -79,7 +79,7 @@ class HiddenMarker:
                 self._accept(ground_cover(tracked, illumination))
             else:
                 self._maker = self._maker or ThreadPoolExecutor(1, "ground cover")
-                self._coming = self._maker.submit(ground_cover, tracked, illumination)
+                self._coming = self._maker.submit(ground_cover, tracked, illumination, self._cover is None)
         self._follow_exposure(tracked)
 
     def bind(self, program: moderngl.Program) -> None:
@@ -123,7 +123,7 @@ class HiddenMarker:
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
         if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
             return False
-        if self._made_from is None:
+        if self._made_from is None or self._cover is None or self._cover.is_draft:
             return True
         made_from, lit_by = self._made_from
         was, now = made_from.marker, tracked.marker

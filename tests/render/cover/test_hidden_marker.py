@@ -16,7 +16,7 @@ from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.in_frame import project_distorted
-from ashe_live.render.cover.ground_cover import MOST_AROUND, ground_cover
+from ashe_live.render.cover.ground_cover import DRAFT_SIDE_PX, HALF_SIDES, MOST_AROUND, ground_cover
 from ashe_live.render.cover.hidden_marker import HiddenMarker, gain_and_slope
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
@@ -42,12 +42,13 @@ def _view(
     gain: float = 1.0,
     sheen: float = 0.0,
     target: tuple[float, ...] = (0, 0, 0),
+    distance: float = 0.36,
 ):
     """A frame of the ground with a printed sheet on it; `shaded` (points) -> True where a shadow lies.
 
     sheen: how the logarithm of brightness changes along x (1/m).
     """
-    T = stage.pose(-80, 55, 0.36, target=target)
+    T = stage.pose(-80, 55, distance, target=target)
     camera = stage.camera()
     rows, columns = np.mgrid[0:360, 0:480]
     pixels = np.column_stack([columns.ravel(), rows.ravel()]).astype(float)
@@ -248,16 +249,36 @@ def test_the_marker_stays_where_no_ground_is_seen(make_renderer, stage) -> None:
     assert (np.abs(renderer.read_bgr().astype(int) - 200).max(axis=2) > 1).mean() < 0.01
 
 
-def test_another_thread_makes_the_cover_where_pictures_cannot_wait(ctx, stage) -> None:
+def test_another_thread_makes_the_cover_where_pictures_cannot_wait_and_a_draft_first(ctx, stage) -> None:
     hidden = HiddenMarker(ctx)
     tracked = _view(stage)
     hidden.follow(tracked, Illumination(), at_once=False)
-    assert not hidden.is_settled
-    hidden._coming.result()
-    hidden.follow(tracked, Illumination(), at_once=False)
-    assert hidden.is_settled
-    assert len(hidden.corners) == 4
+    sizes = []
+    while not hidden.is_settled:
+        hidden._coming.result()
+        hidden.follow(tracked, Illumination(), at_once=False)
+        assert len(hidden.corners) == 4
+        sizes.append(hidden._texture.size[0])
+    assert sizes == [round(2 * HALF_SIDES * DRAFT_SIDE_PX), len(ground_cover(tracked, Illumination()).image_rgba)]
     hidden.release()
+
+
+def test_what_is_small_in_the_picture_has_no_draft(stage) -> None:
+    tracked = _view(stage, distance=1.0)
+    fine, draft = (ground_cover(tracked, Illumination(), is_draft) for is_draft in (False, True))
+    assert not draft.is_draft
+    np.testing.assert_array_equal(fine.image_rgba, draft.image_rgba)
+
+
+def test_a_draft_covers_the_same_sheet_with_the_same_ground(stage) -> None:
+    tracked = _view(stage, noise=0.7)
+    fine, draft = (ground_cover(tracked, Illumination(), is_draft) for is_draft in (False, True))
+    assert (fine.is_draft, draft.is_draft) == (False, True)
+    np.testing.assert_allclose(draft.extent_m, fine.extent_m, atol=0.03 * SIDE)
+    coarse = cv2.resize(fine.image_rgba, draft.image_rgba.shape[:2], interpolation=cv2.INTER_AREA)
+    both = (coarse[..., 3] == 255) & (draft.image_rgba[..., 3] == 255)
+    pictures = [np.where(both[..., None], each[..., 2::-1], 0).astype(np.uint8) for each in (coarse, draft.image_rgba)]
+    assert _difference(*pictures)[both].mean() < 3
 
 
 def test_another_source_is_covered_by_its_own_ground(make_renderer, stage) -> None:
