@@ -63,6 +63,10 @@ class ModelsOnVideo:
         self.shadows.forget()
         self.layers.catcher.forget()
 
+    def cover_as(self, shown: "ModelsOnVideo") -> None:
+        """Covers the marker's sheet by the ground by which `shown` covers it."""
+        self.layers.hidden_marker.shown = shown.layers.hidden_marker
+
     def begin_anew(self) -> None:
         """Forgets what was seen of the video: the next one shows another table by another camera."""
         self.layers.hidden_marker.forget()

@@ -53,8 +53,10 @@ class SceneRenderer:
         self._surface = self._new_surface(size)
 
     def beside(self, preset: RenderPreset, size: Size) -> "SceneRenderer":
-        """Another renderer of the same context, for other pictures."""
-        return SceneRenderer(self._ctx, preset, size, known=self._known)
+        """Another renderer of the same context, for other pictures of what this one shows."""
+        other = SceneRenderer(self._ctx, preset, size, known=self._known)
+        other._models_on_video.cover_as(self._models_on_video)
+        return other
 
     @property
     def size(self) -> Size:

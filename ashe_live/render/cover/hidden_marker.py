@@ -40,11 +40,13 @@ class HiddenMarker:
     """The cover of the marker's sheet, which is made, replaced and adapted to the exposure."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
+        self.shown: HiddenMarker | None = None  # that of the window, for what is recorded or saved beside it
         self._ctx = ctx
         self._texture: moderngl.Texture | None = None
         self._cover: GroundCover | None = None
         self._made_from: tuple[TrackedFrame, Illumination] | None = None
         self._asked_for: tuple[TrackedFrame, Illumination] | None = None
+        self._followed: TrackedFrame | None = None
         self._seen_lit_by: Illumination | None = None
         self._maker: ThreadPoolExecutor | None = None
         self._coming: Future[GroundCover | None] | None = None
@@ -67,9 +69,16 @@ class HiddenMarker:
     def follow(self, tracked: TrackedFrame, illumination: Illumination, at_once: bool) -> None:
         """Takes a cover that is ready, has another made where that is called for, and follows the exposure.
 
-        `at_once`: waits for it, as a picture without a window does; else another thread makes it.
+        `at_once`: waits for it, as a picture without a window does; else another thread makes it. Beside a window that
+        one's covers are taken, whether they fit or not; `at_once` only those that do.
         """
+        self._followed = tracked
         self._take()
+        if self.shown is not None:
+            self._take_shown(self.shown, tracked, illumination, at_once)
+            if not at_once:
+                self._follow_exposure(tracked)
+                return
         steady = self._seen_lit_by is not None and _same_scene(illumination, self._seen_lit_by)
         self._seen_lit_by = illumination
         # While a light eases to another one, each frame has one of its own.
@@ -107,6 +116,20 @@ class HiddenMarker:
         if self._coming is not None and self._coming.done():
             coming, self._coming = self._coming, None
             self._accept(coming.result())
+
+    def _take_shown(
+        self, shown: "HiddenMarker", tracked: TrackedFrame, illumination: Illumination, at_once: bool
+    ) -> None:
+        """Takes the window's cover, or its being without one; `at_once`: only a cover that fits better than its own."""
+        if shown._followed is not tracked:  # the window is minimised
+            shown.follow(tracked, illumination, at_once=False)
+        if at_once and (shown._is_due(tracked, illumination) or not self._is_due(tracked, illumination)):
+            return
+        if shown._cover is None:
+            self.forget()
+        elif shown._cover is not self._cover:
+            self._asked_for = shown._made_from
+            self._accept(shown._cover)
 
     def _accept(self, cover: GroundCover | None) -> None:
         assert self._asked_for is not None

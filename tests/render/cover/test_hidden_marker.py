@@ -303,6 +303,37 @@ def test_ground_of_the_last_source_is_not_laid_into_the_next(make_renderer, stag
     assert _difference(renderer.read_bgr(), second.frame.image_bgr)[within].max() < 3
 
 
+@pytest.mark.parametrize("at_once", [False, True])
+def test_what_is_saved_beside_a_window_is_covered_as_the_window_is(make_renderer, stage, at_once) -> None:
+    """From its first picture on: a recording, whose pictures wait for nothing, and a snapshot."""
+    window, tracked = make_renderer(FAST.render), _view(stage)
+    scene = Scene(tracked, _aside(stage), Illumination(seen_in=tracked), hides_marker=True)
+    window.render(scene)
+    window.switches_at_once = False
+    saved = window.beside(FAST.render, window.size)
+    saved.switches_at_once = at_once
+    saved.render(scene)
+    np.testing.assert_array_equal(saved.read_bgr(), window.read_bgr())
+    window.begin_anew()
+    window.render(scene)
+    saved.render(scene)
+    is_paper = _difference(saved.read_bgr(), tracked.frame.image_bgr)[_on_sheet(tracked, -0.004)].max() < 3
+    assert is_paper == (not at_once)
+    saved.release()
+
+
+def test_a_recording_is_covered_also_while_the_window_draws_nothing(ctx, stage) -> None:
+    window, recorded, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
+    recorded.shown = window
+    recorded.follow(tracked, Illumination(), at_once=False)
+    assert len(recorded.corners) == 0
+    window._coming.result()
+    recorded.follow(replace(tracked), Illumination(), at_once=False)
+    assert len(recorded.corners) == 4
+    for hidden in (recorded, window):
+        hidden.release()
+
+
 def test_a_cover_that_was_given_up_meanwhile_is_not_taken(ctx, stage) -> None:
     hidden = HiddenMarker(ctx)
     tracked = _view(stage)
