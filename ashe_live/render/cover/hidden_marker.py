@@ -5,7 +5,7 @@ anew for another scene or light, and once the camera has come so much nearer, or
 would show. Where pictures do not wait for it, a draft comes before the first.
 """
 
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 
 import cv2
@@ -123,6 +123,10 @@ class HiddenMarker:
         """Takes the window's cover, or its being without one; `at_once`: only a cover that fits better than its own."""
         if shown._followed is not tracked:  # the window is minimised
             shown.follow(tracked, illumination, at_once=False)
+        asked_for = shown._asked_for
+        if at_once and shown._coming and asked_for and _same_scene(illumination, asked_for[1]):
+            wait([shown._coming])  # it is there sooner than another one would be
+            shown._take()
         if at_once and (shown._is_due(tracked, illumination) or not self._is_due(tracked, illumination)):
             return
         if shown._cover is None:

@@ -16,7 +16,8 @@ from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.in_frame import project_distorted
-from ashe_live.render.cover.ground_cover import DRAFT_SIDE_PX, HALF_SIDES, MOST_AROUND, ground_cover
+from ashe_live.render.cover import hidden_marker
+from ashe_live.render.cover.ground_cover import DRAFT_SIDE_PX, HALF_SIDES, MOST_AROUND, GroundCover, ground_cover
 from ashe_live.render.cover.hidden_marker import HiddenMarker, gain_and_slope
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
@@ -320,6 +321,29 @@ def test_what_is_saved_beside_a_window_is_covered_as_the_window_is(make_renderer
     is_paper = _difference(saved.read_bgr(), tracked.frame.image_bgr)[_on_sheet(tracked, -0.004)].max() < 3
     assert is_paper == (not at_once)
     saved.release()
+
+
+def test_a_snapshot_waits_for_the_cover_that_the_window_has_begun(ctx, stage, monkeypatch) -> None:
+    made = []
+
+    def counted(*asked) -> GroundCover | None:
+        made.append(asked)
+        return ground_cover(*asked)
+
+    monkeypatch.setattr(hidden_marker, "ground_cover", counted)
+    window, saved, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
+    saved.shown = window
+    light = Illumination(seen_in=tracked)
+    window.follow(tracked, light, at_once=False)
+    window._coming.result()
+    window.follow(tracked, light, at_once=False)
+    assert not window.is_settled
+    saved.follow(tracked, light, at_once=True)
+    assert window.is_settled
+    assert len(made) == 2  # the draft, and one without haste
+    assert saved._cover is window._cover
+    for hidden in (saved, window):
+        hidden.release()
 
 
 def test_a_recording_is_covered_also_while_the_window_draws_nothing(ctx, stage) -> None:
