@@ -63,6 +63,15 @@ class ModelsOnVideo:
         self.shadows.forget()
         self.layers.catcher.forget()
 
+    def cover_as(self, shown: "ModelsOnVideo") -> None:
+        """Covers the marker's sheet by the ground by which `shown` covers it."""
+        self.layers.hidden_marker.shown = shown.layers.hidden_marker
+
+    def begin_anew(self) -> None:
+        """Forgets what was seen of the video: the next one shows another table by another camera."""
+        self.layers.hidden_marker.forget()
+        self.photometry = Photometry(self._preset)
+
     def draw(self, surface: Surface, models: StandingGroup, scene: Scene, bends: bool, at_once: bool) -> None:
         """Draws onto the video in `surface`; the scene must have a marker.
 

@@ -53,8 +53,10 @@ class SceneRenderer:
         self._surface = self._new_surface(size)
 
     def beside(self, preset: RenderPreset, size: Size) -> "SceneRenderer":
-        """Another renderer of the same context, for other pictures."""
-        return SceneRenderer(self._ctx, preset, size, known=self._known)
+        """Another renderer of the same context, for other pictures of what this one shows."""
+        other = SceneRenderer(self._ctx, preset, size, known=self._known)
+        other._models_on_video.cover_as(self._models_on_video)
+        return other
 
     @property
     def size(self) -> Size:
@@ -104,6 +106,10 @@ class SceneRenderer:
         self._preset = preset
         self._models_on_video.use_preset(preset)
         self.resize(self.size)
+
+    def begin_anew(self) -> None:
+        """Another video follows: nothing of the last one, as the ground over its marker, is drawn into it."""
+        self._models_on_video.begin_anew()
 
     def resize(self, size: Size) -> None:
         """Follows the window's framebuffer; sides of 0 (a minimised window) count as 1."""

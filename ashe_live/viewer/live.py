@@ -217,6 +217,7 @@ class LiveViewer:
         self._pipeline.close(0.0)
         self.followed.begin_anew(opened.pipeline)
         self._take_up(opened.pipeline)
+        self._renderer.begin_anew()
         self._pipeline.track_with(self._quality.now.tracking)
         self._session.begin_anew(Steadiness.of(opened.pipeline.is_photo))
         self._session.take(opened.first, now_s)

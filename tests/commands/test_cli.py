@@ -32,6 +32,8 @@ COMMANDS = (
         (["--quality", "best"], "best"),
         (["fly"], "fly"),
         (["esitmate", "a.jpg"], "did you mean estimate?"),
+        (["films/a.mp4"], "looks like a file: ashe-live play FILE shows it"),
+        (["a.jpg", "--quality", "fast"], "looks like a file: ashe-live play FILE shows it"),
         (["estimate", "a.jpg", "--jsn"], "did you mean --json?"),
         (["play", "a.mp4", "--markersize=0.1"], "did you mean --marker-size?"),
         (["estimate", "a.jpg", "--quality", "acurate"], "did you mean accurate?"),

@@ -221,9 +221,9 @@ class FakeShelf:
     def model(self) -> PlacedModel:
         return MODEL
 
-    def turn_up(self) -> str:
-        self.turned += 1
-        return "z"
+    def turn_up(self, by: int = 1) -> str:
+        self.turned += by
+        return "yzx"[self.turned]
 
     def take_words(self):
         words, self.words = self.words, []
@@ -243,9 +243,13 @@ class FakeRenderer:
     def __init__(self, _context: object = None, _preset: object = None, size: tuple[int, int] = SIZE) -> None:
         self.size = size
         self.scenes = []
+        self.begun_after = []  # the numbers of scenes after which another video began
 
     def render(self, scene) -> None:
         self.scenes.append(scene)
+
+    def begin_anew(self) -> None:
+        self.begun_after.append(len(self.scenes))
 
     def beside(self, preset: object, size: tuple[int, int]) -> "FakeRenderer":
         return FakeRenderer(None, preset, size)

@@ -297,6 +297,16 @@ def test_what_plays_every_frame_names_the_clip_as_it_was_named(stage):
     assert "; every frame: ashe-live play 'my films/table.mp4' --model cube --headless" in stage.session.notice.text
 
 
+def test_a_recording_that_found_no_room_says_that_alone(stage, tmp_path, monkeypatch):
+    monkeypatch.setattr(recording_module, "Recorder", FullDisk)
+    stage.put(0)
+    monkeypatch.setattr(recording_module.Recording, "has_gaps", True)
+    stage.run(Command.RECORD, *[lambda index=index: stage.put(index) for index in range(1, 90)])
+    assert "No space left" in stage.session.notice.text
+    assert "every frame" not in stage.session.notice.text
+    assert len(list(tmp_path.iterdir())) == 1  # the recording, and no file for a command
+
+
 def test_a_graphics_driver_that_fails_ends_it_in_one_line_with_the_recording_finished(stage, tmp_path):
     stage.put(0)
 
@@ -395,6 +405,8 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
     assert stage.session.estimate is None
     assert viewer._pipeline is stage.dropped
     assert stage.dropped.tracking is FAST.tracking
+    (begun,) = stage.renderer.begun_after
+    assert [scene.tracked.frame.index for scene in stage.renderer.scenes[begun - 1 : begun + 1]] == [5, 0]
     assert len(list(tmp_path.glob("*.mp4"))) == 1
     assert "saved" in capfd.readouterr().out
     assert stage.dropped.frames.is_closed  # when the viewer ends

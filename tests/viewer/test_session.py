@@ -708,6 +708,28 @@ def test_a_key_stands_the_model_on_another_side(make):
     assert session.notice.shown(0.0) == "cube: z is up"
 
 
+def test_of_several_changes_the_one_to_another_side_is_undone_in_its_turn(make):
+    session = make()
+    for number, command in enumerate((Command.TURN_MODEL, Command.TURN_UP, Command.TURN_UP, Command.UNDO)):
+        session.handle(Request(command, 1), 10.0 * number)
+    assert session.notice.shown(30.0) == "undone: cube: z is up"
+    assert session.hand.placement.turn_rad != 0
+    for command, said in ((Command.UNDO, "undone: cube: y is up"), (Command.UNDO, "undone: model as before")):
+        session.handle(Request(command), 40.0)
+        assert session.notice.shown(40.0) == said
+    assert session.hand.placement.turn_rad == 0
+
+
+def test_another_model_is_not_stood_on_another_side_by_undoing(make):
+    session = make()
+    session.handle(Request(Command.TURN_UP), 0.0)
+    session.handle(Request(Command.CHOOSE_MODEL, 1), 1.0)
+    session.poll(1.0)
+    session.handle(Request(Command.UNDO), 2.0)
+    assert session.table.shelf.turned == 1
+    assert "nothing was done" in session.notice.shown(2.0)
+
+
 def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
     session = make()
     session.handle(Request(Command.STOP_MOTION), 0.0)

@@ -207,6 +207,9 @@ class CommandParser(argparse.ArgumentParser):
         near = "" if action.choices is None else self._near(str(value), map(str, action.choices))
         if near and value not in (action.choices or ()):
             raise argparse.ArgumentError(action, f"invalid choice: {value!r}{near}")
+        if action.metavar == "COMMAND" and {".", "/", "\\"} & set(str(value)):  # as in no command's name
+            said = f"{value!r} is not one, but looks like a file: ashe-live play FILE shows it"
+            raise argparse.ArgumentError(action, said)
         super()._check_value(action, value)
 
     @staticmethod

@@ -2,10 +2,10 @@
 
 The cover is made once and then only drawn in perspective, its brightness following the camera's exposure. It is made
 anew for another scene or light, and once the camera has come so much nearer, or moved so far around, that the old one
-would show.
+would show. Where pictures do not wait for it, a draft comes before the first.
 """
 
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 
 import cv2
@@ -40,11 +40,13 @@ class HiddenMarker:
     """The cover of the marker's sheet, which is made, replaced and adapted to the exposure."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
+        self.shown: HiddenMarker | None = None  # that of the window, for what is recorded or saved beside it
         self._ctx = ctx
         self._texture: moderngl.Texture | None = None
         self._cover: GroundCover | None = None
         self._made_from: tuple[TrackedFrame, Illumination] | None = None
         self._asked_for: tuple[TrackedFrame, Illumination] | None = None
+        self._followed: TrackedFrame | None = None
         self._seen_lit_by: Illumination | None = None
         self._maker: ThreadPoolExecutor | None = None
         self._coming: Future[GroundCover | None] | None = None
@@ -67,9 +69,16 @@ class HiddenMarker:
     def follow(self, tracked: TrackedFrame, illumination: Illumination, at_once: bool) -> None:
         """Takes a cover that is ready, has another made where that is called for, and follows the exposure.
 
-        `at_once`: waits for it, as a picture without a window does; else another thread makes it.
+        `at_once`: waits for it, as a picture without a window does; else another thread makes it. Beside a window that
+        one's covers are taken, whether they fit or not; `at_once` only those that do.
         """
+        self._followed = tracked
         self._take()
+        if self.shown is not None:
+            self._take_shown(self.shown, tracked, illumination, at_once)
+            if not at_once:
+                self._follow_exposure(tracked)
+                return
         steady = self._seen_lit_by is not None and _same_scene(illumination, self._seen_lit_by)
         self._seen_lit_by = illumination
         # While a light eases to another one, each frame has one of its own.
@@ -79,7 +88,7 @@ class HiddenMarker:
                 self._accept(ground_cover(tracked, illumination))
             else:
                 self._maker = self._maker or ThreadPoolExecutor(1, "ground cover")
-                self._coming = self._maker.submit(ground_cover, tracked, illumination)
+                self._coming = self._maker.submit(ground_cover, tracked, illumination, self._cover is None)
         self._follow_exposure(tracked)
 
     def bind(self, program: moderngl.Program) -> None:
@@ -108,6 +117,24 @@ class HiddenMarker:
             coming, self._coming = self._coming, None
             self._accept(coming.result())
 
+    def _take_shown(
+        self, shown: "HiddenMarker", tracked: TrackedFrame, illumination: Illumination, at_once: bool
+    ) -> None:
+        """Takes the window's cover, or its being without one; `at_once`: only a cover that fits better than its own."""
+        if shown._followed is not tracked:  # the window is minimised
+            shown.follow(tracked, illumination, at_once=False)
+        asked_for = shown._asked_for
+        if at_once and shown._coming and asked_for and _same_scene(illumination, asked_for[1]):
+            wait([shown._coming])  # it is there sooner than another one would be
+            shown._take()
+        if at_once and (shown._is_due(tracked, illumination) or not self._is_due(tracked, illumination)):
+            return
+        if shown._cover is None:
+            self.forget()
+        elif shown._cover is not self._cover:
+            self._asked_for = shown._made_from
+            self._accept(shown._cover)
+
     def _accept(self, cover: GroundCover | None) -> None:
         assert self._asked_for is not None
         if cover is None:
@@ -123,7 +150,7 @@ class HiddenMarker:
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
         if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
             return False
-        if self._made_from is None:
+        if self._made_from is None or self._cover is None or self._cover.is_draft:
             return True
         made_from, lit_by = self._made_from
         was, now = made_from.marker, tracked.marker

@@ -22,6 +22,11 @@ class _State:
 
 
 @dataclass(frozen=True, slots=True)
+class _TurnedUp:
+    take_back: Callable[[], str]
+
+
+@dataclass(frozen=True, slots=True)
 class _OtherTakenUp:
     take_back: Callable[[], str | None]
 
@@ -30,7 +35,7 @@ class Undo:
     """The changes made to light and models by hand; those of a model are forgotten when it is switched."""
 
     def __init__(self) -> None:
-        self._before: deque[_State | _OtherTakenUp | Callable[[], str]] = deque(maxlen=MOST_STEPS)
+        self._before: deque[_State | _TurnedUp | _OtherTakenUp | Callable[[], str]] = deque(maxlen=MOST_STEPS)
         self._last: tuple[Command | None, float] = None, -math.inf
 
     def note(self, hand: Hand, request: Request, now_s: float) -> None:
@@ -47,6 +52,11 @@ class Undo:
         """Keeps that there is one model more, or one fewer; `take_back` ends that, and says so."""
         self._last = None, -math.inf
         self._before.append(take_back)
+
+    def note_turned_up(self, take_back: Callable[[], str]) -> None:
+        """Keeps that the model in the hand stands on another side; `take_back` ends that, and says so."""
+        self._last = None, -math.inf
+        self._before.append(_TurnedUp(take_back))
 
     def note_other_taken_up(self, take_back: Callable[[], str | None]) -> None:
         """Keeps that another model was taken up; all that follow each other are taken back at once.
@@ -69,6 +79,8 @@ class Undo:
                 if (said := last.take_back()) is not None:
                     return said
                 continue
+            if isinstance(last, _TurnedUp):
+                return last.take_back()
             if not isinstance(last, _State):
                 return last()
             changed = {"light": last.light is not hand.light, "model": last.placement != hand.placement}
@@ -84,5 +96,5 @@ class Undo:
     def forget_model(self) -> None:
         """Forgets what was done to the model in the hand since it was put there."""
         self._last = None, -math.inf
-        while self._before and isinstance(self._before[-1], _State):
+        while self._before and isinstance(self._before[-1], _State | _TurnedUp):
             self._before.pop()

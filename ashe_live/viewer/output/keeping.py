@@ -122,7 +122,8 @@ class Keeper:
             recording, self._recording = self._recording, None
             as_shown, self._as_shown = self._as_shown, AsShown()
             said = recording.finish()
-            if self.clip_path is not None and recording.has_gaps:
+            # A full disk, or a folder that has gone, would not take the command's file either.
+            if self.clip_path is not None and recording.failure is None and recording.has_gaps:
                 said += f"; every frame: {self._command(self.clip_path, recording.path, as_shown)}"
             self._tell(said, now_s)
 

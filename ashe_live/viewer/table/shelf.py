@@ -98,11 +98,11 @@ class Shelf:
         self._loading.pop(path, None)
         self._chosen = self.names.index(path)
 
-    def turn_up(self) -> str:
-        """Turns the chosen model onto another of its sides; returns which axis is up then."""
+    def turn_up(self, by: int = 1) -> str:
+        """Turns the chosen model onto another of its sides, `by` on in their order; returns which axis is up then."""
         name = self.chosen_name
         before = self._up_of(name) or (self._shown.model.up if name == self._shown_name else UPS[0])
-        self._ups[name] = up = UPS[(UPS.index(before) + 1) % len(UPS)]
+        self._ups[name] = up = UPS[(UPS.index(before) + by) % len(UPS)]
         if self._memory is not None and name not in model_names():
             self._memory.keep_up(name, up)
         self._loading.pop(name, None)

@@ -117,7 +117,8 @@ class Table:
             case Command.NEXT_MODEL:
                 self.shelf.step(+1)
             case Command.TURN_UP:
-                self._say(f"{self.model_name}: {self.shelf.turn_up()} is up", now_s)
+                self._say(self._turned_up(+1), now_s)
+                self._undo.note_turned_up(lambda: f"undone: {self._turned_up(-1)}")
             case Command.STOP_MOTION:
                 self._stop_motion(now_s)
             case Command.ADD_MODEL | Command.REMOVE_MODEL | Command.NEXT_IN_HAND:
@@ -135,6 +136,10 @@ class Table:
             case _:
                 return False
         return True
+
+    def _turned_up(self, by: int) -> str:
+        """Stands the model in the hand on another side; says which axis is up then."""
+        return f"{self.model_name}: {self.shelf.turn_up(by)} is up"
 
     def _follow_shelf(self, now_s: float, is_quiet: bool = False) -> None:
         if self.arrangement.follow_shelf():

@@ -16,7 +16,8 @@ from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.in_frame import project_distorted
-from ashe_live.render.cover.ground_cover import MOST_AROUND, ground_cover
+from ashe_live.render.cover import hidden_marker
+from ashe_live.render.cover.ground_cover import DRAFT_SIDE_PX, HALF_SIDES, MOST_AROUND, GroundCover, ground_cover
 from ashe_live.render.cover.hidden_marker import HiddenMarker, gain_and_slope
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
@@ -42,12 +43,13 @@ def _view(
     gain: float = 1.0,
     sheen: float = 0.0,
     target: tuple[float, ...] = (0, 0, 0),
+    distance: float = 0.36,
 ):
     """A frame of the ground with a printed sheet on it; `shaded` (points) -> True where a shadow lies.
 
     sheen: how the logarithm of brightness changes along x (1/m).
     """
-    T = stage.pose(-80, 55, 0.36, target=target)
+    T = stage.pose(-80, 55, distance, target=target)
     camera = stage.camera()
     rows, columns = np.mgrid[0:360, 0:480]
     pixels = np.column_stack([columns.ravel(), rows.ravel()]).astype(float)
@@ -248,16 +250,36 @@ def test_the_marker_stays_where_no_ground_is_seen(make_renderer, stage) -> None:
     assert (np.abs(renderer.read_bgr().astype(int) - 200).max(axis=2) > 1).mean() < 0.01
 
 
-def test_another_thread_makes_the_cover_where_pictures_cannot_wait(ctx, stage) -> None:
+def test_another_thread_makes_the_cover_where_pictures_cannot_wait_and_a_draft_first(ctx, stage) -> None:
     hidden = HiddenMarker(ctx)
     tracked = _view(stage)
     hidden.follow(tracked, Illumination(), at_once=False)
-    assert not hidden.is_settled
-    hidden._coming.result()
-    hidden.follow(tracked, Illumination(), at_once=False)
-    assert hidden.is_settled
-    assert len(hidden.corners) == 4
+    sizes = []
+    while not hidden.is_settled:
+        hidden._coming.result()
+        hidden.follow(tracked, Illumination(), at_once=False)
+        assert len(hidden.corners) == 4
+        sizes.append(hidden._texture.size[0])
+    assert sizes == [round(2 * HALF_SIDES * DRAFT_SIDE_PX), len(ground_cover(tracked, Illumination()).image_rgba)]
     hidden.release()
+
+
+def test_what_is_small_in_the_picture_has_no_draft(stage) -> None:
+    tracked = _view(stage, distance=1.0)
+    fine, draft = (ground_cover(tracked, Illumination(), is_draft) for is_draft in (False, True))
+    assert not draft.is_draft
+    np.testing.assert_array_equal(fine.image_rgba, draft.image_rgba)
+
+
+def test_a_draft_covers_the_same_sheet_with_the_same_ground(stage) -> None:
+    tracked = _view(stage, noise=0.7)
+    fine, draft = (ground_cover(tracked, Illumination(), is_draft) for is_draft in (False, True))
+    assert (fine.is_draft, draft.is_draft) == (False, True)
+    np.testing.assert_allclose(draft.extent_m, fine.extent_m, atol=0.03 * SIDE)
+    coarse = cv2.resize(fine.image_rgba, draft.image_rgba.shape[:2], interpolation=cv2.INTER_AREA)
+    both = (coarse[..., 3] == 255) & (draft.image_rgba[..., 3] == 255)
+    pictures = [np.where(both[..., None], each[..., 2::-1], 0).astype(np.uint8) for each in (coarse, draft.image_rgba)]
+    assert _difference(*pictures)[both].mean() < 3
 
 
 def test_another_source_is_covered_by_its_own_ground(make_renderer, stage) -> None:
@@ -268,6 +290,72 @@ def test_another_source_is_covered_by_its_own_ground(make_renderer, stage) -> No
         renderer.render(Scene(tracked, _aside(stage), Illumination(seen_in=tracked), hides_marker=True))
     bare = _view(stage, has_sheet=False, gain=dim)
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
+
+
+def test_ground_of_the_last_source_is_not_laid_into_the_next(make_renderer, stage) -> None:
+    """Where pictures cannot wait for the next cover, the sheet is seen until that is there."""
+    renderer = make_renderer(FAST.render)
+    first, second = _view(stage), _view(stage, gain=0.15)
+    renderer.render(Scene(first, _aside(stage), Illumination(seen_in=first), hides_marker=True))
+    renderer.switches_at_once = False
+    renderer.begin_anew()
+    renderer.render(Scene(second, _aside(stage), Illumination(seen_in=second), hides_marker=True))
+    within = _on_sheet(second, -0.004)
+    assert _difference(renderer.read_bgr(), second.frame.image_bgr)[within].max() < 3
+
+
+@pytest.mark.parametrize("at_once", [False, True])
+def test_what_is_saved_beside_a_window_is_covered_as_the_window_is(make_renderer, stage, at_once) -> None:
+    """From its first picture on: a recording, whose pictures wait for nothing, and a snapshot."""
+    window, tracked = make_renderer(FAST.render), _view(stage)
+    scene = Scene(tracked, _aside(stage), Illumination(seen_in=tracked), hides_marker=True)
+    window.render(scene)
+    window.switches_at_once = False
+    saved = window.beside(FAST.render, window.size)
+    saved.switches_at_once = at_once
+    saved.render(scene)
+    np.testing.assert_array_equal(saved.read_bgr(), window.read_bgr())
+    window.begin_anew()
+    window.render(scene)
+    saved.render(scene)
+    is_paper = _difference(saved.read_bgr(), tracked.frame.image_bgr)[_on_sheet(tracked, -0.004)].max() < 3
+    assert is_paper == (not at_once)
+    saved.release()
+
+
+def test_a_snapshot_waits_for_the_cover_that_the_window_has_begun(ctx, stage, monkeypatch) -> None:
+    made = []
+
+    def counted(*asked) -> GroundCover | None:
+        made.append(asked)
+        return ground_cover(*asked)
+
+    monkeypatch.setattr(hidden_marker, "ground_cover", counted)
+    window, saved, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
+    saved.shown = window
+    light = Illumination(seen_in=tracked)
+    window.follow(tracked, light, at_once=False)
+    window._coming.result()
+    window.follow(tracked, light, at_once=False)
+    assert not window.is_settled
+    saved.follow(tracked, light, at_once=True)
+    assert window.is_settled
+    assert len(made) == 2  # the draft, and one without haste
+    assert saved._cover is window._cover
+    for hidden in (saved, window):
+        hidden.release()
+
+
+def test_a_recording_is_covered_also_while_the_window_draws_nothing(ctx, stage) -> None:
+    window, recorded, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
+    recorded.shown = window
+    recorded.follow(tracked, Illumination(), at_once=False)
+    assert len(recorded.corners) == 0
+    window._coming.result()
+    recorded.follow(replace(tracked), Illumination(), at_once=False)
+    assert len(recorded.corners) == 4
+    for hidden in (recorded, window):
+        hidden.release()
 
 
 def test_a_cover_that_was_given_up_meanwhile_is_not_taken(ctx, stage) -> None:

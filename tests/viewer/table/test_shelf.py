@@ -193,6 +193,7 @@ def test_a_model_stands_on_another_side_when_asked_and_the_next_time_too(tmp_pat
     assert height_over_width(Shelf(name, 0.08, "x", memory)) == pytest.approx(1 / 5)  # a flag holds for this time
     turned = [shelf.turn_up() for _ in UPS]
     assert sorted(turned) == sorted(UPS)
+    assert [shelf.turn_up(-1) for _ in UPS[1:]] == turned[-2::-1]
 
 
 def test_what_should_be_known_of_a_model_is_told_once(tmp_path):
