@@ -24,6 +24,7 @@ FONT_PT = 15
 GAP_PT = 8  # around plates
 MIN_FONT_PX = 6.0
 SMALLER = 0.95
+FINER = 4  # letters are drawn so many times as large and reduced: small ones would stand at whole pixels, unevenly
 PLATE_SRGBA = (12, 14, 18, 175)
 TEXT_SRGBA = (246, 246, 242, 255)
 
@@ -150,16 +151,17 @@ def _font(font_px: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 @lru_cache(maxsize=512)
 def _width(text: str, font_px: float) -> int:
     """In pixels. Kept, as most lines stay when a number in one of them changes."""
-    return round(_font(font_px).getlength(text))
+    return round(_font(FINER * font_px).getlength(text) / FINER)
 
 
 @lru_cache(maxsize=128)
 def _ink(text: str, font_px: float, line: int) -> PillowImage.Image:
     """Coverage of the text's pixels in a row of height `line`, with space for letters that reach out of their width."""
     bleed = _bleed(font_px)
-    ink = PillowImage.new("L", (_width(text, font_px) + 2 * bleed, line))
-    ImageDraw.Draw(ink).text((bleed, 0.5 * line), text, fill=255, font=_font(font_px), anchor="lm")
-    return ink
+    fine = PillowImage.new("L", (FINER * (_width(text, font_px) + 2 * bleed), FINER * line))
+    at = FINER * bleed, 0.5 * FINER * line
+    ImageDraw.Draw(fine).text(at, text, fill=255, font=_font(FINER * font_px), anchor="lm")
+    return fine.reduce(FINER)
 
 
 def _bleed(font_px: float) -> int:
