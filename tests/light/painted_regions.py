@@ -60,7 +60,8 @@ def painted_region(*casters: Caster, lamp_m: tuple[float, ...] | None = None, **
     assert ground is not None
     unlit = unlit_mask(ground, coarse.is_ground, LEAST_PX)
     regions = unlit_regions(fine, unlit, ground, BALANCED.region_px, BALANCED.regions)
-    region = regions[0]
+    # A shadow that leaves the picture may be taken for surroundings as well, in a region before this one.
+    region = next(each for each in regions if each.surroundings is None)
     body, shadow = in_region(region, scene.body), in_region(region, scene.shadow)
     return PaintedRegion(scene, ground, unlit, regions, region, body, shadow, _true_shift(scene, paint(**how)))
 
