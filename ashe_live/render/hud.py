@@ -149,29 +149,29 @@ def _font(font_px: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 
 
 @lru_cache(maxsize=512)
-def _width(text: str, font_px: float) -> int:
-    """In pixels. Kept, as most lines stay when a number in one of them changes."""
+def text_width(text: str, font_px: float) -> int:
+    """The text's width in pixels. Kept, as most lines stay when a number in one of them changes."""
     return round(_font(FINER * font_px).getlength(text) / FINER)
 
 
 @lru_cache(maxsize=128)
-def _ink(text: str, font_px: float, line: int) -> PillowImage.Image:
-    """Coverage of the text's pixels in a row of height `line`, with space for letters that reach out of their width."""
-    bleed = _bleed(font_px)
-    fine = PillowImage.new("L", (FINER * (_width(text, font_px) + 2 * bleed), FINER * line))
+def text_ink(text: str, font_px: float, line: int) -> PillowImage.Image:
+    """(line, width) coverage of the text's pixels, 0 to 255, with `bleed_px` columns more at its left and right."""
+    bleed = bleed_px(font_px)
+    fine = PillowImage.new("L", (FINER * (text_width(text, font_px) + 2 * bleed), FINER * line))
     at = FINER * bleed, 0.5 * FINER * line
     ImageDraw.Draw(fine).text(at, text, fill=255, font=_font(FINER * font_px), anchor="lm")
     return fine.reduce(FINER)
 
 
-def _bleed(font_px: float) -> int:
-    """Pixels by which letters may reach out of their width."""
+def bleed_px(font_px: float) -> int:
+    """Pixels by which letters may reach out of the text's width."""
     return math.ceil(0.5 * font_px)
 
 
 def _column_widths(rows: Rows, font_px: float) -> list[int]:
     columns = max(len(row) for row in rows)
-    return [max(_width(row[at], font_px) for row in rows if at < len(row)) for at in range(columns)]
+    return [max(text_width(row[at], font_px) for row in rows if at < len(row)) for at in range(columns)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +207,7 @@ def rows_plate(rows: Rows, font_px: float) -> Image:
     for number, row in enumerate(rows):
         left = layout.padding
         for cell, column in zip(row, layout.column_widths, strict=False):
-            at = left - _bleed(font_px), layout.padding + number * layout.line
-            draw.bitmap(at, _ink(cell, font_px, layout.line), fill=TEXT_SRGBA)
+            at = left - bleed_px(font_px), layout.padding + number * layout.line
+            draw.bitmap(at, text_ink(cell, font_px, layout.line), fill=TEXT_SRGBA)
             left += column + layout.column_gap
     return np.array(picture, dtype=np.uint8)

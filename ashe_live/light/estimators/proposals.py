@@ -83,6 +83,7 @@ def _within_areas_of_one_colour(
 
     several: what has been tried, of which materials are taken where their shift is the same; with its shadows, (h, w).
     """
+    # Before surroundings all have other ground, so that each area keeps the shift that it has itself.
     known = [materials for materials, _ in several if materials.other_ground is None]
     for area in areas_of_one_colour(region):
         if any(are_like_areas(area, look) for _, look in several):

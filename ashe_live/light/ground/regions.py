@@ -28,7 +28,7 @@ LEAST_CLEAR_PX = 40  # of such a part
 # Log brightness below the median of the lit ground's from which on a pixel may be in shadow: a part without any shows
 # no light. A part counts by its shadows if they are at least this fraction of the largest part's.
 DARKER, LESSER_PART = 0.1, 0.3
-BEFORE = 2  # number of things that are looked at before their surroundings
+BEFORE = 2  # most regions around what stands before surroundings
 # An object that partly looks like lit ground leaves a gap between the rest of it and its shadow. Of so many of the
 # largest areas, pairs are also tried as one, where the gap is at most this fraction of the smaller one's size. The
 # gap's pixels are those whose distances to both add up to less than BULGE times its width.
@@ -108,7 +108,10 @@ def _groups(area: Mask, counted: Mask, fine: View) -> list[tuple[Mask, float]]:
 
 
 def _before_surroundings(group: Mask, ground: LitGround, fine: View) -> list[tuple[Mask, Mask]]:
-    """The largest parts of a group (h, w) beside the surroundings that it holds, each with these."""
+    """What is left of a group (h, w) without its surroundings: the largest parts that stand inside the picture.
+
+    Each with the surroundings (h, w).
+    """
     surroundings = surroundings_in(group, ground)
     if surroundings is None:
         return []
@@ -169,11 +172,11 @@ def region_of(fine: View, area: Mask, ground: LitGround, size_px: int, surroundi
     window = _window((x, y, across, down), view.size[0] / width, view.size[1] / height, view.is_ground.shape)
     colours = ground_colours(view.image_bgr, ground, window)
     cut, shape = view.cut(window), view.is_ground.shape
-    around = None if surroundings is None else _resized(surroundings, shape, window)
-    seen = cut.is_ground if around is None else cut.is_ground & ~around
-    unlit, faint = _unlit(colours, ground, _resized(area, shape, window), seen)
+    beyond = None if surroundings is None else _resized(surroundings, shape, window)
+    before = cut.is_ground if beyond is None else cut.is_ground & ~beyond
+    unlit, faint = _unlit(colours, ground, _resized(area, shape, window), before)
     broad = None if ground.broad is None else _resized(ground.broad.mask, shape, window)
-    return Region(cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint, broad, around)
+    return Region(cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint, broad, beyond)
 
 
 def region_with_on_plane(region: Region, ground: LitGround) -> Region:

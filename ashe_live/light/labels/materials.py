@@ -43,8 +43,8 @@ class Materials:
     contact: Float32  # (h, w) cost of shadow, also where the object hides the sky
     light_lost: Float32  # (h, w) share of the light that the shadow takes which a pixel of ground lacks
     layers: tuple[Float32, ...] = ()  # (h, w) cost of shadow by each of the shifts, if there are two lights
-    # (h, w) no object, but ground of another look: that an object lights, that mirrors one, or that another light does
-    # not reach; None: none.
+    # (h, w) no object, but the region's surroundings, and ground of another look: that an object lights, that mirrors
+    # one, or that another light does not reach; None: none.
     other_ground: Mask | None = None
 
     @property
@@ -67,7 +67,7 @@ def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
 
 
 def with_other_ground(materials: Materials, other: Mask) -> Materials:
-    """The materials if `other` (h, w) is no object but ground, though it looks like neither lit nor shadowed ground.
+    """The materials if `other` (h, w) too is no object, though it looks like neither lit nor shadowed ground.
 
     It may be shadow still, where that costs less.
     """

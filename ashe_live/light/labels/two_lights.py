@@ -95,6 +95,7 @@ def materials_of_two(region: Region, ground: LitGround, first: Materials, second
         np.minimum(np.minimum(first.contact, second.contact), cost_of_both),
         light_lost,
         tuple(layers),
+        region.surroundings,
     )
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.square import PAGE_FOOT_MM
@@ -97,18 +96,18 @@ def _is_page(ends: Float, seen: Mask) -> bool:
     right, _, left, _ = ends
     upright = bool(seen[[0, 2]].all() and abs(right - left) < EVEN)
     large = seen & (ends >= LARGEST_SHEET)
-    is_one = bool(large.any() if upright else (large == seen).all()) or _are_of_a_print(
-        ends[large], np.flatnonzero(large)
-    )
-    return int(np.count_nonzero(seen)) >= SIDES and is_one
+    if np.count_nonzero(seen) < SIDES:
+        return False
+    return bool(large.any() if upright else (large == seen).all()) or _are_of_a_print(ends, large)
 
 
-def _are_of_a_print(ends: Float, sides: NDArray[np.intp]) -> bool:
-    """Whether so many of these ends (n,), on these sides (n,), that they tell width and height are a printed page's."""
+def _are_of_a_print(ends: Float, large: Mask) -> bool:
+    """Whether two of the `large` ends (4,), other than right and left, are in the proportions of a printed page."""
+    (sides,) = np.nonzero(large)
     for shape in _printed_shapes():
-        for end, side in zip(ends, sides, strict=True):
-            fits = np.abs(ends - end * shape[sides] / shape[side]) < PLACED
-            if len(set(shape[sides[fits]].tolist())) >= SIDES:
+        for side in sides:
+            fits = np.abs(ends[sides] - ends[side] * shape[sides] / shape[side]) < PLACED
+            if np.ptp(shape[sides[fits]]) > 0:
                 return True
     return False
 

@@ -5,10 +5,10 @@ from functools import lru_cache
 
 import numpy as np
 from PIL import Image as PillowImage
-from PIL import ImageDraw, ImageFont
+from PIL import ImageDraw
 
 from ashe_live.core.arrays import Image, frozen_view
-from ashe_live.render.hud import PLATE_SRGBA, TEXT_SRGBA
+from ashe_live.render.hud import PLATE_SRGBA, TEXT_SRGBA, bleed_px, text_ink, text_width
 from ashe_live.render.scene import Overlay
 from ashe_live.render.screen import Screen
 
@@ -54,7 +54,7 @@ def bar_at(screen: Screen) -> Bar:
     """The bar's layout at the bottom of the window."""
     (width, bottom), height, gap = screen.size, screen.px(HEIGHT_PT), screen.px(GAP_PT)
     longest = "0:00.0 / 0:00.0   frame 0000   0.25x loop " if _is_wide(screen) else "0:00.0 / 0:00.0 "
-    left = 2 * gap + round(_font(screen.content_scale).getlength(longest))
+    left = 2 * gap + text_width(longest, FONT_PT * screen.content_scale)
     return Bar(screen, height, left, max(left + 1, width - 2 * gap), bottom - height - screen.px(NEAR_PT))
 
 
@@ -125,11 +125,6 @@ def _one_pixel(srgba: tuple[int, int, int, int]) -> Image:
 
 
 @lru_cache(maxsize=2)
-def _font(content_scale: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(FONT_PT * content_scale)
-
-
-@lru_cache(maxsize=2)
 def _knob(diameter: int) -> Image:
     """(h, w, 4) uint8: a disc with smooth edges."""
     side = SUPERSAMPLING * diameter
@@ -143,11 +138,10 @@ def _knob(diameter: int) -> Image:
 
 def _writing(text: str, content_scale: float) -> Image:
     """(h, w, 4) uint8: the text without a background."""
-    font = _font(content_scale)
-    size = max(1, round(font.getlength(text)) + 2), round(1.4 * FONT_PT * content_scale)
-    ink = PillowImage.new("L", size)
-    ImageDraw.Draw(ink).text((0, size[1] / 2), text, fill=255, font=font, anchor="lm")
-    picture = np.empty((size[1], size[0], 4), np.uint8)
+    font_px = FONT_PT * content_scale
+    # It begins where the text does, as nothing reaches far out of digits.
+    ink = np.asarray(text_ink(text, font_px, round(1.4 * font_px)))[:, bleed_px(font_px) :]
+    picture = np.empty((*ink.shape, 4), np.uint8)
     picture[..., :3] = TEXT_SRGBA[:3]
-    picture[..., 3] = np.asarray(ink)
+    picture[..., 3] = ink
     return frozen_view(picture)
