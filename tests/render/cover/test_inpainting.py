@@ -117,6 +117,27 @@ def test_no_dark_thing_that_stands_beside_is_copied() -> None:
     assert _filled(ground)[HOLE].min() > 0.25
 
 
+@pytest.mark.parametrize("factor", [1.8, 0.35])
+def test_a_highlight_or_a_soft_shadow_that_reaches_the_sheet_has_no_edge_there(factor: float) -> None:
+    """Neither is copied, as an object is not; but its light goes on, and does not end where the sheet was."""
+    middle = 1.1 * SIDE_PX
+    light = 1 + (factor - 1) * np.exp(-((X - middle) ** 2 + Y**2) / (2 * (0.45 * SIDE_PX) ** 2))
+    truth = _ground(0.02) * light[..., None].astype(np.float32)
+    found = cv2.GaussianBlur(_filled(truth), (0, 0), 4.0) / cv2.GaussianBlur(truth, (0, 0), 4.0)
+    inside = (np.abs(X - 0.7 * SIDE_PX) < 3) & (np.abs(Y) < 0.3 * SIDE_PX)
+    np.testing.assert_allclose(found[inside].mean(), 1.0, atol=0.06)
+    far = HOLE & (X < 0)
+    np.testing.assert_allclose(found[far].mean(), 1.0, atol=0.06)
+
+
+@pytest.mark.parametrize("brightness", [0.9, 0.05])
+def test_a_thing_beside_the_sheet_sheds_no_light_into_the_hole(brightness: float) -> None:
+    truth = _ground(0.02)
+    truth[(np.abs(X - 1.2 * SIDE_PX) < 0.38 * SIDE_PX) & (np.abs(Y) < 0.4 * SIDE_PX)] = brightness
+    inside = (X > 0.5 * SIDE_PX) & (X < 0.7 * SIDE_PX) & (np.abs(Y) < 0.3 * SIDE_PX)
+    np.testing.assert_allclose(_filled(truth)[inside].mean(), 0.4, atol=0.02)
+
+
 def test_without_a_whole_patch_of_ground_there_is_none() -> None:
     with_sheet = np.full((SIZE, SIZE, 3), PAPER, np.float32)
     nowhere = np.zeros((SIZE, SIZE), bool)
