@@ -16,8 +16,12 @@ RING_SIDES = (0.55, 0.6)  # distances from the marker's middle between which the
 SAME_LOG = 0.35  # largest difference of paper from that ring, in logarithms of linear RGB
 CONVEX = 0.85  # least share of its convex hull that a sheet fills
 # If ground of the colour of paper touches the sheet, each side is sought by itself, along lines that begin within
-# ALONG_SIDES of its middle: paper ends where it differs by OTHER_LOG (a logarithm) over LASTING_SIDES.
-ALONG_SIDES, OTHER_LOG, LASTING_SIDES = 0.45, 0.2, 0.08
+# ALONG_SIDES of its middle: paper ends where it differs by OTHER_LOG (a logarithm) over LASTING_SIDES, along a straight
+# line from which half of the places are less than STRAIGHT_SIDES away, as outlines of things seldom are.
+ALONG_SIDES, OTHER_LOG, LASTING_SIDES, STRAIGHT_SIDES = 0.45, 0.2, 0.08, 0.015
+# If no side is seen, the edge of white paper on a white table is a fine line, or a step of brightness: in the median of
+# the lines FAINT_LOG more than what the paper differs from itself by, over FAINT_SIDES.
+FAINT_LOG, FAINT_SIDES = 0.03, 0.02
 LINE_SIDES = 0.04  # width of printed lines, which part the paper
 EDGE_SIDES = 0.05  # width of a sheet's rim with its curl and the picture's blur
 THROWN_SIDES = 0.22  # reach of a curled sheet's own shadow
@@ -44,7 +48,7 @@ def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
     paper_there = _joined(cv2.morphologyEx(opened, cv2.MORPH_CLOSE, _disc(LINE_SIDES * side_px)) > 0, least)
     sheet = _hull(paper_there)
     if sheet[away > MOST_HALF_SIDES - 2 / side_px].any() or paper_there.sum() < CONVEX * sheet.sum():
-        sheet = least | _rectangle(unlike, side_px)
+        sheet = least | _rectangle(np.where(is_ground, unlike, 0), float(np.median(unlike[ring])), side_px)
     return _with_own_shadow(sheet, lit @ REC709_LUMINANCE.astype(np.float32), is_ground, side_px)
 
 
@@ -64,26 +68,59 @@ def _with_own_shadow(sheet: Mask, brightness: Float32, is_ground: Mask, side_px:
     return grown | (cv2.dilate(thrown.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0)
 
 
-def _rectangle(unlike: Float32, side_px: float) -> Mask:
+def _rectangle(unlike: Float32, of_paper: float, side_px: float) -> Mask:
     """(n, n) the rectangle that ends where most lines outwards leave the paper; empty if none of its sides is seen.
 
-    unlike: (n, n) difference from the paper. A side that is not seen is taken to be as far away as the others.
+    unlike: (n, n) difference from the paper, 0 where no ground is seen; of_paper: the paper's own. A side that is not
+    seen is taken to be as far away as the others.
     """
-    middle, along, lasting = len(unlike) // 2, round(ALONG_SIDES * side_px), max(1, round(LASTING_SIDES * side_px))
-    first, last = (middle + round(sides * side_px) for sides in (RING_SIDES[1], MOST_HALF_SIDES))
-    ends: list[int | None] = []
-    for turns in range(4):  # right, above, left, below
-        across = np.rot90(unlike, -turns)[middle - along : middle + along, first : last + lasting]
-        is_other = sliding_window_view(np.median(across, axis=0) > OTHER_LOG, lasting).all(axis=1)
-        ends.append(first + int(is_other.argmax()) if is_other.any() else None)
+    n = len(unlike)
+    across = [_lines_across(np.rot90(unlike, -turns), side_px) for turns in range(4)]  # right, above, left, below
+    ends = [_clear_end(lines, side_px) for lines in across]
+    if all(end is None for end in ends):
+        ends = [_faint_end(lines, of_paper, side_px) for lines in across]
     known = [end for end in ends if end is not None]
     mask = np.zeros(unlike.shape, np.bool_)
     if known:
-        usual = round(float(np.median(known)))
-        right, above, left, below = (usual if end is None else end for end in ends)
-        n = len(unlike)
+        first, usual = n // 2 + round(RING_SIDES[1] * side_px), round(float(np.median(known)))
+        right, above, left, below = (first + (usual if end is None else end) for end in ends)
         mask[n - above : below, n - left : right] = True
     return mask
+
+
+def _lines_across(unlike: Float32, side_px: float) -> Float32:
+    """(lines, pixels) outwards to the right, from the paper beside the square to as far as a sheet may reach."""
+    middle, along, lasting = len(unlike) // 2, round(ALONG_SIDES * side_px), max(1, round(LASTING_SIDES * side_px))
+    first, last = (middle + round(sides * side_px) for sides in (RING_SIDES[1], MOST_HALF_SIDES))
+    return unlike[middle - along : middle + along, first : last + lasting]
+
+
+def _clear_end(lines: Float32, side_px: float) -> int | None:
+    """Pixels along the lines (k, p) to where the paper ends; None where it does not end on a straight line."""
+    length = max(1, round(LASTING_SIDES * side_px))
+    end = _first_lasting(np.median(lines, axis=0) > OTHER_LOG, length)
+    if end is None:
+        return None
+    lasts = sliding_window_view(lines > OTHER_LOG, length, axis=1).all(axis=2)
+    ended = np.flatnonzero(lasts.any(axis=1))
+    places = np.column_stack([ended, lasts[ended].argmax(axis=1)]).astype(np.float32)
+    along_x, along_y, x, y = cv2.fitLine(places, cv2.DIST_L1, 0, 0.01, 0.01).ravel()
+    away = np.abs((places - (x, y)) @ (-along_y, along_x))
+    return end if np.median(away) < max(1.0, STRAIGHT_SIDES * side_px) else None
+
+
+def _faint_end(lines: Float32, of_paper: float, side_px: float) -> int | None:
+    """As `_clear_end`, where paper and ground are alike: beyond the end begins no other thing."""
+    unlike = np.median(lines, axis=0)
+    end = _first_lasting(unlike > of_paper + FAINT_LOG, max(1, round(FAINT_SIDES * side_px)))
+    beyond = round(LASTING_SIDES * side_px)
+    return end if end is not None and unlike[min(end + beyond, len(unlike) - 1)] < OTHER_LOG else None
+
+
+def _first_lasting(holds: Mask, length: int) -> int | None:
+    """The first of `length` places (p,) one after another at which something holds."""
+    lasts = sliding_window_view(holds, length).all(axis=1)
+    return int(lasts.argmax()) if lasts.any() else None
 
 
 def _joined(mask: Mask, seed: Mask) -> Mask:

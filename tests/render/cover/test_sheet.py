@@ -5,7 +5,7 @@ import pytest
 
 from ashe_live.render.cover.sheet import sheet_mask
 
-SIZE, SIDE_PX = 480, 120.0
+SIZE, SIDE_PX = 600, 120.0
 AXIS = (np.arange(SIZE) + 0.5 - SIZE / 2) / SIDE_PX
 X, Y = np.meshgrid(AXIS, AXIS)
 PAPER = np.maximum(np.abs(X), np.abs(Y)) < 0.68
@@ -52,3 +52,25 @@ def test_a_side_of_the_sheet_that_is_not_seen_is_as_far_as_the_others() -> None:
     mask = sheet_mask(plane, GROUND, SIDE_PX)
     assert mask[PAPER].all()
     assert not mask[beside & (X > 0.68 + 0.12)].any()
+
+
+def test_white_paper_on_a_white_table_is_covered_to_the_fine_lines_that_its_edges_throw() -> None:
+    plane = _plane(0.8)
+    lines = (np.abs(np.maximum(np.abs(X), -Y) - 0.69) < 0.015) & (Y < 0.69)  # left, right and below
+    plane[lines] *= 0.9
+    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    assert mask[PAPER | lines].all()
+    assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 0.69 + 0.12].any()
+
+
+def test_what_ends_far_from_white_paper_on_a_white_table_is_not_its_sheet() -> None:
+    """Neither the picture's border nor a round thing that stands there is the edge of a sheet."""
+    plane = _plane(0.8)
+    seen = X < 1.4
+    plane[~seen] = 0.0
+    thing = np.hypot(X + 1.5, Y) < 0.6
+    plane[thing] = (0.1, 0.4, 0.05)
+    mask = sheet_mask(plane, seen, SIDE_PX)
+    assert mask[np.maximum(np.abs(X), np.abs(Y)) < 0.6].all()
+    assert not mask[thing].any()
+    assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 1.0].any()
