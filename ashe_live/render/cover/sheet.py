@@ -101,7 +101,7 @@ def _clear_end(lines: Float32, side_px: float) -> int | None:
     end = _first_lasting(np.median(lines, axis=0) > OTHER_LOG, length)
     if end is None:
         return None
-    lasts = sliding_window_view(lines > OTHER_LOG, length, axis=1).all(axis=2)
+    lasts = np.asarray(sliding_window_view(lines > OTHER_LOG, length, axis=1).all(axis=2))
     ended = np.flatnonzero(lasts.any(axis=1))
     places = np.column_stack([ended, lasts[ended].argmax(axis=1)]).astype(np.float32)
     along_x, along_y, x, y = cv2.fitLine(places, cv2.DIST_L1, 0, 0.01, 0.01).ravel()
