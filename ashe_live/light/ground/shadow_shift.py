@@ -31,6 +31,8 @@ FINE = 0.6  # width of a mode, in units of that noise, narrow enough to separate
 HUE_DEVIATION = 0.18  # standard deviation of `hue_of` of true shifts
 # No shadow is farther from daylight's hues: what is would be a part of an object of another colour.
 LARGEST_HUE = 0.4
+# Unless so many times as many of a shadow's pixels have a shift of another hue.
+ANY_HUE = 3.0
 MOST_VOTERS = 1500
 LEAST_VOTERS = 25
 
@@ -67,6 +69,20 @@ def shift_within(colours: Float32, ground: LitGround) -> Float | None:
     """
     (shifts,) = voted_for(colours, ground, 1)
     return shifts[0] if shifts else None
+
+
+def shift_of_any_hue(colours: Float32, ground: LitGround, plausible: Float) -> Float | None:
+    """(3,) the mode of the vote of colours (n, 3) near the difference of their mean from the ground's, if that explains
+    ANY_HUE times as many of them as a `plausible` shift (3,).
+
+    Cameras render dark colours more saturated than bright ones, so that on a coloured ground a shadow's hue may be one
+    that no daylight has.
+    """
+    offsets, weights = _votes(colours, ground.palette)
+    start = np.asarray(np.average(offsets, axis=0, weights=weights), np.float64)
+    (found,) = _modes(offsets, weights, start[None], 1.0)
+    of_found, of_plausible = (_support(offsets, weights, each) for each in (found, plausible))
+    return found if of_found > ANY_HUE * of_plausible else None
 
 
 def shift_near(colours: Float32, ground: LitGround, shift: Float) -> Float | None:
@@ -157,6 +173,12 @@ def _peaks(votes: Float, count: int) -> Float:
         peaks.append(peak)
         rest[max(0, i - 2) : i + 3, max(0, j - 2) : j + 3, max(0, k - 2) : k + 3] = 0
     return np.array(peaks, dtype=np.float64).reshape(-1, 3)
+
+
+def _support(offsets: Float32, weights: Float32, shift: Float) -> float:
+    """The votes for a shift (3,), by the kernel of `_modes` of width 1."""
+    away = np.square((offsets - shift) / SHIFT_NOISE).sum(axis=1)
+    return float(weights @ np.exp(-0.5 * away))
 
 
 def _modes(offsets: Float32, weights: Float32, shifts: Float, width: float) -> Float:

@@ -9,7 +9,14 @@ from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shadow_ratio, shadow_shifts, voted_for
+from ashe_live.light.ground.shadow_shift import (
+    SHIFT_NOISE,
+    shadow_ratio,
+    shadow_shifts,
+    shift_of_any_hue,
+    shift_within,
+    voted_for,
+)
 from ashe_live.light.pixels.log_colour import CHROMA_WEIGHT, DARKEST
 from ashe_live.light.pixels.mixtures import Mixture
 from tests.light.painted_regions import painted_region
@@ -92,6 +99,31 @@ def test_shifts_are_different_ones_and_make_darker() -> None:
 def test_no_more_are_told_than_asked_for(count: int) -> None:
     here = painted_region(BOX, ground="striped")
     assert len(shifts_of(here.ground, [here.region.colours[here.region.unlit]], count)) == count
+
+
+def test_a_known_shadow_has_the_hue_that_a_camera_gives_it_on_a_coloured_ground() -> None:
+    """A tone curve with contrast takes more from a colour's darkest channel, as if the sky were of that colour."""
+    lit_rgb = np.array([0.45, 0.25, 0.1])
+    shaded_rgb = lit_rgb * (0.31, 0.18, 0.09)
+    lit, shaded = log_opponent_of(lit_rgb), log_opponent_of(shaded_rgb)
+    ground = ground_of(lit)
+    shadow = scattered(shaded, 300)
+    border = (lit + np.linspace(0, 1, 40)[:, None] * (shaded - lit)).astype(np.float32)
+    colours = np.concatenate([shadow, border])
+    plausible = shift_within(colours, ground)
+    assert plausible is not None
+    found = shift_of_any_hue(colours, ground, plausible)
+    assert found is not None
+    np.testing.assert_allclose(shadow_ratio(ground, found), shaded_rgb / lit_rgb, rtol=0.15)
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_a_shadow_under_daylight_has_no_other_hue(ground: str) -> None:
+    here = painted_region(BOX, ground=ground, noise_levels=0.3)
+    colours = here.region.colours[here.shadow]
+    plausible = shift_within(colours, here.ground)
+    assert plausible is not None
+    assert shift_of_any_hue(colours, here.ground, plausible) is None
 
 
 def test_a_few_pixels_vote_for_nothing() -> None:
