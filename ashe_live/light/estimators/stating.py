@@ -21,7 +21,7 @@ from ashe_live.light.explanation.light_covariance import averaged
 from ashe_live.light.explanation.penumbra import size_of
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb
-from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_of_any_hue, shift_within
+from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_of_known_shadow
 from ashe_live.light.labels.associate import distinct
 from ashe_live.light.lamps.hypotheses import is_held_near
 from ashe_live.light.lamps.kinds import AUTO, SUN
@@ -145,8 +145,5 @@ def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
     if best.materials.lights == 2:
         return best.materials.shifts
     colours = best.region.colours[shadow_core(best.region, best.predicted)]
-    seen = shift_within(colours, ground)
-    if seen is None:
-        return best.materials.shifts
-    other = shift_of_any_hue(colours, ground, seen)
-    return (seen if other is None else other,)
+    seen = shift_of_known_shadow(colours, ground)
+    return best.materials.shifts if seen is None else (seen,)
