@@ -4,10 +4,12 @@ from itertools import combinations
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.masked import blurred_within
 
+Indices = NDArray[np.intp]
 MOST_CONTRASTS = 3.0  # contrast is clipped at this multiple of its median, lest a glint outweighs all ground
 REPEATS = 0.22  # least correlation of the ground with itself, shifted; that of a table of white tiles is 0.4
 LEAST_OVERLAP = 0.15  # least share of the visible ground that overlaps itself when shifted
@@ -35,13 +37,17 @@ def repeated_shifts(structure: Float32, seen: Mask) -> Float:
 
     seen: (m, m) where it is seen.
     """
-    alike = _autocorrelation(structure.astype(np.float64), seen.astype(np.float64))
+    weight = seen.astype(np.float64)
+    overlap = _correlated(weight, weight) / max(weight.sum(), 1)
+    alike = np.where(overlap > LEAST_OVERLAP, _autocorrelation(structure.astype(np.float64), weight), 0.0)
     is_peak = (alike == cv2.dilate(alike, np.ones((2 * APART_PX + 1,) * 2))) & (alike > REPEATS)
     is_peak[[0, -1]] = is_peak[:, [0, -1]] = False
     peaks = np.array([_summit(alike, *each) for each in np.argwhere(is_peak)]).reshape(-1, 2) - len(seen)
     far = np.linalg.norm(peaks, axis=1) > APART_PX
     peaks, strength = peaks[far], alike[is_peak][far]
-    cell = _cell(peaks, strength)
+    # Of a far shift less ground tells, and its neighbours in the lattice, by which a cell is known, lie outside.
+    likeliest = np.argsort(-strength * overlap[is_peak][far])[:MOST_PEAKS]
+    cell = _cell(peaks, strength, likeliest)
     if cell is None:
         return np.zeros((0, 2))
     steps = np.mgrid[-FARTHEST : FARTHEST + 1, -FARTHEST : FARTHEST + 1].reshape(2, -1).T
@@ -50,20 +56,16 @@ def repeated_shifts(structure: Float32, seen: Mask) -> Float:
 
 
 def _autocorrelation(structure: Float, seen: Float) -> Float:
-    """(2 m + 1, 2 m + 1) correlation of the ground with itself, moved by rows and columns from -m to m.
-
-    0 where too little of it lies over itself to tell.
-    """
+    """(2 m + 1, 2 m + 1) correlation of the ground with itself, moved by rows and columns from -m to m."""
     product = sum(_correlated(each, each) for each in np.moveaxis(structure, 2, 0))
     energy = _correlated(np.square(structure).sum(axis=2), seen)
-    alike = 2 * product / np.maximum(energy + energy[::-1, ::-1], 1e-9)
-    return np.asarray(np.where(_correlated(seen, seen) > LEAST_OVERLAP * seen.sum(), alike, 0.0))
+    return np.asarray(2 * product / np.maximum(energy + energy[::-1, ::-1], 1e-9))
 
 
-def _cell(peaks: Float, strength: Float) -> Float | None:
-    """(2, 2) two shifts whose sum and difference are shifts as well; the smallest cell of those that are clear."""
+def _cell(peaks: Float, strength: Float, sought: Indices) -> Float | None:
+    """(2, 2) two of the shifts `sought` whose sum and difference are shifts as well; the smallest clear cell."""
     cells = []
-    for one, other in combinations(np.argsort(-strength)[:MOST_PEAKS], 2):
+    for one, other in combinations(sought, 2):
         a, b = peaks[one], peaks[other]
         area = abs(a[0] * b[1] - a[1] * b[0])
         corners = [_near(peaks, strength, each) for each in (a + b, a - b)]

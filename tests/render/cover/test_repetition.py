@@ -55,6 +55,22 @@ def test_a_pattern_goes_on_in_the_hole(pattern: np.ndarray) -> None:
     assert np.corrcoef(there, wanted)[0, 1] > 0.9
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("period", [52.0, 68.0])
+def test_a_pattern_is_found_among_shadows(period: float, seed: int) -> None:
+    """By chance far shifts may look more alike than near ones, as they are told by little ground."""
+    rng = np.random.default_rng(seed)
+    shade = np.ones((SIZE, SIZE), np.float32)
+    for _ in range(5):
+        middle, axes, turn = rng.uniform(-170, 170, 2), rng.uniform((25, 15), (60, 30)), rng.uniform(0, np.pi)
+        along = (X - middle[0]) * np.cos(turn) + (Y - middle[1]) * np.sin(turn)
+        across = (Y - middle[1]) * np.cos(turn) - (X - middle[0]) * np.sin(turn)
+        shade[np.square(along / axes[0]) + np.square(across / axes[1]) < 1] = 0.4
+    in_picture = (X < 140) & (Y - 0.5 * X < 150)
+    contrast = _contrast(_speckled(_checks(period)) * shade[..., None])
+    assert pattern_of(contrast, ~HOLE & in_picture, HOLE, SIDE_PX) is not None
+
+
 def test_where_tiles_differ_there_is_no_seam_between_those_that_are_copied() -> None:
     clouds = cv2.GaussianBlur(np.random.default_rng(3).normal(size=(SIZE, SIZE)), (0, 0), 9.0)
     period = 45.0
