@@ -19,8 +19,8 @@ CONVEX = 0.85  # least share of its convex hull that a sheet fills
 # ALONG_SIDES of its middle: paper ends where it differs by OTHER_LOG (a logarithm) over LASTING_SIDES, along a straight
 # line from which half of the places are less than STRAIGHT_SIDES away, as outlines of things seldom are.
 ALONG_SIDES, OTHER_LOG, LASTING_SIDES, STRAIGHT_SIDES = 0.45, 0.2, 0.08, 0.015
-# If no side is seen, the edge of white paper on a white table is a fine line, or a step of brightness: in the median of
-# the lines FAINT_LOG more than what the paper differs from itself by, over FAINT_SIDES.
+# If no side is seen, the edge of white paper on a white table is a faint step, over LASTING_SIDES as well, or else a
+# fine line, over FAINT_SIDES: in the median of the lines FAINT_LOG more than what the paper differs from itself by.
 FAINT_LOG, FAINT_SIDES = 0.03, 0.02
 LINE_SIDES = 0.04  # width of printed lines, which part the paper
 EDGE_SIDES = 0.05  # width of a sheet's rim with its curl and the picture's blur
@@ -77,8 +77,9 @@ def _rectangle(unlike: Float32, of_paper: float, side_px: float) -> Mask:
     n = len(unlike)
     across = [_lines_across(np.rot90(unlike, -turns), side_px) for turns in range(4)]  # right, above, left, below
     ends = [_clear_end(lines, side_px) for lines in across]
-    if all(end is None for end in ends):
-        ends = [_faint_end(lines, of_paper, side_px) for lines in across]
+    for length in (LASTING_SIDES, FAINT_SIDES):
+        if all(end is None for end in ends):
+            ends = [_faint_end(lines, of_paper, length, side_px) for lines in across]
     known = [end for end in ends if end is not None]
     mask = np.zeros(unlike.shape, np.bool_)
     if known:
@@ -109,10 +110,10 @@ def _clear_end(lines: Float32, side_px: float) -> int | None:
     return end if np.median(away) < max(1.0, STRAIGHT_SIDES * side_px) else None
 
 
-def _faint_end(lines: Float32, of_paper: float, side_px: float) -> int | None:
+def _faint_end(lines: Float32, of_paper: float, lasting_sides: float, side_px: float) -> int | None:
     """As `_clear_end`, where paper and ground are alike: beyond the end begins no other thing."""
     unlike = np.median(lines, axis=0)
-    end = _first_lasting(unlike > of_paper + FAINT_LOG, max(1, round(FAINT_SIDES * side_px)))
+    end = _first_lasting(unlike > of_paper + FAINT_LOG, max(1, round(lasting_sides * side_px)))
     beyond = round(LASTING_SIDES * side_px)
     return end if end is not None and unlike[min(end + beyond, len(unlike) - 1)] < OTHER_LOG else None
 

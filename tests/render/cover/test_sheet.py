@@ -63,6 +63,16 @@ def test_white_paper_on_a_white_table_is_covered_to_the_fine_lines_that_its_edge
     assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 0.69 + 0.12].any()
 
 
+def test_print_on_white_paper_is_not_the_edge_that_a_slightly_darker_table_shows() -> None:
+    plane = _plane(0.74)
+    page = (np.abs(X) < 1.2) & (np.abs(Y) < 1.7)
+    plane[page & ~PAPER] = 0.8
+    plane[(np.abs(X) < 0.6) & (np.abs(Y + 1.4) < 0.015)] = 0.5
+    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    assert mask[page].all()
+    assert not mask[(np.abs(X) > 1.2 + 0.12) | (np.abs(Y) > 1.7 + 0.12)].any()
+
+
 def test_what_ends_far_from_white_paper_on_a_white_table_is_not_its_sheet() -> None:
     """Neither the picture's border nor a round thing that stands there is the edge of a sheet."""
     plane = _plane(0.8)
