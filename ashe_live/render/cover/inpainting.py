@@ -37,8 +37,8 @@ EDGE_OVER_GRAIN = 5.0  # fine contrast beyond this multiple of its median is an 
 # Objects and their shadows differ from the ground's level by both of these: in roots, and over the median difference.
 OBJECT, OBJECT_OVER_TEXTURE = 0.08, 5.0
 OBJECT_PX = 7  # their least width, in coarse pixels
-# Such an area has no outline, but is a highlight or a soft shadow, if along its rim the brightness changes within three
-# coarse pixels by less than this share (median) of what it differs by from the ground; at an outline it changes by all.
+# A brighter one has no outline, and is a highlight, if along its rim the brightness changes within three coarse pixels
+# by less than this share (median) of what it differs by from the ground; at an outline it changes by all.
 FADES = 0.7
 MOST_OBJECTS = 0.25  # largest share of the ground that they are: what is more is a pattern of it
 FIELD = 128  # cells a side of the grid in which the difference at the border is spread
@@ -79,7 +79,7 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     if pattern is None:
         texture = _with_grain_of(plainer, plain, texture, to_fill, side_px)
     texture = np.asarray(texture * on_line + lines, np.float32)
-    shaded = trusted | ground.fading
+    shaded = trusted | ground.highlights
     found = np.square(np.maximum(texture + _spread_difference(roots, texture, shaded, to_fill, side_px), 0))
     return np.asarray(np.where(to_fill[..., None], found, lit), np.float32)
 
@@ -89,7 +89,7 @@ class _Ground:
     """Where a picture (n, n) shows ground rather than objects; coarse (m, m), also what is to be filled."""
 
     trusted: Mask  # (n, n)
-    fading: Mask  # (n, n) highlights and soft shadows: their light goes on into the hole, but they are not copied
+    highlights: Mask  # (n, n) their light goes on into the hole, but they are not copied
     unknown: Mask  # (m, m) to be filled
     known: Mask  # (m, m) like the ground around that, and no object
     sources: Mask  # (m, m) middles of patches of it
@@ -98,15 +98,15 @@ class _Ground:
     def around(to_fill: Mask, may_be_ground: Mask, roots: Float32, side_px: float) -> "_Ground":
         n = len(to_fill)
         m = max(PATCH + 2, round(n * COARSE_SIDE_PX / side_px))
-        unknown, known = reduced(to_fill, m) > HOLE_FROM, reduced(may_be_ground, m) > KNOWN_FROM
+        unknown, shown = reduced(to_fill, m) > HOLE_FROM, reduced(may_be_ground, m) > KNOWN_FROM
         coarse = reduced(roots, m)
-        known &= _like_the_ground_around(coarse, known, unknown)
-        objects, fading = _objects_and_fading(coarse, known)
-        known &= ~(objects | fading)
+        known = shown & _like_the_ground_around(coarse, shown, unknown)
+        objects, highlights = _objects_and_highlights(coarse, known, shown)
+        known &= ~(objects | highlights)
         sources = cv2.erode(known.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
-        of_objects, of_light = (reduced(each, n) > 0.5 for each in (objects, fading))
-        shown = may_be_ground & ~of_objects
-        return _Ground(shown & ~of_light, shown & of_light, unknown, known, sources)
+        standing, bright = (reduced(each, n) > 0.5 for each in (objects, highlights))
+        bare = may_be_ground & ~standing
+        return _Ground(bare & ~bright, bare & bright, unknown, known, sources)
 
 
 def _copied(plainer: Float32, predicted: Mask, shading: Float32, ground: _Ground) -> CopiedPatches:
@@ -181,12 +181,12 @@ def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask
     return np.asarray(alike & ((hues > low - UNLIKE_HUE) & (hues < high + UNLIKE_HUE)).all(axis=2))
 
 
-def _objects_and_fading(coarse: Float32, ground: Mask) -> tuple[Mask, Mask]:
+def _objects_and_highlights(coarse: Float32, ground: Mask, shown: Mask) -> tuple[Mask, Mask]:
     """(m, m) each, of wide areas much darker or brighter than the ground (m, m) around them: objects and their shadows;
-    and highlights and soft shadows, which have no outline.
+    and highlights, as glossy ground has, which have no outline.
 
     Joints and cracks are narrow. If such areas are more than MOST_OBJECTS, they are a pattern of the ground. coarse:
-    (m, m, 3) roots.
+    (m, m, 3) roots. shown: (m, m) what the picture shows there, of ground and things.
     """
     plain, apart = ground.copy(), np.zeros(ground.shape, np.float32)
     for _ in range(2):  # first with them, then without
@@ -196,26 +196,26 @@ def _objects_and_fading(coarse: Float32, ground: Mask) -> tuple[Mask, Mask]:
         plain = ground & (np.abs(apart) < max(OBJECT, OBJECT_OVER_TEXTURE * texture))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (OBJECT_PX, OBJECT_PX))
     wide = cv2.morphologyEx((ground & ~plain).astype(np.uint8), cv2.MORPH_OPEN, disc)
-    objects, fading = np.zeros_like(ground), np.zeros_like(ground)
+    objects, highlights = np.zeros_like(ground), np.zeros_like(ground)
     count, areas = cv2.connectedComponents(wide)
     for area in (areas == number for number in range(1, count)):
-        kind = fading if _has_no_outline(area, apart, ground) else objects
+        kind = highlights if _is_highlight(area, apart, shown) else objects
         kind |= cv2.dilate(area.astype(np.uint8), disc) > 0
-    if ((objects | fading) & ground).sum() >= MOST_OBJECTS * ground.sum():
+    if ((objects | highlights) & ground).sum() >= MOST_OBJECTS * ground.sum():
         return np.zeros_like(ground), np.zeros_like(ground)
-    return objects, fading
+    return objects, highlights
 
 
-def _has_no_outline(area: Mask, apart: Float32, ground: Mask) -> bool:
-    """Whether an area (m, m) fades into the ground around it, as far as that is seen.
+def _is_highlight(area: Mask, apart: Float32, shown: Mask) -> bool:
+    """Whether an area (m, m) is brighter than what is `shown` (m, m) around it, and fades into that.
 
     apart: (m, m) difference from the ground's level, roots.
     """
     window = np.ones((3, 3), np.uint8)
     across = cv2.dilate(apart, window) - cv2.erode(apart, window)
-    is_seen = cv2.erode(ground.astype(np.uint8), window, borderValue=0) > 0
+    is_seen = cv2.erode(shown.astype(np.uint8), window, borderValue=0) > 0
     rim = (cv2.morphologyEx(area.astype(np.uint8), cv2.MORPH_GRADIENT, window) > 0) & is_seen
-    return bool(rim.any()) and float(np.median(across[rim])) < FADES * abs(float(np.median(apart[area])))
+    return bool(rim.any()) and float(np.median(across[rim])) < FADES * float(np.median(apart[area]))
 
 
 def _with_grain_of(detail: Float32, plain: Mask, texture: Float32, hole: Mask, side_px: float) -> Float32:

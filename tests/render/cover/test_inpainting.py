@@ -117,11 +117,10 @@ def test_no_dark_thing_that_stands_beside_is_copied() -> None:
     assert _filled(ground)[HOLE].min() > 0.25
 
 
-@pytest.mark.parametrize("factor", [1.8, 0.35])
-def test_a_highlight_or_a_soft_shadow_that_reaches_the_sheet_has_no_edge_there(factor: float) -> None:
-    """Neither is copied, as an object is not; but its light goes on, and does not end where the sheet was."""
+def test_a_highlight_that_reaches_the_sheet_has_no_edge_there() -> None:
+    """It is not copied, as an object is not; but its light goes on, and does not end where the sheet was."""
     middle = 1.1 * SIDE_PX
-    light = 1 + (factor - 1) * np.exp(-((X - middle) ** 2 + Y**2) / (2 * (0.45 * SIDE_PX) ** 2))
+    light = 1 + 0.8 * np.exp(-((X - middle) ** 2 + Y**2) / (2 * (0.45 * SIDE_PX) ** 2))
     truth = _ground(0.02) * light[..., None].astype(np.float32)
     found = cv2.GaussianBlur(_filled(truth), (0, 0), 4.0) / cv2.GaussianBlur(truth, (0, 0), 4.0)
     inside = (np.abs(X - 0.7 * SIDE_PX) < 3) & (np.abs(Y) < 0.3 * SIDE_PX)
