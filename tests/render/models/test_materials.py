@@ -407,6 +407,22 @@ def test_blended_surface_shows_what_is_behind_it_and_its_shadow_is_as_light(make
     np.testing.assert_allclose(shadows, (0.0, 0.25, 0.5, 0.75, 1.0), atol=0.08)
 
 
+@pytest.mark.parametrize("alpha", [Alpha.BLEND, Alpha.CUT_OUT])
+def test_the_shadow_is_as_light_as_the_alpha_of_vertices_makes_the_surface(make_renderer, stage, alpha: Alpha) -> None:
+    """From nothing at -x to all at +x: a blended shadow fades likewise, that of a cut-out ends in the middle."""
+    studio = _Studio(make_renderer, stage, "accurate", elevation_deg=70)
+    colours = np.float32([(1, 1, 1, x > 0) for x, *_ in CORNERS])
+    lifted = replace(
+        _sheet(Material(alpha=alpha), colours=colours), vertices=CORNERS + np.float32((0, 0, 0.02)), uvs=None
+    )
+    picture = studio.picture(lifted, stage.light(90, 45, (0.2, 0.2, 0.2)))  # shadows fall 0.03 towards -y
+    ground = float(linear_from_srgb(100 / 255))
+    for x in (-0.025, -0.015, 0.015, 0.025):
+        patch = [studio.at(picture, (x + dx, -0.045 + dy, 0)).mean() for dx in (-2e-3, 0, 2e-3) for dy in (-2e-3, 2e-3)]
+        share = x / 0.06 + 0.5 if alpha is Alpha.BLEND else float(x > 0)
+        assert (1 - np.mean(patch) / ground) / 0.8 == pytest.approx(share, abs=0.1)
+
+
 def test_the_shadow_of_a_ball_of_glass_is_darkest_at_its_rim(make_renderer, stage) -> None:
     """Glass mirrors 0.04 of the light that falls straight on it, and all that grazes it (Fresnel)."""
     studio = _Studio(make_renderer, stage, "accurate", elevation_deg=70)
