@@ -133,6 +133,8 @@ class _Reader:
             uvs=uvs[0] if uvs else None,
             more_uvs=uvs[1] if len(uvs) > 1 else None,
             colours=attributes.colours(),
+            # "When normals are not specified, client implementations MUST calculate flat normals" (3.7.2.1).
+            is_flat="NORMAL" not in attributes,
         )
 
     def _unpacked(self, primitive: Json) -> DracoPrimitive | None:

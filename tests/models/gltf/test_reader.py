@@ -160,6 +160,21 @@ def test_vertex_colours_without_alpha_are_opaque(tmp_path: Path) -> None:
     np.testing.assert_allclose(part.colours, [(0.1, 0.2, 0.3, 1)] * 4, atol=1e-6)
 
 
+def test_without_normals_every_triangle_is_a_plane(tmp_path: Path) -> None:
+    """glTF 2.0, 3.7.2.1. Both sides of the ridge lean by 10 degrees, which in other formats is smooth."""
+    height = np.tan(np.radians(10))
+    ridge = np.float32([(-1, 0, 0), (0, height, -1), (0, height, 1), (1, 0, 0)])
+    document = Document()
+    document.quad()
+    places, faces = document.accessor(ridge), document.accessor(np.uint16([0, 2, 1, 1, 2, 3]))
+    document.json["meshes"] = [{"primitives": [{"attributes": {"POSITION": places}, "indices": faces}]}]
+    (part,) = load_model_file(document.save(tmp_path / "ridge.glb")).parts
+    leaning = np.sin(np.radians(10))
+    seen = part.normals[part.triangles]
+    np.testing.assert_allclose(seen[:, :, 0], [[-leaning] * 3, [leaning] * 3], atol=1e-6)
+    np.testing.assert_allclose(seen[:, :, 2], np.cos(np.radians(10)), atol=1e-6)
+
+
 def test_nodes_are_placed_turned_and_scaled_one_within_another(tmp_path: Path) -> None:
     document = Document()
     document.quad(node={"scale": [2, 3, 1], "rotation": [0, 0, np.sqrt(0.5), np.sqrt(0.5)]})
