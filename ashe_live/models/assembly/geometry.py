@@ -53,15 +53,16 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
     if moved is None:
         return None
     vertices, triangles = moved
+    # A single-sided surface keeps its side: hulls that outline a figure, and rooms, face inwards.
+    may_be_turned = raw.material.double_sided
     attributes = _attributes(raw)
     normals = _file_normals(raw, T)
     source: NDArray[np.integer] = np.arange(len(vertices))
     motion_normals = None if raw.motion is None else raw.motion.normals
-    # The side of a single-sided surface is what its file says: hulls that outline a figure, and rooms, face inwards.
-    may_be_turned = raw.material.double_sided
     if normals is None:
         motion_normals = None
-        if may_be_turned and is_inside_out(vertices, triangles):
+        faces_inwards = is_inside_out(vertices, triangles)
+        if faces_inwards and may_be_turned:
             triangles = triangles[:, ::-1]
         normals = (flat_normals if raw.is_flat else corner_normals)(vertices, triangles)
         each = triangles.ravel()
@@ -71,7 +72,8 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         attributes = {name: values[each[kept]] for name, values in attributes.items()}
     else:
         triangles = _wound_like_normals(vertices, triangles, normals)
-        if may_be_turned and is_inside_out(vertices, triangles):
+        faces_inwards = is_inside_out(vertices, triangles)
+        if faces_inwards and may_be_turned:
             triangles, normals = triangles[:, ::-1], -normals
             motion_normals = None if motion_normals is None else -motion_normals
     motion = None
@@ -86,6 +88,7 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         material=raw.material if "uvs" in attributes else raw.material.without_maps(),
         more_uvs=attributes.get("more_uvs"),
         motion=motion,
+        faces_inwards=faces_inwards and not may_be_turned,
     )
 
 

@@ -214,7 +214,10 @@ class GpuModel:
                 base_alpha=material.base_colour[3],
                 alpha_cutoff=material.alpha_cutoff,
             )
+            if part.mesh.faces_inwards:
+                self._ctx.enable(moderngl.CULL_FACE)
             part.draw(program)
+            self._ctx.disable(moderngl.CULL_FACE)
 
     def release(self) -> None:
         for part in self.parts:

@@ -384,6 +384,22 @@ def test_a_part_that_lies_close_on_another_has_a_smooth_edge(make_renderer, stag
     assert np.sqrt(np.square((seen - true)[on_edge]).mean()) < 0.18  # 0.29 where a pixel has one of the two
 
 
+def test_light_comes_through_a_hull_where_it_is_not_seen(make_renderer, stage) -> None:
+    """As black hulls outline figures: single-sided, a little larger, and facing inwards. The shadow is the hull's."""
+    studio = _Studio(make_renderer, stage)
+    light = stage.light(-90, 50, (0.2, 0.2, 0.2))
+    ball, larger = _ball(Material(roughness=1.0)), _ball(Material(double_sided=False, roughness=1.0), 0.033)
+    hull = replace(larger, triangles=larger.triangles[:, ::-1], normals=-larger.normals, faces_inwards=True)
+    pictures = []
+    for parts in ((ball,), (ball, hull)):
+        placed = stage.placed(*parts)
+        studio.renderer.render(Scene(studio.tracked, placed, Illumination((light,), seen_in=studio.tracked)))
+        pictures.append(studio.renderer.read_bgr()[..., ::-1])
+    for place in ((0, -0.02, 0.052), (0, 0, 0.06)):
+        bare, within = (studio.at(picture, place) for picture in pictures)
+        np.testing.assert_allclose(within, bare, rtol=0.1)
+
+
 def test_alpha_is_ignored_by_what_is_opaque(studio) -> None:
     see_through = _texels(255, 255, 255, 0)
     np.testing.assert_allclose(studio.middle(_sheet(Material(base_map=see_through))) / ASSUMED_WHITE, 1.0, atol=0.01)
