@@ -74,8 +74,9 @@ def text_of(content: bytes) -> str:
         return content.decode("latin-1")
 
 
-def read_mtl(model: Path, content: bytes, texels: Callable[[str], Image], notes: Notes) -> dict[str, Material]:
-    """Materials of the file `model` by their names. `texels` gives a picture's (h, w, 4) uint8 by its file's name.
+def read_mtl(model: Path, content: bytes, texels: Callable[[str], Image | None], notes: Notes) -> dict[str, Material]:
+    """Materials of the file `model` by their names. `texels` gives a picture's (h, w, 4) uint8 by its file's name, None
+    where there is none.
 
     Raises UserError for more materials than the limit, MalformedError for a line that is no MTL.
     """
@@ -174,7 +175,7 @@ def _is_name(word: str) -> bool:
     return False
 
 
-def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool) -> Material:
+def _material(one: _Described, texels: Callable[[str], Image | None], is_blenders: bool) -> Material:
     opacity = min(max(one.opacity, 0.0), 1.0)
     colours = np.clip([one.diffuse or (0.8, 0.8, 0.8), one.emission], 0, 1)
     (red, green, blue), (glow_red, glow_green, glow_blue) = (
@@ -190,10 +191,14 @@ def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool
         roughness=float(np.clip(roughness, 0, 1)),
         alpha=Alpha.BLEND if opacity < 1 else Alpha.OPAQUE,
     )
-    if one.picture is not None:
+    if one.picture is None:
+        return plain
+    base_map = texels(one.picture)
+    if base_map is not None:
         plain = replace(plain, layouts={"base_map": one.layout})
-        return pictured(plain, texels(one.picture), None if one.cut_out is None else texels(one.cut_out))
-    return plain
+        return pictured(plain, base_map, None if one.cut_out is None else texels(one.cut_out))
+    # Some programs write black beside a picture.
+    return plain if red + green + blue > 0 else replace(plain, base_colour=(*UNKNOWN.base_colour[:3], opacity))
 
 
 def _roughness(shininess: float, is_blenders: bool) -> float:

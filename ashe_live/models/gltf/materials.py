@@ -44,7 +44,7 @@ class Materials:
         self._arrays = arrays
         self._folder = folder
         self._notes = notes
-        self._pictures = Pictures(folder.model)
+        self._pictures = Pictures(folder, notes)
         self._filled_pictures: dict[int, Image] = {}
         self._made: dict[tuple[int, frozenset[int]], tuple[Material, tuple[int, ...]]] = {}
 
@@ -103,9 +103,11 @@ class Materials:
     def _metallic_roughness(self, given: Json, maps: Maps) -> dict[str, Any]:
         self._add(maps, "base_map", "baseColorTexture", given.get("baseColorTexture", {}))
         self._add(maps, "metallic_roughness_map", "metallicRoughnessTexture", given.get("metallicRoughnessTexture", {}))
+        # Without its map all of the surface would be metal.
+        is_lost = "metallicRoughnessTexture" in given and "metallic_roughness_map" not in maps.texels | maps.unplaced
         return {
             "base_colour": tuple(given.get("baseColorFactor", WHITE)),
-            "metallic": given.get("metallicFactor", 1.0),
+            "metallic": 0.0 if is_lost else given.get("metallicFactor", 1.0),
             "roughness": given.get("roughnessFactor", 1.0),
         }
 
@@ -199,6 +201,9 @@ class Materials:
             if not basis.is_readable():
                 self._notes.add(basis.LEFT_OUT)
                 return None
+        uri = self._header["images"][source].get("uri", "data:")
+        if not uri.startswith("data:"):
+            return self._pictures.named(uri, name)
         return self._pictures.texels(source, lambda: self._image(source, name), name)
 
     def _image(self, source: int, name: str) -> bytes:

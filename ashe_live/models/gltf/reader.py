@@ -27,11 +27,10 @@ from ashe_live.models.gltf.schema import checked
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.limits import check_gltf
-from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.notes import NAME_CHARACTERS, Notes
 from ashe_live.process.messages import printable
 
 DRACO = "KHR_draco_mesh_compression"
-NAME_CHARACTERS = 60
 SUPPORTED = {
     DRACO,
     "EXT_meshopt_compression",

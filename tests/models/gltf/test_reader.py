@@ -86,19 +86,41 @@ def test_no_texture_comes_from_outside_the_folder(tmp_path: Path, uri: str) -> N
     document = Document()
     texture = document.texture({"uri": uri})
     document.quad(material={"pbrMetallicRoughness": {"baseColorTexture": texture}}, TEXCOORD_0=document.accessor(UVS))
-    with pytest.raises(UserError, match="outside its own folder"):
-        load_model_file(document.save(tmp_path / "model" / "quad.glb"))
+    model = load_model_file(document.save(tmp_path / "model" / "quad.glb"))
+    assert not model.parts[0].material.maps
+    assert model.notes == (f"its picture {uri} is not beside it, and is left out",)
 
 
-@pytest.mark.parametrize("image", [{"uri": "missing.png"}, {"uri": "data:image/png;base64,AAAA"}])
-def test_texture_that_cannot_be_read_is_said(tmp_path: Path, image: dict) -> None:
+def test_texture_that_cannot_be_read_is_said(tmp_path: Path) -> None:
+    document = Document()
+    texture = document.texture({"uri": "data:image/png;base64,AAAA"})
+    document.quad(material={"pbrMetallicRoughness": {"baseColorTexture": texture}}, TEXCOORD_0=document.accessor(UVS))
+    with pytest.raises(UserError, match=r"baseColorTexture cannot be read"):
+        load_model_file(document.save(tmp_path / "quad.glb"))
+
+
+def test_without_its_pictures_a_model_is_drawn_by_its_factors(tmp_path: Path) -> None:
+    """But neither glows all over, nor is metal all over, as the factors beside these maps are 1 by rule."""
     document = Document()
     document.quad(
-        material={"pbrMetallicRoughness": {"baseColorTexture": document.texture(image)}},
+        material={
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [0.5, 0.25, 0.125, 1],
+                "baseColorTexture": document.texture({"uri": "colour.png"}),
+                "metallicRoughnessTexture": document.texture({"uri": "metal.png"}),
+            },
+            "emissiveTexture": document.texture({"uri": "glow.png"}),
+            "emissiveFactor": [1, 1, 1],
+        },
         TEXCOORD_0=document.accessor(UVS),
     )
-    with pytest.raises(UserError, match=r"baseColorTexture cannot be read|names missing\.png, which is missing"):
-        load_model_file(document.save(tmp_path / "quad.glb"))
+    model = load_model_file(document.save(tmp_path / "quad.glb"))
+    material = model.parts[0].material
+    assert material.base_colour == (0.5, 0.25, 0.125, 1)
+    assert (material.metallic, material.emissive, material.maps) == (0, (0, 0, 0), {})
+    assert model.notes == tuple(
+        f"its picture {name}.png is not beside it, and is left out" for name in ("colour", "metal", "glow")
+    )
 
 
 def test_truncated_picture_is_said(tmp_path: Path) -> None:
