@@ -127,6 +127,21 @@ def test_normal_map_tilts_the_surface_as_a_tilted_normal_does(studio, stage, til
     assert np.abs(mapped - studio.middle(_sheet(Material()), light)).max() > 0.02
 
 
+@pytest.mark.parametrize("stretch", [(4.0, 1.0), (1.0, 4.0), (-3.0, 1.0)])
+@pytest.mark.parametrize("tilt", [(0.5, 0.0), (0.0, 0.5)])
+def test_a_stretched_normal_map_tilts_the_surface_as_much(
+    studio, stage, tilt: tuple[float, float], stretch: tuple[float, float]
+) -> None:
+    """Its x and y are of tangent space, in which both axes are unit vectors: glTF 2.0, 3.7.2.1 and MikkTSpace."""
+    light = stage.light(30, 40, (0.1, 0.1, 0.1))
+    normal = np.array([*tilt, 1.0]) / np.linalg.norm([*tilt, 1.0])
+    red, green, blue = np.round(normal * 127 + 128).astype(int)
+    sheet = _sheet(Material(normal_map=_texels(red, green, blue, 255)))
+    mapped = studio.middle(replace(sheet, uvs=UVS * np.float32(stretch)), light)
+    tilted = studio.middle(_sheet(Material(), tuple(normal * (math.copysign(1, stretch[0]), 1, 1))), light)
+    np.testing.assert_allclose(mapped, tilted, atol=0.015)
+
+
 @pytest.mark.parametrize(("quality", "elevation_deg", "tilt_deg"), in_turns([(10, 72), (20, 72), (40, 49), (55, 30)]))
 def test_a_mapped_normal_that_faces_the_sun_leaves_a_flat_surface_unshaded(
     make_renderer, stage, quality: str, elevation_deg: float, tilt_deg: float
@@ -437,6 +452,17 @@ def test_the_shadow_is_as_light_as_the_alpha_of_vertices_makes_the_surface(make_
         patch = [studio.at(picture, (x + dx, -0.045 + dy, 0)).mean() for dx in (-2e-3, 0, 2e-3) for dy in (-2e-3, 2e-3)]
         share = x / 0.06 + 0.5 if alpha is Alpha.BLEND else float(x > 0)
         assert (1 - np.mean(patch) / ground) / 0.8 == pytest.approx(share, abs=0.1)
+
+
+def test_where_a_blended_surface_is_cut_away_it_mirrors_nothing(make_renderer, stage) -> None:
+    """Pictures of leaves, hair and signs are such holes for the most part; no pane is to be seen around them."""
+    studio = _Studio(make_renderer, stage, elevation_deg=20)
+    ground = float(linear_from_srgb(100 / 255))
+    for alpha, mirrors in ((0, False), (26, True)):
+        material = Material(base_map=_texels(255, 255, 255, alpha), roughness=0.1, alpha=Alpha.BLEND)
+        seen = studio.middle(_sheet(material), stage.light(90, 30, (0.3, 0.3, 0.3)))
+        assert (np.abs(seen - ground) > 0.05).all() == mirrors
+        assert (np.abs(seen - ground) < 0.01).all() != mirrors
 
 
 def test_the_shadow_of_a_ball_of_glass_is_darkest_at_its_rim(make_renderer, stage) -> None:
