@@ -197,6 +197,16 @@ def test_without_normals_every_triangle_is_a_plane(tmp_path: Path) -> None:
     np.testing.assert_allclose(seen[:, :, 2], np.cos(np.radians(10)), atol=1e-6)
 
 
+def test_without_scenes_every_node_is_drawn_once(tmp_path: Path) -> None:
+    document = Document()
+    document.quad({"translation": [3, 0, 0]})
+    document.json["nodes"].append({"children": [0], "translation": [0, 2, 0]})
+    del document.json["scenes"], document.json["scene"]
+    model = load_model_file(document.save(tmp_path / "library.glb"))
+    assert model.triangle_count == 2
+    np.testing.assert_allclose(model.bounds, [(3, 0, 2), (4, 0, 3)], atol=1e-6)
+
+
 def test_nodes_are_placed_turned_and_scaled_one_within_another(tmp_path: Path) -> None:
     document = Document()
     document.quad(node={"scale": [2, 3, 1], "rotation": [0, 0, np.sqrt(0.5), np.sqrt(0.5)]})
