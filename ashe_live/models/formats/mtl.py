@@ -213,8 +213,10 @@ def _roughness(shininess: float, is_blenders: bool) -> float:
 
 def pictured(plain: Material, base_map: Image, cut_out: Image | None = None) -> Material:
     """`plain` with a picture in the place of its colour; `cut_out`'s red is its alpha, where it is of the same size."""
+    if cut_out is not None and np.array_equal(cut_out, base_map):
+        cut_out = None  # its alpha is meant, which the picture has already
     if cut_out is not None and cut_out.shape == base_map.shape and base_map[..., 3].min() == 255:
-        # A mask that is one picture with the colours would be given with alpha, and its red is no mask.
+        # Of a picture with alpha that is the mask, and its red is none.
         has_alpha = cut_out[..., 3].min() < 255
         base_map = np.dstack([base_map[..., :3], cut_out[..., 3] if has_alpha else cut_out[..., 0]])
     has_holes = base_map[..., 3].min() < 255
