@@ -135,6 +135,13 @@ def _halved(values: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(even.reshape((height + 1) // 2, 2, (width + 1) // 2, 2, channels).sum(axis=(1, 3)))
 
 
+def cleared(colours: Image | None, mask: Image, share: float) -> Image:
+    """(h, w, 4) uint8 of the colours' size, white without any, whose alpha is less by `share` of the mask's red."""
+    colours = np.full_like(mask, 255) if colours is None else colours
+    red = resized(mask, (colours.shape[1], colours.shape[0]))[..., 0]
+    return np.dstack([colours[..., :3], np.round(255 - share * red).astype(np.uint8)])
+
+
 def resized(texels: Image, size: tuple[int, int]) -> Image:
     """(h, w, 4) uint8 brought to `size`, width and height."""
     if (texels.shape[1], texels.shape[0]) == size:
