@@ -60,6 +60,8 @@ class Mesh:
     material: Material = PLAIN
     more_uvs: Float32 | None = None  # (n, 2) a second set of texture coordinates, for the maps that are laid out by it
     motion: Motion | None = None  # of the same vertices; None: it stands still
+    # Closed, single-sided and seen from within alone, as a hull or a room: light comes in as sight does.
+    faces_inwards: bool = False
 
     def __post_init__(self) -> None:
         count = len(self.vertices)

@@ -4,6 +4,9 @@
 
 uniform float base_alpha;
 uniform float alpha_cutoff;
+#ifdef VERTEX_COLOURS
+in vec4 colour;
+#endif
 #ifdef BASE_MAP
 #define HAS_MAPS
 uniform sampler2D base_map;
@@ -29,6 +32,9 @@ float mirrored_share() {
 void main() {
 #if defined(CUT_OUT) || defined(BLEND)
     float alpha = base_alpha;
+#ifdef VERTEX_COLOURS
+    alpha *= colour.a;
+#endif
 #ifdef BASE_MAP
     alpha *= texture(base_map, laid_out(BASE)).a;
 #endif

@@ -8,12 +8,19 @@ in vec3 in_position;
 #define HAS_MAPS
 #endif
 #include "model/uvs.glsl"
+#ifdef VERTEX_COLOURS
+in vec4 in_colour;
+out vec4 colour;
+#endif
 #ifdef BLEND
 out vec3 position;
 #endif
 
 void main() {
     pass_uvs();
+#ifdef VERTEX_COLOURS
+    colour = in_colour;
+#endif
 #ifdef BLEND
     position = in_position;
 #endif

@@ -87,18 +87,20 @@ vec3 above_triangle(vec3 facing) {
 vec3 surface_normal() {
     vec3 n = smooth_normal();
 #ifdef NORMAL_MAP
-    // The tangent frame from the screen-space derivatives of the coordinates: Schueler, "Followup: normal mapping
-    // without precomputed tangents", 2013.
+    // The directions in which u and v grow, from screen-space derivatives: Schueler, "Followup: normal mapping without
+    // precomputed tangents", 2013. As glTF asks (MikkTSpace), both axes of the tangent frame are unit vectors, however much
+    // the map is stretched, and the first is along lines of the same v.
     vec3 across = cross(dFdy(position), n);
     vec3 along = cross(n, dFdx(position));
     vec2 du = dFdx(laid_out(NORMAL));
     vec2 dv = dFdy(laid_out(NORMAL));
-    vec3 tangent = across * du.x + along * dv.x;
-    vec3 bitangent = across * du.y + along * dv.y;
-    float size2 = max(dot(tangent, tangent), dot(bitangent, bitangent));
+    vec3 u_grows = across * du.x + along * dv.x;
+    vec3 v_grows = across * du.y + along * dv.y;
     vec3 bump = texture(normal_map, laid_out(NORMAL)).xyz * (255.0 / 127.0) - (128.0 / 127.0);
-    if (size2 > 0.0) {
-        vec2 slope = bump.xy * normal_scale * inversesqrt(size2);
+    if (dot(v_grows, v_grows) > 0.0) {
+        vec3 bitangent = normalize(v_grows);
+        vec3 tangent = cross(bitangent, n);
+        vec2 slope = bump.xy * normal_scale * vec2(sign(dot(tangent, u_grows)), 1.0);
         n = normalize(tangent * slope.x + bitangent * slope.y + n * max(bump.z, 0.05));
     }
 #endif
@@ -176,6 +178,9 @@ const float MOST_ALBEDO = 0.9;  // of real surfaces
 const float MOST_LIGHT = 1e4;
 #ifdef CUT_OUT
 const float LEAST_ALPHA = 1.0 / 255.0;
+#endif
+#ifdef BLEND
+const float LEAST_GLASS = 5.0 / 255.0;  // alpha from which on a surface mirrors as glass does
 #endif
 
 void main() {
@@ -315,8 +320,10 @@ void main() {
 #ifdef COATED
     cover += (1.0 - cover) * coat * coat_reflectance;
 #endif
-    added_light = vec4(min((albedo * diffuse * base.a + glow) * exposure, MOST_LIGHT), cover);
-    removed = vec4(cover);
+    // Where nothing is drawn there is a hole, and no glass.
+    float there = min(base.a / LEAST_GLASS, 1.0);
+    added_light = vec4(min((albedo * diffuse * base.a + glow) * exposure, MOST_LIGHT), cover) * there;
+    removed = vec4(cover * there);
 #else
     added_light = vec4(min((albedo * diffuse + glow) * exposure, MOST_LIGHT), 1.0);
     // Not before what is derived from neighbouring pixels, which they would be missing in.

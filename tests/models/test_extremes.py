@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from trimesh.visual.material import PBRMaterial
 
 from ashe_live.errors import UserError
 from ashe_live.models.assembly.shading_normals import face_normals, row_keys
@@ -30,6 +31,20 @@ def test_closed_model_that_is_inside_out_is_turned(tmp_path: Path, suffix: str, 
     part = load_model_file(path).parts[0]
     assert _volume(part) > 4
     assert (np.einsum("ij,ij->i", part.normals, part.vertices) > 0.9).all()
+
+
+@pytest.mark.parametrize("with_normals", [True, False])
+@pytest.mark.parametrize("double_sided", [True, False])
+def test_a_closed_surface_seen_from_one_side_faces_as_its_file_says(tmp_path, with_normals, double_sided) -> None:
+    """As a black hull that faces inwards outlines the figure within it, and a room without its front wall is seen."""
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    ball.invert()
+    ball.visual = trimesh.visual.TextureVisuals(material=PBRMaterial(doubleSided=double_sided))
+    path = tmp_path / "hull.glb"
+    ball.export(path, include_normals=with_normals)
+    (part,) = load_model_file(path).parts
+    assert part.material.double_sided == double_sided
+    assert (_volume(part) > 4) if double_sided else (_volume(part) < -4)
 
 
 def test_open_model_keeps_the_side_that_its_file_says(tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ from PIL import Image
 from ashe_live.errors import UserError
 from ashe_live.models import loading, reading
 from ashe_live.models.loading import load_model_file
+from ashe_live.models.material import UNKNOWN
 from ashe_live.models.parsing import limits
 from ashe_live.models.reading import read_model
 from ashe_live.process.children import Limits
@@ -293,22 +294,26 @@ def test_nothing_but_files_of_the_folder_is_read(tmp_path: Path, uri: str) -> No
     document = Document()
     material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": uri})}}
     document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
-    with pytest.raises(UserError, match=r"hostile\.glb|not a file|is a folder"):
-        load_model_file(document.save(tmp_path / "model" / "hostile.glb"))
+    path = document.save(tmp_path / "model" / "hostile.glb")
+    if uri in ("", "."):
+        with pytest.raises(UserError, match="is a folder"):
+            load_model_file(path)
+    else:
+        model = load_model_file(path)
+        assert not model.parts[0].material.maps
+        assert "is not beside it, and is left out" in model.notes[0]
+        assert model.notes[0].isprintable()
 
 
 @pytest.mark.usefixtures("no_network")
 @pytest.mark.parametrize("uri", ["file:///etc/a.bin", "file:a.bin", "http://example.org/a.bin", "HTTPS:a.bin"])
-@pytest.mark.parametrize("of", ["buffers", "images"])
-def test_that_no_address_is_read_is_said(tmp_path: Path, uri: str, of: str) -> None:
+def test_that_no_address_is_read_is_said(tmp_path: Path, uri: str) -> None:
     document = Document()
-    material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": uri})}}
-    document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
+    document.quad()
     path = document.save(tmp_path / "a.gltf")
-    if of == "buffers":
-        header = json.loads(path.read_text())
-        header["buffers"][0]["uri"] = uri
-        path.write_text(json.dumps(header))
+    header = json.loads(path.read_text())
+    header["buffers"][0]["uri"] = uri
+    path.write_text(json.dumps(header))
     with pytest.raises(UserError, match="only data in it and files beside it are read"):
         load_model_file(path)
 
@@ -321,16 +326,18 @@ def test_a_folder_behind_a_link_is_outside(tmp_path: Path) -> None:
     document = Document()
     material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": "inside/a.png"})}}
     document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
-    with pytest.raises(UserError, match="outside its own folder"):
-        load_model_file(document.save(tmp_path / "model" / "a.glb"))
+    model = load_model_file(document.save(tmp_path / "model" / "a.glb"))
+    assert not model.parts[0].material.maps
+    assert "inside/a.png is not beside it" in model.notes[0]
 
 
-def test_material_file_of_an_obj_outside_its_folder_is_refused(tmp_path: Path) -> None:
+def test_material_file_of_an_obj_outside_its_folder_is_not_read(tmp_path: Path) -> None:
     (tmp_path / "a.mtl").write_text("newmtl m\nKd 1 0 0\n")
     (tmp_path / "model").mkdir()
     (tmp_path / "model" / "a.obj").write_bytes(b"mtllib ../a.mtl\nusemtl m\n" + TRIANGLE + b"f 1 2 3\n")
-    with pytest.raises(UserError, match="outside its own folder"):
-        load_model_file(tmp_path / "model" / "a.obj")
+    model = load_model_file(tmp_path / "model" / "a.obj")
+    assert model.parts[0].material is UNKNOWN
+    assert model.notes == ("its materials ../a.mtl are missing: it is drawn as plain plastic",)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
@@ -347,10 +354,10 @@ def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
 
 def test_files_are_small_together_and_not_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     noise = np.random.default_rng(1).integers(0, 255, (64, 64, 3), dtype=np.uint8)
-    Image.fromarray(noise).save(tmp_path / "a.png")
     document = Document()
-    for _ in range(3):
-        material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": "a.png"})}}
+    for name in ("a.png", "b.png", "c.png"):
+        Image.fromarray(noise).save(tmp_path / name)
+        material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": name})}}
         document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
     path = document.save(tmp_path / "a.glb")
     assert len(load_model_file(path).parts) == 3
@@ -445,9 +452,9 @@ def test_what_is_not_drawn_takes_next_to_nothing(tmp_path: Path, monkeypatch: py
 def test_what_libraries_say_of_a_damaged_file_is_not_seen(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     header = PLY % (b"ascii", 3) + LIST % (1, b"uchar")
     (tmp_path / "a.ply").write_bytes(
-        header.replace(b"element", b"comment TextureFile gone.png\nelement", 1) + b"0 0 0\n" * 3
+        header.replace(b"element", b"comment TextureFile a.ply\nelement", 1) + b"0 0 0\n" * 3
     )
-    with pytest.raises(UserError, match=r"names gone\.png, which is missing"):
+    with pytest.raises(UserError, match=r"its texture a\.ply cannot be read"):
         read_model(str(tmp_path / "a.ply"), 0.08)
     document = Document()
     document.quad({"matrix": [1e30, 0, 0, 0, 0, 1e30, 0, 0, 0, 0, 1e30, 0, 1e30, 0, 0, 1]})

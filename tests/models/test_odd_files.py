@@ -55,7 +55,7 @@ def test_a_line_of_an_obj_may_go_on_in_the_next(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("texture", "said"),
-    [("gone.png", "which is missing"), ("a.txt", "cannot be read"), ("torn.png", "torn.png is damaged")],
+    [("a.txt", "cannot be read"), ("torn.png", "torn.png is damaged")],
 )
 def test_a_texture_that_cannot_be_had_is_named(tmp_path: Path, texture: str, said: str) -> None:
     (tmp_path / "a.txt").write_text("no picture")
@@ -67,6 +67,16 @@ def test_a_texture_that_cannot_be_had_is_named(tmp_path: Path, texture: str, sai
     with pytest.raises(UserError, match=said) as caught:
         load_model_file(tmp_path / "a.obj")
     assert texture in caught.value.message
+
+
+@pytest.mark.parametrize("texture", ["gone.png", "D:\\maps\\gone.png", "/home/me/gone.png", "../gone.png"])
+def test_without_its_texture_a_material_has_its_colour(tmp_path: Path, texture: str) -> None:
+    """Black, which some programs write beside every texture, is none."""
+    (tmp_path / "a.mtl").write_text(f"newmtl m\nKd 0 0 0\nmap_Kd {texture}\nnewmtl n\nKd 1 0 0\nmap_Kd {texture}\n")
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\nusemtl m\n{TRIANGLE}usemtl n\nf 1 2 3\n")
+    model = load_model_file(tmp_path / "a.obj")
+    assert [part.material.base_colour for part in model.parts] == [(1, 1, 1, 1), (1, 0, 0, 1)]
+    assert f"its picture {texture} is not beside it, and is left out" in model.notes
 
 
 def test_a_texture_in_a_folder_is_found_however_its_path_is_written(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.models.assembly.shading_normals import (
     corner_normals,
     face_normals,
+    flat_normals,
     is_inside_out,
     row_keys,
     unit_rows,
@@ -40,6 +41,7 @@ class RawMesh:
     more_uvs: Float | None = None  # (n, 2) a second set
     colours: Float | None = None  # (n, 4) linear RGBA
     motion: RawMotion | None = None
+    is_flat: bool = False  # every triangle shaded as a plane, where there are no normals; else smooth
 
 
 def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
@@ -51,15 +53,18 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
     if moved is None:
         return None
     vertices, triangles = moved
+    # A single-sided surface keeps its side: hulls that outline a figure, and rooms, face inwards.
+    may_be_turned = raw.material.double_sided
     attributes = _attributes(raw)
     normals = _file_normals(raw, T)
     source: NDArray[np.integer] = np.arange(len(vertices))
     motion_normals = None if raw.motion is None else raw.motion.normals
     if normals is None:
         motion_normals = None
-        if is_inside_out(vertices, triangles):
+        faces_inwards = is_inside_out(vertices, triangles)
+        if faces_inwards and may_be_turned:
             triangles = triangles[:, ::-1]
-        normals = corner_normals(vertices, triangles)
+        normals = (flat_normals if raw.is_flat else corner_normals)(vertices, triangles)
         each = triangles.ravel()
         kept, triangles = _welded(vertices[each], normals, *(values[each] for values in attributes.values()))
         source = each[kept]
@@ -67,7 +72,8 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         attributes = {name: values[each[kept]] for name, values in attributes.items()}
     else:
         triangles = _wound_like_normals(vertices, triangles, normals)
-        if is_inside_out(vertices, triangles):
+        faces_inwards = is_inside_out(vertices, triangles)
+        if faces_inwards and may_be_turned:
             triangles, normals = triangles[:, ::-1], -normals
             motion_normals = None if motion_normals is None else -motion_normals
     motion = None
@@ -82,6 +88,7 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         material=raw.material if "uvs" in attributes else raw.material.without_maps(),
         more_uvs=attributes.get("more_uvs"),
         motion=motion,
+        faces_inwards=faces_inwards and not may_be_turned,
     )
 
 

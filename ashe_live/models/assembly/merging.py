@@ -15,7 +15,7 @@ def merged(parts: Iterable[Mesh]) -> tuple[Mesh, ...]:
     for number, part in enumerate(parts):
         is_blended = part.material.alpha is Alpha.BLEND
         has = tuple(values is not None for values in (part.uvs, part.more_uvs, part.colours, part.motion))
-        key = *has, number if is_blended else _surface(part.material)
+        key = *has, part.faces_inwards, number if is_blended else _surface(part.material)
         alike.setdefault(key, []).append(part)
     return tuple(_joined(group) if len(group) > 1 else group[0] for group in alike.values())
 
@@ -47,4 +47,5 @@ def _joined(group: list[Mesh]) -> Mesh:
         material=group[0].material,
         more_uvs=np.concatenate(more_uvs) if more_uvs else None,
         motion=motion,
+        faces_inwards=group[0].faces_inwards,
     )

@@ -33,6 +33,11 @@ def unit_rows(vectors: Float) -> Float:
     return np.where(lengths > 0, vectors / np.where(lengths > 0, lengths, 1.0), (0.0, 0.0, 1.0))
 
 
+def flat_normals(vertices: Float32, triangles: Indices) -> Float32:
+    """(3 m, 3) unit normals of the triangles' corners, in the order of `triangles.ravel()`: those of their planes."""
+    return unit_rows(face_normals(vertices, triangles)).astype(np.float32).repeat(3, axis=0)
+
+
 def corner_normals(vertices: Float32, triangles: Indices) -> Float32:
     """(3 m, 3) unit normals, one for each triangle's corner in the order of `triangles.ravel()`.
 

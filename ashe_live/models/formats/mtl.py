@@ -17,6 +17,7 @@ from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import check_materials
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.pictures import resized
 
 # The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
 # files, which begin with these words, colours are linear, the exponent is 1000 (1 - roughness)^2, and where the model
@@ -74,8 +75,9 @@ def text_of(content: bytes) -> str:
         return content.decode("latin-1")
 
 
-def read_mtl(model: Path, content: bytes, texels: Callable[[str], Image], notes: Notes) -> dict[str, Material]:
-    """Materials of the file `model` by their names. `texels` gives a picture's (h, w, 4) uint8 by its file's name.
+def read_mtl(model: Path, content: bytes, texels: Callable[[str], Image | None], notes: Notes) -> dict[str, Material]:
+    """Materials of the file `model` by their names. `texels` gives a picture's (h, w, 4) uint8 by its file's name, None
+    where there is none.
 
     Raises UserError for more materials than the limit, MalformedError for a line that is no MTL.
     """
@@ -174,7 +176,7 @@ def _is_name(word: str) -> bool:
     return False
 
 
-def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool) -> Material:
+def _material(one: _Described, texels: Callable[[str], Image | None], is_blenders: bool) -> Material:
     opacity = min(max(one.opacity, 0.0), 1.0)
     colours = np.clip([one.diffuse or (0.8, 0.8, 0.8), one.emission], 0, 1)
     (red, green, blue), (glow_red, glow_green, glow_blue) = (
@@ -190,10 +192,14 @@ def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool
         roughness=float(np.clip(roughness, 0, 1)),
         alpha=Alpha.BLEND if opacity < 1 else Alpha.OPAQUE,
     )
-    if one.picture is not None:
+    if one.picture is None:
+        return plain
+    base_map = texels(one.picture)
+    if base_map is not None:
         plain = replace(plain, layouts={"base_map": one.layout})
-        return pictured(plain, texels(one.picture), None if one.cut_out is None else texels(one.cut_out))
-    return plain
+        return pictured(plain, base_map, None if one.cut_out is None else texels(one.cut_out))
+    # Some programs write black beside a picture.
+    return plain if red + green + blue > 0 else replace(plain, base_colour=(*UNKNOWN.base_colour[:3], opacity))
 
 
 def _roughness(shininess: float, is_blenders: bool) -> float:
@@ -207,9 +213,12 @@ def _roughness(shininess: float, is_blenders: bool) -> float:
 
 
 def pictured(plain: Material, base_map: Image, cut_out: Image | None = None) -> Material:
-    """`plain` with a picture in the place of its colour; `cut_out`'s red is its alpha, where it is of the same size."""
-    if cut_out is not None and cut_out.shape == base_map.shape and base_map[..., 3].min() == 255:
-        # A mask that is one picture with the colours would be given with alpha, and its red is no mask.
+    """`plain` with a picture in the place of its colour; `cut_out`'s red is its alpha."""
+    if cut_out is not None and np.array_equal(cut_out, base_map):
+        cut_out = None  # its alpha is meant, which the picture has already
+    if cut_out is not None and base_map[..., 3].min() == 255:
+        cut_out = resized(cut_out, (base_map.shape[1], base_map.shape[0]))
+        # Of a picture with alpha that is the mask, and its red is none.
         has_alpha = cut_out[..., 3].min() < 255
         base_map = np.dstack([base_map[..., :3], cut_out[..., 3] if has_alpha else cut_out[..., 0]])
     has_holes = base_map[..., 3].min() < 255

@@ -19,12 +19,11 @@ from ashe_live.models.formats.words import numbers_in
 from ashe_live.models.material import UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder, MissingFileError
 from ashe_live.models.parsing.malformed import MalformedError
-from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.notes import NAME_CHARACTERS, Notes
 from ashe_live.models.parsing.pictures import Pictures
 from ashe_live.process.messages import printable
 
 Indices = NDArray[np.int64]
-NAME_CHARACTERS = 60
 NAMED = ("vertex", "texture coordinate", "normal")
 CONTINUED = re.compile(rb"\\\r?\n")
 
@@ -96,11 +95,11 @@ def _sorted(content: bytes) -> _Lines:
 
 def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Material]:
     """The materials by the names that the OBJ uses; of several libraries with one name the first counts."""
-    pictures = Pictures(folder.model)
+    pictures = Pictures(folder, notes)
     found: dict[str, Material] = {}
 
-    def texels(name: str) -> Image:
-        return pictures.texels(name, lambda: folder.get(name), f"texture {name}")
+    def texels(name: str) -> Image | None:
+        return pictures.named(name, f"texture {name}")
 
     is_any_missing = False
     for library in lines.libraries:

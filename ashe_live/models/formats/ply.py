@@ -1,7 +1,6 @@
 """PLY: vertices and polygons, with the colours, normals and texture coordinates that programs write into it."""
 
 from collections.abc import Iterator
-from functools import partial
 
 import numpy as np
 
@@ -75,7 +74,8 @@ def _material(content: bytes, folder: Folder, notes: Notes) -> Material:
     if len(set(names)) > 1:
         notes.add(f"one of its {len(set(names))} textures is drawn, on all of it")
     name = names[0].decode(errors="replace").strip()
-    return pictured(UNKNOWN, Pictures(folder.model).texels(name, partial(folder.get, name), f"texture {name}"))
+    texels = Pictures(folder, notes).named(name, f"texture {name}")
+    return UNKNOWN if texels is None else pictured(UNKNOWN, texels)
 
 
 def _columns(element: Element, names: tuple[str, ...]) -> Float | None:

@@ -130,9 +130,12 @@ def _triangles(primitive: Json, accessors: list[Json]) -> int:
 
 
 def roots_of(header: Json) -> list[int]:
-    """The nodes at the top of the scene that is shown."""
+    """The nodes at the top of the scene that is shown; of a file without scenes those within no other."""
     scenes: list[Json] = header["scenes"]
-    return list(scenes[header.get("scene", 0)].get("nodes", [])) if scenes else []
+    if scenes:
+        return list(scenes[header.get("scene", 0)].get("nodes", []))
+    within = {child for node in header["nodes"] for child in node.get("children", [])}
+    return [place for place in range(len(header["nodes"])) if place not in within]
 
 
 def _tree(header: Json) -> tuple[int, int]:

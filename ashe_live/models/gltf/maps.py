@@ -1,9 +1,14 @@
 """The maps of one glTF material, as far as a mesh's texture coordinates let them be drawn."""
 
+import math
 from typing import Any
 
 from ashe_live.core.arrays import Image
+from ashe_live.models.gltf.schema import CLAMP_TO_EDGE, MIRRORED_REPEAT, REPEAT
 from ashe_live.models.material import MAP_SETS, MapLayout
+from ashe_live.models.parsing.json_kinds import Json
+
+NEAREST = 9728
 
 
 class Maps:
@@ -28,6 +33,12 @@ class Maps:
         self.lacks_coordinates |= not is_there
         return has_room or not is_there
 
+    def has_room_for(self, name: str, layout: MapLayout) -> bool:
+        """Whether a map can be drawn that is of that name, and laid out as the one is that has it already, if any."""
+        if name in self.layouts:
+            return layout.uv_set in self.sets and self.layouts[name] == layout.for_set(self.sets.index(layout.uv_set))
+        return layout.uv_set in self._there and name not in self.unplaced and self.takes(layout)
+
     def add(self, name: str, layout: MapLayout, texels: Image) -> None:
         if not self.takes(layout):
             return
@@ -38,3 +49,29 @@ class Maps:
             self.sets.append(layout.uv_set)
         self.texels[name] = texels
         self.layouts[name] = layout.for_set(self.sets.index(layout.uv_set))
+
+
+def layout_of(texture: Json, sampler: Json) -> MapLayout:
+    """How glTF's reference to a texture lays it out, with the set of texture coordinates by the file's number."""
+    moved = texture.get("extensions", {}).get("KHR_texture_transform", {})
+    across, down = sampler.get("wrapS", REPEAT), sampler.get("wrapT", REPEAT)
+    (a, b, e), (c, d, f) = _from_top_left(moved)
+    if across == MIRRORED_REPEAT:
+        a, b, e = a / 2, b / 2, e / 2
+    if down == MIRRORED_REPEAT:
+        c, d, f = c / 2, d / 2, f / 2
+    return MapLayout(
+        uv_set=moved.get("texCoord", texture.get("texCoord", 0)),
+        matrix=(a, b, e, c, d, f),
+        repeats=(across != CLAMP_TO_EDGE, down != CLAMP_TO_EDGE),
+        mirrors=(across == MIRRORED_REPEAT, down == MIRRORED_REPEAT),
+        is_sharp=sampler.get("magFilter") == NEAREST,
+    )
+
+
+def _from_top_left(moved: Json) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """KHR_texture_transform, whose origin is a picture's top left corner, for coordinates from its bottom left."""
+    (x, y), (scale_x, scale_y) = moved.get("offset", (0.0, 0.0)), moved.get("scale", (1.0, 1.0))
+    cosine, sine = math.cos(moved.get("rotation", 0.0)), math.sin(moved.get("rotation", 0.0))
+    a, b, c, d = cosine * scale_x, sine * scale_y, -sine * scale_x, cosine * scale_y
+    return (a, -b, b + x), (-c, d, 1 - d - y)

@@ -1,6 +1,5 @@
 """glTF's materials as ours: factors, maps with their layouts, and the extensions that can be said in the same terms."""
 
-import math
 from collections.abc import Hashable
 from typing import Any
 
@@ -9,8 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.container import named_content
-from ashe_live.models.gltf.maps import Maps
-from ashe_live.models.gltf.schema import CLAMP_TO_EDGE, MIRRORED_REPEAT, REPEAT
+from ashe_live.models.gltf.maps import Maps, layout_of
 from ashe_live.models.gltf.specular import SpecularGlossiness
 from ashe_live.models.material import (
     BLACK,
@@ -27,9 +25,8 @@ from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES, Notes
-from ashe_live.models.parsing.pictures import Pictures, filled_beyond
+from ashe_live.models.parsing.pictures import Pictures, cleared, filled_beyond
 
-NEAREST = 9728
 ALPHAS = {"OPAQUE": Alpha.OPAQUE, "MASK": Alpha.CUT_OUT, "BLEND": Alpha.BLEND}
 SPECULAR_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness"
 # Coverage with which a pane that transmits everything is still drawn.
@@ -44,7 +41,7 @@ class Materials:
         self._arrays = arrays
         self._folder = folder
         self._notes = notes
-        self._pictures = Pictures(folder.model)
+        self._pictures = Pictures(folder, notes)
         self._filled_pictures: dict[int, Image] = {}
         self._made: dict[tuple[int, frozenset[int]], tuple[Material, tuple[int, ...]]] = {}
 
@@ -82,7 +79,7 @@ class Materials:
         if surface["alpha"] is not Alpha.OPAQUE and "base_map" in maps.texels:
             maps.texels["base_map"] = self._filled(maps.texels["base_map"])
         surface = in_one_place(surface, maps.unplaced)
-        surface |= self._see_through(extensions, surface) | _coat(extensions)
+        surface |= self._see_through(extensions, surface, maps) | _coat(extensions)
         if "KHR_materials_unlit" in extensions:
             surface |= _shining(surface, maps)
         if maps.lacks_coordinates:
@@ -103,9 +100,11 @@ class Materials:
     def _metallic_roughness(self, given: Json, maps: Maps) -> dict[str, Any]:
         self._add(maps, "base_map", "baseColorTexture", given.get("baseColorTexture", {}))
         self._add(maps, "metallic_roughness_map", "metallicRoughnessTexture", given.get("metallicRoughnessTexture", {}))
+        # Without its map all of the surface would be metal.
+        is_lost = "metallicRoughnessTexture" in given and "metallic_roughness_map" not in maps.texels | maps.unplaced
         return {
             "base_colour": tuple(given.get("baseColorFactor", WHITE)),
-            "metallic": given.get("metallicFactor", 1.0),
+            "metallic": 0.0 if is_lost else given.get("metallicFactor", 1.0),
             "roughness": given.get("roughnessFactor", 1.0),
         }
 
@@ -140,13 +139,24 @@ class Materials:
             self._filled_pictures[key] = filled_beyond(texels)
         return self._filled_pictures[key]
 
-    def _see_through(self, extensions: Json, surface: dict[str, Any]) -> dict[str, Any]:
-        share = extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0.0)
+    def _see_through(self, extensions: Json, surface: dict[str, Any], maps: Maps) -> dict[str, Any]:
+        given = extensions.get("KHR_materials_transmission", {})
+        share = given.get("transmissionFactor", 0.0) * (1 - LEAST_COVER)
         if share == 0 or surface["alpha"] is not Alpha.OPAQUE:
             return {}
         self._notes.add("what it transmits is drawn as plain transparency, without refraction")
+        texture = given.get("transmissionTexture", {})
+        if texture and (texels := self._texels(texture, "transmissionTexture")) is not None:
+            layout = self._layout(texture)
+            if maps.has_room_for("base_map", layout):
+                colours, mask = maps.texels.get("base_map"), self._mirrored(texels, layout)
+                key = "cleared", id(colours), id(mask), share
+                maps.add("base_map", layout, self._pictures.made(key, lambda: cleared(colours, mask, share)))
+                share = 0.0
+            else:
+                share *= texels[..., 0].mean() / 255
         red, green, blue, _ = surface["base_colour"]
-        return {"base_colour": (red, green, blue, 1 - share * (1 - LEAST_COVER)), "alpha": Alpha.BLEND}
+        return {"base_colour": (red, green, blue, 1 - share), "alpha": Alpha.BLEND}
 
     def _add(self, maps: Maps, name: str, key: str, texture: Json) -> None:
         if not texture:
@@ -169,22 +179,8 @@ class Materials:
 
     def _layout(self, texture: Json) -> MapLayout:
         """With the set of texture coordinates by the file's number."""
-        moved = texture.get("extensions", {}).get("KHR_texture_transform", {})
         sampler = self._header["textures"][texture["index"]].get("sampler")
-        wraps = {} if sampler is None else self._header["samplers"][sampler]
-        across, down = wraps.get("wrapS", REPEAT), wraps.get("wrapT", REPEAT)
-        (a, b, e), (c, d, f) = _from_top_left(moved)
-        if across == MIRRORED_REPEAT:
-            a, b, e = a / 2, b / 2, e / 2
-        if down == MIRRORED_REPEAT:
-            c, d, f = c / 2, d / 2, f / 2
-        return MapLayout(
-            uv_set=moved.get("texCoord", texture.get("texCoord", 0)),
-            matrix=(a, b, e, c, d, f),
-            repeats=(across != CLAMP_TO_EDGE, down != CLAMP_TO_EDGE),
-            mirrors=(across == MIRRORED_REPEAT, down == MIRRORED_REPEAT),
-            is_sharp=wraps.get("magFilter") == NEAREST,
-        )
+        return layout_of(texture, {} if sampler is None else self._header["samplers"][sampler])
 
     def _texels(self, texture: Json, name: str) -> Image | None:
         """(h, w, 4) uint8 of a texture; None, with a note, where it has no picture that can be read."""
@@ -199,6 +195,9 @@ class Materials:
             if not basis.is_readable():
                 self._notes.add(basis.LEFT_OUT)
                 return None
+        uri = self._header["images"][source].get("uri", "data:")
+        if not uri.startswith("data:"):
+            return self._pictures.named(uri, name)
         return self._pictures.texels(source, lambda: self._image(source, name), name)
 
     def _image(self, source: int, name: str) -> bytes:
@@ -216,14 +215,6 @@ def _coat(extensions: Json) -> dict[str, Any]:
     if "clearcoatTexture" in given:
         return {}
     return {"coat": given.get("clearcoatFactor", 0.0), "coat_roughness": given.get("clearcoatRoughnessFactor", 0.0)}
-
-
-def _from_top_left(moved: Json) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """KHR_texture_transform, whose origin is a picture's top left corner, for coordinates from its bottom left."""
-    (x, y), (scale_x, scale_y) = moved.get("offset", (0.0, 0.0)), moved.get("scale", (1.0, 1.0))
-    cosine, sine = math.cos(moved.get("rotation", 0.0)), math.sin(moved.get("rotation", 0.0))
-    a, b, c, d = cosine * scale_x, sine * scale_y, -sine * scale_x, cosine * scale_y
-    return (a, -b, b + x), (-c, d, 1 - d - y)
 
 
 def _shining(surface: dict[str, Any], maps: Maps) -> dict[str, Any]:

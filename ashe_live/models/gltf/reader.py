@@ -27,11 +27,10 @@ from ashe_live.models.gltf.schema import checked
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.limits import check_gltf
-from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.notes import NAME_CHARACTERS, Notes
 from ashe_live.process.messages import printable
 
 DRACO = "KHR_draco_mesh_compression"
-NAME_CHARACTERS = 60
 SUPPORTED = {
     DRACO,
     "EXT_meshopt_compression",
@@ -133,6 +132,8 @@ class _Reader:
             uvs=uvs[0] if uvs else None,
             more_uvs=uvs[1] if len(uvs) > 1 else None,
             colours=attributes.colours(),
+            # "When normals are not specified, client implementations MUST calculate flat normals" (3.7.2.1).
+            is_flat="NORMAL" not in attributes,
         )
 
     def _unpacked(self, primitive: Json) -> DracoPrimitive | None:

@@ -81,7 +81,9 @@ _MATERIAL = object_of(
                         "specularGlossinessTexture": _TEXTURE_INFO,
                     }
                 ),
-                "KHR_materials_transmission": object_of({"transmissionFactor": share}),
+                "KHR_materials_transmission": object_of(
+                    {"transmissionFactor": share, "transmissionTexture": _TEXTURE_INFO}
+                ),
                 "KHR_materials_unlit": object_of({}),
             }
         ),

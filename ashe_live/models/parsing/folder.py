@@ -14,7 +14,7 @@ MOST_ENTRIES = 10_000  # of a folder that are looked at for a name in other capi
 
 
 class MissingFileError(UserError):
-    """A file of the folder is not there."""
+    """A file is not in the folder; whether it is elsewhere is not looked at."""
 
 
 class Folder:
@@ -32,8 +32,8 @@ class Folder:
         self._named = 0
 
     def get(self, name: str) -> bytes:
-        """The content of the file of that name. Raises UserError where it must not or cannot be read, MissingFileError
-        where it is not there.
+        """The content of the file of that name. Raises MissingFileError where there is none, UserError where it cannot
+        be read.
         """
         self._named += 1
         if self._named > MAX_NAMED_FILES:
@@ -63,12 +63,12 @@ class Folder:
                 if (path := self._named_like("/".join(parts[first:]))) is not None and path.is_file():
                     return path
         if SCHEME.match(relative):
-            raise UserError(
+            raise MissingFileError(
                 f"the model file {self.model} names {name}, and only data in it and files beside it are read",
                 "export it as GLB, or put the file beside it and name that",
             )
-        kind, why = (UserError, "outside its own folder") if is_elsewhere else (MissingFileError, "which is missing")
-        raise kind(f"the model file {self.model} names {name}, {why}", "put what it needs beside it")
+        why = "outside its own folder" if is_elsewhere else "which is missing"
+        raise MissingFileError(f"the model file {self.model} names {name}, {why}", "put what it needs beside it")
 
     def _is_within(self, relative: str) -> bool:
         return Path(os.path.realpath(self._folder / relative)).is_relative_to(self._folder)

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 MOST_NOTES = 6
+NAME_CHARACTERS = 60  # of a name that a file gives
 WITHOUT_COORDINATES = "where it has no texture coordinates, pictures are drawn in one colour, that of their corner"
 
 

@@ -2,7 +2,6 @@
 
 import io
 from collections.abc import Callable, Hashable
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +10,11 @@ from PIL import Image as PillowImage
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.models.parsing import basis
+from ashe_live.models.parsing.folder import Folder, MissingFileError
 from ashe_live.models.parsing.limits import MAX_TEXTURE_PX, check_decoded, check_picture, check_texels, too_large
 from ashe_live.models.parsing.malformed import MalformedError
+from ashe_live.models.parsing.notes import NAME_CHARACTERS, Notes
+from ashe_live.process.messages import printable
 
 KTX2 = b"\xabKTX 20\xbb"
 DEEP_MODES = ("I;16", "I;16B", "I;16L", "I;16N", "I", "F")  # one channel of more than 8 bits
@@ -21,10 +23,24 @@ DEEP_MODES = ("I;16", "I;16B", "I;16L", "I;16N", "I", "F")  # one channel of mor
 class Pictures:
     """The pictures of one model's file; one that is used several times is a single value."""
 
-    def __init__(self, model: Path) -> None:
-        self._model = model
+    def __init__(self, folder: Folder, notes: Notes) -> None:
+        self._model = folder.model
+        self._folder = folder
+        self._notes = notes
+        self._missing: set[str] = set()
         self._texels: dict[Hashable, Image] = {}
         self._decoded = 0  # texels, of all pictures so far
+
+    def named(self, file: str, name: str) -> Image | None:
+        """As `texels`, from a file beside the model's; None, with a note, where there is none."""
+        if file in self._missing:
+            return None
+        try:
+            return self.texels(file, lambda: self._folder.get(file), name)
+        except MissingFileError:
+            self._missing.add(file)
+            self._notes.add(f"its picture {printable(file, NAME_CHARACTERS)} is not beside it, and is left out")
+            return None
 
     def texels(self, key: Hashable, content: Callable[[], bytes], name: str) -> Image:
         """(h, w, 4) uint8 as the file has it, no side longer than MAX_TEXTURE_PX; `content` is asked for a new `key`.
@@ -117,6 +133,13 @@ def _halved(values: NDArray[np.float32]) -> NDArray[np.float32]:
     height, width, channels = values.shape
     even = np.pad(values, ((0, height % 2), (0, width % 2), (0, 0)))
     return np.asarray(even.reshape((height + 1) // 2, 2, (width + 1) // 2, 2, channels).sum(axis=(1, 3)))
+
+
+def cleared(colours: Image | None, mask: Image, share: float) -> Image:
+    """(h, w, 4) uint8 of the colours' size, white without any, whose alpha is less by `share` of the mask's red."""
+    colours = np.full_like(mask, 255) if colours is None else colours
+    red = resized(mask, (colours.shape[1], colours.shape[0]))[..., 0]
+    return np.dstack([colours[..., :3], np.round(255 - share * red).astype(np.uint8)])
 
 
 def resized(texels: Image, size: tuple[int, int]) -> Image:

@@ -47,6 +47,7 @@ class GpuPart:
         }
         self._columns = {name: values for name, values in columns.items() if values is not None}
         self.is_rounded = stands_for_round(mesh)
+        self.has_clear_vertices = mesh.colours is not None and bool((mesh.colours[:, 3] < 1).any())
         self._ctx = ctx
         self._pieces: list[_Piece] = []
         self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}
@@ -201,6 +202,8 @@ class GpuModel:
                 constants = {material.alpha.name: 1}
                 if "base_map" in part.maps:
                     constants |= {"base_map": 1, **layout_constants(part.mesh)}
+                if part.has_clear_vertices:
+                    constants["vertex_colours"] = 1
             program = self._programs.get("lights/depth", **constants)
             if "base_map" in constants:
                 part.maps["base_map"].use(UNIT_OF["base_map"])
@@ -211,7 +214,10 @@ class GpuModel:
                 base_alpha=material.base_colour[3],
                 alpha_cutoff=material.alpha_cutoff,
             )
+            if part.mesh.faces_inwards:
+                self._ctx.enable(moderngl.CULL_FACE)
             part.draw(program)
+            self._ctx.disable(moderngl.CULL_FACE)
 
     def release(self) -> None:
         for part in self.parts:

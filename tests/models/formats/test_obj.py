@@ -55,6 +55,24 @@ def test_a_mask_cuts_its_picture_out(tmp_path: Path) -> None:
     np.testing.assert_array_equal(material.base_map[..., 3], [[0, 255], [255, 255]])
 
 
+def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
+    Image.new("RGB", (8, 8), (255, 0, 0)).save(tmp_path / "red.png")
+    Image.fromarray(np.uint8([[0, 0, 255, 255]] * 4)).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "map_Kd red.png\nmap_d mask.png")
+    assert material.alpha is Alpha.CUT_OUT
+    assert (material.base_map[:, :3, 3] < 128).all()
+    assert (material.base_map[:, 5:, 3] > 128).all()
+
+
+@pytest.mark.parametrize("mask", ["green.png", "./green.png"])
+def test_the_picture_of_the_colours_is_a_mask_by_its_alpha_alone(tmp_path: Path, mask: str) -> None:
+    """Exporters name one picture for both; green, which has no red, would be all holes."""
+    Image.new("RGB", (2, 2), (0, 255, 0)).save(tmp_path / "green.png")
+    material = surface(tmp_path, f"map_Kd green.png\nmap_d {mask}")
+    assert material.alpha is Alpha.OPAQUE
+    np.testing.assert_array_equal(material.base_map, np.tile(np.uint8((0, 255, 0, 255)), (2, 2, 1)))
+
+
 @pytest.mark.parametrize(
     "name",
     [

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 from ashe_live.core.colour import linear_from_srgb
+from ashe_live.models.gltf.materials import LEAST_COVER
 from ashe_live.models.gltf.specular import SpecularGlossiness
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import BLACK, Alpha, MapLayout, Material
@@ -181,6 +182,29 @@ def test_glass_lets_through_and_says_how_it_is_drawn(tmp_path: Path) -> None:
     assert material.alpha is Alpha.BLEND
     assert material.base_colour[3] < 0.5
     assert model.notes == ("what it transmits is drawn as plain transparency, without refraction",)
+
+
+@pytest.mark.parametrize("coloured", [True, False])
+def test_only_what_its_map_says_is_glass(tmp_path: Path, coloured: bool) -> None:
+    """KHR_materials_transmission: the factor times the map's red; the rest of the surface is opaque."""
+    mask = np.zeros((2, 4, 3), np.uint8)
+    mask[:, 2:, 0] = 255
+    encoded = io.BytesIO()
+    Image.fromarray(mask).save(encoded, "PNG")
+    document = Document()
+    glass = {"transmissionFactor": 1.0, "transmissionTexture": document.embedded(encoded.getvalue())}
+    colours = {"pbrMetallicRoughness": {"baseColorTexture": document.embedded(png((200, 0, 0), (4, 4)))}}
+    document.quad(
+        material={"extensions": {"KHR_materials_transmission": glass}} | (colours if coloured else {}),
+        TEXCOORD_0=document.accessor(UVS),
+    )
+    material = load_model_file(document.save(tmp_path / "window.glb")).parts[0].material
+    assert material.alpha is Alpha.BLEND
+    shares = material.base_colour[3] * material.base_map[..., 3] / 255
+    width = material.base_map.shape[1]
+    np.testing.assert_allclose(shares[:, 0], 1)
+    np.testing.assert_allclose(shares[:, width - 1], LEAST_COVER, atol=0.01)
+    assert tuple(material.base_map[0, 0, :3]) == ((200, 0, 0) if coloured else (255, 255, 255))
 
 
 def test_what_is_drawn_without_is_said_once(tmp_path: Path) -> None:

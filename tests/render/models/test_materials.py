@@ -127,6 +127,21 @@ def test_normal_map_tilts_the_surface_as_a_tilted_normal_does(studio, stage, til
     assert np.abs(mapped - studio.middle(_sheet(Material()), light)).max() > 0.02
 
 
+@pytest.mark.parametrize("stretch", [(4.0, 1.0), (1.0, 4.0), (-3.0, 1.0)])
+@pytest.mark.parametrize("tilt", [(0.5, 0.0), (0.0, 0.5)])
+def test_a_stretched_normal_map_tilts_the_surface_as_much(
+    studio, stage, tilt: tuple[float, float], stretch: tuple[float, float]
+) -> None:
+    """Its x and y are of tangent space, in which both axes are unit vectors: glTF 2.0, 3.7.2.1 and MikkTSpace."""
+    light = stage.light(30, 40, (0.1, 0.1, 0.1))
+    normal = np.array([*tilt, 1.0]) / np.linalg.norm([*tilt, 1.0])
+    red, green, blue = np.round(normal * 127 + 128).astype(int)
+    sheet = _sheet(Material(normal_map=_texels(red, green, blue, 255)))
+    mapped = studio.middle(replace(sheet, uvs=UVS * np.float32(stretch)), light)
+    tilted = studio.middle(_sheet(Material(), tuple(normal * (math.copysign(1, stretch[0]), 1, 1))), light)
+    np.testing.assert_allclose(mapped, tilted, atol=0.015)
+
+
 @pytest.mark.parametrize(("quality", "elevation_deg", "tilt_deg"), in_turns([(10, 72), (20, 72), (40, 49), (55, 30)]))
 def test_a_mapped_normal_that_faces_the_sun_leaves_a_flat_surface_unshaded(
     make_renderer, stage, quality: str, elevation_deg: float, tilt_deg: float
@@ -384,6 +399,22 @@ def test_a_part_that_lies_close_on_another_has_a_smooth_edge(make_renderer, stag
     assert np.sqrt(np.square((seen - true)[on_edge]).mean()) < 0.18  # 0.29 where a pixel has one of the two
 
 
+def test_light_comes_through_a_hull_where_it_is_not_seen(make_renderer, stage) -> None:
+    """As black hulls outline figures: single-sided, a little larger, and facing inwards. The shadow is the hull's."""
+    studio = _Studio(make_renderer, stage)
+    light = stage.light(-90, 50, (0.2, 0.2, 0.2))
+    ball, larger = _ball(Material(roughness=1.0)), _ball(Material(double_sided=False, roughness=1.0), 0.033)
+    hull = replace(larger, triangles=larger.triangles[:, ::-1], normals=-larger.normals, faces_inwards=True)
+    pictures = []
+    for parts in ((ball,), (ball, hull)):
+        placed = stage.placed(*parts)
+        studio.renderer.render(Scene(studio.tracked, placed, Illumination((light,), seen_in=studio.tracked)))
+        pictures.append(studio.renderer.read_bgr()[..., ::-1])
+    for place in ((0, -0.02, 0.052), (0, 0, 0.06)):
+        bare, within = (studio.at(picture, place) for picture in pictures)
+        np.testing.assert_allclose(within, bare, rtol=0.1)
+
+
 def test_alpha_is_ignored_by_what_is_opaque(studio) -> None:
     see_through = _texels(255, 255, 255, 0)
     np.testing.assert_allclose(studio.middle(_sheet(Material(base_map=see_through))) / ASSUMED_WHITE, 1.0, atol=0.01)
@@ -405,6 +436,33 @@ def test_blended_surface_shows_what_is_behind_it_and_its_shadow_is_as_light(make
     np.testing.assert_allclose(reds[-1], 0.0, atol=0.005)
     assert (np.diff(reds) < -0.005).all()
     np.testing.assert_allclose(shadows, (0.0, 0.25, 0.5, 0.75, 1.0), atol=0.08)
+
+
+@pytest.mark.parametrize("alpha", [Alpha.BLEND, Alpha.CUT_OUT])
+def test_the_shadow_is_as_light_as_the_alpha_of_vertices_makes_the_surface(make_renderer, stage, alpha: Alpha) -> None:
+    """From nothing at -x to all at +x: a blended shadow fades likewise, that of a cut-out ends in the middle."""
+    studio = _Studio(make_renderer, stage, "accurate", elevation_deg=70)
+    colours = np.float32([(1, 1, 1, x > 0) for x, *_ in CORNERS])
+    lifted = replace(
+        _sheet(Material(alpha=alpha), colours=colours), vertices=CORNERS + np.float32((0, 0, 0.02)), uvs=None
+    )
+    picture = studio.picture(lifted, stage.light(90, 45, (0.2, 0.2, 0.2)))  # shadows fall 0.03 towards -y
+    ground = float(linear_from_srgb(100 / 255))
+    for x in (-0.025, -0.015, 0.015, 0.025):
+        patch = [studio.at(picture, (x + dx, -0.045 + dy, 0)).mean() for dx in (-2e-3, 0, 2e-3) for dy in (-2e-3, 2e-3)]
+        share = x / 0.06 + 0.5 if alpha is Alpha.BLEND else float(x > 0)
+        assert (1 - np.mean(patch) / ground) / 0.8 == pytest.approx(share, abs=0.1)
+
+
+def test_where_a_blended_surface_is_cut_away_it_mirrors_nothing(make_renderer, stage) -> None:
+    """Pictures of leaves, hair and signs are such holes for the most part; no pane is to be seen around them."""
+    studio = _Studio(make_renderer, stage, elevation_deg=20)
+    ground = float(linear_from_srgb(100 / 255))
+    for alpha, mirrors in ((0, False), (26, True)):
+        material = Material(base_map=_texels(255, 255, 255, alpha), roughness=0.1, alpha=Alpha.BLEND)
+        seen = studio.middle(_sheet(material), stage.light(90, 30, (0.3, 0.3, 0.3)))
+        assert (np.abs(seen - ground) > 0.05).all() == mirrors
+        assert (np.abs(seen - ground) < 0.01).all() != mirrors
 
 
 def test_the_shadow_of_a_ball_of_glass_is_darkest_at_its_rim(make_renderer, stage) -> None:
