@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from ashe_live.core.arrays import Float
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.scene_views import fine_and_coarse, scene_views
@@ -19,8 +21,6 @@ from ashe_live.light.views.joint.evidence import no_less_sure
 from ashe_live.light.views.joint.same_silhouettes import counted_once
 from ashe_live.light.views.seen import without_plane
 
-# The most that is tried in a view beside the first: as much as the preset `fast` tries in a single picture.
-MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
 SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
 
 
@@ -29,6 +29,7 @@ class Look:
     """What a picture may show, and the views of the scene that this rests on, its own first."""
 
     trace: Trace
+    unlit: Mask  # (h, w) of the trace's view: pixels that the lit ground does not explain
     views: list[SceneView]  # none where too little of the ground is lit
 
 
@@ -41,7 +42,7 @@ def looked(
     views = scene_views(tracked, fine, coarse, others, steps)
     clock.end("segment")
     if not views:
-        return Look(Trace(coarse), views)
+        return Look(Trace(coarse), np.zeros_like(coarse.is_ground), views)
     first = ViewSearch(views[0], steps, judge, clock)
     candidates, log_odds = first.explanations()
     if len(views) > 1:
@@ -53,7 +54,7 @@ def looked(
         clock.end("views")
     trace = first.trace
     trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
-    return Look(trace, views)
+    return Look(trace, first.unlit, views)
 
 
 def _explained_together(
@@ -107,6 +108,13 @@ def _directions(several: Sequence[Explanation]) -> list[Float]:
 
 
 def _beside(steps: ProxySteps) -> ProxySteps:
-    """How a companion is searched: the first view finds the same explanations, unless they are hard to see in it."""
-    counts = {name: min(getattr(steps, name), most) for name, most in MOST_BESIDE.items()}
-    return replace(steps, **counts)
+    """How a companion is searched: no more is tried than the preset `fast` tries in a single picture.
+
+    The first view finds the same explanations, unless they are hard to see in it.
+    """
+    return replace(
+        steps,
+        regions=min(steps.regions, FAST.regions),
+        shifts=min(steps.shifts, FAST.shifts),
+        tried=min(steps.tried, FAST.tried),
+    )

@@ -127,11 +127,11 @@ def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, steps: Pr
         return NO_SHADOW if first.trace.regions else NOTHING_THERE
     if choice.confidence < judge.least_confidence:
         return fault_of_scene(choice.explanation, choice.confidence)
-    trace, ground = choice.look.trace, choice.look.views[0].ground
-    assert trace.unlit is not None
-    if steps.light != SUN and is_under_low_lamp(choice.explanation, choice.confidence, trace.view, ground, trace.unlit):
+    look = choice.look
+    view, ground = look.trace.view, look.views[0].ground
+    if steps.light != SUN and is_under_low_lamp(choice.explanation, choice.confidence, view, ground, look.unlit):
         return LOW_LAMP
-    sharpener = Sharpener.of([view.fine for view in choice.look.views])
+    sharpener = Sharpener.of([view.fine for view in look.views])
     return None if is_as_given(choice.explanation, steps.first_fit, sharpener) else OTHER_SIZE
 
 

@@ -69,13 +69,12 @@ def illumination_of(
     """
     look, best = choice.look, choice.explanation
     trace, ground = look.trace, look.views[0].ground
-    assert trace.unlit is not None
     ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
     scene = Scene(
         tracked=tracked,
         view=trace.view,
         ground=ground,
-        unlit=trace.unlit,
+        unlit=look.unlit,
         fine_views=[view.fine for view in look.views],
         judged=_judged_beside(best, trace),
         find_others=partial(_other_objects, choice, judge),

@@ -61,9 +61,9 @@ class ViewSearch:
         coarse, ground = view.coarse, view.ground
         unlit = with_unlit_on_average(view.unlit(round(SPECK_SHARE * coarse.is_ground.size)), coarse)
         self._sheet_shadow, self._glint = sheet_shadow_in(view.fine), glint_in(coarse, ground)
-        self._unlit = unlit if self._glint is None else unlit & ~self._glint.halo
-        regions = unlit_regions(view.fine, self._unlit, ground, steps.region_px, steps.regions)
-        self.trace = Trace(coarse, ground, self._sheet_shadow, self._glint, self._unlit, regions)
+        self.unlit = unlit if self._glint is None else unlit & ~self._glint.halo
+        regions = unlit_regions(view.fine, self.unlit, ground, steps.region_px, steps.regions)
+        self.trace = Trace(coarse, ground, self._sheet_shadow, self._glint, self.unlit, regions)
         clock.end("segment")
 
     def another(self, view: SceneView, steps: ProxySteps) -> "ViewSearch":
@@ -91,7 +91,7 @@ class ViewSearch:
         ground, steps, trace = self.view.ground, self.steps, self.trace
         proposals: list[Proposal] = []
         voted = partial(voted_for, ground=ground, count=steps.shifts, widths=(1.0, FINE))
-        everywhere = voted(ground.colours[self._unlit])
+        everywhere = voted(ground.colours[self.unlit])
         for region in trace.regions:
             # Its own pixels vote first, as others could outvote its shadow; then all, as shadows share their lights.
             own = voted(region.colours[region.unlit])
@@ -108,7 +108,7 @@ class ViewSearch:
     @cached_property
     def lamps(self) -> LampHypotheses:
         """Those that the fall of light over the view's ground suggests."""
-        return LampHypotheses.of(self.view.coarse, self.view.ground, self._unlit, self.steps.light)
+        return LampHypotheses.of(self.view.coarse, self.view.ground, self.unlit, self.steps.light)
 
     def log_odds_among(self, several: Sequence[Explanation]) -> LogOdds:
         """The log odds of an explanation, judged beside these several."""
@@ -134,7 +134,7 @@ class ViewSearch:
         by_any = of_any.rough()
         likeliest = sorted(by_any, key=of_any.log_odds_among(by_any), reverse=True)[:HINTS]
         hints = hints_of([*likeliest, *sorted(found, key=log_odds, reverse=True)], HINTS)
-        placed = explanations_by_place(caster, hints, self.view, self._unlit, self.steps.region_px)
+        placed = explanations_by_place(caster, hints, self.view, self.unlit, self.steps.region_px)
         likeliest = sorted(self._sharpener.measured(placed), key=log_odds, reverse=True)[: self.steps.refined + 1]
         sharp = refiner.refined_alone(likeliest)
         return [each for each in sharp if not any(_is_same(each, one) for one in found)]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ashe_live.core.caster import Caster
 from ashe_live.light.explanation.explain import refitted_bodies
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
@@ -23,17 +24,17 @@ def is_as_given(explanation: Explanation, preset: FitPreset, sharpener: Sharpene
     also explains steps of light and colours better than the given one, by more than its further parameters allow.
     True where there is no caster, or no fit. sharpener: of the views that were explained.
     """
-    if preset.caster is None:
+    caster = preset.caster
+    if caster is None:
         return True
     bodies = refitted_bodies(explanation, replace(preset, resizes=True))
-    if not bodies or _is_near(bodies[0], preset):
+    if not bodies or _is_near(bodies[0], caster):
         return True
     (moved,) = sharpener.sharpened([replace(explanation, bodies=tuple(bodies))])
     likelier = moved.alignment.placed.lit
-    return likelier.body.family is not resized_family_of(preset.caster) or _is_near(likelier, preset)
+    return likelier.body.family is not resized_family_of(caster) or _is_near(likelier, caster)
 
 
-def _is_near(lit: LitBody, preset: FitPreset) -> bool:
-    """Whether all sizes of a body of the caster's resized family are near the given ones."""
-    assert preset.caster is not None
-    return bool(np.abs(np.log(size_ratios(preset.caster, lit.body.shape))).max() < np.log(MOST_OFF))
+def _is_near(lit: LitBody, caster: Caster) -> bool:
+    """Whether all sizes of a member of the caster's resized family are near the given ones."""
+    return bool(np.abs(np.log(size_ratios(caster, lit.body.shape))).max() < np.log(MOST_OFF))
