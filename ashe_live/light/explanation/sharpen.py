@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -22,6 +23,19 @@ from ashe_live.light.shape.directions import (
     with_hemisphere_prior,
 )
 from ashe_live.light.shape.sight import Sight
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sharp:
+    """A body as it was moved onto the steps of light, and as it then lies in the region."""
+
+    fit: EdgeFit
+    placed: PlacedBody
+
+    @property
+    def criterion(self) -> float:
+        """By the steps and by the pixels' unary costs, in units of what one more parameter costs."""
+        return self.fit.criterion + self.placed.cost / COST_PER_PARAMETER
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,22 +71,21 @@ class Sharpener:
         fits = self._fits([[each.alignment.placed.lit, *_other_bodies(each)] for each in several], several, near)
         pairs = [(fit, each) for each, own in zip(several, fits, strict=True) for fit in own]
         moved = iter(placed_in([(fit.lit, *_placing(each)) for fit, each in pairs]))
-        best = [_likeliest([(fit, next(moved)) for fit in own]) for own in fits]
-        alignments = iter(measured([one[1] for one in best if one is not None]))
+        best = [_likeliest([_Sharp(fit, next(moved)) for fit in own]) for own in fits]
+        alignments = iter(measured([one.placed for one in best if one is not None]))
         for explanation, one in zip(several, best, strict=True):
             if one is None:
                 yield from self.measured([explanation])
                 continue
-            fit, _, criterion = one
-            alignment = next(alignments)
-            # Where the body is a poor model, and its steps tell little, the common tangents decide.
+            fit, alignment = one.fit, next(alignments)
+            # Where the body is a poor model, and its steps constrain little, the common tangents decide.
             yield refined_by_tangents(
                 replace(
                     explanation,
                     alignment=alignment,
                     lights=lights_by_steps(fit, alignment),
                     steps=fit.mean_costs,
-                    criterion=criterion,
+                    criterion=one.criterion,
                     nearness=fit.nearness,
                 )
             )
@@ -85,8 +98,8 @@ class Sharpener:
     def _fits(
         self, bodies: Sequence[Sequence[LitBody]], several: Sequence[Explanation], near: NearnessPrior | None
     ) -> list[list[EdgeFit]]:
-        """Each explanation's bodies with their lights, moved, without those whose shadows show too few steps to tell
-        their lights.
+        """Each explanation's bodies with their lights, moved, without those whose shadows show too few steps to
+        determine their lights.
         """
         shifts = np.repeat([shifts_of(each) for each in several], [len(own) for own in bodies], axis=0)
         fits = iter(aligned_with_steps([lit for own in bodies for lit in own], self.pictures, shifts, near))
@@ -128,14 +141,10 @@ def _placing(explanation: Explanation) -> tuple[Sight, Costs]:
     return explanation.alignment.placed.sight, explanation.costs
 
 
-def _likeliest(several: Sequence[tuple[EdgeFit, PlacedBody]]) -> tuple[EdgeFit, PlacedBody, float] | None:
-    """The moved body with the lowest criterion, and that criterion; None where none is in view."""
-    seen = [(fit, body) for fit, body in several if body.is_in_view]
-    if not seen:
-        return None
-    criteria = [fit.criterion + body.cost / COST_PER_PARAMETER for fit, body in seen]
-    best = int(np.argmin(criteria))
-    return *seen[best], criteria[best]
+def _likeliest(several: Sequence[_Sharp]) -> _Sharp | None:
+    """The one with the lowest criterion; None where none is in view."""
+    seen = [one for one in several if one.placed.is_in_view]
+    return min(seen, key=attrgetter("criterion"), default=None)
 
 
 def shifts_of(explanation: Explanation) -> list[float]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.shape.family import Family
+from ashe_live.light.shape.family import Family, Members, padded
 from ashe_live.light.shape.layout import Layout, nearness_of
 from ashe_live.light.shape.light_points import towards
 
@@ -71,6 +71,11 @@ class Body:
     def middle_m(self) -> float:
         """Half of the body's height."""
         return 0.5 * float(self.proxy.points_marker()[:, 2].max())
+
+
+def members_of(several: Sequence[Body]) -> Members:
+    """The bodies without their frames."""
+    return Members([one.family for one in several], padded([one.shape for one in several]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
