@@ -54,7 +54,7 @@ def with_confidence(
     to_sun = one.sun_alike(height_of(seen.body))
     steps = seen.rims(known).log_odds
     directions = _Directions(seen.templates, beside.everywhere, steps, log_none, ruled_out)
-    near, around, none = directions.posterior(to_sun, lamp)
+    posterior = directions.posterior(to_sun, lamp)
     darkening = float(dark_rgb.mean())
     # Beside the foot the hidden sky's gradient looks like a step. No body hides more than half of a sky.
     step = darkening - (1 - darkening) / 2
@@ -62,12 +62,12 @@ def with_confidence(
         step = darkening - (1 - darkening) * hidden_step(seen, one)
     if one.fit is None:
         step = min(step, float(beside.scanned(seen.lit(own)).darkenings[0, -1]))
-        confidence, around = (with_edges(each, None, step, palest, pale) for each in (near, around))
-        return replace(one, confidence=confidence, around=around if none < MOST_NONE else confidence)
+        confidence, around = (with_edges(each, None, step, palest, pale) for each in (posterior.near, posterior.around))
+        return replace(one, confidence=confidence, around=around if posterior.none < MOST_NONE else confidence)
     most = math.inf
-    if near < SURE_BY_TABLE:
+    if posterior.near < SURE_BY_TABLE:
         most = most_log_odds(one.fit, image_beside(seen, others), darkening)
-    exists = with_edges(near, one.fit, step, palest, pale, most)
+    exists = with_edges(posterior.near, one.fit, step, palest, pale, most)
     confidence, around = (exists * _shares(one)).tolist()
     return replace(one, exists=exists, confidence=confidence, around=around if 1 - exists < MOST_NONE else confidence)
 
@@ -82,9 +82,18 @@ def _shares(one: FoundLight) -> Float:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class _Posterior:
+    """Posterior probabilities of lights."""
+
+    near: float  # of one within NEAR_RAD of a direction
+    around: float  # of one within AROUND_RAD
+    none: float  # of no light at all
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Directions:
-    """All directions of the scan, and what speaks for and against each before its edges are looked at."""
+    """All directions of the scan, with the evidence on each before its edges are looked at."""
 
     templates: Templates
     scan: Scan
@@ -92,9 +101,8 @@ class _Directions:
     log_none: float  # prior weight of no light
     ruled_out: Sequence[Float]  # lights (4,) around which there is none
 
-    def posterior(self, to_sun: Float, lamp: float) -> tuple[float, float, float]:
-        """The posterior probabilities of a light within NEAR_RAD of a direction (3,), of one within AROUND_RAD, and of
-        no light.
+    def posterior(self, to_sun: Float, lamp: float) -> _Posterior:
+        """Of a direction (3,).
 
         lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none.
         """
@@ -113,4 +121,4 @@ class _Directions:
         elsewhere, none = float(posterior[~is_around].sum()), math.exp(self.log_none - most)
         near = max(near, math.exp(by_lamp - most))
         whole = near + around + elsewhere + none
-        return near / whole, (near + around) / whole, none / whole
+        return _Posterior(near / whole, (near + around) / whole, none / whole)

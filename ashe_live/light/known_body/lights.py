@@ -35,7 +35,7 @@ LEAST_SCORE, LEAST_MORE, LEAST_BY_EDGES = -1.5, 4.5, 6.5
 AGAINST = -1.0  # log likelihood of map and sides, from which down they speak against it: less is what its freedom costs
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
 LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if it rests on these: so many are steps, and so near
-LEAST_TOLD = 0.5  # probability that a light is where it was found, from which on its direction is known
+LEAST_KNOWN = 0.5  # probability that a light is where it was found, from which on its direction is known
 LEAST_EXISTS = 0.5  # probability that the body hides another light's shadow, from which on one is stated
 
 
@@ -69,7 +69,7 @@ def lights_of(seen: Seen) -> Found:
         if further is None:
             break
         if further.fit is not None and found[0].fit is None:
-            # Beside what a shadow's edges tell, a light that none of them told has to be found anew.
+            # Beside a light that rests on a shadow's edges, one that rests on none has to be found anew.
             found = as_lamps(seen, [further])
             seen = _in_light_of(seen, found)
             continue
@@ -81,7 +81,7 @@ def lights_of(seen: Seen) -> Found:
     dark = darkenings_rgb(seen, found)
     found = [with_confidence(seen, *each, found, alone, ruled_out) for each in zip(found, dark, strict=True)]
     # One that surely is there, but may be anywhere, comes after those that are known, however strong it is.
-    order = sorted(range(len(found)), key=lambda number: found[number].confidence < LEAST_TOLD)
+    order = sorted(range(len(found)), key=lambda number: found[number].confidence < LEAST_KNOWN)
     found, dark = [found[number] for number in order], dark[order]
     return Found(seen, tuple(found), dark, likelihood > DARK_ELSEWHERE)
 
@@ -124,7 +124,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
             continue
         more = _log_likelihood(seen, one, beside)
         by_table = more - edge_log_odds(one.fit)
-        if _is_told(one.fit, by_table, more, is_vague) and more > best:
+        if _is_supported(one.fit, by_table, more, is_vague) and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
     if likeliest is None and len(known) == 1 and _is_surely_sun(known[0]):
@@ -132,7 +132,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     return likeliest
 
 
-def _is_told(fit: EdgeFit, by_table: float, more: float, is_vague: bool) -> bool:
+def _is_supported(fit: EdgeFit, by_table: float, more: float, is_vague: bool) -> bool:
     """Whether there is evidence enough for a further light: log likelihoods by map and sides, and with its edges too.
 
     Edges alone are not enough against map and sides: beside the foot the hidden sky's gradient looks like a step. Nor
@@ -183,10 +183,10 @@ def _hidden(seen: Seen, score: Float, would_be_seen: Mask, beside: Evidence) -> 
         return None
     score = np.where(would_be_seen, -np.inf, score)
     best = seen.templates.lights[int(score.argmax())]
-    mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
-    if darkening < LEAST_DARKENING or in_view(seen, mean, seen.room) > MOST_IN_VIEW:
+    hidden = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
+    if hidden.darkening < LEAST_DARKENING or in_view(seen, hidden.light, seen.room) > MOST_IN_VIEW:
         return None
-    return FoundLight(mean, spread, None, darkening, exists=exists)
+    return replace(hidden, exists=exists)
 
 
 def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
