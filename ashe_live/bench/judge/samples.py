@@ -20,7 +20,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import Company
+from ashe_live.light.explanation.judgement.context import Context
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, Judge, explanation_features, split_features
 from ashe_live.light.explanation.judgement.judge_tables import read_tables
 from ashe_live.light.explanation.light_covariance import averaged
@@ -107,8 +107,8 @@ def sample_of(case: Case, estimator: ProxyEstimator) -> Sample:
     _, trace = estimator.traced(case.followed())
     truths = case.to_lights_marker
     assert truths is not None
-    company = Company(trace.judged, trace.glint, trace.sheet_shadow)
-    judged = [_candidate(each, explanation_features(each, company), truths) for each in trace.judged]
+    context = Context(trace.judged, trace.glint, trace.sheet_shadow)
+    judged = [_candidate(each, explanation_features(each, context), truths) for each in trace.judged]
     splits = [_candidate(each, split_features(each.region, each.materials, each.split), truths) for each in trace.rough]
     return Sample(f"{case.folder}/{case.id}", case.tags, truths, judged, splits)
 

@@ -69,7 +69,7 @@ def _explained_together(
     joint = JointSearch(views, first.steps, first.judge, first.lamps)
 
     def together(several: Sequence[Found], found: Sequence[Found]) -> list[tuple[JointExplanation, float]]:
-        return joint.explained(several, first.company_of([one for _, those in found for one in those]))
+        return joint.explained(several, first.context_of([one for _, those in found for one in those]))
 
     of_first = first.view, candidates
     by_first = together([of_first], [of_first])
@@ -95,7 +95,7 @@ def _leaves_no_doubt(together: Sequence[tuple[JointExplanation, float]]) -> bool
 
 
 def _found_alone(alone: ViewSearch, view: SceneView) -> list[Explanation]:
-    """What a view shows where no other is known, with what the others tell of its pixels, by which it is judged."""
+    """What a view shows by itself, with the others' evidence on its pixels, by which it is judged."""
     found, _ = alone.explanations()
     own = {id(each.region): each.region for each in found}
     compared = {key: region_with_on_plane(region, view.ground) for key, region in own.items()}

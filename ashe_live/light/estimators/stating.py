@@ -82,16 +82,16 @@ def illumination_of(
         glints=[glint for view in look.views if (glint := glint_in(view.coarse, view.ground)) is not None],
         judge=judge,
     )
-    # A hull's shadow was compared with the whole plane: no border of a body is left that could tell a lamp from a sun.
+    # A hull's shadow was compared with the whole plane: no body's border is left by which a lamp differs from a sun.
     kind = SUN if best.hull is not None and steps.light == AUTO else steps.light
-    told = stated(_with_mean_light(choice), choice.confidence, ratios[: len(best.lights)], scene, kind)
+    answer = stated(_with_mean_light(choice), choice.confidence, ratios[: len(best.lights)], scene, kind)
     # With two lights there is a third shift, that where both are blocked.
-    answers = zip(told.lights, ratios, strict=False)
-    lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
+    pairs = zip(answer.lights, ratios, strict=False)
+    lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in pairs]
     if len(lights) == 1:
-        lights = [lights[0].with_angular_size(size_of(told.explanation, lights[0], tracked))]
-    real_object = told.explanation.real_object
-    return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), told.explanation
+        lights = [lights[0].with_angular_size(size_of(answer.explanation, lights[0], tracked))]
+    real_object = answer.explanation.real_object
+    return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), answer.explanation
 
 
 def _with_mean_light(choice: Choice) -> Explanation:

@@ -16,7 +16,7 @@ from ashe_live.light.estimators.refining import LogOdds, Refiner, leaves_no_doub
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import Company, company_features
+from ashe_live.light.explanation.judgement.context import Context, context_features
 from ashe_live.light.explanation.judgement.judge import Judge, explanation_features
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.known_place import explanations_by_place, hints_of
@@ -112,17 +112,17 @@ class ViewSearch:
 
     def log_odds_among(self, several: Sequence[Explanation]) -> LogOdds:
         """The log odds of an explanation, judged beside these several."""
-        company = self.company_of(several)
+        context = self.context_of(several)
 
         def log_odds(each: Explanation) -> float:
-            features = {**self._own_features(each), **company_features(each, company)}
+            features = {**self._own_features(each), **context_features(each, context)}
             return self.judge.log_odds_of(features) + self.lamps.agreement(each)
 
         return cache(log_odds)
 
-    def company_of(self, several: Sequence[Explanation]) -> Company:
-        """What an explanation of the view is judged beside: these several, and what else shows the light."""
-        return Company(several, self._glint, self._sheet_shadow)
+    def context_of(self, several: Sequence[Explanation]) -> Context:
+        """The context of an explanation of the view: these several, and what else shows the light."""
+        return Context(several, self._glint, self._sheet_shadow)
 
     def _found_by_place(self, caster: Caster, found: Sequence[Explanation], refiner: Refiner) -> list[Explanation]:
         """Where the known object may stand in the lights that it, or any object of the picture, may show.

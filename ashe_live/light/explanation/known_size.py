@@ -1,4 +1,4 @@
-"""Whether an object of given sizes looks as large as it was said to be."""
+"""Whether an object whose sizes are given has these in the picture."""
 
 from dataclasses import replace
 
@@ -20,8 +20,9 @@ MOST_OFF = 1.3
 def is_as_given(explanation: Explanation, preset: FitPreset, sharpener: Sharpener) -> bool:
     """Whether the picture shows the preset's caster in its given sizes rather than in others that are far from these.
 
-    Labels alone take shadow for object too often to tell; so a body of other sizes that fits them is believed where it
-    also explains steps of light and colours better than the given one, by more than its further parameters allow.
+    Labels take shadow for object too often to decide this alone; so a body of other sizes that fits them is believed
+    where it also explains steps of light and colours better than the given one, by more than its further parameters
+    allow.
     True where there is no caster, or no fit. sharpener: of the views that were explained.
     """
     caster = preset.caster

@@ -117,13 +117,13 @@ class Sharpener:
         return found
 
 
-def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_as_one: float = 1.0) -> tuple[FittedLight, ...]:
+def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_per_sample: float = 1.0) -> tuple[FittedLight, ...]:
     """The lights of an aligned body, with the covariance that the steps of light imply.
 
-    alignment: of the same body; it says which shadows' ends are in view. views_as_one: how many views tell as much as
-    one.
+    alignment: of the same body; it says which shadows' ends are in view. views_per_sample: number of views over their
+    effective sample size.
     """
-    information = with_hemisphere_prior(fit.information / views_as_one, fit.lit.lights_in_body_frame)
+    information = with_hemisphere_prior(fit.information / views_per_sample, fit.lit.lights_in_body_frame)
     lights = fitted_lights(fit.lit.lights, np.asarray(np.linalg.inv(information)))
     return tuple(
         corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, alignment.ends_in_view, strict=True)

@@ -38,7 +38,7 @@ OFF_PLANE, UNUSUAL_DISTANCE = -1.5, 3.5
 # Log odds from which on it is surely on the plane; what is brighter there, by so much in log brightness than the
 # brightest of the palette's colours with a share of COMMON, is a glow.
 ON_PLANE, BRIGHTER, COMMON = 0.5, 0.1, 0.03
-SPECK_SHARE = 0.0005  # of the picture: smaller areas that stand out are specks
+SPECK_SHARE = 0.0005  # of the picture: smaller unlit areas are specks
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
 
 
@@ -63,7 +63,7 @@ class LitGround:
     fall: LightFall | None = None  # a lamp's, or gloss under a sun, one of these functions; None: they are a quadratic
     divided: bool = False  # by edges into surfaces that are lit alike, where a lamp's fall would explain it as one
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
-    broad: BroadAreas | None = None  # which stand out although the palette has their colours; None: none
+    broad: BroadAreas | None = None  # which count as unlit although the palette has their colours; None: none
 
 
 def fit_lit_ground(
@@ -121,9 +121,9 @@ def lit_rgb(ground: LitGround) -> Float:
 
 
 def with_on_plane(ground: LitGround, on_plane: Float32) -> LitGround:
-    """The ground with what other views tell of it: log odds (h, w) that a pixel lies on the plane.
+    """The ground with the evidence of other views: log odds (h, w) that a pixel lies on the plane.
 
-    What does, and is brighter than the palette, is light that something sends onto it, and counts as sheen.
+    What does, and is brighter than the palette, is light that something reflects onto it, and counts as sheen.
     """
     centres = ground.palette.centres
     brightest = float(centres[ground.palette.weights > COMMON, 0].max(initial=float(centres[:, 0].min())))

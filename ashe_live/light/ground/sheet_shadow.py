@@ -2,7 +2,7 @@
 
 Card is thick and paper curls, so that a sheet's edges stand a little above the ground. The sides that face away from
 the light cast a strip of shadow beyond the paper, those that face it none. How high an edge stands is not known: the
-strips tell the light's azimuth, and nothing of its elevation. What darkens the ground along all four sides alike, as
+strips constrain the light's azimuth, and not its elevation. What darkens the ground along all four sides alike, as
 sharpening does, cancels.
 """
 

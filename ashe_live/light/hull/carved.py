@@ -155,7 +155,7 @@ def _cells_of(places: Float, low: Float, cell_m: float, shape: tuple[int, int]) 
 
 
 def _lit_cells(views: Sequence[Labelled], low: Float, cell_m: float, shape: tuple[int, int]) -> Mask:
-    """(cells,) where LIT_IN views show lit ground, or nothing that stands out: what does is in their regions."""
+    """(cells,) where LIT_IN views show lit ground, or ground outside of their regions, which hold all that is unlit."""
     # From cells, columns along y, to metres; rows are along x.
     plane_from_cells = np.array(
         [[0.0, cell_m, low[0] + cell_m / 2], [cell_m, 0.0, low[1] + cell_m / 2], [0.0, 0.0, 1.0]]

@@ -37,8 +37,8 @@ def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExpla
     """The explanation with the hull as its real object, and the light whose shadow that casts.
 
     As it is where a family explains the silhouettes as well, where there are two lights or a lamp, where the views are
-    too near to each other or show too little of body and shadow, and where the hull tells no light. sharpener: of all
-    views at full resolution.
+    too near to each other or show too little of body and shadow, and where the hull determines no light. sharpener: of
+    all views at full resolution.
     """
     joint = explanation.joint
     span = span_rad([view_direction(each.region.view.T_cam_marker) for each in explanation.each])

@@ -111,7 +111,7 @@ class _Directions:
         by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
         cosines = to_lights @ to_sun
         is_near, is_around = cosines > math.cos(NEAR_RAD), cosines > math.cos(AROUND_RAD)
-        # Steps only speak against directions elsewhere, whose shadows would be seen.
+        # Steps only count against directions elsewhere, whose shadows would be seen.
         by_light = by_light + np.where(is_around, 0.0, np.minimum(self.steps, 0.0))
         for rival in self.ruled_out:
             by_light[~is_near & (to_lights @ rival[:3] > math.cos(APART_RAD))] = -np.inf

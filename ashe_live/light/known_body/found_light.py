@@ -45,7 +45,7 @@ class FoundLight:
 
     @property
     def size_rad(self) -> float:
-        """The light's angular diameter; 0 where it cannot be told from a point."""
+        """The light's angular diameter; 0 where it is not distinguishable from a point."""
         return 0.0 if self.fit is None else self.fit.size_rad or 0.0
 
     @property
@@ -63,7 +63,7 @@ class FoundLight:
     def sun_alike(self, height: float) -> Float:
         """(3,) the direction of the sun in which the shadow of a body of some height ends where it does in this light.
 
-        This is what maps of suns' shadows tell; a low lamp itself stands higher by several degrees.
+        It is the best match among suns; a low lamp itself stands higher by several degrees.
         """
         x, y, z, w = self.casting
         left = max(1 - height * float(w / z), LEAST_LEFT)
@@ -102,7 +102,7 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: floa
     """(l, 3) part of the table's light, R, G, B, that each light gives: its shadow beside the lit table, at its edges.
 
     Where too little of a shadow's edges is seen, as map and sides say. least_size_rad: diameter of a light whose whole
-    penumbra is left out where the shadow is as broad, as it may be wider than is told.
+    penumbra is left out where the shadow is as broad, as it may be wider than was measured.
     """
     edges = [seen.shadow_edges(each.casting) for each in found]
     steps = [

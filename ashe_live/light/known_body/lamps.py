@@ -121,7 +121,7 @@ def _nearness(seen: Seen, edges: _ByEdges, others: Sequence[FoundLight]) -> _Nea
     beside = seen.beside(points_of(others))
     most = NEAREST / height_of(seen.body)
     low, high = (float(np.clip(light[3] + sign * WITHIN_SIGMAS * sigma, 0.0, most)) for sign in (-1, 1))
-    # Edges that speak against any lamp leave nothing to look for.
+    # Edges that exclude any lamp leave nothing to look for.
     mean, variance, sun = float(np.clip(light[3], 0.0, most)), sigma**2, float(high < LEAST_NEARNESS)
     for number in range(GRIDS):
         if high - low < LEAST_NEARNESS:

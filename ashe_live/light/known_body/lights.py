@@ -32,7 +32,7 @@ MOST_LIGHTS = 3
 # Log likelihood of a further light by map and sides, before it is fitted and afterwards; and with its edges, where it
 # rests on these.
 LEAST_SCORE, LEAST_MORE, LEAST_BY_EDGES = -1.5, 4.5, 6.5
-AGAINST = -1.0  # log likelihood of map and sides, from which down they speak against it: less is what its freedom costs
+AGAINST = -1.0  # log likelihood of map and sides, below which they are evidence against it: its freedom costs that much
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
 LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if it rests on these: so many are steps, and so near
 LEAST_KNOWN = 0.5  # probability that a light is where it was found, from which on its direction is known
@@ -99,7 +99,7 @@ def _log_likelihood(seen: Seen, one: FoundLight, beside: Evidence) -> float:
 
 
 def are_apart(found: Sequence[FoundLight], height: float) -> bool:
-    """Whether the map can tell all lights' shadows, of a body of some height, apart."""
+    """Whether the map resolves all lights' shadows, of a body of some height."""
     to_suns = np.array([each.sun_alike(height) for each in found])
     return bool((to_suns @ to_suns.T - 2 * np.eye(len(found)) < math.cos(APART_RAD)).all())
 
@@ -164,7 +164,7 @@ def _is_clear(fit: EdgeFit) -> bool:
 
 
 def _is_unseen(one: FoundLight) -> bool:
-    """Whether its shadow should be seen, and its edges speak against it."""
+    """Whether its shadow should be seen, and its edges are evidence against it."""
     return one.fit is not None and one.fit.seen > MOST_IN_VIEW and edge_log_odds(one.fit) < 0
 
 

@@ -18,10 +18,10 @@ LEAST_EIGENVALUE = 1e-6  # of a correlation matrix
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LampBorders:
-    """What an explanation's borders tell of one of its lights as a lamp, whatever the body."""
+    """One of an explanation's lights as a lamp, by the borders, the body marginalised out."""
 
     nearness: float  # 1/m, w / z that they ask for: 0 for a light at infinity
-    nearness_sigma: float  # 1/m; one unknown body in one view tells next to nothing
+    nearness_sigma: float  # 1/m; one unknown body in one view hardly constrains it
     by_nearness: Float  # (2,) metres: the displacement s at the marker's centre by which a nearer light fits as well
 
 
@@ -65,8 +65,7 @@ def _of_ends_out_of_view(explanation: Explanation) -> Float:
 
     A shadow ends not far outside of the picture, (22b) of docs/maths, in whichever light: its top h casts a shadow
     of the length s h / (1 - k h), so that a nearer light of the same end has a shorter displacement, by s h / (1 - k h)
-    for each k. Without this the other borders alone, which hardly determine how long a shadow is, would tell what a
-    nearer light does to it.
+    for each k. Without this it would follow from the other borders alone, which hardly determine a shadow's length.
     """
     lit, layout = explanation.alignment.placed.lit, Layout(len(explanation.lights), with_nearness=True)
     information = np.zeros((layout.split, layout.split))

@@ -1,7 +1,7 @@
-"""The direction at the marker of a light that may be a sun or a lamp, where the picture decides neither for sure.
+"""The direction at the marker of a light that may be a sun or a lamp, where the picture does not decide for sure.
 
-A sun that explains an object's shadow is right at the object. Beside it a lamp is elsewhere: half a metre away, 15 cm
-beside the object, by 17 degrees. The evidence that is too weak to state a lamp still tells what to expect there.
+A sun that explains an object's shadow is right at the object. Beside it the direction of a lamp differs: half a metre
+away, 15 cm beside the object, by 17 degrees. Evidence too weak to state a lamp still gives an expectation there.
 """
 
 import math

@@ -1,8 +1,8 @@
 """The lit ground under a lamp: its slow shading is the fall of the lamp's light, which no quadratic follows.
 
 Without that the palette takes the steps of a plain ground's brightness for its colours. It is then wide enough to hold
-shadows where the lamp's light is faint, and too narrow for the corners of the picture, which stand out as objects do.
-What glossy ground mirrors of a sun is told and taken out in the same way.
+shadows where the lamp's light is faint, and too narrow for the picture's corners, which are then taken for objects.
+What glossy ground mirrors of a sun is estimated and taken out in the same way.
 """
 
 from dataclasses import replace
@@ -18,7 +18,7 @@ from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.pixels.view import View
 
-LEAST_PX = 40  # of what stands out from the ground: specks are texture
+LEAST_PX = 40  # of an unlit area: specks are texture
 
 
 def lit_ground_of(view: View, steps: GroundSteps, kind: str) -> LitGround | None:

@@ -99,9 +99,9 @@ def information_on_lights(normal: Float, layout: Layout) -> Float:
 
 
 def offset_of_lights(normal: Float, gradient: Float, layout: Layout) -> tuple[Float, Float]:
-    """(split,) the offset of the lights that normal equations ask for, whatever the shape; (split, split) information.
+    """(split,) the lights' step by normal equations, the shape marginalised out; (split, split) information on it.
 
-    Well conditioned also where next to nothing tells of a parameter.
+    Well conditioned also where a parameter is hardly constrained.
     """
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-12))
     balanced = normal / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
