@@ -15,7 +15,7 @@ from ashe_live.bench.metrics import ELLIPSE_95
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.lamps.fall.agreement import INFORMATIVE_DEVIANCE
 from ashe_live.light.lamps.sources import FALL_ERROR_SHARE, WHOLE_ERROR_SHARE
 

@@ -8,8 +8,8 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.estimators.preset import FAST, ProxyPreset
 from ashe_live.light.estimators.scene_views import fine_and_coarse, scene_views
-from ashe_live.light.estimators.steps import FAST, ProxySteps
 from ashe_live.light.estimators.together import Found, JointSearch, without_alike
 from ashe_live.light.estimators.view_search import Trace, ViewSearch
 from ashe_live.light.explanation.explanation import Explanation
@@ -34,16 +34,16 @@ class Look:
 
 
 def looked(
-    tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps, judge: Judge, clock: StageClock
+    tracked: TrackedFrame, others: Sequence[TrackedFrame], preset: ProxyPreset, judge: Judge, clock: StageClock
 ) -> Look:
     """One look at the picture of `tracked`, which must have a marker, and at the others, which show the same scene."""
-    judge = judge if steps.caster is None else judge.of_known_body()
-    fine, coarse = fine_and_coarse(tracked, steps)
-    views = scene_views(tracked, fine, coarse, others, steps)
+    judge = judge if preset.caster is None else judge.of_known_body()
+    fine, coarse = fine_and_coarse(tracked, preset)
+    views = scene_views(tracked, fine, coarse, others, preset)
     clock.end("segment")
     if not views:
         return Look(Trace(coarse), np.zeros_like(coarse.is_ground), views)
-    first = ViewSearch(views[0], steps, judge, clock)
+    first = ViewSearch(views[0], preset, judge, clock)
     candidates, log_odds = first.explanations()
     if len(views) > 1:
         together = _explained_together(first, candidates, views)
@@ -66,22 +66,22 @@ def _explained_together(
     Where that leaves doubt as well, each view is also searched as if it were the only one: the inside of a plain object
     does not visibly shear, so that labels which rest on other views take it for the shadow.
     """
-    joint = JointSearch(views, first.steps, first.judge, first.lamps)
+    joint = JointSearch(views, first.preset, first.judge, first.lamps)
 
     def together(several: Sequence[Found], found: Sequence[Found]) -> list[tuple[JointExplanation, float]]:
         return joint.explained(several, first.context_of([one for _, those in found for one in those]))
 
     of_first = first.view, candidates
     by_first = together([of_first], [of_first])
-    companions = views[1 : 1 + first.steps.companions]
+    companions = views[1 : 1 + first.preset.companions]
     if _leaves_no_doubt(by_first) or not companions:
         return by_first
-    found = [of_first, *((view, first.another(view, _beside(first.steps)).rough()) for view in companions)]
+    found = [of_first, *((view, first.another(view, _beside(first.preset)).rough()) for view in companions)]
     by_all = together(found, found)
     if _leaves_no_doubt(by_all):
         return by_all
     alone = [
-        (view, _found_alone(first.another(without_plane(view), first.steps), view)) for view in views[:SEARCHED_ALONE]
+        (view, _found_alone(first.another(without_plane(view), first.preset), view)) for view in views[:SEARCHED_ALONE]
     ]
     return without_alike([*by_all, *together(alone, [*found, *alone])])
 
@@ -107,14 +107,14 @@ def _directions(several: Sequence[Explanation]) -> list[Float]:
     return [each.lights[0].to_light_marker for each in several]
 
 
-def _beside(steps: ProxySteps) -> ProxySteps:
+def _beside(preset: ProxyPreset) -> ProxyPreset:
     """How a companion is searched: no more is tried than the preset `fast` tries in a single picture.
 
     The first view finds the same explanations, unless they are hard to see in it.
     """
     return replace(
-        steps,
-        regions=min(steps.regions, FAST.regions),
-        shifts=min(steps.shifts, FAST.shifts),
-        tried=min(steps.tried, FAST.tried),
+        preset,
+        regions=min(preset.regions, FAST.regions),
+        shifts=min(preset.shifts, FAST.shifts),
+        tried=min(preset.tried, FAST.tried),
     )

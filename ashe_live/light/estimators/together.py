@@ -6,7 +6,7 @@ from functools import cache, partial
 from operator import itemgetter
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.context import Context, are_apart
@@ -52,7 +52,7 @@ class JointSearch:
     """Looks for explanations of several views together."""
 
     views: Sequence[SceneView]  # that of the answer first
-    steps: ProxySteps
+    preset: ProxyPreset
     judge: Judge
     lamps: LampHypotheses  # that the first view's ground suggests
 
@@ -68,11 +68,11 @@ class JointSearch:
             return joint_log_odds(one, self.judge, context)
 
         few, rest = self.views[:FIRST_VIEWS], self.views[FIRST_VIEWS:]
-        region_px, wanted = self.steps.region_px, self.steps.joint
+        region_px, wanted = self.preset.region_px, self.preset.joint
         candidates = _likely_candidates(found, self.judge, context)[: wanted + MORE]
         starts = [start for home, one in candidates if (start := _start_in(few, home, one, region_px)) is not None]
         likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[:wanted]
-        families = {id(each.origin): by_families(each, self.steps.fine_fit) for each in likely[:REFITTED]}
+        families = {id(each.origin): by_families(each, self.preset.fine_fit) for each in likely[:REFITTED]}
         likely[:REFITTED] = [several[0] for several in families.values()]
         if rest:
             starts = [_start_also_in(rest, each, region_px) for each in likely]
@@ -93,10 +93,10 @@ class JointSearch:
 
     def _decided_with_hull(self, moved: JointExplanation, sharpener: Sharpener) -> JointExplanation:
         """What lies on the steps of light, as a sun's or a lamp's, with a hull where no family explains it."""
-        near_fit = partial(explained_near, preset=self.steps.fine_fit)
+        near_fit = partial(explained_near, preset=self.preset.fine_fit)
         decided = _decided(moved, self.lamps.decided(moved.joint, near_fit, sharpener))
         # The shape of a known caster needs no hull.
-        return decided if self.steps.caster else with_hull(decided, sharpener)
+        return decided if self.preset.caster else with_hull(decided, sharpener)
 
 
 def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:

@@ -11,8 +11,8 @@ from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.looking import looked
+from ashe_live.light.estimators.preset import BALANCED, FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import BALANCED, FAST
 from ashe_live.light.estimators.together import without_alike
 from ashe_live.light.estimators.view_search import ViewSearch
 from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge

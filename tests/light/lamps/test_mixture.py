@@ -5,7 +5,7 @@ import pytest
 
 from ashe_live.bench.metrics import tangent_offset
 from ashe_live.core.transforms import angle_between, radius_of_68_percent
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.ground.shadow_shift import shadow_ratio
 from ashe_live.light.labels.associate import Split

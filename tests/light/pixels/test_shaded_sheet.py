@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.estimator import make_estimator
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.pixels.view import View
 from tests.light.painted_scenes import BOX, CYLINDER, SHADOW_RATIO, Caster, Painted, paint
 from tests.light.synthetic_masks import camera_towards

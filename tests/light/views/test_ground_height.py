@@ -9,8 +9,8 @@ import pytest
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.views.ground_height import height_above_ground, seen_from_ground, seen_from_marker
 from tests.light.painted_scenes import BOX, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction

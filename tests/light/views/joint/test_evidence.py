@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Mask
+from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.explanation.judgement.context import NO_CONTEXT, Context
 from ashe_live.light.explanation.judgement.judge import best_direction, fitted_judge, probabilities_of
 from ashe_live.light.ground.sheet_shadow import SheetShadow
