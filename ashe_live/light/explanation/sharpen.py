@@ -9,7 +9,7 @@ import numpy as np
 from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
-from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, batches, measured
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, grouped_by_lights, measured
 from ashe_live.light.explanation.explain import refined_by_tangents
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
 from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
@@ -61,7 +61,7 @@ class Sharpener:
         view, or too little of a shadow. near: the prior on the nearness of their only lights, where that is not held.
         """
         found = list(several)
-        for members in batches(len(each.lights) for each in several):
+        for members in grouped_by_lights(len(each.lights) for each in several):
             for i, one in zip(members, self._sharpened([several[i] for i in members], near), strict=True):
                 found[i] = one
         return found
@@ -109,7 +109,7 @@ class Sharpener:
     def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:
         """The explanations where they stand, each with the costs of its steps."""
         found = list(explanations)
-        for members in batches(len(each.lights) for each in explanations):
+        for members in grouped_by_lights(len(each.lights) for each in explanations):
             bodies = [explanations[i].alignment.placed.lit for i in members]
             shifts = np.array([shifts_of(explanations[i]) for i in members])
             for i, costs in zip(members, step_costs(bodies, self.pictures, shifts), strict=True):

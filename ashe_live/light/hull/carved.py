@@ -97,9 +97,8 @@ class Carved:
         cost, masks = 0.0, []
         for view, pixels, cells in zip(self.views, self.pixels, self.cells, strict=True):
             body = _filled(pixels[kept], view.as_lit.shape)
-            shadow = darkened[cells] > 0
-            cost += float(np.where(body, view.as_body, np.where(shadow, view.as_shadow, view.as_lit)).sum())
-            masks.append(Predicted(body, shadow & ~body))
+            masks.append(Predicted(body, (darkened[cells] > 0) & ~body))
+            cost += view.cost(masks[-1])
         return InLight(cost, kept, masks)
 
 

@@ -16,7 +16,6 @@ from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 from ashe_live.light.shape.light_points import at_infinity
 
@@ -149,7 +148,7 @@ def _is_clear(found: FoundLight) -> bool:
 
 def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
     """Whether a fit from a light (4,) would end at one that was found, whose edges are clear."""
-    return bool(normalised(start[:3]) @ found.sun_alike(height_of(seen.body)) > math.cos(APART_RAD))
+    return bool(normalised(start[:3]) @ found.sun_alike(seen.body.height_m) > math.cos(APART_RAD))
 
 
 def _moved_onto_edges(image: EdgeImage, start: Float, darkening: float) -> EdgeFit | None:

@@ -13,7 +13,6 @@ from ashe_live.light.known_body.found_light import FoundLight, hidden_step, imag
 from ashe_live.light.known_body.outline.elsewhere import most_log_odds
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, with_edges
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 
 NEAR_RAD = math.radians(10)  # of an answer, within which it counts as right
@@ -51,7 +50,7 @@ def with_confidence(
             one = replace(one, fit=one.fit.seen_again_in(image_beside(seen, others), float(dark_rgb.mean())))
     own = one.casting[None]
     lamp = float(beside.scanned(seen.lit(own)).log_likelihood[0]) if one.is_lamp else -math.inf
-    to_sun = one.sun_alike(height_of(seen.body))
+    to_sun = one.sun_alike(seen.body.height_m)
     steps = seen.rims(known).log_odds
     directions = _Directions(seen.templates, beside.everywhere, steps, log_none, ruled_out)
     posterior = directions.posterior(to_sun, lamp)

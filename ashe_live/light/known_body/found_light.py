@@ -37,11 +37,11 @@ class FoundLight:
     covariance: Float  # (p, p) of s = (x, y) / z, and of the nearness w / z where that is determined
     fit: EdgeFit | None  # None where the shadow's edges are hidden: the direction is then that which map and sides say
     darkening: float  # part of the table's light that it gives
-    confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
+    confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 until it is computed
     around: float = 0.0  # that it is within twice as much, where there surely is a light
     may_be_lamp: bool = False  # whether it is likelier a lamp, of uncertain distance, than a sun
     has_folds: bool = False  # whether the covariance has in it how the body and its frame may be off
-    exists: float | None = None  # probability that there is one, of a hidden light, and of others once that is asked
+    exists: float | None = None  # probability that there is one: of a hidden light at once, of others with confidence
 
     @property
     def size_rad(self) -> float:

@@ -13,7 +13,6 @@ from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, nearness_sigma
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.table import height_of
 
 # Standard deviation of the body's width over its height, of bodies of which it is not known how they may be off: one
 # wider by a hundredth casts the shadow of a lamp whose w / z is larger by a hundredth over that height.
@@ -119,7 +118,7 @@ def _nearness(seen: Seen, edges: _ByEdges, others: Sequence[FoundLight]) -> _Nea
     light, covariance = edges.light, edges.covariance
     by_nearness, sigma = covariance[:, 2] / covariance[2, 2], math.sqrt(covariance[2, 2])
     beside = seen.beside(points_of(others))
-    most = NEAREST / height_of(seen.body)
+    most = NEAREST / seen.body.height_m
     low, high = (float(np.clip(light[3] + sign * WITHIN_SIGMAS * sigma, 0.0, most)) for sign in (-1, 1))
     # Edges that exclude any lamp leave nothing to look for.
     mean, variance, sun = float(np.clip(light[3], 0.0, most)), sigma**2, float(high < LEAST_NEARNESS)

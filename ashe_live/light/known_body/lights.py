@@ -24,7 +24,6 @@ from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import SHOWN
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.table import height_of
 from ashe_live.light.shape.light_points import NO_LIGHTS
 
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
@@ -74,7 +73,7 @@ def lights_of(seen: Seen) -> Found:
             seen = _in_light_of(seen, found)
             continue
         both = as_lamps(seen, _refitted(seen, [*found, further]), len(found))
-        if not are_apart(both, height_of(seen.body)) or _is_unseen(both[-1]):
+        if not are_apart(both, seen.body.height_m) or _is_unseen(both[-1]):
             break  # what was taken for another shadow is the rest of one that is known, or another thing's
         found, seen = both, _in_light_of(seen, both)
     found.sort(key=lambda each: (each.exists is not None, -each.darkening))
@@ -109,7 +108,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     beside = seen.beside(points_of(known))
     score = beside.everywhere.log_likelihood
     for each in known:
-        to_sun = each.sun_alike(height_of(seen.body))
+        to_sun = each.sun_alike(seen.body.height_m)
         score = np.where(seen.templates.lights[:, :3] @ to_sun > math.cos(APART_RAD), -np.inf, score)
     if not score.max() > LEAST_SCORE:
         return None

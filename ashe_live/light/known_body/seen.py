@@ -69,7 +69,7 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """A picture of a known body, prepared once for all that looks at it; what is asked again is computed once."""
+    """A picture of a known body, prepared once for all that looks at it; results are cached."""
 
     view: View
     body: Proxy

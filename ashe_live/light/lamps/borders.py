@@ -9,7 +9,6 @@ from ashe_live.light.explanation.alignment import lights_as_lamps
 from ashe_live.light.explanation.explain import END_IN_VIEW
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.light_covariance import tempered
-from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import information_on_displacement
 from ashe_live.light.shape.layout import Layout, nearness_of
 
@@ -38,7 +37,7 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
         offset, unary = lights_as_lamps([placed, *explanation.alignment.elsewhere])
         information = tempered(unary, explanation.alignment) + _of_ends_out_of_view(explanation)
     covariance = _bounded_inverse(information)
-    layout, top = Layout(len(placed.lit.lights), with_nearness=True), _top(placed.lit)
+    layout, top = Layout(len(placed.lit.lights), with_nearness=True), placed.lit.body.height
     found = []
     for i, held in enumerate(nearness_of(placed.lit.lights)):
         of_light = layout.light(i)
@@ -73,16 +72,10 @@ def _of_ends_out_of_view(explanation: Explanation) -> Float:
     for i, (fitted, light, in_view) in enumerate(ends):
         if in_view >= END_IN_VIEW or not light[:2].any():
             continue
-        end = length_by_light(light, _top(lit))
+        end = length_by_light(light, lit.body.height)
         variance = end[:2] @ np.linalg.solve(information_on_displacement(fitted), end[:2])
         information[layout.light(i), layout.light(i)] = np.outer(end, end) / variance
     return information
-
-
-def _top(lit: LitBody) -> float:
-    """The body's height, in its frame."""
-    spheroids = lit.body.spheroids
-    return float((spheroids[:, 2] + spheroids[:, 4]).max())
 
 
 def _bounded_inverse(information: Float) -> Float:

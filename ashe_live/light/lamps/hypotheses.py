@@ -72,6 +72,9 @@ class LampEvidence:
         return self.lamp is not None and (both or self.deviance > ALONE_DEVIANCE)
 
 
+NO_LAMP = LampEvidence(None, 0.0, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class LampHypotheses:
     """The fall of light over the ground of a view, by which lamps are tried in the place of suns."""
@@ -90,16 +93,14 @@ class LampHypotheses:
         fit: of one view. sharpener: of all views that are explained, that of the answer first.
         """
         nearness, deviance = self._by_fall(sun)
-        prior = nearness_prior(nearness)
-        found: list[LampEvidence] = []
         worth, around = (LEAST_IN_VIEWS, AROUND_IN_VIEWS) if _is_in_views(sun) else (WORTH_FITTING, AROUND)
-        if nearness > 0 and deviance >= worth:
-            tried = [factor * nearness for factor in around]
-            for held, again in zip(tried, fit([(sun, each) for each in tried]), strict=True):
-                lamp = in_all_views(sun, again, held, prior, sharpener)
-                if lamp is not None:
-                    found.append(self._compared(sun, lamp))
-        return max(found, key=attrgetter("deviance"), default=LampEvidence(None, 0.0, 0.0))
+        if nearness == 0 or deviance < worth:
+            return NO_LAMP
+        tried, prior = [factor * nearness for factor in around], nearness_prior(nearness)
+        fits = zip(tried, fit([(sun, each) for each in tried]), strict=True)
+        lamps = [in_all_views(sun, again, held, prior, sharpener) for held, again in fits]
+        found = [self._compared(sun, lamp) for lamp in lamps if lamp is not None]
+        return max(found, key=attrgetter("deviance"), default=NO_LAMP)
 
     @cached_property
     def _directions(self) -> FallDirections | None:
@@ -136,10 +137,11 @@ class LampHypotheses:
         likelier = list(suns)
         lamps = fit([(suns[i], by_fall[i][0]) for i in near]) if near else []
         for i, lamp in zip(near, lamps, strict=True):
-            if lamp is not None:
-                costs = [criterion(each.alignment.placed) / COST_PER_PARAMETER for each in (suns[i], lamp)]
-                if by_fall[i][1] + _limited(costs[0] - costs[1]) > 0:
-                    likelier[i] = lamp
+            if lamp is None:
+                continue
+            as_sun, as_lamp = (criterion(each.alignment.placed) / COST_PER_PARAMETER for each in (suns[i], lamp))
+            if by_fall[i][1] + _limited(as_sun - as_lamp) > 0:
+                likelier[i] = lamp
         return likelier
 
     def _by_fall(self, sun: Explanation) -> tuple[float, float]:

@@ -145,7 +145,7 @@ def deviance_of_sun(seen: PlaceEvidence, place: Place) -> float:
 def shadow_middle(explanation: Explanation) -> Float:
     """(2,) the middle of the first light's shadow on the plane, where the shadow ratio was measured."""
     lit = explanation.alignment.placed.lit
-    middle = np.array([[*lit.body.frame.origin_marker, 0.5 * explanation.proxy.points_marker()[:, 2].max()]])
+    middle = np.array([[*lit.body.frame.origin_marker, lit.body.middle_m]])
     cast = cast_on_ground(middle, lit.lights[0])
     return np.asarray((middle if cast is None else cast)[0, :2])
 

@@ -52,7 +52,7 @@ def is_under_low_lamp(explanation: Explanation, confidence: float, view: View, g
         return False
     lights = np.vstack([lit.lights[:1], lit.first_light_near((0.0, *NEARNESSES))])
     parameters = np.column_stack([light_parameters(lights), nearness_of(lights)])
-    top_m = float(explanation.proxy.points_marker()[:, 2].max())
+    top_m = explanation.proxy.height_m
     return low_lamp_elsewhere(fall_off, top_m, parameters, logit(confidence))
 
 

@@ -12,7 +12,13 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, project
-from ashe_live.light.explanation.alignment import EARLY_LOSS_FACTOR, SEARCH_RANGES, Alignment, batches, measured
+from ashe_live.light.explanation.alignment import (
+    EARLY_LOSS_FACTOR,
+    SEARCH_RANGES,
+    Alignment,
+    grouped_by_lights,
+    measured,
+)
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.light_covariance import lights_of
@@ -74,7 +80,7 @@ def costs_of_views(explanation: Explanation) -> list[Costs]:
 def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation | None]:
     """Each body aligned with the borders in all its views; None where it is not in the first view."""
     found: list[JointExplanation | None] = [None] * len(several)
-    for members in batches(len(start.lit.lights) for start in several):
+    for members in grouped_by_lights(len(start.lit.lights) for start in several):
         for i, start in zip(members, _aligned([several[i] for i in members]), strict=True):
             found[i] = explained_where_it_stands(start)
     return found

@@ -21,6 +21,7 @@ from ashe_live.light.explanation.judgement.judge import (
 )
 from ashe_live.light.ground.lit_ground import OFF_PLANE
 from ashe_live.light.ground.regions import Region
+from ashe_live.light.labels.associate import distinct
 from ashe_live.light.pixels.areas import areas_by_size, grown
 from ashe_live.light.views.joint.aligned import JointExplanation
 from ashe_live.light.views.plane import where_in
@@ -174,11 +175,7 @@ def _on_plane(region: Region, mask: Mask, below: float = math.inf) -> float:
 
 def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:
     """The explanations in order, without those whose body and lights are like an earlier one's."""
-    kept: list[JointExplanation] = []
-    for one in several:
-        if not any(_are_alike(one, other) for other in kept):
-            kept.append(one)
-    return kept
+    return distinct(several, _are_alike)
 
 
 def _are_alike(one: JointExplanation, other: JointExplanation) -> bool:
