@@ -11,8 +11,8 @@ from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
-from ashe_live.light.views.seen import with_plane
-from ashe_live.light.views.which import span_rad, usable
+from ashe_live.light.views.plane_evidence import with_plane
+from ashe_live.light.views.selection import span_rad, usable
 
 
 def fine_and_coarse(tracked: TrackedFrame, preset: ProxyPreset) -> tuple[View, View]:

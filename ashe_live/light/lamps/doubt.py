@@ -34,7 +34,7 @@ def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float, by_
     """The direction at the marker's centre, expected over a sun and a lamp, of which neither is certain.
 
     light: as a sun's. place: the light's, if it is a lamp; from_sun: to first order about a light at infinity, by which
-    the two are weighed. deviance: of a sun beside that lamp, if unevenness is at its worst. by_outlines: the same by
+    the two are weighted. deviance: of a sun beside that lamp, if unevenness is at its worst. by_outlines: the same by
     the outlines in several views, where bodies were fitted to both.
     """
     assert light.covariance_rad2 is not None

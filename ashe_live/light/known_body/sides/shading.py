@@ -129,10 +129,11 @@ class Sides:
             away = np.where(self.is_clipped[:, None], np.maximum(away, 0.0), away)
         by_sides = np.log(variance).sum(axis=0)
         if self.by_level.any():
-            weighed, most = self.by_level[:, None] / variance, self.level_information(variance)
-            together = (weighed * away).sum(axis=0) / most
-            away = away - self.by_level[:, None] * together
-            by_sides = by_sides + together**2 + np.log(most)
+            # The level facet's error, which all sides share, is marginalised out.
+            weighted, information = self.by_level[:, None] / variance, self.level_information(variance)
+            shared = (weighted * away).sum(axis=0) / information
+            away = away - self.by_level[:, None] * shared
+            by_sides = by_sides + shared**2 + np.log(information)
         sigmas_squared = np.minimum(away**2 / variance, MOST_SIGMAS**2)
         return np.asarray(-0.5 * (sigmas_squared.sum(axis=0) + by_sides))
 
