@@ -97,8 +97,9 @@ class Carved:
         cost, masks = 0.0, []
         for view, pixels, cells in zip(self.views, self.pixels, self.cells, strict=True):
             body = _filled(pixels[kept], view.as_lit.shape)
-            masks.append(Predicted(body, (darkened[cells] > 0) & ~body))
-            cost += view.cost(masks[-1])
+            shadow = (darkened[cells] > 0) & ~body
+            cost += view.cost(body, shadow)
+            masks.append(Predicted(body, shadow))
         return InLight(cost, kept, masks)
 
 

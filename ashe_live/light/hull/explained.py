@@ -70,7 +70,7 @@ def explains_more(explanation: JointExplanation, hull: Carved, seen: InLight) ->
     """Whether the hull explains enough of what the family leaves unexplained."""
     pairs = list(zip(hull.views, (each.predicted for each in explanation.each), strict=True))
     body_px = sum(int(np.count_nonzero(masks.body)) for _, masks in pairs)
-    by_family = sum(view.cost(masks) for view, masks in pairs)
+    by_family = sum(view.cost(masks.body, masks.shadow) for view, masks in pairs)
     return by_family - seen.cost > max(LEAST_GAIN * max(body_px, 1), LEAST_SHARE * by_family)
 
 

@@ -11,7 +11,6 @@ from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import OTHER_GROUND, object_cost
 from ashe_live.light.pixels.areas import grown, majority, shrunk
-from ashe_live.light.shape.predicted import Predicted
 from ashe_live.light.views.plane import plane_homography
 
 MOST_COST = 10.0  # of a pixel over its cheapest label: a colour model that is wrong is wrong by any amount
@@ -44,9 +43,9 @@ class Labelled:
     picture_from_region: Float  # (3, 3) pixels
     shift: float  # log of how much darker the ground is in the shadow; negative
 
-    def cost(self, masks: Predicted) -> float:
-        """The total cost of the pixels under the labels of the masks."""
-        return float(np.where(masks.body, self.as_body, np.where(masks.shadow, self.as_shadow, self.as_lit)).sum())
+    def cost(self, body: Mask, shadow: Mask) -> float:
+        """The total cost of the pixels with the object in `body` (h, w), and else in `shadow` (h, w) or lit."""
+        return float(np.where(body, self.as_body, np.where(shadow, self.as_shadow, self.as_lit)).sum())
 
 
 def labelled(several: Sequence[Costs], samples: Sequence[Mask], pictures: Sequence[LightPicture]) -> list[Labelled]:

@@ -24,5 +24,5 @@ def test_it_explains_much_of_what_the_family_leaves(unexplained: int, by_hull: f
     body[:10, :10] = True
     dear[:10, :10].flat[:unexplained] = 10.0
     explanation = SimpleNamespace(each=[SimpleNamespace(predicted=Predicted(body, ~body & False))])
-    hull = SimpleNamespace(views=[SimpleNamespace(cost=lambda masks: float(dear[masks.body].sum()))])
+    hull = SimpleNamespace(views=[SimpleNamespace(cost=lambda body, _shadow: float(dear[body].sum()))])
     assert explains_more(explanation, hull, SimpleNamespace(cost=by_hull)) == is_better
