@@ -6,8 +6,8 @@ They are values without what they configure: knowing them loads neither OpenCV n
 from dataclasses import dataclass
 
 from ashe_live.core import arguments
-from ashe_live.light.estimators import steps as lighting
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators import preset as lighting
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.render.gl import preset as rendering
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.tracking import preset as tracking
@@ -21,7 +21,7 @@ class Quality:
     name: str
     tracking: TrackingPreset
     render: RenderPreset
-    light: ProxySteps  # of the estimator `proxy`, which runs in a process of its own
+    light: ProxyPreset  # of the estimator `proxy`, which runs in a process of its own
 
 
 FAST = Quality("fast", tracking.FAST, rendering.FAST, lighting.FAST)

@@ -18,7 +18,7 @@ from ashe_live.light.explanation.searches.second_light import LEAST_GAIN
 from ashe_live.light.lamps.companions import LEAST_PROBABILITY
 from ashe_live.light.lamps.doubt import CHANCE_DEVIANCE, LAMPS_NEARNESS
 from ashe_live.light.lamps.fall import fall_off, lit_samples
-from ashe_live.light.lamps.lamp import UNTOLD_NEARNESS
+from ashe_live.light.lamps.lamp import OPEN_NEARNESS_SIGMA
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.held_look import LOOK_HELD_S
@@ -71,7 +71,7 @@ STATED = {
     "the nearness of lamps": ("docs/maths/lamps.md", "A lamp has k ~ N(0, {:g}²/m²), positive", (LAMPS_NEARNESS,)),
     "a sun's direction stays": ("docs/maths/lamps.md", "Below D = {:g} (one in twenty by chance,", (CHANCE_DEVIANCE,)),
     "a second light": ("docs/maths/colours.md", "the region would cost {:g} more by (15)", (LEAST_GAIN,)),
-    "where it is looked for": ("docs/maths/lamps.md", "or known to less than {:g} / m", (UNTOLD_NEARNESS,)),
+    "where it is looked for": ("docs/maths/lamps.md", "or known to less than {:g} / m", (OPEN_NEARNESS_SIGMA,)),
     "a picture's effective sample size": (
         "docs/maths/explanation.md",
         "the {:g} px (`PIXELS_PER_SAMPLE`)",

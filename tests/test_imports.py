@@ -228,7 +228,7 @@ def test_help_is_instant_because_it_loads_nothing_heavy() -> None:
 
 def test_presets_are_values_that_load_nothing_of_what_they_configure() -> None:
     loaded = modules_after("import json, sys, ashe_live.quality; print(json.dumps(sorted(sys.modules)))")
-    assert "ashe_live.light.estimators.steps" in loaded
+    assert "ashe_live.light.estimators.preset" in loaded
     assert not loaded & (HEAVY)
 
 

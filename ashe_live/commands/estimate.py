@@ -13,7 +13,7 @@ from ashe_live.commands.answers.file_answers import FileEstimator
 from ashe_live.commands.answers.light_page import LightPage
 from ashe_live.commands.flags.marker_choice import others_said
 from ashe_live.commands.flags.named_files import named_files
-from ashe_live.commands.flags.setup import camera_chooser, light_steps, make_tracker
+from ashe_live.commands.flags.setup import camera_chooser, light_preset, make_tracker
 from ashe_live.core.contract import FileRecord
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_folder, check_outputs, make_folder
@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
     makes_folder_of_sheet = _is_in_folder_to_be(options.sheet, options.debug)
     sheets = [] if makes_folder_of_sheet else [options.sheet]
     check_outputs(sheets, [*named, options.camera_file, options.debug], options.overwrite)
-    estimator = make_estimator(options.estimator, light_steps(options))
+    estimator = make_estimator(options.estimator, light_preset(options))
     camera_for = camera_chooser(options)
     make_tracker(options, camera_for)  # reports a wrong --marker before any file is opened
     page = LightPage()

@@ -46,6 +46,11 @@ class Proxy:
         """(3,) the point on the ground below the middle of the spheroids' centres, marker frame, metres."""
         return np.array([*self.spheroids_marker[:, :2].mean(axis=0), 0.0])
 
+    @property
+    def height_m(self) -> float:
+        """Metres of its highest point above the marker's plane."""
+        return float((self.spheroids_marker[:, 2] + self.spheroids_marker[:, 4]).max())
+
     def raised(self, by_m: float) -> "Proxy":
         """The body so far above where it is; below, for a negative distance."""
         spheroids = self.spheroids_marker + np.array([0, 0, by_m, 0, 0])

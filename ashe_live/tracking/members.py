@@ -9,7 +9,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.cube.beside import NUMBER, FlatBeside
-from ashe_live.tracking.cube.folding import FOLDED_RMS, Folding
+from ashe_live.tracking.cube.folding import OF_FOLDED_CUBE, Folding
 from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import Layout, Member, members_of
@@ -81,7 +81,7 @@ class Members:
         seen = [self.sighting(number, square) for number, square in squares.items()]
         if self._folding is None:
             return pose_of_squares(seen, camera, self.side_m, previous, refines), seen
-        pose = pose_of_squares(seen, camera, self.side_m, previous, refines, most_rms=FOLDED_RMS)
+        pose = pose_of_squares(seen, camera, self.side_m, previous, refines, OF_FOLDED_CUBE)
         if self.beside is not None and self.beside.has_moved(squares, pose, camera):
             self.beside.forget()
             squares.pop(NUMBER, None)
@@ -91,5 +91,5 @@ class Members:
         faces = {number: one for number, one in zip(squares, seen, strict=True) if number < NUMBER}
         if faces and self._folding.add(faces, pose.T_cam_marker, camera):
             seen = [self.sighting(number, square) for number, square in squares.items()]
-            pose = pose_of_squares(seen, camera, self.side_m, pose, refines, most_rms=FOLDED_RMS) or pose
+            pose = pose_of_squares(seen, camera, self.side_m, pose, refines, OF_FOLDED_CUBE) or pose
         return self._folding.stated(pose), seen

@@ -14,7 +14,7 @@ from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.commands.viewing import setup
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.live.worker_process import Answer
 from tests.checkout import CHECKOUT
 
@@ -44,7 +44,7 @@ class InstantWorker:
     def busy(self) -> bool:
         return self._asked is not None
 
-    def request(self, tracked: TrackedFrame, _preset: ProxySteps, *_how: object) -> bool:
+    def request(self, tracked: TrackedFrame, _preset: ProxyPreset, *_how: object) -> bool:
         self._asked = tracked
         return True
 

@@ -8,9 +8,9 @@ import pytest
 
 from ashe_live.commands import webcam
 from ashe_live.commands.flags.parser import build_parser
-from ashe_live.commands.flags.setup import light_steps
+from ashe_live.commands.flags.setup import light_preset
 from ashe_live.core.caster import Caster
-from ashe_live.light.estimators.steps import BALANCED, FAST
+from ashe_live.light.estimators.preset import BALANCED, FAST
 from tests.checkout import CHECKOUT
 from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 
@@ -21,10 +21,10 @@ def test_it_reaches_the_estimator_with_the_other_choices():
     options = build_parser().parse_args(
         ["webcam", "--caster", "box:0.06x0.05x0.1", "--light", "sun", "--quality", "fast"]
     )
-    assert light_steps(options) == replace(FAST, light="sun").with_caster(Caster.box(0.06, 0.05, 0.1))
-    assert light_steps(build_parser().parse_args(["demo"])) == BALANCED
+    assert light_preset(options) == replace(FAST, light="sun").with_caster(Caster.box(0.06, 0.05, 0.1))
+    assert light_preset(build_parser().parse_args(["demo"])) == BALANCED
     model = str(CHECKOUT / "assets" / "models" / "goblet.glb")
-    caster = light_steps(build_parser().parse_args(["play", "a.mp4", "--caster", model])).caster
+    caster = light_preset(build_parser().parse_args(["play", "a.mp4", "--caster", model])).caster
     assert caster is not None
     assert caster.kind == "hull"
 

@@ -12,7 +12,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.live.worker import Outcome
 from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
 from ashe_live.models.mesh import Model
@@ -127,7 +127,7 @@ class FakeWorker:
     def request(
         self,
         frozen: TrackedFrame,
-        _preset: ProxySteps,
+        _preset: ProxyPreset,
         draw: Draw | None,
         is_awaited: bool,
         others: tuple[TrackedFrame, ...],

@@ -18,7 +18,7 @@ from ashe_live.bench.judge.validation import (
     scores_by_others,
 )
 from ashe_live.core.contract import Json
-from ashe_live.light.estimators.steps import PRESETS
+from ashe_live.light.estimators.preset import PRESETS
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.explanation.judgement.judge_tables import Curve, Score, Tables

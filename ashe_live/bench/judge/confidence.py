@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.bench.judge.calibration import fitted_calibration
 from ashe_live.bench.judge.validation import Judged, Pictures, judged, looks_by, mean_risk
 from ashe_live.core.arrays import Float
-from ashe_live.light.estimators.steps import PRESETS, ProxySteps
+from ashe_live.light.estimators.preset import PRESETS, ProxyPreset
 from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, good_if_right, logit
 from ashe_live.light.explanation.judgement.judge_tables import Average, Score
 from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines, overdispersed
@@ -40,50 +40,45 @@ def fitted_confidences(pictures: Pictures, scores: Sequence[Score]) -> tuple[dic
 
     scores: of each picture's explanations, fitted to others.
     """
-    looks_of = {preset: len(steps.looks) for preset, steps in PRESETS.items()}
+    looks_of = {name: len(preset.looks) for name, preset in PRESETS.items()}
 
     def answers_by(averages: Mapping[int, Average]) -> dict[str, list[Judged]]:
         return {
-            preset: [
-                judged(score, looks_by(picture, steps), averages[looks_of[preset]])
+            name: [
+                judged(score, looks_by(picture, preset), averages[looks_of[name]])
                 for picture, score in zip(pictures, scores, strict=True)
             ]
-            for preset, steps in PRESETS.items()
+            for name, preset in PRESETS.items()
         }
 
     averages = {
         looks: fitted_average(
-            pictures, scores, [steps for preset, steps in PRESETS.items() if looks_of[preset] == looks], looks
+            pictures, scores, [preset for name, preset in PRESETS.items() if looks_of[name] == looks], looks
         )
         for looks in sorted(set(looks_of.values()))
     }
     answers = answers_by(averages)
     calibration = _calibration([each for several in answers.values() for each in several])
     good_if_open, averages = with_open_directions(
-        {
-            looks: [each for preset in PRESETS if looks_of[preset] == looks for each in answers[preset]]
-            for looks in averages
-        },
+        {looks: [each for name in PRESETS if looks_of[name] == looks for each in answers[name]] for looks in averages},
         averages,
         calibration,
     )
-    answers = {
-        preset: as_stated(several, calibration, good_if_open) for preset, several in answers_by(averages).items()
-    }
+    answers = {name: as_stated(several, calibration, good_if_open) for name, several in answers_by(averages).items()}
     every = [each for several in answers.values() for each in several]
     return answers, Confidences(averages, good_if_open, _calibration(every), least_confidence(every))
 
 
-def fitted_average(pictures: Pictures, scores: Sequence[Score], several: Sequence[ProxySteps], looks: int) -> Average:
+def fitted_average(pictures: Pictures, scores: Sequence[Score], several: Sequence[ProxyPreset], looks: int) -> Average:
     """The average of so many looks with the least risk over all coverages, recalibrated.
 
-    several: steps with so many looks each, by whose answers it is chosen. scores: of each picture.
+    several: presets with so many looks each, by whose answers it is chosen. scores: of each picture.
     """
 
     def answers(average: Average) -> list[Judged]:
         return [
-            judged(score, looks_by(picture, steps), average)
-            for steps in several
+            judged(score, looks_by(picture, preset), average)
+            for preset in several
             for picture, score in zip(pictures, scores, strict=True)
         ]
 

@@ -21,8 +21,8 @@ from ashe_live.bench.light.known_casters import caster_specs
 from ashe_live.core.caster import parsed_caster
 from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
+from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
 from ashe_live.light.explanation.judgement.judge_tables import UNCHANGED, OfKnownBody, Score, read_tables
 
@@ -80,7 +80,7 @@ class KnownBodiesBench(FitBench):
         return in_processes(looked, known[:: self.every], self.jobs, self.console, "known casters")
 
 
-def _looked_at(tables: str, picture: tuple[Case, str]) -> dict[ProxySteps, Sample]:
+def _looked_at(tables: str, picture: tuple[Case, str]) -> dict[ProxyPreset, Sample]:
     """A picture and its caster, by a judge with these tables, in a process of its own."""
     case, spec = picture
     estimator = ProxyEstimator(LOOK.with_caster(parsed_caster(spec)), Judge(read_tables(tables)))

@@ -17,10 +17,10 @@ from ashe_live.bench.cases import Case
 from ashe_live.bench.metrics import tangent_offset
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
+from ashe_live.light.estimators.preset import PRESETS, ProxyPreset
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import Company
+from ashe_live.light.explanation.judgement.context import Context
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, Judge, explanation_features, split_features
 from ashe_live.light.explanation.judgement.judge_tables import read_tables
 from ashe_live.light.explanation.light_covariance import averaged
@@ -60,55 +60,55 @@ class Sample:
 
 
 def in_processes(
-    looked: Callable[[Picture], dict[ProxySteps, Sample]],
+    looked: Callable[[Picture], dict[ProxyPreset, Sample]],
     pictures: Sequence[Picture],
     jobs: int,
     console: Console,
     what: str,
-) -> list[dict[ProxySteps, Sample]]:
+) -> list[dict[ProxyPreset, Sample]]:
     """What `looked`, which must be picklable, returns for each picture, by `jobs` processes; shows `what` meanwhile."""
     with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
         return list(track(pool.map(looked, pictures), what, len(pictures), console=console, transient=True))
 
 
-def of_one_view(steps: ProxySteps) -> ProxySteps:
-    """The steps without their settings for several views, so that presets which treat one view alike are equal."""
-    return replace(steps, views=1, companions=0, joint=1)
+def of_one_view(preset: ProxyPreset) -> ProxyPreset:
+    """The preset without its settings for several views, so that presets which treat one view alike are equal."""
+    return replace(preset, views=1, companions=0, joint=1)
 
 
-LOOKS = tuple(dict.fromkeys(of_one_view(look) for steps in PRESETS.values() for look in steps.looks))
+LOOKS = tuple(dict.fromkeys(of_one_view(look) for preset in PRESETS.values() for look in preset.looks))
 
 
 def by_every_look(
     cases: Sequence[Case], judge: Judge, jobs: int, console: Console, what: str, tried: int | None = None
-) -> list[dict[ProxySteps, Sample]]:
+) -> list[dict[ProxyPreset, Sample]]:
     """The pictures by every look of the presets; with `tried` splits fitted instead of each look's own number."""
     looked = partial(_looked_at, json.dumps(judge.tables.as_json()), tried)
     return in_processes(looked, cases, jobs, console, what)
 
 
 @cache
-def _estimators(tables: str, tried: int | None) -> Mapping[ProxySteps, ProxyEstimator]:
+def _estimators(tables: str, tried: int | None) -> Mapping[ProxyPreset, ProxyEstimator]:
     """One for each look, with a judge by the text of its tables."""
     judge = Judge(read_tables(tables))
-    return {steps: ProxyEstimator(replace(steps, tried=tried or steps.tried), judge) for steps in LOOKS}
+    return {preset: ProxyEstimator(replace(preset, tried=tried or preset.tried), judge) for preset in LOOKS}
 
 
-def _looked_at(tables: str, tried: int | None, case: Case) -> dict[ProxySteps, Sample]:
+def _looked_at(tables: str, tried: int | None, case: Case) -> dict[ProxyPreset, Sample]:
     """A picture by every look, in a process of its own."""
-    return {steps: sample_of(case, estimator) for steps, estimator in _estimators(tables, tried).items()}
+    return {preset: sample_of(case, estimator) for preset, estimator in _estimators(tables, tried).items()}
 
 
 def sample_of(case: Case, estimator: ProxyEstimator) -> Sample:
     """Looks at a picture whose lights are known, from the tracker's own pose, and compares all explanations with them.
 
-    estimator: with steps for a single look.
+    estimator: by the preset of a single look.
     """
     _, trace = estimator.traced(case.followed())
     truths = case.to_lights_marker
     assert truths is not None
-    company = Company(trace.judged, trace.glint, trace.sheet_shadow)
-    judged = [_candidate(each, explanation_features(each, company), truths) for each in trace.judged]
+    context = Context(trace.judged, trace.glint, trace.sheet_shadow)
+    judged = [_candidate(each, explanation_features(each, context), truths) for each in trace.judged]
     splits = [_candidate(each, split_features(each.region, each.materials, each.split), truths) for each in trace.rough]
     return Sample(f"{case.folder}/{case.id}", case.tags, truths, judged, splits)
 

@@ -19,7 +19,7 @@ from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.ground.sheet_shadow import SheetShadow, sheet_shadow_in
 from ashe_live.light.pixels.view import View
 

@@ -11,7 +11,7 @@ from ashe_live.bench.judge.calibration import Answer
 from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view, with_mean_light
 from ashe_live.bench.light.results import BAD_CONFIDENCE, BAD_DEG
 from ashe_live.bench.metrics import risk_by_coverage
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
     MOST_LOG_ODDS,
@@ -25,7 +25,7 @@ FEWEST_PICTURES = 12  # least number of a family's pictures for it to be left ou
 # Kinds of families of which each picture's are left out where it is judged, and the number of parts that they are in.
 LEFT_OUT, FOLDS = ("object_family", "ground"), 4
 
-Pictures = Sequence[Mapping[ProxySteps, Sample]]  # each by every look at it
+Pictures = Sequence[Mapping[ProxyPreset, Sample]]  # each by every look at it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,11 +77,11 @@ def judged(score: Score, looks: Sequence[Sample], average: Average) -> Judged:
 
 
 def by_families_left_out(
-    pictures: Pictures, fit: Callable[[Pictures], Score], steps: ProxySteps, average: Average
+    pictures: Pictures, fit: Callable[[Pictures], Score], preset: ProxyPreset, average: Average
 ) -> Iterator[tuple[str, str, list[Judged]]]:
     """For every kind of family and each family of it: the answers to its pictures, by a fit to all the others.
 
-    steps: by which they are answered.
+    preset: by which they are answered.
     """
     for kind in KINDS:
         for family in sorted({_family(picture, kind) for picture in pictures} - {""}):
@@ -89,7 +89,7 @@ def by_families_left_out(
             rest = [picture for picture in pictures if _family(picture, kind) != family]
             if len(held) >= FEWEST_PICTURES and rest:
                 score = fit(rest)
-                yield kind, family, [judged(score, looks_by(picture, steps), average) for picture in held]
+                yield kind, family, [judged(score, looks_by(picture, preset), average) for picture in held]
 
 
 def scores_by_others(pictures: Pictures, fit: Callable[[Pictures], Score]) -> list[Score]:
@@ -121,7 +121,7 @@ def _parts(pictures: Pictures, kind: str) -> list[int]:
     ]
 
 
-def _family(picture: Mapping[ProxySteps, Sample], kind: str) -> str:
+def _family(picture: Mapping[ProxyPreset, Sample], kind: str) -> str:
     return next(iter(picture.values())).tags.get(kind, "")
 
 
@@ -132,9 +132,9 @@ def mean_risk(answers: Sequence[Judged]) -> float:
     return float(covered @ [risk for *_, risk in curve])
 
 
-def looks_by(picture: Mapping[ProxySteps, Sample], steps: ProxySteps) -> list[Sample]:
-    """The looks at a picture that an estimate with these steps rests on."""
-    return [picture[of_one_view(look)] for look in steps.looks]
+def looks_by(picture: Mapping[ProxyPreset, Sample], preset: ProxyPreset) -> list[Sample]:
+    """The looks at a picture that an estimate by this preset rests on."""
+    return [picture[of_one_view(look)] for look in preset.looks]
 
 
 def risk_curve(answers: Sequence[Judged]) -> list[tuple[float, float, float]]:

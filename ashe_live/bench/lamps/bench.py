@@ -15,8 +15,8 @@ from ashe_live.bench.metrics import ELLIPSE_95
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
-from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.lamps.fall.agreement import TELLING_DEVIANCE
+from ashe_live.light.estimators.preset import BALANCED
+from ashe_live.light.lamps.fall.agreement import INFORMATIVE_DEVIANCE
 from ashe_live.light.lamps.sources import FALL_ERROR_SHARE, WHOLE_ERROR_SHARE
 
 CLEAR_DEVIANCE = 80.0  # of even light, from which on the ground shows a lamp very clearly
@@ -42,7 +42,7 @@ class LampBench(Bench):
         several = ((case, fall_error(case, BALANCED)) for case in looked_at)
         found = {f"{case.folder}/{case.id}": error for case, error in several if error is not None}
         groups = _by_deviance(list(found.values()))
-        used = groups["all that tell"]
+        used = groups["all informative"]
         if len(used) < FEWEST:
             raise UserError(
                 f"{len(used)} of {len(cases)} pictures show a single lamp by the fall of its light",
@@ -72,12 +72,12 @@ class LampBench(Bench):
 
 def _by_deviance(errors: Sequence[FallError]) -> dict[str, list[FallError]]:
     """By how clearly the ground shows the lamp; all but those whose ground hardly does once more."""
-    weak = [each for each in errors if each.deviance < TELLING_DEVIANCE]
+    weak = [each for each in errors if each.deviance < INFORMATIVE_DEVIANCE]
     clear = [each for each in errors if each.deviance >= CLEAR_DEVIANCE]
-    told = [each for each in errors if each.deviance >= TELLING_DEVIANCE]
+    informative = [each for each in errors if each.deviance >= INFORMATIVE_DEVIANCE]
     return {
-        f"below {TELLING_DEVIANCE:g}": weak,
-        f"to {CLEAR_DEVIANCE:g}": [each for each in told if each.deviance < CLEAR_DEVIANCE],
+        f"below {INFORMATIVE_DEVIANCE:g}": weak,
+        f"to {CLEAR_DEVIANCE:g}": [each for each in informative if each.deviance < CLEAR_DEVIANCE],
         "above": clear,
-        "all that tell": told,
+        "all informative": informative,
     }

@@ -11,7 +11,7 @@ from ashe_live.bench.cases import Case
 from ashe_live.bench.metrics import angular_error_deg, tangent_offset
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import image_from_plane
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.ground.lit_ground import unlit_mask
 from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
 from ashe_live.light.lamps.fall.fall_off import FallOff
@@ -43,15 +43,15 @@ class FallError:
         return math.sqrt(max((self.told - self.true) ** 2 - self.sigma**2, 0.0)) / abs(self.told)
 
 
-def fall_error(case: Case, steps: ProxySteps) -> FallError | None:
+def fall_error(case: Case, preset: ProxyPreset) -> FallError | None:
     """None of what is no lamp, or shines beside another light; and where the true labels leave too little to see."""
     shadow, body = case.mask("shadow"), case.mask("object")
     if case.lamp_m is None or case.foot_m is None or shadow is None or body is None:
         return None
     if case.to_lights_marker is None or len(case.to_lights_marker) > 1:
         return None
-    view = View.of(case.tracked(), steps.fine_width_px).with_paper_as_ground().scaled(steps.coarse_width_px)
-    ground = lit_ground_of(view, steps.ground, AUTO)
+    view = View.of(case.tracked(), preset.fine_width_px).with_paper_as_ground().scaled(preset.coarse_width_px)
+    ground = lit_ground_of(view, preset.ground, AUTO)
     if ground is None:
         return None
     taken = [each for each in (body, shadow, case.mask("clutter")) if each is not None]

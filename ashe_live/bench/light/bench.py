@@ -34,7 +34,7 @@ from ashe_live.core.contract import Json
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import Estimator, make_estimator
-from ashe_live.light.estimators.steps import PRESETS, ProxySteps
+from ashe_live.light.estimators.preset import PRESETS, ProxyPreset
 from ashe_live.quality import QUALITIES
 
 QUICK_PRESETS = ("balanced",)
@@ -134,8 +134,8 @@ class LightBench(Bench):
         for index, case in enumerate(track(cases, "scenes", console=self.console, transient=True)):
             tracked = case.tracked(index)
             for preset, estimator in estimators.items():
-                steps = FROM_LABELS.get(self.estimator, {}).get(preset)
-                results.append(attempt(estimator, preset, case, tracked, steps))
+                for_labels = FROM_LABELS.get(self.estimator, {}).get(preset)
+                results.append(attempt(estimator, preset, case, tracked, for_labels))
         return results
 
     def _known_cases(self) -> list[tuple[Case, Caster]]:
@@ -174,16 +174,16 @@ class LightBench(Bench):
 
 
 def attempt(
-    estimator: Estimator, preset: str, case: Case, tracked: TrackedFrame, steps: ProxySteps | None
+    estimator: Estimator, preset: str, case: Case, tracked: TrackedFrame, for_labels: ProxyPreset | None
 ) -> CaseResult:
     """The timed estimate of `tracked`, the picture of `case`, compared with the case's truth.
 
-    steps: the preset for the run from true labels; None for none.
+    for_labels: the preset for the run from true labels; None for none.
     """
     started_s = time.process_time()
     estimate = estimator.estimate(tracked)
     cpu_ms = 1e3 * (time.process_time() - started_s)
-    alone = None if steps is None else error_on_true_labels_deg(case, tracked, steps)
+    alone = None if for_labels is None else error_on_true_labels_deg(case, tracked, for_labels)
     return case_result(preset, case, estimate, cpu_ms, mask_overlaps(estimate, case), alone)
 
 

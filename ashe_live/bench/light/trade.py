@@ -15,8 +15,8 @@ from ashe_live.bench.light.takes import Take
 from ashe_live.bench.plots import TradePoint, pareto_front
 from ashe_live.bench.tables import figures_table
 from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.light.estimators.preset import BALANCED, FAST, ProxyPreset
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import BALANCED, FAST, ProxySteps
 from ashe_live.light.outline_fit import preset
 
 MEDIAN_ERROR = "median error, no answer = 90° (degrees)"
@@ -31,13 +31,13 @@ class Variation:
 
     series: str
     name: str
-    changes: Mapping[str, Any]  # by field of ProxySteps; dots separate the names of nested fields
+    changes: Mapping[str, Any]  # by field of ProxyPreset; dots separate the names of nested fields
 
-    def steps(self) -> ProxySteps:
-        steps = BALANCED
+    def preset(self) -> ProxyPreset:
+        preset = BALANCED
         for path, value in self.changes.items():
-            steps = replaced(steps, path, value)
-        return steps
+            preset = replaced(preset, path, value)
+        return preset
 
 
 def _varied(series: str, field: str, *values: int) -> tuple[Variation, ...]:
@@ -87,7 +87,7 @@ def sweep(
     All are run on each of them in turn, so that other load on the machine affects them equally.
     """
     tried: list[tuple[str, str, Estimator, bool]] = [
-        (variation.series, variation.name, ProxyEstimator(variation.steps()), False) for variation in VARIATIONS
+        (variation.series, variation.name, ProxyEstimator(variation.preset()), False) for variation in VARIATIONS
     ]
     tried += [("presets", name, estimator, True) for name, estimator in presets.items()]
     results: list[list[CaseResult]] = [[] for _ in tried]

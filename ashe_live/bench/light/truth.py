@@ -8,7 +8,7 @@ from ashe_live.bench.metrics import angular_error_deg, overlap
 from ashe_live.core.arrays import Mask
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.given_labels import directions_from_labels
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 
 
 def mask_overlaps(estimate: LightEstimate, case: Case) -> tuple[float | None, float | None]:
@@ -19,7 +19,7 @@ def mask_overlaps(estimate: LightEstimate, case: Case) -> tuple[float | None, fl
     return _overlap(estimate.object_mask, case.mask("object")), _overlap(estimate.shadow_mask, _all_shadows(case))
 
 
-def error_on_true_labels_deg(case: Case, tracked: TrackedFrame, steps: ProxySteps) -> float | None:
+def error_on_true_labels_deg(case: Case, tracked: TrackedFrame, preset: ProxyPreset) -> float | None:
     """Error of the strongest light as estimated in `tracked`, the picture of `case`, from the true labels; degrees.
 
     None if the case has no masks or no light, or if no light is found.
@@ -27,7 +27,7 @@ def error_on_true_labels_deg(case: Case, tracked: TrackedFrame, steps: ProxyStep
     body, shadows = case.mask("object"), _shadows(case)
     if body is None or not shadows or case.to_lights_marker is None or not len(case.to_lights_marker):
         return None
-    found = directions_from_labels(tracked, body, shadows, steps, case.mask("clutter"))
+    found = directions_from_labels(tracked, body, shadows, preset, case.mask("clutter"))
     return None if found is None else angular_error_deg(found[0], case.to_lights_marker[0])
 
 

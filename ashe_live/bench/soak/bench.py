@@ -17,7 +17,7 @@ from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.contract import Json
 from ashe_live.light.estimators.estimator import Estimator
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.quality import Quality
 from ashe_live.render.gl.offscreen import offscreen_context
@@ -47,7 +47,7 @@ class SoakBench(Bench):
 
     clip: KnownClip
     quality: Quality
-    estimator: str | Callable[[ProxySteps], Estimator]
+    estimator: str | Callable[[ProxyPreset], Estimator]
     frames: int
 
     def parts(self) -> Iterator[Json]:

@@ -16,7 +16,7 @@ from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, corrected, uncorrected_px
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.markers import Marker, parse_marker
-from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
+from ashe_live.tracking.poses.pose import Sighting, Tolerance, pose_of_squares
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import anywhere, refined
 
@@ -46,7 +46,8 @@ class Seen:
         """The pose, its corners taken to be as uncertain as `errors` has them."""
         square = replace(self.square, corners_px=uncorrected_px(self.square))
         square = corrected(square, self.square.bleed_px, errors)
-        return pose_of_squares([Sighting(square_corners(self.side_m), square)], self.camera, self.side_m, errors=errors)
+        sighting, tolerance = Sighting(square_corners(self.side_m), square), Tolerance(errors)
+        return pose_of_squares([sighting], self.camera, self.side_m, tolerance=tolerance)
 
 
 def look_at(cases: Sequence[Case], preset: TrackingPreset) -> list[Seen | None]:

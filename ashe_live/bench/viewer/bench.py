@@ -21,7 +21,7 @@ from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LONGEST_ESTIMATE_S, LightWorker
@@ -56,7 +56,7 @@ class ViewerBench(Bench):
 
     clip: KnownClip
     quality: Quality
-    estimator: str | Callable[[ProxySteps], Estimator]
+    estimator: str | Callable[[ProxyPreset], Estimator]
     frames: int  # in each run
     size: Size | None = None  # of the framebuffer; None: the clip's
     starts: int = 5  # runs from the command to the first picture, without a window and in one

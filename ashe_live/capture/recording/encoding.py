@@ -1,5 +1,7 @@
 """What every clip that is written has in common: pictures of an even size, in the colours of ITU-R BT.709."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 
 from av.container import OutputContainer
@@ -12,6 +14,16 @@ from ashe_live.errors import UserError
 
 # The plain conversion darkens every colour by 1.5 levels; rounding rightly costs 0.4 ms at 640x480.
 CONVERSION = Interpolation.BILINEAR | Interpolation.ACCURATE_RND
+
+
+@dataclass(frozen=True, slots=True)
+class Encoding:
+    """How pictures of a clip are encoded, as FFmpeg names it."""
+
+    encoder: str
+    pixels: str
+    ticks_per_s: int
+    options: Mapping[str, str]  # the encoder's
 
 
 def even_size(size: Size) -> Size:
@@ -33,22 +45,15 @@ def converted(picture: VideoFrame, pixels: str) -> VideoFrame:
     )
 
 
-def added_stream(
-    container: OutputContainer,
-    encoder: str,
-    pixels: str,
-    size: Size,
-    fps: float,
-    ticks_per_s: int,
-    options: dict[str, str],
-) -> VideoStream:
-    """A stream for pictures that `converted` has made, (width, height); `options` are those of FFmpeg's encoder."""
-    stream = container.add_stream(encoder, rate=Fraction(fps).limit_denominator(1001), options=options)
+def added_stream(container: OutputContainer, encoding: Encoding, size: Size, fps: float) -> VideoStream:
+    """A stream for pictures of a size (width, height) that `converted` has made."""
+    rate, options = Fraction(fps).limit_denominator(1001), dict(encoding.options)
+    stream = container.add_stream(encoding.encoder, rate=rate, options=options)
     assert isinstance(stream, VideoStream)
     codec = stream.codec_context
     codec.width, codec.height = size
-    codec.pix_fmt = pixels
-    codec.time_base = Fraction(1, ticks_per_s)
+    codec.pix_fmt = encoding.pixels
+    codec.time_base = Fraction(1, encoding.ticks_per_s)
     # One thread, as the viewer needs the others.
     codec.thread_count = 1
     codec.colorspace, codec.color_range = Colorspace.ITU709, ColorRange.MPEG

@@ -16,7 +16,7 @@ import numpy as np
 from av.video.frame import VideoFrame
 
 from ashe_live.capture.container import WrittenContainer
-from ashe_live.capture.recording.encoding import added_stream, converted, even_size
+from ashe_live.capture.recording.encoding import Encoding, added_stream, converted, even_size
 from ashe_live.capture.recording.fragments import IN_THE_MAKING, made_playable, published
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
@@ -125,8 +125,8 @@ class Recorder:
         container = self._written.container
         container.metadata["comment"] = IN_THE_MAKING
         # Without B-frames: encoded in the order shown, so that no time has to be shifted.
-        options = {"preset": PRESET, "crf": str(CRF), "bf": "0"}
-        self._stream = added_stream(container, "libx264", PIXELS, self._even_size, fps, TICKS_PER_S, options)
+        encoding = Encoding("libx264", PIXELS, TICKS_PER_S, {"preset": PRESET, "crf": str(CRF), "bf": "0"})
+        self._stream = added_stream(container, encoding, self._even_size, fps)
         self._stream.codec_context.gop_size = max(1, round(KEYFRAME_EVERY_S * fps))
         # At once, as it is by its header that an abandoned recording is known.
         container.start_encoding()

@@ -10,7 +10,7 @@ import numpy as np
 from av.video.frame import VideoFrame
 
 from ashe_live.capture.container import WrittenContainer
-from ashe_live.capture.recording.encoding import added_stream, converted, even_size
+from ashe_live.capture.recording.encoding import Encoding, added_stream, converted, even_size
 from ashe_live.capture.recording.recorder import MAX_FPS, TICKS_PER_S
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
@@ -19,21 +19,19 @@ from ashe_live.process.signals import signals_held
 
 
 class Format(NamedTuple):
-    """How FFmpeg names a kind of clip with transparency."""
+    """A kind of clip with transparency."""
 
-    muxer: str
-    encoder: str
-    pixels: str
-    ticks_per_s: int
-    options: dict[str, str]
+    muxer: str  # FFmpeg's name
+    encoding: Encoding
 
 
 FORMATS = {
-    ".mov": Format("mov", "prores_ks", "yuva444p10le", TICKS_PER_S, {"profile": "4444", "vendor": "apl0"}),
+    ".mov": Format("mov", Encoding("prores_ks", "yuva444p10le", TICKS_PER_S, {"profile": "4444", "vendor": "apl0"})),
     # As good as H.264 at the recorder's own quality; of a picture at a time, as the viewer's frames come.
     # A second of WebM has no finer ticks than milliseconds.
     ".webm": Format(
-        "webm", "libvpx-vp9", "yuva420p", 1000, {"crf": "24", "b": "0", "deadline": "realtime", "cpu-used": "6"}
+        "webm",
+        Encoding("libvpx-vp9", "yuva420p", 1000, {"crf": "24", "b": "0", "deadline": "realtime", "cpu-used": "6"}),
     ),
 }
 
@@ -68,8 +66,10 @@ class TransparentRecorder:
         width, height = self._even_size
         # Whole where nothing is seen: an encoder spends nothing on what is hidden.
         seen = np.where(image_bgra[:height, :width, 3:] > 0, image_bgra[:height, :width], 0)
-        picture = converted(VideoFrame.from_ndarray(np.ascontiguousarray(seen), format="bgra"), self._format.pixels)
-        ticks_per_s = self._format.ticks_per_s
+        picture = converted(
+            VideoFrame.from_ndarray(np.ascontiguousarray(seen), format="bgra"), self._format.encoding.pixels
+        )
+        ticks_per_s = self._format.encoding.ticks_per_s
         self._last_pts = picture.pts = max(round(time_s * ticks_per_s), self._last_pts + 1)
         picture.time_base = Fraction(1, ticks_per_s)
         try:
@@ -105,8 +105,5 @@ class TransparentRecorder:
         self.close()
 
     def _begin(self, fps: float) -> None:
-        kind = self._format
-        self._written = WrittenContainer(self._file.stream, {}, kind.muxer)
-        self._stream = added_stream(
-            self._written.container, kind.encoder, kind.pixels, self._even_size, fps, kind.ticks_per_s, kind.options
-        )
+        self._written = WrittenContainer(self._file.stream, {}, self._format.muxer)
+        self._stream = added_stream(self._written.container, self._format.encoding, self._even_size, fps)

@@ -9,7 +9,7 @@ from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import other_markers
 from ashe_live.core.camera import Camera, Size, fitted, read_camera_file
 from ashe_live.errors import UserError
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.models.caster import read_caster
 from ashe_live.process.messages import tell
 from ashe_live.quality import BALANCED, QUALITIES, Quality
@@ -28,13 +28,13 @@ def quality_of(options: argparse.Namespace) -> Quality:
     return QUALITIES.get(options.quality, BALANCED)
 
 
-def light_steps(options: argparse.Namespace) -> ProxySteps:
+def light_preset(options: argparse.Namespace) -> ProxyPreset:
     """The estimator's preset, with the kind of light that is assumed and the caster of --caster.
 
     Raises UserError for a caster that cannot be.
     """
-    steps = replace(quality_of(options).light, light=options.light)
-    return steps if options.caster is None else steps.with_caster(read_caster(options.caster))
+    preset = replace(quality_of(options).light, light=options.light)
+    return preset if options.caster is None else preset.with_caster(read_caster(options.caster))
 
 
 def camera_chooser(options: argparse.Namespace) -> CameraFor:

@@ -12,7 +12,7 @@ from ashe_live.capture.recording.cut_short import rescue_recordings
 from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX
 from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import chosen_models, marker_files, names_of
-from ashe_live.commands.flags.setup import light_steps
+from ashe_live.commands.flags.setup import light_preset
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size, drawn_size
 from ashe_live.errors import UserError
@@ -97,7 +97,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     steadiness = Steadiness.of(setup.source.is_photo)
     first, *others = chosen_models(options)
     side_m, names = setup.tracker.side_m, [other.name for other in others]
-    preset = light_steps(options)
+    preset = light_preset(options)
     shelf = Shelf(first.name, side_m, options.up, ModelMemory(has_places=not options.headless), names)
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)

@@ -53,7 +53,7 @@ class EdgeFit:
 
     @property
     def nearness(self) -> NearnessBySteps | None:
-        """What the steps tell of the first light's nearness, where that was free."""
+        """The first light's nearness by the steps, where that was free."""
         return None if self.as_lamp is None else NearnessBySteps.of(*self.as_lamp).over(self._points_per_sample)
 
     @property

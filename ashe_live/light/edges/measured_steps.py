@@ -113,8 +113,17 @@ def measured_steps(bodies: Sequence[LitBody], picture: LightPicture, shifts: Flo
     outlines = _by_outline(places.points, n)[:, 0]
     sights = [Sight(sight.camera, sight.T_cam_marker, outline.mean(axis=0)) for outline in outlines]
     information = np.where(is_usable, _by_outline(steps.information, n), 0.0)
-    offset, told, seen = steps.offset_px.reshape(n, -1), information.reshape(n, -1), should_be_seen.reshape(n, -1)
-    return MeasuredSteps(bodies, in_view, offset, told, seen, places, sights, sizes_px(outlines), picture.view)
+    return MeasuredSteps(
+        bodies,
+        in_view,
+        steps.offset_px.reshape(n, -1),
+        information.reshape(n, -1),
+        should_be_seen.reshape(n, -1),
+        places,
+        sights,
+        sizes_px(outlines),
+        picture.view,
+    )
 
 
 def _by_outline(values: NDArray[Scalar], n: int) -> NDArray[Scalar]:

@@ -46,7 +46,7 @@ def moved_view(view: View, step: Float) -> View:
 
 @dataclass(frozen=True, slots=True)
 class PoseEquations:
-    """What a body's borders in a view tell of the view's pose: normal equations of (w, v), the prior included."""
+    """The normal equations of a view's pose (w, v) by a body's borders there, the prior included."""
 
     normal: Float  # (6, 6)
     gradient: Float  # (6,)

@@ -17,7 +17,7 @@ OFFSET_PX = 0.3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NearnessBySteps:
-    """What steps of light tell of the first light as a lamp, whatever the shape, in the body frame."""
+    """The first light's displacement and nearness by steps of light, the shape marginalised out, in the body frame."""
 
     offset: Float  # (3,) of displacement and nearness from those aligned with, that the steps ask for
     information: Float  # (3, 3) on it
@@ -27,15 +27,16 @@ class NearnessBySteps:
         """By normal equations of a body with one light, whose nearness is among the parameters."""
         return NearnessBySteps(*offset_of_lights(normal, gradient, Layout(1, with_nearness=True)))
 
-    def over(self, count: float) -> "NearnessBySteps":
-        """The same, if `count` points tell as much as one whose errors are its own."""
-        return NearnessBySteps(self.offset, self.information / count)
+    def over(self, points_per_sample: float) -> "NearnessBySteps":
+        """The same with the information divided by the number of points over their effective sample size."""
+        return NearnessBySteps(self.offset, self.information / points_per_sample)
 
 
 def without_offset(normal: Float, gradient: Float, points_per_sample: float) -> tuple[Float, Float]:
     """Normal matrices (n, t, t) and gradients (n, t) of n bodies, the last parameter marginalised out.
 
-    That parameter is the steps' common offset in pixels. points_per_sample: how many points tell as much as one.
+    That parameter is the steps' common offset in pixels. points_per_sample: the number of points over their effective
+    sample size.
     """
     stiff, coupled = normal[:, -1, -1] + points_per_sample / OFFSET_PX**2, normal[:, :-1, -1]
     share = coupled / stiff[:, None]

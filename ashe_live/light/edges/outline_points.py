@@ -8,8 +8,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.family import padded
+from ashe_live.light.shape.body import LitBody, members_of
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.supports import outline_reaches
 
@@ -76,10 +75,9 @@ def derivatives_by_theta(
     aside = s * normals[:, :, ::-1] * [[-1], [1]]
     outward = np.concatenate([normals, normals], axis=3)
     turned = np.concatenate([c * normals - aside, c * normals + aside], axis=3)
-    families, shapes = [body.family for body in bodies], padded([body.shape for body in bodies])
     P = np.array([sight.P(body.frame) for sight, body in zip(sights, bodies, strict=True)])
     lights = np.array([lit.lights_in_body_frame for lit in several])
-    _, by_theta = outline_reaches(families, shapes, P, lights, outward, turned, with_nearness)
+    _, by_theta = outline_reaches(members_of(bodies), P, lights, outward, turned, with_nearness)
     ends = by_theta[..., :POINTS_PER_OUTLINE], by_theta[..., POINTS_PER_OUTLINE:]
     return np.asarray(
         ((1 - along_edge)[:, None] * ends[0] + along_edge[:, None] * ends[1]).reshape(n, by_theta.shape[1], -1)

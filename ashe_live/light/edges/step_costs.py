@@ -13,7 +13,7 @@ class StepCosts:
     """Mean squared distances of outlines from the steps of light, in sigmas, each point's MISSED at most."""
 
     body: float
-    shadow: float  # of all lights' shadows; MISSED where one is hidden, which misses no steps, but tells nothing either
+    shadow: float  # of all lights' shadows; MISSED where one is hidden: it misses no steps, but is no evidence either
 
     @property
     def show_shadow(self) -> bool:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.light.estimators.steps import BALANCED, ProxySteps
+from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 
 if TYPE_CHECKING:
     from ashe_live.light.estimators.view_search import Trace
@@ -36,13 +36,13 @@ class TracingEstimator(Estimator, Protocol):
         ...
 
 
-def _proxy(preset: ProxySteps) -> Estimator:
+def _proxy(preset: ProxyPreset) -> Estimator:
     from ashe_live.light.estimators.proxy import ProxyEstimator
 
     return ProxyEstimator(preset)
 
 
-def _paper(preset: ProxySteps) -> Estimator:  # as published, it has no presets
+def _paper(preset: ProxyPreset) -> Estimator:  # as published, it has no presets
     from ashe_live.light.paper.estimator import PaperEstimator
 
     if preset.caster is not None:
@@ -51,12 +51,12 @@ def _paper(preset: ProxySteps) -> Estimator:  # as published, it has no presets
 
 
 # Factories that take a preset; modules are imported on use, as whoever only names an estimator need not load OpenCV.
-ESTIMATORS: Mapping[str, Callable[[ProxySteps], Estimator]] = {"proxy": _proxy, "paper": _paper}
+ESTIMATORS: Mapping[str, Callable[[ProxyPreset], Estimator]] = {"proxy": _proxy, "paper": _paper}
 
 OF_ONE_FRAME = frozenset({"paper"})  # those that ignore other views
 
 
-def make_estimator(name: str, preset: ProxySteps = BALANCED) -> Estimator:
+def make_estimator(name: str, preset: ProxyPreset = BALANCED) -> Estimator:
     """A new estimator of that name in ESTIMATORS; the estimator `paper`, as published, has no presets.
 
     Raises UserError for an unknown estimator, and for one that makes no use of the preset's caster.

@@ -11,7 +11,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.explanation.explain import Proposal, explained, refined_by_tangents
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
@@ -26,7 +26,7 @@ def directions_from_labels(
     tracked: TrackedFrame,
     object_mask: Mask,
     shadow_masks: Sequence[Mask],
-    steps: ProxySteps,
+    preset: ProxyPreset,
     not_ground: Mask | None = None,
 ) -> list[Float] | None:
     """The lights that follow from the labels: unit vectors (3,) in the marker frame, one for each shadow mask.
@@ -35,13 +35,13 @@ def directions_from_labels(
     shadow (one light or two), and other pixels that are not ground. None where no light is found: too little ground is
     visible, a shadow is too small to measure its colours, or no body fits the outlines.
     """
-    fine = View.of(tracked, steps.fine_width_px).with_paper_as_ground()
-    coarse = fine.scaled(steps.coarse_width_px)
-    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
+    fine = View.of(tracked, preset.fine_width_px).with_paper_as_ground()
+    coarse = fine.scaled(preset.coarse_width_px)
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, preset.ground)
     if ground is None:
         return None
     area = _resized(np.logical_or.reduce([object_mask, *shadow_masks]), coarse.size)
-    region = region_of(fine, area & coarse.is_ground, ground, steps.region_px)
+    region = region_of(fine, area & coarse.is_ground, ground, preset.region_px)
 
     def here(mask: Mask) -> Mask:
         return _resized(mask, (region.frame_shape[1], region.frame_shape[0]))[region.window]
@@ -60,7 +60,7 @@ def directions_from_labels(
     if materials is None or (materials.lights == 2 and not are_two_shadows(parts)):
         return None
     split = Split(body, np.logical_or.reduce(parts), None, parts if len(parts) > 1 else ())
-    (found,) = explained([Proposal(region, materials, split)], steps.fine_fit)
+    (found,) = explained([Proposal(region, materials, split)], preset.fine_fit)
     if found is None:
         return None
     (sharp,) = Sharpener.of([fine]).sharpened([refined_by_tangents(found)])

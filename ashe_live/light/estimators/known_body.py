@@ -93,14 +93,14 @@ def _illumination(seen: Seen, found: Sequence[FoundLight], dark: Float, tracked:
 
 
 def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight]) -> FoundLight:
-    """The light by its shadow's edges as the body may be off; lamps, and what may be one, have been told so before."""
+    """The light by its shadow's edges as the body may be off; for lamps, and what may be one, that was done before."""
     fit = found.fit
     if fit is None or seen.wobble is None or found.is_lamp or found.may_be_lamp or fit.light[3] != 0:
         return found
-    told = beside_folds(fit, image_beside(seen, others), found.darkening, seen.wobble, with_nearness=False)
-    if told is None:
+    adjusted = beside_folds(fit, image_beside(seen, others), found.darkening, seen.wobble, with_nearness=False)
+    if adjusted is None:
         return found
-    light, covariance = told
+    light, covariance = adjusted
     covariance = covariance + found.covariance[:2, :2] - fit.covariance[:2, :2]
     return replace(found, light=light, covariance=covariance, has_folds=True)
 

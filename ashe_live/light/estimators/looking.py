@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from ashe_live.core.arrays import Float
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.estimators.preset import FAST, ProxyPreset
 from ashe_live.light.estimators.scene_views import fine_and_coarse, scene_views
-from ashe_live.light.estimators.steps import FAST, ProxySteps
 from ashe_live.light.estimators.together import Found, JointSearch, without_alike
 from ashe_live.light.estimators.view_search import Trace, ViewSearch
 from ashe_live.light.explanation.explanation import Explanation
@@ -17,10 +19,8 @@ from ashe_live.light.ground.regions import region_with_on_plane
 from ashe_live.light.views.joint.aligned import JointExplanation
 from ashe_live.light.views.joint.evidence import no_less_sure
 from ashe_live.light.views.joint.same_silhouettes import counted_once
-from ashe_live.light.views.seen import without_plane
+from ashe_live.light.views.plane_evidence import without_plane
 
-# The most that is tried in a view beside the first: as much as the preset `fast` tries in a single picture.
-MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
 SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
 
 
@@ -29,20 +29,21 @@ class Look:
     """What a picture may show, and the views of the scene that this rests on, its own first."""
 
     trace: Trace
+    unlit: Mask  # (h, w) of the trace's view: pixels that the lit ground does not explain
     views: list[SceneView]  # none where too little of the ground is lit
 
 
 def looked(
-    tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps, judge: Judge, clock: StageClock
+    tracked: TrackedFrame, others: Sequence[TrackedFrame], preset: ProxyPreset, judge: Judge, clock: StageClock
 ) -> Look:
     """One look at the picture of `tracked`, which must have a marker, and at the others, which show the same scene."""
-    judge = judge if steps.caster is None else judge.of_known_body()
-    fine, coarse = fine_and_coarse(tracked, steps)
-    views = scene_views(tracked, fine, coarse, others, steps)
+    judge = judge if preset.caster is None else judge.of_known_body()
+    fine, coarse = fine_and_coarse(tracked, preset)
+    views = scene_views(tracked, fine, coarse, others, preset)
     clock.end("segment")
     if not views:
-        return Look(Trace(coarse), views)
-    first = ViewSearch(views[0], steps, judge, clock)
+        return Look(Trace(coarse), np.zeros_like(coarse.is_ground), views)
+    first = ViewSearch(views[0], preset, judge, clock)
     candidates, log_odds = first.explanations()
     if len(views) > 1:
         together = _explained_together(first, candidates, views)
@@ -53,7 +54,7 @@ def looked(
         clock.end("views")
     trace = first.trace
     trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
-    return Look(trace, views)
+    return Look(trace, first.unlit, views)
 
 
 def _explained_together(
@@ -65,22 +66,22 @@ def _explained_together(
     Where that leaves doubt as well, each view is also searched as if it were the only one: the inside of a plain object
     does not visibly shear, so that labels which rest on other views take it for the shadow.
     """
-    joint = JointSearch(views, first.steps, first.judge, first.lamps)
+    joint = JointSearch(views, first.preset, first.judge, first.lamps)
 
     def together(several: Sequence[Found], found: Sequence[Found]) -> list[tuple[JointExplanation, float]]:
-        return joint.explained(several, first.company_of([one for _, those in found for one in those]))
+        return joint.explained(several, first.context_of([one for _, those in found for one in those]))
 
     of_first = first.view, candidates
     by_first = together([of_first], [of_first])
-    companions = views[1 : 1 + first.steps.companions]
+    companions = views[1 : 1 + first.preset.companions]
     if _leaves_no_doubt(by_first) or not companions:
         return by_first
-    found = [of_first, *((view, first.another(view, _beside(first.steps)).rough()) for view in companions)]
+    found = [of_first, *((view, first.another(view, _beside(first.preset)).rough()) for view in companions)]
     by_all = together(found, found)
     if _leaves_no_doubt(by_all):
         return by_all
     alone = [
-        (view, _found_alone(first.another(without_plane(view), first.steps), view)) for view in views[:SEARCHED_ALONE]
+        (view, _found_alone(first.another(without_plane(view), first.preset), view)) for view in views[:SEARCHED_ALONE]
     ]
     return without_alike([*by_all, *together(alone, [*found, *alone])])
 
@@ -94,7 +95,7 @@ def _leaves_no_doubt(together: Sequence[tuple[JointExplanation, float]]) -> bool
 
 
 def _found_alone(alone: ViewSearch, view: SceneView) -> list[Explanation]:
-    """What a view shows where no other is known, with what the others tell of its pixels, by which it is judged."""
+    """What a view shows by itself, with the others' evidence on its pixels, by which it is judged."""
     found, _ = alone.explanations()
     own = {id(each.region): each.region for each in found}
     compared = {key: region_with_on_plane(region, view.ground) for key, region in own.items()}
@@ -106,7 +107,14 @@ def _directions(several: Sequence[Explanation]) -> list[Float]:
     return [each.lights[0].to_light_marker for each in several]
 
 
-def _beside(steps: ProxySteps) -> ProxySteps:
-    """How a companion is searched: the first view finds the same explanations, unless they are hard to see in it."""
-    counts = {name: min(getattr(steps, name), most) for name, most in MOST_BESIDE.items()}
-    return replace(steps, **counts)
+def _beside(preset: ProxyPreset) -> ProxyPreset:
+    """How a companion is searched: no more is tried than the preset `fast` tries in a single picture.
+
+    The first view finds the same explanations, unless they are hard to see in it.
+    """
+    return replace(
+        preset,
+        regions=min(preset.regions, FAST.regions),
+        shifts=min(preset.shifts, FAST.shifts),
+        tried=min(preset.tried, FAST.tried),
+    )

@@ -36,7 +36,7 @@ SHADOWS_PER_SHIFT = 2  # number of areas that are tried as the shadow, the large
 # Splits in which what is nearly lit ground, or looks like a paler shadow, belongs to no object are tried too, by the
 # shifts with the most votes, where it is at least this fraction of the unlit pixels.
 LIKELY_SHIFTS, LEAST_OTHER = 4, 0.03
-PALER = SHIFT_NOISE[0]  # in log brightness, by which noise tells two shadows apart
+PALER = SHIFT_NOISE[0]  # in log brightness, by which one shadow must be paler than another, beyond noise
 PAIRS, PAIRS_TRIED = 1, 1  # number of pairs of two lights' shifts that are split, and of such splits that are fitted
 
 

@@ -18,9 +18,9 @@ from ashe_live.core.stages import StageClock
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
 from ashe_live.light.estimators.looking import Look, looked
+from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.light.estimators.scene_views import contradicting, span_of
 from ashe_live.light.estimators.stating import Choice, chosen, illumination_of
-from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
@@ -40,7 +40,7 @@ from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.views.agreement import without_confirming
 from ashe_live.light.views.ground_height import COMPARED, height_above_ground, seen_from_ground, seen_from_marker
-from ashe_live.light.views.which import usable
+from ashe_live.light.views.selection import usable
 
 
 class ProxyEstimator:
@@ -48,9 +48,9 @@ class ProxyEstimator:
 
     name = "proxy"
 
-    def __init__(self, steps: ProxySteps = BALANCED, judge: Judge | None = None) -> None:
+    def __init__(self, preset: ProxyPreset = BALANCED, judge: Judge | None = None) -> None:
         """judge: None for the one that is shipped with the package."""
-        self._steps = steps
+        self._preset = preset
         self._judge = judge or fitted_judge()
 
     def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:
@@ -64,9 +64,9 @@ class ProxyEstimator:
             raise ValueError("a frame without a marker has no marker frame to answer in")
         if tracked.marker.body is not None:
             # The marker is printed on a known body, which casts a shadow itself.
-            estimate, view = estimate_by_body(tracked, tracked.marker.body, self._steps.fine_width_px, self.name)
+            estimate, view = estimate_by_body(tracked, tracked.marker.body, self._preset.fine_width_px, self.name)
             return estimate, Trace(view)
-        compared = usable(tracked, others, min(COMPARED, self._steps.views - 1))
+        compared = usable(tracked, others, min(COMPARED, self._preset.views - 1))
         height_m = height_above_ground([tracked, *compared])
         if height_m == 0:
             return self._of_agreeing(tracked, others)
@@ -81,7 +81,7 @@ class ProxyEstimator:
         if len(estimate.views) > 1:
             # Views that contradict each other may leave no answer; then the first view's answer shows which ones do.
             explained = estimate if estimate.light is not None else self._traced(tracked, (), clock)[0]
-            odd = contradicting(explained, tracked, others, self._steps)
+            odd = contradicting(explained, tracked, others, self._preset)
             if explained is estimate:
                 odd = without_confirming(odd, _likeliest(trace), self._judge)
             # If all the other views contradict the first one's answer, that answer is wrong rather than they.
@@ -94,19 +94,19 @@ class ProxyEstimator:
     def _traced(
         self, tracked: TrackedFrame, others: Sequence[TrackedFrame], clock: StageClock
     ) -> tuple[LightEstimate, Trace]:
-        judge, (steps, *further) = self._judge, self._steps.looks
-        first = looked(tracked, others, steps, judge, clock)
+        judge, (preset, *further) = self._judge, self._preset.looks
+        first = looked(tracked, others, preset, judge, clock)
         views = first.views
         looks = [first, *(looked(tracked, (), each, judge, clock) for each in further if len(views) == 1)]
         choice = chosen(looks, judge) if views else None
         clock.end("judge")
         found, trace = Illumination(), first.trace
         explanation = None if choice is None else choice.explanation
-        reason = _reason_for_none(first, choice, judge, steps)
+        reason = _reason_for_none(first, choice, judge, preset)
         if reason is not None:
             reason = fault_of_exposure(trace.view) or reason
         elif choice is not None:
-            found, explanation = illumination_of(choice, tracked, judge, steps)
+            found, explanation = illumination_of(choice, tracked, judge, preset)
             trace = choice.look.trace
             if (found.lights[0].confidence or 0.0) < judge.least_confidence:
                 # The direction from the object is known, but that from the marker is not, as far as it may be a lamp.
@@ -119,7 +119,7 @@ class ProxyEstimator:
         return estimate, trace
 
 
-def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, steps: ProxySteps) -> str | None:
+def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, preset: ProxyPreset) -> str | None:
     """Why there is no answer; None where there is one. first: the first look at the picture."""
     if not first.views:
         return TOO_LITTLE_GROUND
@@ -127,12 +127,12 @@ def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, steps: Pr
         return NO_SHADOW if first.trace.regions else NOTHING_THERE
     if choice.confidence < judge.least_confidence:
         return fault_of_scene(choice.explanation, choice.confidence)
-    trace, ground = choice.look.trace, choice.look.views[0].ground
-    assert trace.unlit is not None
-    if steps.light != SUN and is_under_low_lamp(choice.explanation, choice.confidence, trace.view, ground, trace.unlit):
+    look = choice.look
+    view, ground = look.trace.view, look.views[0].ground
+    if preset.light != SUN and is_under_low_lamp(choice.explanation, choice.confidence, view, ground, look.unlit):
         return LOW_LAMP
-    sharpener = Sharpener.of([view.fine for view in choice.look.views])
-    return None if is_as_given(choice.explanation, steps.first_fit, sharpener) else OTHER_SIZE
+    sharpener = Sharpener.of([view.fine for view in look.views])
+    return None if is_as_given(choice.explanation, preset.first_fit, sharpener) else OTHER_SIZE
 
 
 def _likeliest(trace: Trace) -> Explanation:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.explanation.explain import are_alike, different, explained_near, refined, refined_by_tangents
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, is_settled
@@ -26,7 +26,7 @@ class Refiner:
 
     view: SceneView
     sharpener: Sharpener  # of the view at full resolution
-    steps: ProxySteps
+    preset: ProxyPreset
     lamps: LampHypotheses  # that the view's ground suggests
 
     def refined_and_others(self, rough: Sequence[Explanation], log_odds: LogOdds) -> list[Explanation]:
@@ -48,17 +48,17 @@ class Refiner:
         another answer.
         """
         ranked = sorted(rough, key=log_odds, reverse=True)
-        chosen = different(ranked, self.steps.refined)
-        fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, self.steps.fine_fit)]
+        chosen = different(ranked, self.preset.refined)
+        fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, self.preset.fine_fit)]
         turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
         # They are compared with the rough ones by their steps of light, among others, which must be measured alike.
         measured = self.sharpener.measured([fine for fine in fines if fine is not None])
-        found = with_lights_counted(measured, rough, self.view, self.steps.region_px, log_odds)
+        found = with_lights_counted(measured, rough, self.view, self.preset.region_px, log_odds)
         others = different(each for each in ranked if not any(each is one for one in chosen))
         others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
         others = [each for each in others if not any(is_part_of(one, each) for one in found)]
         sharp = self._sharp_and_decided(found)
-        return with_other_heights(sharp, self.sharpener, self.steps.fine_fit, self.refined_alone, log_odds), others
+        return with_other_heights(sharp, self.sharpener, self.preset.fine_fit, self.refined_alone, log_odds), others
 
     def _with_shadows_searched(
         self, judged: Sequence[Explanation], by_two: Sequence[Explanation], log_odds: LogOdds
@@ -67,7 +67,7 @@ class Refiner:
 
         by_two: those of `judged` that are by two lights.
         """
-        view, region_px = self.view, self.steps.region_px
+        view, region_px = self.view, self.preset.region_px
         searched = with_shadows_searched(judged, view, region_px, self.refined_alone, log_odds)
         new = [each for each in searched if not any(each is one for one in judged)]
         likeliest = max(searched, key=log_odds, default=None)
@@ -80,11 +80,11 @@ class Refiner:
 
     def refined_alone(self, several: Sequence[Explanation]) -> list[Explanation]:
         """Each explanation relabelled, fitted anew and moved onto the steps of light, as a sun's or a lamp's."""
-        fits = zip(several, refined(several, self.steps.fine_fit), strict=True)
+        fits = zip(several, refined(several, self.preset.fine_fit), strict=True)
         return self._sharp_and_decided([one if fine is None else refined_by_tangents(fine) for one, fine in fits])
 
     def _sharp_and_decided(self, several: Sequence[Explanation]) -> list[Explanation]:
-        near_fit = partial(explained_near, preset=self.steps.fine_fit)
+        near_fit = partial(explained_near, preset=self.preset.fine_fit)
         sharpened = self.sharpener.sharpened(several)
         return [self.lamps.decided(each, near_fit, self.sharpener) for each in sharpened]
 

@@ -6,38 +6,38 @@ import numpy as np
 
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.light.estimators.steps import FAST, ProxySteps
+from ashe_live.light.estimators.preset import FAST, ProxyPreset
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
-from ashe_live.light.views.seen import with_plane
-from ashe_live.light.views.which import span_rad, usable
+from ashe_live.light.views.plane_evidence import with_plane
+from ashe_live.light.views.selection import span_rad, usable
 
 
-def fine_and_coarse(tracked: TrackedFrame, steps: ProxySteps) -> tuple[View, View]:
+def fine_and_coarse(tracked: TrackedFrame, preset: ProxyPreset) -> tuple[View, View]:
     """The picture at the two sizes that the estimator works at; it must have a marker."""
-    fine = View.of(tracked, steps.fine_width_px).with_paper_as_ground()
-    return fine, fine.scaled(steps.coarse_width_px)
+    fine = View.of(tracked, preset.fine_width_px).with_paper_as_ground()
+    return fine, fine.scaled(preset.coarse_width_px)
 
 
 def scene_views(
-    tracked: TrackedFrame, fine: View, coarse: View, others: Sequence[TrackedFrame], steps: ProxySteps
+    tracked: TrackedFrame, fine: View, coarse: View, others: Sequence[TrackedFrame], preset: ProxyPreset
 ) -> list[SceneView]:
     """`tracked`, which must have a marker, and the others that are used with it: all that an answer rests on.
 
     fine, coarse: views of `tracked`. Another view with too little lit ground is left out; if there is too little in
     `tracked`, there are no views.
     """
-    ground = lit_ground_of(coarse, steps.ground, steps.light)
+    ground = lit_ground_of(coarse, preset.ground, preset.light)
     if ground is None:
         return []
     views = [SceneView(tracked.frame.index, fine, coarse, ground)]
-    for number, other in enumerate(usable(tracked, others, steps.views - 1)):
-        fine, coarse = fine_and_coarse(other, steps)
+    for number, other in enumerate(usable(tracked, others, preset.views - 1)):
+        fine, coarse = fine_and_coarse(other, preset)
         # A view in which nothing is searched for needs only a coarse model of the ground.
-        finely = steps.ground if number < steps.companions else FAST.ground
-        seen = lit_ground_beside(ground, coarse, finely, steps.light)
+        finely = preset.ground if number < preset.companions else FAST.ground
+        seen = lit_ground_beside(ground, coarse, finely, preset.light)
         if seen is not None:
             views.append(SceneView(other.frame.index, fine, coarse, seen))
     return views if len(views) == 1 else with_plane(views)
@@ -49,13 +49,13 @@ def span_of(views: Sequence[SceneView]) -> float | None:
 
 
 def contradicting(
-    estimate: LightEstimate, tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps
+    estimate: LightEstimate, tracked: TrackedFrame, others: Sequence[TrackedFrame], preset: ProxyPreset
 ) -> list[TrackedFrame]:
     """Those of the others used with `tracked` that do not show the scene which `estimate` explains in it.
 
     The object or the print was moved, or another light is on. None are, where the estimate has no light or no body.
     """
-    body, used = estimate.illumination.real_object, usable(tracked, others, steps.views - 1)
+    body, used = estimate.illumination.real_object, usable(tracked, others, preset.views - 1)
     if body is None or not estimate.lights or not used:
         return []
     lights = np.array([light.homogeneous for light in estimate.lights])

@@ -10,8 +10,8 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.estimators.looking import Look
+from ashe_live.light.estimators.preset import FIRST_FIT, ProxyPreset
 from ashe_live.light.estimators.proposals import proposals_of
-from ashe_live.light.estimators.steps import FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
@@ -61,7 +61,7 @@ def chosen(looks: Sequence[Look], judge: Judge) -> Choice | None:
 
 
 def illumination_of(
-    choice: Choice, tracked: TrackedFrame, judge: Judge, steps: ProxySteps
+    choice: Choice, tracked: TrackedFrame, judge: Judge, preset: ProxyPreset
 ) -> tuple[Illumination, Explanation]:
     """What the choice says of the light in `tracked`, and its explanation by the lights as they are stated.
 
@@ -69,30 +69,29 @@ def illumination_of(
     """
     look, best = choice.look, choice.explanation
     trace, ground = look.trace, look.views[0].ground
-    assert trace.unlit is not None
     ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
     scene = Scene(
         tracked=tracked,
         view=trace.view,
         ground=ground,
-        unlit=trace.unlit,
+        unlit=look.unlit,
         fine_views=[view.fine for view in look.views],
         judged=_judged_beside(best, trace),
         find_others=partial(_other_objects, choice, judge),
-        fit=partial(explained_near, preset=steps.fine_fit),
+        fit=partial(explained_near, preset=preset.fine_fit),
         glints=[glint for view in look.views if (glint := glint_in(view.coarse, view.ground)) is not None],
         judge=judge,
     )
-    # A hull's shadow was compared with the whole plane: no border of a body is left that could tell a lamp from a sun.
-    kind = SUN if best.hull is not None and steps.light == AUTO else steps.light
-    told = stated(_with_mean_light(choice), choice.confidence, ratios[: len(best.lights)], scene, kind)
+    # A hull's shadow was compared with the whole plane: no body's border is left by which a lamp differs from a sun.
+    kind = SUN if best.hull is not None and preset.light == AUTO else preset.light
+    answer = stated(_with_mean_light(choice), choice.confidence, ratios[: len(best.lights)], scene, kind)
     # With two lights there is a third shift, that where both are blocked.
-    answers = zip(told.lights, ratios, strict=False)
-    lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
+    pairs = zip(answer.lights, ratios, strict=False)
+    lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in pairs]
     if len(lights) == 1:
-        lights = [lights[0].with_angular_size(size_of(told.explanation, lights[0], tracked))]
-    real_object = told.explanation.real_object
-    return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), told.explanation
+        lights = [lights[0].with_angular_size(size_of(answer.explanation, lights[0], tracked))]
+    real_object = answer.explanation.real_object
+    return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), answer.explanation
 
 
 def _with_mean_light(choice: Choice) -> Explanation:

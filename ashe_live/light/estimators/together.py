@@ -6,10 +6,10 @@ from functools import cache, partial
 from operator import itemgetter
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import Company, are_apart
+from ashe_live.light.explanation.judgement.context import Context, are_apart
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, Judge
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.sharpen import Sharpener
@@ -52,27 +52,27 @@ class JointSearch:
     """Looks for explanations of several views together."""
 
     views: Sequence[SceneView]  # that of the answer first
-    steps: ProxySteps
+    preset: ProxyPreset
     judge: Judge
     lamps: LampHypotheses  # that the first view's ground suggests
 
-    def explained(self, found: Sequence[Found], company: Company) -> list[tuple[JointExplanation, float]]:
+    def explained(self, found: Sequence[Found], context: Context) -> list[tuple[JointExplanation, float]]:
         """The likeliest different explanations found in some of the views, aligned in all, and their log odds, the
         likeliest first.
 
-        company: what else the first view shows, and what was found in any.
+        context: what else the first view shows, and what was found in any.
         """
 
         @cache
         def log_odds(one: JointExplanation) -> float:
-            return joint_log_odds(one, self.judge, company)
+            return joint_log_odds(one, self.judge, context)
 
         few, rest = self.views[:FIRST_VIEWS], self.views[FIRST_VIEWS:]
-        region_px, wanted = self.steps.region_px, self.steps.joint
-        candidates = _likely_candidates(found, self.judge, company)[: wanted + MORE]
+        region_px, wanted = self.preset.region_px, self.preset.joint
+        candidates = _likely_candidates(found, self.judge, context)[: wanted + MORE]
         starts = [start for home, one in candidates if (start := _start_in(few, home, one, region_px)) is not None]
         likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[:wanted]
-        families = {id(each.origin): by_families(each, self.steps.fine_fit) for each in likely[:REFITTED]}
+        families = {id(each.origin): by_families(each, self.preset.fine_fit) for each in likely[:REFITTED]}
         likely[:REFITTED] = [several[0] for several in families.values()]
         if rest:
             starts = [_start_also_in(rest, each, region_px) for each in likely]
@@ -82,7 +82,7 @@ class JointSearch:
         of_families = [
             sharpened_families(each, families.get(id(each.origin), ()), sharpener) for each in likely[:REFITTED]
         ]
-        others = [_sharpened_if_witness(each, likely[0], sharpener) for each in likely[REFITTED:]]
+        others = [_sharpened_if_corroborating(each, likely[0], sharpener) for each in likely[REFITTED:]]
         sharp = [self._decided_with_hull(several[0], sharpener) for several in of_families]
         overdispersion = self.judge.calibration.overdispersion
         averaged = [with_average_light(*pair, overdispersion) for pair in zip(sharp, of_families, strict=True)]
@@ -93,10 +93,10 @@ class JointSearch:
 
     def _decided_with_hull(self, moved: JointExplanation, sharpener: Sharpener) -> JointExplanation:
         """What lies on the steps of light, as a sun's or a lamp's, with a hull where no family explains it."""
-        near_fit = partial(explained_near, preset=self.steps.fine_fit)
+        near_fit = partial(explained_near, preset=self.preset.fine_fit)
         decided = _decided(moved, self.lamps.decided(moved.joint, near_fit, sharpener))
         # The shape of a known caster needs no hull.
-        return decided if self.steps.caster else with_hull(decided, sharpener)
+        return decided if self.preset.caster else with_hull(decided, sharpener)
 
 
 def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
@@ -109,11 +109,11 @@ def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tup
     return [(each, odds) for each, odds in ranked if any(each is one for one in kept)]
 
 
-def _likely_candidates(found: Sequence[Found], judge: Judge, company: Company) -> list[tuple[SceneView, Explanation]]:
+def _likely_candidates(found: Sequence[Found], judge: Judge, context: Context) -> list[tuple[SceneView, Explanation]]:
     """The explanations with the views that they are of, the likeliest first, without those that are MOST_BEHIND."""
 
     def log_odds(one: Explanation) -> float:
-        return judge.log_odds(one, company) + plane_support(one.region, one.predicted.body, one.predicted.shadow)
+        return judge.log_odds(one, context) + plane_support(one.region, one.predicted.body, one.predicted.shadow)
 
     several = ((log_odds(each), view, each) for view, of_view in found for each in of_view)
     ranked = sorted(several, key=itemgetter(0), reverse=True)
@@ -138,10 +138,12 @@ def _start_also_in(views: Sequence[SceneView], explanation: JointExplanation, re
     return JointStart(explanation.origin, lit, costs)
 
 
-def _sharpened_if_witness(other: JointExplanation, best: JointExplanation, sharpener: Sharpener) -> JointExplanation:
+def _sharpened_if_corroborating(
+    other: JointExplanation, best: JointExplanation, sharpener: Sharpener
+) -> JointExplanation:
     """Another explanation, moved onto the steps of light if it shows the best one's light by another object.
 
-    What it tells of that light counts beside the best one's, and is worth being as exact.
+    Its direction of that light is averaged with the best one's, and is worth being as exact.
     """
     agrees = angle_between(towards_light(other), towards_light(best)) < GOOD_RAD
     if not agrees or not are_apart(other.joint.proxy, best.joint.proxy):

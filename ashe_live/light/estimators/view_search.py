@@ -11,12 +11,12 @@ from ashe_live.core.arrays import Mask
 from ashe_live.core.caster import Caster
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.refining import LogOdds, Refiner, leaves_no_doubt
-from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import Company, company_features
+from ashe_live.light.explanation.judgement.context import Context, context_features
 from ashe_live.light.explanation.judgement.judge import Judge, explanation_features
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.known_place import explanations_by_place, hints_of
@@ -53,32 +53,32 @@ class Trace:
 class ViewSearch:
     """Looks for explanations of one view, and keeps in its trace what it found on the way."""
 
-    def __init__(self, view: SceneView, steps: ProxySteps, judge: Judge, clock: StageClock) -> None:
+    def __init__(self, view: SceneView, preset: ProxyPreset, judge: Judge, clock: StageClock) -> None:
         """Segments the view; explanations are looked for as they are asked for."""
-        self.view, self.steps, self.judge, self.clock = view, steps, judge, clock
+        self.view, self.preset, self.judge, self.clock = view, preset, judge, clock
         self._sharpener = Sharpener.of([view.fine])
         self._own_features = cache(explanation_features)
         coarse, ground = view.coarse, view.ground
         unlit = with_unlit_on_average(view.unlit(round(SPECK_SHARE * coarse.is_ground.size)), coarse)
         self._sheet_shadow, self._glint = sheet_shadow_in(view.fine), glint_in(coarse, ground)
-        self._unlit = unlit if self._glint is None else unlit & ~self._glint.halo
-        regions = unlit_regions(view.fine, self._unlit, ground, steps.region_px, steps.regions)
-        self.trace = Trace(coarse, ground, self._sheet_shadow, self._glint, self._unlit, regions)
+        self.unlit = unlit if self._glint is None else unlit & ~self._glint.halo
+        regions = unlit_regions(view.fine, self.unlit, ground, preset.region_px, preset.regions)
+        self.trace = Trace(coarse, ground, self._sheet_shadow, self._glint, self.unlit, regions)
         clock.end("segment")
 
-    def another(self, view: SceneView, steps: ProxySteps) -> "ViewSearch":
-        """The search of another view, or with other steps."""
-        return ViewSearch(view, steps, self.judge, self.clock)
+    def another(self, view: SceneView, preset: ProxyPreset) -> "ViewSearch":
+        """The search of another view, or by another preset."""
+        return ViewSearch(view, preset, self.judge, self.clock)
 
     def explanations(self) -> tuple[list[Explanation], list[float]]:
         """The explanations of the view, the likeliest refined, and their log odds; none if nothing stands out."""
         rough = self.rough()
         if not rough:
             return [], []
-        refiner = Refiner(self.view, self._sharpener, self.steps, self.lamps)
+        refiner = Refiner(self.view, self._sharpener, self.preset, self.lamps)
         found = refiner.refined_and_others(rough, self.log_odds_among(rough))
         self.clock.end("fit")
-        caster = self.steps.caster
+        caster = self.preset.caster
         if caster is not None and not leaves_no_doubt(found, self.log_odds_among(found)):
             found += self._found_by_place(caster, found, refiner)
             self.clock.end("fit")
@@ -88,19 +88,19 @@ class ViewSearch:
 
     def rough(self) -> list[Explanation]:
         """The explanations by fits to the likeliest splits; none if nothing stands out from the ground."""
-        ground, steps, trace = self.view.ground, self.steps, self.trace
+        ground, preset, trace = self.view.ground, self.preset, self.trace
         proposals: list[Proposal] = []
-        voted = partial(voted_for, ground=ground, count=steps.shifts, widths=(1.0, FINE))
-        everywhere = voted(ground.colours[self._unlit])
+        voted = partial(voted_for, ground=ground, count=preset.shifts, widths=(1.0, FINE))
+        everywhere = voted(ground.colours[self.unlit])
         for region in trace.regions:
             # Its own pixels vote first, as others could outvote its shadow; then all, as shadows share their lights.
             own = voted(region.colours[region.unlit])
             shifts, paired = (shadow_shifts(votes) for votes in zip(own, everywhere, strict=True))
             proposals += proposals_of(region, ground, shifts, paired)
         self.clock.end("associate")
-        trace.proposals = selected_for_fit(proposals, steps.tried, self.judge)
-        suns = [each for each in explained(trace.proposals, steps.first_fit) if each] if proposals else []
-        likelier = self.lamps.likelier(suns, partial(explained_near, preset=steps.first_fit))
+        trace.proposals = selected_for_fit(proposals, preset.tried, self.judge)
+        suns = [each for each in explained(trace.proposals, preset.first_fit) if each] if proposals else []
+        likelier = self.lamps.likelier(suns, partial(explained_near, preset=preset.first_fit))
         trace.rough = self._sharpener.measured(likelier)
         self.clock.end("fit")
         return trace.rough
@@ -108,21 +108,21 @@ class ViewSearch:
     @cached_property
     def lamps(self) -> LampHypotheses:
         """Those that the fall of light over the view's ground suggests."""
-        return LampHypotheses.of(self.view.coarse, self.view.ground, self._unlit, self.steps.light)
+        return LampHypotheses.of(self.view.coarse, self.view.ground, self.unlit, self.preset.light)
 
     def log_odds_among(self, several: Sequence[Explanation]) -> LogOdds:
         """The log odds of an explanation, judged beside these several."""
-        company = self.company_of(several)
+        context = self.context_of(several)
 
         def log_odds(each: Explanation) -> float:
-            features = {**self._own_features(each), **company_features(each, company)}
+            features = {**self._own_features(each), **context_features(each, context)}
             return self.judge.log_odds_of(features) + self.lamps.agreement(each)
 
         return cache(log_odds)
 
-    def company_of(self, several: Sequence[Explanation]) -> Company:
-        """What an explanation of the view is judged beside: these several, and what else shows the light."""
-        return Company(several, self._glint, self._sheet_shadow)
+    def context_of(self, several: Sequence[Explanation]) -> Context:
+        """The context of an explanation of the view: these several, and what else shows the light."""
+        return Context(several, self._glint, self._sheet_shadow)
 
     def _found_by_place(self, caster: Caster, found: Sequence[Explanation], refiner: Refiner) -> list[Explanation]:
         """Where the known object may stand in the lights that it, or any object of the picture, may show.
@@ -130,12 +130,12 @@ class ViewSearch:
         found: explanations by the known object.
         """
         log_odds = self.log_odds_among(found)
-        of_any = ViewSearch(self.view, self.steps.with_caster(None), self.judge, StageClock())
+        of_any = ViewSearch(self.view, self.preset.with_caster(None), self.judge, StageClock())
         by_any = of_any.rough()
         likeliest = sorted(by_any, key=of_any.log_odds_among(by_any), reverse=True)[:HINTS]
         hints = hints_of([*likeliest, *sorted(found, key=log_odds, reverse=True)], HINTS)
-        placed = explanations_by_place(caster, hints, self.view, self._unlit, self.steps.region_px)
-        likeliest = sorted(self._sharpener.measured(placed), key=log_odds, reverse=True)[: self.steps.refined + 1]
+        placed = explanations_by_place(caster, hints, self.view, self.unlit, self.preset.region_px)
+        likeliest = sorted(self._sharpener.measured(placed), key=log_odds, reverse=True)[: self.preset.refined + 1]
         sharp = refiner.refined_alone(likeliest)
         return [each for each in sharp if not any(_is_same(each, one) for one in found)]
 

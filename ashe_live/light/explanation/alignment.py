@@ -68,17 +68,14 @@ def aligned(several: Sequence[Start], ranges: Sequence[float] = SEARCH_RANGES) -
     the pixels best. Steps of Harris and Stennett, with Cauchy's weights (docs/maths). ranges: as SEARCH_RANGES.
     """
     found: list[Alignment | None] = [None] * len(several)
-    for members in batches(len(start.bodies[0].lights) for start in several):
+    for members in grouped_by_lights(len(start.bodies[0].lights) for start in several):
         for i, alignment in zip(members, _aligned([several[i] for i in members], ranges), strict=True):
             found[i] = alignment
     return found
 
 
-def batches(counts: Iterable[int]) -> list[list[int]]:
-    """The indices of what has one light, of what has two, and so on, of each of which the number of lights is given.
-
-    What has as many lights is computed together, as its arrays have one shape.
-    """
+def grouped_by_lights(counts: Iterable[int]) -> list[list[int]]:
+    """Indices into numbers of lights, grouped by these: arrays of one group have one shape and form a batch."""
     lights = list(counts)
     return [[i for i, each in enumerate(lights) if each == count] for count in sorted(set(lights))]
 

@@ -60,6 +60,15 @@ class Proposal:
         return self.region is other.region and self.split.is_like(other.split)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FittedProposal:
+    """A hypothesis with bodies that fit it, to be aligned with the picture."""
+
+    proposal: Proposal
+    bodies: Sequence[LitBody]  # the likeliest first
+    sight: Sight  # whose centre lies near the bodies
+
+
 def proposal_by(masks: Predicted, region: Region, materials: Materials) -> Proposal:
     """The hypothesis that a region shows what a body predicts there, the object's colours learned in its silhouette."""
     as_object = object_cost(region, masks.body & region.is_ground)
@@ -71,9 +80,8 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
     masks = [_masks(proposal) for proposal in proposals]
     fits = fit_bodies(masks, preset)
     pairs = zip(proposals, fits, strict=True)
-    found = iter(
-        aligned_explanations([(one, fit.bodies, fit.sight) for one, fit in pairs if not isinstance(fit, FitFailure)])
-    )
+    fitted = [FittedProposal(one, fit.bodies, fit.sight) for one, fit in pairs if not isinstance(fit, FitFailure)]
+    found = iter(aligned_explanations(fitted))
     return [None if isinstance(fit, FitFailure) else next(found) for fit in fits]
 
 
@@ -86,16 +94,10 @@ def refitted_bodies(explanation: Explanation, preset: FitPreset) -> list[LitBody
     return [] if isinstance(fit, FitFailure) else fit.bodies
 
 
-def aligned_explanations(several: Sequence[tuple[Proposal, Sequence[LitBody], Sight]]) -> list[Explanation | None]:
-    """Aligns fitted bodies with the picture; several: a proposal, its bodies (likeliest first), and their sight.
-
-    None where the cheapest body is not in view.
-    """
-    starts = [Start(bodies, sight, _costs(proposal, bodies[0])) for proposal, bodies, sight in several]
-    return [
-        _explanation(proposal, bodies, found)
-        for (proposal, bodies, _), found in zip(several, aligned(starts), strict=True)
-    ]
+def aligned_explanations(several: Sequence[FittedProposal]) -> list[Explanation | None]:
+    """Aligns the bodies of each proposal with the picture; None where the cheapest of them is not in view."""
+    starts = [Start(one.bodies, one.sight, _costs(one.proposal, one.bodies[0])) for one in several]
+    return [_explanation(one, found) for one, found in zip(several, aligned(starts), strict=True)]
 
 
 def explained_near(several: Sequence[tuple[Explanation, float]], preset: FitPreset) -> list[Explanation | None]:
@@ -221,13 +223,15 @@ def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:
     return Costs(region, proposal.materials, as_object)
 
 
-def _explanation(proposal: Proposal, bodies: Sequence[LitBody], alignment: Alignment | None) -> Explanation | None:
+def _explanation(fitted: FittedProposal, alignment: Alignment | None) -> Explanation | None:
     """The aligned body with its lights, and the object's unary cost as learned from the body's silhouette."""
     if alignment is None:
         return None
-    region, split = proposal.region, proposal.split
+    proposal, region = fitted.proposal, fitted.proposal.region
     as_object = _cost_of_object(proposal, alignment.placed.predicted.body & region.is_ground)
-    return Explanation(region, proposal.materials, split, alignment, lights_of(alignment), as_object, tuple(bodies))
+    return Explanation(
+        region, proposal.materials, proposal.split, alignment, lights_of(alignment), as_object, tuple(fitted.bodies)
+    )
 
 
 def _cost_of_object(proposal: Proposal, seen: Mask) -> Float32:

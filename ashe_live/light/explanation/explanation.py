@@ -37,7 +37,7 @@ class Explanation:
     # Information criterion of the outlines by steps of light and unary costs, in penalties of one parameter; inf where
     # no body was moved onto steps.
     criterion: float = math.inf
-    nearness: NearnessBySteps | None = None  # of the first light, where steps of light were free to tell it
+    nearness: NearnessBySteps | None = None  # of the first light, where that was free in the fit to steps of light
     # Deviance of a sun by the outlines in several views, beside a lamp that was tried there: negative where these show
     # the shadow of a sun; 0 where none was tried.
     sun_by_outlines: float = 0.0
@@ -61,7 +61,7 @@ class Explanation:
     def to_light_from_body(self) -> Float:
         """(3,) the unit vector from the middle of the body towards the first light.
 
-        This is what a shadow tells: for the same labels, the fits of a sun and of a lamp agree there, if nowhere else.
+        A shadow determines it best: for the same labels, the fits of a sun and of a lamp agree there, if nowhere else.
         """
         body = self.alignment.placed.lit.body
         return towards(self.lights[0].light, np.array([*body.frame.origin_marker, body.middle_m]))

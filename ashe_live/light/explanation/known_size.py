@@ -1,9 +1,10 @@
-"""Whether an object of given sizes looks as large as it was said to be."""
+"""Whether an object whose sizes are given has these in the picture."""
 
 from dataclasses import replace
 
 import numpy as np
 
+from ashe_live.core.caster import Caster
 from ashe_live.light.explanation.explain import refitted_bodies
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
@@ -19,21 +20,22 @@ MOST_OFF = 1.3
 def is_as_given(explanation: Explanation, preset: FitPreset, sharpener: Sharpener) -> bool:
     """Whether the picture shows the preset's caster in its given sizes rather than in others that are far from these.
 
-    Labels alone take shadow for object too often to tell; so a body of other sizes that fits them is believed where it
-    also explains steps of light and colours better than the given one, by more than its further parameters allow.
+    Labels take shadow for object too often to decide this alone; so a body of other sizes that fits them is believed
+    where it also explains steps of light and colours better than the given one, by more than its further parameters
+    allow.
     True where there is no caster, or no fit. sharpener: of the views that were explained.
     """
-    if preset.caster is None:
+    caster = preset.caster
+    if caster is None:
         return True
     bodies = refitted_bodies(explanation, replace(preset, resizes=True))
-    if not bodies or _is_near(bodies[0], preset):
+    if not bodies or _is_near(bodies[0], caster):
         return True
     (moved,) = sharpener.sharpened([replace(explanation, bodies=tuple(bodies))])
     likelier = moved.alignment.placed.lit
-    return likelier.body.family is not resized_family_of(preset.caster) or _is_near(likelier, preset)
+    return likelier.body.family is not resized_family_of(caster) or _is_near(likelier, caster)
 
 
-def _is_near(lit: LitBody, preset: FitPreset) -> bool:
-    """Whether all sizes of a body of the caster's resized family are near the given ones."""
-    assert preset.caster is not None
-    return bool(np.abs(np.log(size_ratios(preset.caster, lit.body.shape))).max() < np.log(MOST_OFF))
+def _is_near(lit: LitBody, caster: Caster) -> bool:
+    """Whether all sizes of a member of the caster's resized family are near the given ones."""
+    return bool(np.abs(np.log(size_ratios(caster, lit.body.shape))).max() < np.log(MOST_OFF))

@@ -47,7 +47,7 @@ def fault_of_exposure(view: View) -> str | None:
         return BLACK_GROUND if _sheet_at(view, PAPER_PERCENTILE) >= PAPER else TOO_DARK
     if counts[CLIPPED:].sum() > MOST_CLIPPED * total:
         return TOO_BRIGHT
-    # A page's colour is made the ground's by how both differ where it ends, which overexposed paper does not tell.
+    # A page's colour is made the ground's by how both differ where it ends, which overexposed paper does not show.
     return PAGE_TOO_BRIGHT if view.page is not None and _sheet_at(view, MARGIN_PERCENTILE) >= CLIPPED else None
 
 

@@ -1,4 +1,4 @@
-"""Normal equations: how the borders seen in pictures pull at the outlines of bodies that are placed there.
+"""Normal equations of bodies' parameters, by the borders that pictures show near their predicted outlines.
 
 The views' poses, by which several pictures see one body, are moved along with it (docs/maths, "Poses that move").
 """
@@ -119,7 +119,10 @@ def added_up(normals: Float, family: Family, layout: Layout) -> Float:
 
 
 def pose_equations(placed: PlacedBody, pull: NormalEquations, number: int) -> PoseEquations | None:
-    """What the borders tell of a view's pose; None where that is exact. number: of the body among those of `pull`."""
+    """The normal equations of a view's pose by a body's borders; None where the pose is exact.
+
+    number: of the body among those of `pull`.
+    """
     outlines = len(placed.hulls_px)
     own = slice(number * outlines, (number + 1) * outlines)
     places = pull.places.points[own].reshape(-1, 2), pull.places.normals[own].reshape(-1, 2)

@@ -1,6 +1,7 @@
 """The light's angular size from its penumbra: a shadow's edge widens with the height of the point that casts it."""
 
 import math
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -45,8 +46,17 @@ LEAST_SOFT_RAD = math.radians(2.5)  # cameras' processing widens a bare sun's bo
 MOST_SPREAD_OUT = 2.2  # third quartile over the first
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _EdgePoints:
+    """Points along the predicted outline of a shadow in a picture."""
+
+    points_px: Float  # (n, 2)
+    normals_px: Float  # (n, 2) unit vectors out of the shadow
+    spreads_px: Float  # (n,) standard deviation of the penumbra of a light of 1 rad
+
+
 def size_of(explanation: Explanation, light: Light, tracked: TrackedFrame) -> float | None:
-    """The angular diameter (rad) of an explanation's only light, as it is stated; None where nothing tells it."""
+    """The angular diameter (rad) of an explanation's only light; None where it cannot be measured."""
     soft = soft_size(explanation.proxy, light.homogeneous, tracked)
     if soft is not None:
         return soft
@@ -67,15 +77,15 @@ def soft_size(proxy: Proxy, light: Float, tracked: TrackedFrame) -> float | None
     sides, normals = along_sides(corners_px, MARKER_PLACES)
     normals = np.repeat(normals, len(MARKER_PLACES), axis=0)
     blur = border_widths(picture, sides.reshape(-1, 2), normals, MARKER_REACH * scale)
-    places, outward, spreads = _outline(proxy, light, camera, tracked.marker.T_cam_marker)
-    if not np.isfinite(blur).any() or not len(places):
+    edge = _edge_points(proxy, light, camera, tracked.marker.T_cam_marker)
+    if not np.isfinite(blur).any() or edge is None:
         return None
-    widths = border_widths(picture, places, outward, scale)
-    told = np.isfinite(widths) & (spreads > LEAST_SPREAD_PX)
-    if told.sum() < FEWEST_PLACES:
+    widths = border_widths(picture, edge.points_px, edge.normals_px, scale)
+    is_measured = np.isfinite(widths) & (edge.spreads_px > LEAST_SPREAD_PX)
+    if is_measured.sum() < FEWEST_PLACES:
         return None
-    added = np.sqrt(np.maximum(widths[told] ** 2 - np.nanmedian(blur) ** 2, 0))
-    low, size, high = np.percentile(added / (DISC_SIGMAS * spreads[told]), (25, 50, 75))
+    added = np.sqrt(np.maximum(widths[is_measured] ** 2 - np.nanmedian(blur) ** 2, 0))
+    low, size, high = np.percentile(added / (DISC_SIGMAS * edge.spreads_px[is_measured]), (25, 50, 75))
     return float(size) if LEAST_SOFT_RAD < size < LARGEST_RAD and high < MOST_SPREAD_OUT * low else None
 
 
@@ -97,7 +107,12 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     ground, J the derivative of the displacement s by the direction); the picture's blur adds a constant variance. A
     robust linear regression of variances gives d squared (docs/maths, "Penumbra").
     """
-    spreads, variances = _edges(proxy, light, light_lost, masks, view)
+    edge = _edge_points(proxy, light, view.camera, view.T_cam_marker)
+    if edge is None:
+        return None
+    clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)
+    kept, variances = _variances(light_lost, clear, edge)
+    spreads = edge.spreads_px[kept]
     if len(spreads) < FEWEST_EDGES:
         return None
     design = np.column_stack([np.ones(len(spreads)), spreads**2])
@@ -118,14 +133,12 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     return size if size < LARGEST_RAD else None
 
 
-def _outline(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float) -> tuple[Float, Float, Float]:
-    """(n, 2) pixels along the shadow's outline, (n, 2) unit normals out of it, and (n,) standard deviations (px) that a
-    light of 1 rad would give the edge there.
-    """
+def _edge_points(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float) -> _EdgePoints | None:
+    """Points along the outline of the shadow in a light (4,); None where it is infinite or behind the camera."""
     points = proxy.points_marker()
     shadows = cast_on_ground(points, light)
     if shadows is None:
-        return np.empty((0, 2)), np.empty((0, 2)), np.empty(0)
+        return None
     cast = shadows[:, :2]
     rim = cv2.convexHull(cast.astype(np.float32), returnPoints=False)[:, 0]
     corners, casting = cast[rim], points[rim]
@@ -144,25 +157,15 @@ def _outline(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float) ->
     across = pixels[:, 1] - pixels[:, 0]
     scale = np.hypot(*across.T)
     seen = scale > 1e-6  # which is false for NaN, the projection of what lies behind the camera
+    if not seen.any():
+        return None
 
     # Points of the body's edge between two corners cast theirs in the ratio of the corners' homogeneous scales.
     begin, end = (1 - each[edge, 2:] * nearness_of(light) for each in (casting, np.roll(casting, -1, axis=0)))
     way = part[:, None] * begin / (part[:, None] * begin + (1 - part[:, None]) * end)
     points = casting[edge] + way * (np.roll(casting, -1, axis=0) - casting)[edge]
     spreads = points[:, 2] * _blur_per_height(light, points, outward[edge]) / 4 * scale / ACROSS_M
-    return pixels[seen, 0], across[seen] / scale[seen, None], spreads[seen]
-
-
-def _edges(proxy: Proxy, light: Float, light_lost: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
-    """(n,) standard deviations (px) that a light of 1 rad would give the shadow's edge at n points; (n,) the variances
-    (px^2) measured there.
-    """
-    places, outward, spreads = _outline(proxy, light, view.camera, view.T_cam_marker)
-    if not len(places):
-        return np.empty(0), np.empty(0)
-    clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)
-    kept, variances = _variances(light_lost, clear, places, outward)
-    return spreads[kept], variances
+    return _EdgePoints(pixels[seen, 0], across[seen] / scale[seen, None], spreads[seen])
 
 
 def _blur_per_height(light: Float, points: Float, normals: Float) -> Float:
@@ -182,11 +185,11 @@ def _blur_per_height(light: Float, points: Float, normals: Float) -> Float:
     return moved / relative_distances(light, points, np.zeros(3))
 
 
-def _variances(light_lost: Float32, clear: Mask, places: Float, across: Float) -> tuple[Mask, Float]:
-    """(n,) at which points (n, 2) there is a clear step from shadow to light along `across`; those edges' variances."""
+def _variances(light_lost: Float32, clear: Mask, edge: _EdgePoints) -> tuple[Mask, Float]:
+    """(n,) the points with a clear step from shadow to light along their normals; (k,) the variances there, px^2."""
     height, width = light_lost.shape
     offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
-    lines = places[:, None] + offsets[:, None] * across[:, None]
+    lines = edge.points_px[:, None] + offsets[:, None] * edge.normals_px[:, None]
     column, row = np.moveaxis(np.rint(np.clip(lines, -1e6, 1e6)).astype(int), 2, 0)
     inside = (column >= 1) & (row >= 1) & (column <= width - 2) & (row <= height - 2)
     kept = (inside & clear[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)]).all(axis=1)

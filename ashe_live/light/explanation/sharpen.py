@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
 from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
-from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, batches, measured
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, grouped_by_lights, measured
 from ashe_live.light.explanation.explain import refined_by_tangents
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
 from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
@@ -22,6 +23,19 @@ from ashe_live.light.shape.directions import (
     with_hemisphere_prior,
 )
 from ashe_live.light.shape.sight import Sight
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sharp:
+    """A body as it was moved onto the steps of light, and as it then lies in the region."""
+
+    fit: EdgeFit
+    placed: PlacedBody
+
+    @property
+    def criterion(self) -> float:
+        """By the steps and by the pixels' unary costs, in units of what one more parameter costs."""
+        return self.fit.criterion + self.placed.cost / COST_PER_PARAMETER
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +61,7 @@ class Sharpener:
         view, or too little of a shadow. near: the prior on the nearness of their only lights, where that is not held.
         """
         found = list(several)
-        for members in batches(len(each.lights) for each in several):
+        for members in grouped_by_lights(len(each.lights) for each in several):
             for i, one in zip(members, self._sharpened([several[i] for i in members], near), strict=True):
                 found[i] = one
         return found
@@ -57,22 +71,21 @@ class Sharpener:
         fits = self._fits([[each.alignment.placed.lit, *_other_bodies(each)] for each in several], several, near)
         pairs = [(fit, each) for each, own in zip(several, fits, strict=True) for fit in own]
         moved = iter(placed_in([(fit.lit, *_placing(each)) for fit, each in pairs]))
-        best = [_likeliest([(fit, next(moved)) for fit in own]) for own in fits]
-        alignments = iter(measured([one[1] for one in best if one is not None]))
+        best = [_likeliest([_Sharp(fit, next(moved)) for fit in own]) for own in fits]
+        alignments = iter(measured([one.placed for one in best if one is not None]))
         for explanation, one in zip(several, best, strict=True):
             if one is None:
                 yield from self.measured([explanation])
                 continue
-            fit, _, criterion = one
-            alignment = next(alignments)
-            # Where the body is a poor model, and its steps tell little, the common tangents decide.
+            fit, alignment = one.fit, next(alignments)
+            # Where the body is a poor model, and its steps constrain little, the common tangents decide.
             yield refined_by_tangents(
                 replace(
                     explanation,
                     alignment=alignment,
                     lights=lights_by_steps(fit, alignment),
                     steps=fit.mean_costs,
-                    criterion=criterion,
+                    criterion=one.criterion,
                     nearness=fit.nearness,
                 )
             )
@@ -85,8 +98,8 @@ class Sharpener:
     def _fits(
         self, bodies: Sequence[Sequence[LitBody]], several: Sequence[Explanation], near: NearnessPrior | None
     ) -> list[list[EdgeFit]]:
-        """Each explanation's bodies with their lights, moved, without those whose shadows show too few steps to tell
-        their lights.
+        """Each explanation's bodies with their lights, moved, without those whose shadows show too few steps to
+        determine their lights.
         """
         shifts = np.repeat([shifts_of(each) for each in several], [len(own) for own in bodies], axis=0)
         fits = iter(aligned_with_steps([lit for own in bodies for lit in own], self.pictures, shifts, near))
@@ -96,7 +109,7 @@ class Sharpener:
     def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:
         """The explanations where they stand, each with the costs of its steps."""
         found = list(explanations)
-        for members in batches(len(each.lights) for each in explanations):
+        for members in grouped_by_lights(len(each.lights) for each in explanations):
             bodies = [explanations[i].alignment.placed.lit for i in members]
             shifts = np.array([shifts_of(explanations[i]) for i in members])
             for i, costs in zip(members, step_costs(bodies, self.pictures, shifts), strict=True):
@@ -104,13 +117,13 @@ class Sharpener:
         return found
 
 
-def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_as_one: float = 1.0) -> tuple[FittedLight, ...]:
+def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_per_sample: float = 1.0) -> tuple[FittedLight, ...]:
     """The lights of an aligned body, with the covariance that the steps of light imply.
 
-    alignment: of the same body; it says which shadows' ends are in view. views_as_one: how many views tell as much as
-    one.
+    alignment: of the same body; it says which shadows' ends are in view. views_per_sample: number of views over their
+    effective sample size.
     """
-    information = with_hemisphere_prior(fit.information / views_as_one, fit.lit.lights_in_body_frame)
+    information = with_hemisphere_prior(fit.information / views_per_sample, fit.lit.lights_in_body_frame)
     lights = fitted_lights(fit.lit.lights, np.asarray(np.linalg.inv(information)))
     return tuple(
         corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, alignment.ends_in_view, strict=True)
@@ -128,14 +141,10 @@ def _placing(explanation: Explanation) -> tuple[Sight, Costs]:
     return explanation.alignment.placed.sight, explanation.costs
 
 
-def _likeliest(several: Sequence[tuple[EdgeFit, PlacedBody]]) -> tuple[EdgeFit, PlacedBody, float] | None:
-    """The moved body with the lowest criterion, and that criterion; None where none is in view."""
-    seen = [(fit, body) for fit, body in several if body.is_in_view]
-    if not seen:
-        return None
-    criteria = [fit.criterion + body.cost / COST_PER_PARAMETER for fit, body in seen]
-    best = int(np.argmin(criteria))
-    return *seen[best], criteria[best]
+def _likeliest(several: Sequence[_Sharp]) -> _Sharp | None:
+    """The one with the lowest criterion; None where none is in view."""
+    seen = [one for one in several if one.placed.is_in_view]
+    return min(seen, key=attrgetter("criterion"), default=None)
 
 
 def shifts_of(explanation: Explanation) -> list[float]:

@@ -1,9 +1,9 @@
 """Broad areas in the colours of joints: between planks and tiles the ground is as dark as in a pale shadow.
 
 A palette that has the colour of joints explains a shadow of that colour as lit ground. But joints are narrow: where
-their colours fill an area that is broader, in metres, than anywhere else, and that touches what stands out from the
-ground, the area is rather the shadow of that. How far the pixels of an area are from its border is their reach: in
-pixels of the picture, or in those that they would be at the marker's distance, which are proportional to metres.
+their colours fill an area that is broader, in metres, than anywhere else, and that touches an unlit area, it is rather
+the shadow of what stands there. How far the pixels of an area are from its border is their reach: in pixels of the
+picture, or in those that they would be at the marker's distance, which are proportional to metres.
 """
 
 from collections.abc import Iterator
@@ -21,8 +21,8 @@ from ashe_live.light.pixels.mixtures import Mixture, nearest_centres
 from ashe_live.light.pixels.view import View
 
 DARKER = 0.15  # log brightness below the palette's mean: joints are at least so much darker
-# Ground nearer than this, as a share of the picture's width, to what stands out may be in its shadow. The rest, which
-# must be this share of the picture, shows how broad joints are.
+# Ground nearer than this, as a share of the picture's width, to an unlit area may be in shadow. The rest, which must be
+# this share of the picture, shows how broad joints are.
 BESIDE, LEAST_ELSEWHERE = 0.06, 0.1
 # An area is broad where its reach is this many times that of joints elsewhere, at this percentile of the pixels in
 # their middle; and where it is at least so many pixels of the picture.
@@ -31,7 +31,7 @@ LEAST_JOINTS, JOINT_REACH = 6, 1.0  # pixels in the middle of joints; their reac
 MIXED_PX = 3  # across a joint, beside twice its reach: its middle pixel, and a mixed one on either side
 FARTHEST = 50.0  # of the ground, over the marker's distance: beyond, near the horizon, lengths grow no more
 LEAST_SHARE = 0.002  # of the picture: smaller areas are knots and stains
-TOUCHING_PX, TOUCHING_SHARE, TOUCHING_LEAST_PX = 4, 0.02, 3  # how much of an area is near what stands out, at least
+TOUCHING_PX, TOUCHING_SHARE, TOUCHING_LEAST_PX = 4, 0.02, 3  # how much of an area is near an unlit one, at least
 
 
 def with_broad_areas(ground: LitGround, view: View) -> LitGround:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
+from ashe_live.light.ground.preset import GroundPreset
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
 from ashe_live.light.ground.slow_shading import LightFall, field_beside, robust_trend, slow_bases
-from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.areas import cleaned, grown, large_areas, shrunk, smoothed
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
@@ -31,14 +31,14 @@ RARE, RARE_OF_TYPICAL = 0.35, 0.75
 NEAR_PX = 3  # the reach of the smoothing of `squared_distance`
 # Scale at which colours are averaged, and the least area there, in pixels, of an object found by its mean colour.
 AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
-AVERAGED_STEPS = GroundSteps(12, 8, 1)  # averages have few colours
+AVERAGED_PRESET = GroundPreset(12, 8, 1)  # averages have few colours
 # Log odds of lying on the plane below which a pixel is something that stands there, if its colour is unusual for the
 # ground by a squared distance: ground that is hidden in other views has such log odds, too.
 OFF_PLANE, UNUSUAL_DISTANCE = -1.5, 3.5
 # Log odds from which on it is surely on the plane; what is brighter there, by so much in log brightness than the
 # brightest of the palette's colours with a share of COMMON, is a glow.
 ON_PLANE, BRIGHTER, COMMON = 0.5, 0.1, 0.03
-SPECK_SHARE = 0.0005  # of the picture: smaller areas that stand out are specks
+SPECK_SHARE = 0.0005  # of the picture: smaller unlit areas are specks
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
 
 
@@ -63,11 +63,11 @@ class LitGround:
     fall: LightFall | None = None  # a lamp's, or gloss under a sun, one of these functions; None: they are a quadratic
     divided: bool = False  # by edges into surfaces that are lit alike, where a lamp's fall would explain it as one
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
-    broad: BroadAreas | None = None  # which stand out although the palette has their colours; None: none
+    broad: BroadAreas | None = None  # which count as unlit although the palette has their colours; None: none
 
 
 def fit_lit_ground(
-    image_bgr: Image, is_ground: Mask, steps: GroundSteps, fall: LightFall | None = None
+    image_bgr: Image, is_ground: Mask, preset: GroundPreset, fall: LightFall | None = None
 ) -> LitGround | None:
     """The lit ground of `image_bgr` (h, w, 3), where `is_ground` (h, w) leaves out the marker and the sky.
 
@@ -78,7 +78,7 @@ def fit_lit_ground(
     if np.count_nonzero(is_ground) < LEAST_SAMPLES:
         return None
     bases = slow_bases(is_ground.shape, fall)
-    field, spread = _wider_spread(colours, bases, is_ground, steps.spread_colours)
+    field, spread = _wider_spread(colours, bases, is_ground, preset.spread_colours)
     typical, spread = _median(spread[is_ground]), smoothed(spread)
     lit = is_ground & (spread > min(WIDE, WIDE_OF_TYPICAL * typical))
     chosen = _samples(shrunk(lit, 1))
@@ -86,10 +86,10 @@ def fit_lit_ground(
         return None
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
     labels = None
-    for _ in range(steps.field_rounds):
-        labels, centres = clusters(values - slow @ field, steps.palette_colours, labels)
+    for _ in range(preset.field_rounds):
+        labels, centres = clusters(values - slow @ field, preset.palette_colours, labels)
         field = field_beside(values - centres[labels], slow, field)
-    palette = mixture_of(values - slow @ field, steps.palette_colours, widening=1.3, start=labels)
+    palette = mixture_of(values - slow @ field, preset.palette_colours, widening=1.3, start=labels)
     if palette is None:
         return None
     flat = colours - (bases @ field).reshape(colours.shape)
@@ -121,9 +121,9 @@ def lit_rgb(ground: LitGround) -> Float:
 
 
 def with_on_plane(ground: LitGround, on_plane: Float32) -> LitGround:
-    """The ground with what other views tell of it: log odds (h, w) that a pixel lies on the plane.
+    """The ground with the evidence of other views: log odds (h, w) that a pixel lies on the plane.
 
-    What does, and is brighter than the palette, is light that something sends onto it, and counts as sheen.
+    What does, and is brighter than the palette, is light that something reflects onto it, and counts as sheen.
     """
     centres = ground.palette.centres
     brightest = float(centres[ground.palette.weights > COMMON, 0].max(initial=float(centres[:, 0].min())))
@@ -148,7 +148,7 @@ def with_unlit_on_average(unlit: Mask, view: View) -> Mask:
     pixel by pixel; averaged, its colours are few. Only what is thicker than the averages' blur is added.
     """
     small = view.scaled(round(view.size[0] * AVERAGED))
-    ground = fit_lit_ground(small.image_bgr, small.is_ground, AVERAGED_STEPS)
+    ground = fit_lit_ground(small.image_bgr, small.is_ground, AVERAGED_PRESET)
     if ground is None:
         return unlit
     averaged = unlit_mask(ground, small.is_ground, LEAST_AVERAGED_PX)

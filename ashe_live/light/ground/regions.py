@@ -52,7 +52,7 @@ class Region:
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
     faint: Mask | None = None  # (h, w) of `unlit`, those that the lit ground nearly explains; None: not known
     broad: Mask | None = None  # (h, w) the ground's broad areas in the colours of joints; None: none
-    surroundings: Mask | None = None  # (h, w) neither ground nor object: a wall, a floor; None: none are told apart
+    surroundings: Mask | None = None  # (h, w) neither ground nor object: a wall, a floor; None: none are segmented
     quantised: Quantised = field(init=False)  # its colours, quantised to the size of the noise
     unreliable: Mask = field(init=False)  # (h, w) pixels off the ground, and those near enough to see that border
 
@@ -163,7 +163,7 @@ def _joined(one: Mask, other: Mask) -> Mask | None:
 def region_of(fine: View, area: Mask, ground: LitGround, size_px: int, surroundings: Mask | None = None) -> Region:
     """The region around `area`, a mask of the whole frame at any scale, itself scaled to about `size_px`.
 
-    surroundings: a mask of the whole frame at any scale too; None where none are told apart.
+    surroundings: a mask of the whole frame at any scale too; None where none are segmented.
     """
     height, width = area.shape
     x, y, across, down = cv2.boundingRect(area.astype(np.uint8))
@@ -180,12 +180,15 @@ def region_of(fine: View, area: Mask, ground: LitGround, size_px: int, surroundi
 
 
 def region_with_on_plane(region: Region, ground: LitGround) -> Region:
-    """A region that was cut out of one view alone, with what other views tell of `ground`, that view's lit ground."""
+    """A region that was cut out of one view alone, with the evidence of other views in that view's lit `ground`."""
     return replace(region, on_plane=_on_plane(ground, region.frame_shape, region.window))
 
 
 def _on_plane(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -> Float32 | None:
-    """(h, w) what other views tell of a window's pixels; frame_shape: of the whole frame at the window's scale."""
+    """(h, w) log odds by other views that a window's pixels lie on the plane; None where there are no other views.
+
+    frame_shape: (h, w) of the whole frame at the window's scale.
+    """
     if ground.on_plane is None:
         return None
     height, width = frame_shape

@@ -116,7 +116,7 @@ def _most_voted(offsets: Float32, weights: Float32, count: int) -> Float:
 
 
 def _without_alike(shifts: Iterable[Float]) -> list[Float]:
-    """The shifts (3,) in order, without those that the noise does not tell from an earlier one."""
+    """The shifts (3,) in order, without those within the noise of an earlier one."""
     kept: list[Float] = []
     for shift in shifts:
         if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in kept):

@@ -2,13 +2,13 @@
 
 Card is thick and paper curls, so that a sheet's edges stand a little above the ground. The sides that face away from
 the light cast a strip of shadow beyond the paper, those that face it none. How high an edge stands is not known: the
-strips tell the light's azimuth, and nothing of its elevation. What darkens the ground along all four sides alike, as
+strips constrain the light's azimuth, and not its elevation. What darkens the ground along all four sides alike, as
 sharpening does, cancels.
 """
 
 import math
 from dataclasses import dataclass
-from operator import itemgetter
+from operator import attrgetter
 
 import cv2
 import numpy as np
@@ -72,6 +72,28 @@ class SheetShadow:
         return math.log((1 - OTHERS) * own + OTHERS)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _EdgeResponse:
+    """How the camera shows an edge from dark to light."""
+
+    away_px: Float  # (n,) from where half of the step is reached
+    response: Float  # (n,) share of the step, 0 to 1
+
+    def at(self, away_px: Float) -> Float:
+        """(m,) the share of the step at other distances."""
+        return np.interp(away_px, self.away_px, self.response, left=0.0, right=1.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Strip:
+    """The strip of shadow that was fitted to a profile."""
+
+    width_px: float
+    amplitude: float  # share of light that it lacks
+    weights: Float  # (n,) by which the amplitude follows from the profile
+    cost: float  # sum of squares that it leaves
+
+
 def sheet_shadow_in(view: View) -> SheetShadow | None:
     """The shadow beside the sheet of `view`; None where its edges are not seen, or the marker is on no small sheet."""
     if view.body is not None or view.page is not None:
@@ -88,7 +110,7 @@ def sheet_shadow_in(view: View) -> SheetShadow | None:
     if not seen.any():
         return None
     strips[~seen] = 0.0
-    # Nothing is brighter beside a sheet; and what is dark on all sides tells none of them.
+    # Nothing is brighter beside a sheet; and what is dark on all sides singles out none of them.
     dark = np.maximum(strips[:, 0], 0.0)
     dark = np.maximum(dark - (dark.min() if seen.all() else 0.0), 0.0)
     away = dark @ OUTWARDS
@@ -129,8 +151,8 @@ class _Lines:
         return float(np.hypot(*(last[:2] / last[2] - first[:2] / first[2]))) / 0.1
 
 
-def _edge_response(lines: _Lines) -> tuple[Float, Float] | None:
-    """How the camera shows an edge, by those of the black square: (n,) px from where it is half-way, (n,) 0 to 1."""
+def _edge_response(lines: _Lines) -> _EdgeResponse | None:
+    """How the camera shows an edge, by those of the black square; None where none is seen."""
     away = np.arange(-BLUR_PX, BLUR_PX + STEP_PX / 2, STEP_PX)
     responses = []
     for side in range(4):
@@ -145,13 +167,14 @@ def _edge_response(lines: _Lines) -> tuple[Float, Float] | None:
     if not responses:
         return None
     response = np.median(responses, axis=0)
-    return away - float(np.interp(0.5, np.maximum.accumulate(response), away)), response
+    half_way_px = float(np.interp(0.5, np.maximum.accumulate(response), away))
+    return _EdgeResponse(away - half_way_px, response)
 
 
-def _strip(lines: _Lines, side: int, end: float, edge: tuple[Float, Float]) -> tuple[float, float]:
+def _strip(lines: _Lines, side: int, end: float, edge: _EdgeResponse) -> tuple[float, float]:
     """Width times share of light lost of the strip beyond the paper's end, and its deviation, in sides; NaN: not seen.
 
-    end: about where the paper ends, in sides from the marker's centre. edge: as of `_edge_response`.
+    end: about where the paper ends, in sides from the marker's centre.
     """
     scale = lines.px_per_side(side, end)
     found = _edge_near(lines, side, end, scale) if scale else None
@@ -166,13 +189,13 @@ def _strip(lines: _Lines, side: int, end: float, edge: tuple[Float, Float]) -> t
     if ground <= 0:
         return math.nan, 0.0
     lost = 1 - across / ground
-    width, amplitude, weights, cost = _fitted_strip(away, np.median(lost, axis=1), edge, paper / ground, WIDEST * scale)
-    by_line = weights @ lost
+    strip = _fitted_strip(away, np.median(lost, axis=1), edge, paper / ground, WIDEST * scale)
+    by_line = strip.weights @ lost
     spread = MEDIAN_OVER_MEAN * SIGMA_OVER_MEDIAN * float(np.median(np.abs(by_line - np.median(by_line))))
-    deviation = math.hypot(spread / math.sqrt(INDEPENDENT * len(by_line)), 0.5 * math.sqrt(cost / len(away)))
-    if width > NARROW_PX and amplitude < LEAST_LOST:
-        amplitude = 0.0
-    return amplitude * width / scale, deviation * width / scale
+    deviation = math.hypot(spread / math.sqrt(INDEPENDENT * len(by_line)), 0.5 * math.sqrt(strip.cost / len(away)))
+    is_too_pale = strip.width_px > NARROW_PX and strip.amplitude < LEAST_LOST
+    amplitude = 0.0 if is_too_pale else strip.amplitude
+    return amplitude * strip.width_px / scale, deviation * strip.width_px / scale
 
 
 def _edge_near(lines: _Lines, side: int, end: float, scale: float) -> float | None:
@@ -188,30 +211,23 @@ def _edge_near(lines: _Lines, side: int, end: float, scale: float) -> float | No
     return end + float(nearby[EDGE_MARGIN + int(slope[EDGE_MARGIN:-EDGE_MARGIN].argmax())])
 
 
-def _fitted_strip(
-    away: Float, lost: Float, edge: tuple[Float, Float], paper: float, widest_px: float
-) -> tuple[float, float, Float, float]:
+def _fitted_strip(away: Float, lost: Float, edge: _EdgeResponse, paper: float, widest_px: float) -> _Strip:
     """The strip that fits best the share of light (n,) that is lost at places (n,), in px from the paper's end.
 
     Fitted are the step from paper to ground as the camera shows edges, its place within EDGE_PX, and a strip of each of
-    WIDTHS_PX. edge: as of `_edge_response`. paper: its light over the ground's. Returns the strip's width in px; the
-    share of light that it lacks; the weights (n,) by which that follows from `lost`; and the sum of squares left.
+    WIDTHS_PX. paper: its light over the ground's.
     """
-    step = _response(edge, away)
-    moved = (_response(edge, away + STEP_PX) - _response(edge, away - STEP_PX)) / (2 * STEP_PX)
+    step = edge.at(away)
+    moved = (edge.at(away + STEP_PX) - edge.at(away - STEP_PX)) / (2 * STEP_PX)
     held = np.zeros((4, 4))
     held[2, 2] = (NOISE / (EDGE_PX * max(abs(paper - 1), LEAST_STEP))) ** 2
     fits = []
     for width in WIDTHS_PX:
         if width > max(widest_px, NARROW_PX):
             break
-        terms = np.stack([np.ones_like(away), step, moved, step - _response(edge, away - width)], axis=1)
+        terms = np.stack([np.ones_like(away), step, moved, step - edge.at(away - width)], axis=1)
         solved = np.linalg.solve(terms.T @ terms + held, terms.T)
         found = solved @ lost
         cost = float(((lost - terms @ found) ** 2).sum() + held[2, 2] * found[2] ** 2)
-        fits.append((width, float(found[3]), solved[3], cost))
-    return min(fits, key=itemgetter(3))
-
-
-def _response(edge: tuple[Float, Float], away: Float) -> Float:
-    return np.interp(away, *edge, left=0.0, right=1.0)
+        fits.append(_Strip(width, float(found[3]), solved[3], cost))
+    return min(fits, key=attrgetter("cost"))

@@ -97,9 +97,9 @@ class Carved:
         cost, masks = 0.0, []
         for view, pixels, cells in zip(self.views, self.pixels, self.cells, strict=True):
             body = _filled(pixels[kept], view.as_lit.shape)
-            shadow = darkened[cells] > 0
-            cost += float(np.where(body, view.as_body, np.where(shadow, view.as_shadow, view.as_lit)).sum())
-            masks.append(Predicted(body, shadow & ~body))
+            shadow = (darkened[cells] > 0) & ~body
+            cost += view.cost(body, shadow)
+            masks.append(Predicted(body, shadow))
         return InLight(cost, kept, masks)
 
 
@@ -155,7 +155,7 @@ def _cells_of(places: Float, low: Float, cell_m: float, shape: tuple[int, int]) 
 
 
 def _lit_cells(views: Sequence[Labelled], low: Float, cell_m: float, shape: tuple[int, int]) -> Mask:
-    """(cells,) where LIT_IN views show lit ground, or nothing that stands out: what does is in their regions."""
+    """(cells,) where LIT_IN views show lit ground, or ground outside of their regions, which hold all that is unlit."""
     # From cells, columns along y, to metres; rows are along x.
     plane_from_cells = np.array(
         [[0.0, cell_m, low[0] + cell_m / 2], [cell_m, 0.0, low[1] + cell_m / 2], [0.0, 0.0, 1.0]]

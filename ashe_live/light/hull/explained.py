@@ -11,14 +11,13 @@ from ashe_live.core.transforms import view_direction
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.carved import Box, Carved, InLight, carved
-from ashe_live.light.hull.labelled import Labelled, labelled
+from ashe_live.light.hull.labelled import labelled
 from ashe_live.light.hull.light import HullLight, light_of_hull
 from ashe_live.light.hull.surface import surface_of
 from ashe_live.light.shape.directions import FittedLight
-from ashe_live.light.shape.predicted import Predicted
 from ashe_live.light.views.joint.aligned import JointExplanation
 from ashe_live.light.views.joint.evidence import share_seen
-from ashe_live.light.views.which import span_rad
+from ashe_live.light.views.selection import span_rad
 
 # From a narrower span a hull is several times as deep as its object is broad, and bounds no light.
 LEAST_SPAN_RAD = np.radians(15.0)
@@ -37,8 +36,8 @@ def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExpla
     """The explanation with the hull as its real object, and the light whose shadow that casts.
 
     As it is where a family explains the silhouettes as well, where there are two lights or a lamp, where the views are
-    too near to each other or show too little of body and shadow, and where the hull tells no light. sharpener: of all
-    views at full resolution.
+    too near to each other or show too little of body and shadow, and where the hull determines no light. sharpener: of
+    all views at full resolution.
     """
     joint = explanation.joint
     span = span_rad([view_direction(each.region.view.T_cam_marker) for each in explanation.each])
@@ -71,7 +70,7 @@ def explains_more(explanation: JointExplanation, hull: Carved, seen: InLight) ->
     """Whether the hull explains enough of what the family leaves unexplained."""
     pairs = list(zip(hull.views, (each.predicted for each in explanation.each), strict=True))
     body_px = sum(int(np.count_nonzero(masks.body)) for _, masks in pairs)
-    by_family = sum(_cost_of(view, masks) for view, masks in pairs)
+    by_family = sum(view.cost(masks.body, masks.shadow) for view, masks in pairs)
     return by_family - seen.cost > max(LEAST_GAIN * max(body_px, 1), LEAST_SHARE * by_family)
 
 
@@ -83,11 +82,6 @@ def _hulled(joint: Explanation, hull: Carved, found: HullLight) -> Explanation:
         joint.split, object_mask=masks.body & ground, shadow_mask=masks.shadow & ground, undecided=None, parts=()
     )
     return replace(joint, lights=(light,), split=split, hull=_proxy_of(hull, found.seen))
-
-
-def _cost_of(view: Labelled, masks: Predicted) -> float:
-    """The cost of the view's pixels under the labels of the masks."""
-    return float(np.where(masks.body, view.as_body, np.where(masks.shadow, view.as_shadow, view.as_lit)).sum())
 
 
 def _proxy_of(hull: Carved, seen: InLight) -> Proxy | None:

@@ -43,6 +43,10 @@ class Labelled:
     picture_from_region: Float  # (3, 3) pixels
     shift: float  # log of how much darker the ground is in the shadow; negative
 
+    def cost(self, body: Mask, shadow: Mask) -> float:
+        """The total cost of the pixels with the object in `body` (h, w), and else in `shadow` (h, w) or lit."""
+        return float(np.where(body, self.as_body, np.where(shadow, self.as_shadow, self.as_lit)).sum())
+
 
 def labelled(several: Sequence[Costs], samples: Sequence[Mask], pictures: Sequence[LightPicture]) -> list[Labelled]:
     """The views of `several` costs, by one light; what all show as shadow on the plane is no object in any of them.

@@ -15,7 +15,7 @@ from ashe_live.light.views.joint.by_pixels import log_likelihoods_by_pixels
 
 COARSE_RAD, COARSE = math.radians(4.0), 5  # step of the first grid of directions, and steps to each side
 FINE_SIGMAS, FINE = 0.8, 3  # of the second, in sigmas of the first one's result
-FINEST_RAD = math.radians(0.5)  # below which voxels and pixels tell no directions apart
+FINEST_RAD = math.radians(0.5)  # below which voxels and pixels do not resolve directions
 LOWEST_SINE = 0.06  # of a light's elevation
 # Log likelihood that pixels and tangents together may lack of the most that each reaches by itself: where two sigmas do
 # not bring them together, the labels of one are wrong.
@@ -36,8 +36,8 @@ def light_of_hull(hull: Carved, start: Float) -> HullLight | None:
 
     The likelihood is that of the views' pixels under the hull in each light, times that of the shadow's tangents under
     the support function that the silhouettes leave (docs/maths, "A hull"), on a grid of directions around the start,
-    and on a finer one around its result. None is told where too little of the shadow's outline is seen, or the two
-    contradict each other.
+    and on a finer one around its result. It is unknown where too little of the shadow's outline is seen, or where the
+    two contradict each other.
     """
     around = _grid(start, COARSE_RAD, COARSE)
     by_pixels = _log_likelihood_by_pixels(hull, around)

@@ -14,7 +14,7 @@ from ashe_live.light.hull.supports import Planes, ShadowLines, SupportFunction, 
 from ashe_live.light.pixels.areas import areas_by_size, grown, majority, shrunk
 from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, Outlines, observe_outlines
 from ashe_live.light.shape.predicted import Predicted
-from ashe_live.light.views.joint.aligned import views_as_one
+from ashe_live.light.views.joint.aligned import views_per_sample
 
 DIRECTIONS = 24  # of tangents in each view
 REACH_PX = 5.0  # of the full picture, within which a tangent's step of light is looked for
@@ -35,14 +35,14 @@ class _Tangents:
 def shape_and_shadow(
     views: Sequence[Labelled], masks: Sequence[Predicted], middle: Float
 ) -> tuple[SupportFunction, ShadowLines] | None:
-    """What the silhouettes of all views tell of the body, and its shadow's tangents; None where these are too few.
+    """The body's support function by the silhouettes of all views, and its shadow's tangents; None where these are few.
 
     masks: the hull's silhouettes in each view. middle: (3,) of the body, marker frame.
     """
     planes: list[Planes] = []
     shadows: list[ShadowLines] = []
     sizes_m = []
-    shared = math.sqrt(views_as_one(len(views)))  # as where a body is aligned in several views
+    shared = math.sqrt(views_per_sample(len(views)))  # as where a body is aligned in several views
     for view, seen in zip(views, masks, strict=True):
         body, shadow = _relabelled(view, seen)
         outlines = observe_outlines(body, [shadow], view.unreliable, DIRECTIONS, EDGE_SIGMA_PX)

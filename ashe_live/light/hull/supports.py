@@ -60,8 +60,20 @@ def shadow_lines(P: Float, lines: Float, sigma_px: Float, depth_m: float) -> Sha
     return ShadowLines(on_plane[:, :2] / length[:, None], -on_plane[:, 2] / length, sigma_px * depth_m / length)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _PredictedTangents:
+    """n tangents of a shadow beside what silhouettes predict."""
+
+    residual: Float  # (n,) metres along the normals of the planes u . X <= r through them and the light
+    covariance: Float  # (n, n) of that
+    length: Float  # (n,) |u|
+
+
 class SupportFunction:
-    """What planes tell of a body's support function; those that disagree with the others count less."""
+    """The posterior of a body's support function given planes that touch it: a Gaussian process.
+
+    Planes that disagree with the others get a larger standard deviation.
+    """
 
     def __init__(self, several: Sequence[Planes], half_size_m: float) -> None:
         below = np.array([[0.0, 0.0, -1.0]])
@@ -77,22 +89,22 @@ class SupportFunction:
 
     def log_likelihood(self, shadow: ShadowLines, to_light: Float) -> float:
         """Log likelihood of the shadow's tangents in the light from direction (3,), marker frame."""
-        off, spread, length = self._residuals(shadow, to_light)
-        factor = np.linalg.cholesky(spread)
-        whitened = np.linalg.solve(factor, off)
-        log_likelihood = -0.5 * whitened @ whitened - np.log(np.diag(factor)).sum() - np.log(length).sum()
+        predicted = self._predicted(shadow, to_light)
+        factor = np.linalg.cholesky(predicted.covariance)
+        whitened = np.linalg.solve(factor, predicted.residual)
+        log_likelihood = -0.5 * whitened @ whitened - np.log(np.diag(factor)).sum() - np.log(predicted.length).sum()
         return float(log_likelihood) / BORDERS_PER_SAMPLE  # a tangent's error is that of the border it touches
 
     def without_outliers(self, shadow: ShadowLines, to_light: Float) -> ShadowLines:
         """The tangents, those that disagree with the others in a light with a larger sigma."""
         sigma = shadow.sigma_m
         for _ in range(ROUNDS):
-            off, spread, _ = self._residuals(replace(shadow, sigma_m=sigma), to_light)
-            sigma = np.where(_disagree(spread, off), sigma * WIDENED, sigma)
+            predicted = self._predicted(replace(shadow, sigma_m=sigma), to_light)
+            sigma = np.where(_disagree(predicted.covariance, predicted.residual), sigma * WIDENED, sigma)
         return replace(shadow, sigma_m=sigma)
 
-    def _residuals(self, shadow: ShadowLines, to_light: Float) -> tuple[Float, Float, Float]:
-        """(n,) how far each tangent is from what silhouettes predict, (n, n) its covariance, and (n,) |u|.
+    def _predicted(self, shadow: ShadowLines, to_light: Float) -> _PredictedTangents:
+        """The shadow's tangents as the silhouettes predict them in a light.
 
         A point X casts its shadow at x - s z, so that m . (x - s z) <= r is u . X <= r, with u = (m, -m . s).
         """
@@ -101,7 +113,7 @@ class SupportFunction:
         normals = across / length[:, None]
         known = self._whitening @ self._covariance(self._normals, normals)
         spread = self._covariance(normals, normals) - known.T @ known + np.diag((shadow.sigma_m / length) ** 2)
-        return shadow.reach_m / length - known.T @ self._whitened, spread, length
+        return _PredictedTangents(shadow.reach_m / length - known.T @ self._whitened, spread, length)
 
     def _covariance(self, one: Float, other: Float) -> Float:
         """(n, m) prior covariance of h: the body's place, its size, and a Matern process of order 3/2."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 from ashe_live.light.shape.light_points import at_infinity
 
@@ -27,11 +26,11 @@ MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found othe
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
 # Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
 LEAST_CLEAR, CLEAR = 0.5, 0.8
-# Part of a shadow's outline that is in view, from which on it is not hidden: its edges would tell it.
+# Part of a shadow's outline that is in view, from which on it is not hidden: its edges would be found.
 MOST_IN_VIEW = 0.25
 LEAST_DARKENING = 0.06  # part of the table's light: what takes less is no light
 # Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then
-# along it alone and finer, as the scan hardly tells the lengths of shadows that leave the picture.
+# along it alone and finer, as the scan hardly constrains the lengths of shadows that leave the picture.
 AROUND = 0.05 * np.array([(along, across) for along in (-2, -1, 0, 1, 2) for across in (-1, 0, 1)])
 ALONG = 0.035 * np.array([(along, 0) for along in range(-8, 4)])
 TEMPLATES_APART = 0.1  # in s = (x, y) / z, over 1 + |s|, roughly
@@ -64,6 +63,15 @@ class _Starts:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Start:
+    """A light from which a fit begins."""
+
+    light: Float  # (4,)
+    darkening: float  # part of the table's light that it would give
+    log_likelihood: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Candidates:
     """The directions of the scan in which another light may be, beside those that are known."""
 
@@ -73,7 +81,7 @@ class Candidates:
     score: Float  # (m,) log likelihood of each direction; -inf where none is looked for
     steps: Float  # (m,) log odds of each by its shadow's steps of light in the map: with the score, the order of trial
     least: float = -math.inf  # log likelihood, with these or without, below which none is tried
-    told: float = -math.inf  # the same below which no edge is looked for, of the likeliest direction around
+    least_around: float = -math.inf  # the same of the likeliest direction around, below which no edge is looked for
 
     def refined(self) -> tuple[list[FoundLight], list[Float]]:
         """The likeliest different directions, each moved onto its shadow's edges where these are seen; and what is
@@ -82,32 +90,29 @@ class Candidates:
         """
         starts = _Starts(self.seen.templates.lights, self.score + self.steps)
         found: list[FoundLight] = []
-        clear: list[FoundLight] = []
         ruled_out: list[Float] = []
         for number in starts:
             template = self.seen.templates.lights[number]
             if max(self.score[number], self.score[number] + self.steps[number]) < self.least:
                 starts.spend()
                 continue
-            start, darkening, likelihood = self._start(number)
-            if darkening < LEAST_DARKENING or likelihood < self.told:
+            start = self._start(number)
+            if start.darkening < LEAST_DARKENING or start.log_likelihood < self.least_around:
                 continue
-            if any(_finds_again(self.seen, start, other) for other in clear):
+            if any(_is_clear(one) and _finds_again(self.seen, start.light, one) for one in found):
                 continue
-            fit, darkening = self._fit(number, start, darkening)
-            is_denied = fit is not None and self.seen.observed.sides.deny(fit.light, darkening)
-            if fit is not None and not is_denied:
-                one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
+            fit, darkening = self._fit(number, start)
+            if fit is not None and self.seen.observed.sides.deny(fit.light, darkening):
+                ruled_out.append(template)
+            elif fit is not None:
                 starts.spend()
-                if fit.clear > CLEAR:  # else map and score were another thing's
-                    clear.append(one)
+                found.append(FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening))
+                if _is_clear(found[-1]):  # else map and score were another thing's
                     starts.explained_by(number)
-                found.append(one)
-            elif not is_denied and in_view(self.seen, template, self.image.room) <= MOST_IN_VIEW:
+            elif in_view(self.seen, template, self.image.room) <= MOST_IN_VIEW:
                 starts.spend()
                 starts.explained_by(number)
-                mean, spread, darkening = mean_near(self.seen.templates, self.score, self._darkenings, template)
-                found.append(FoundLight(mean, spread, None, darkening))
+                found.append(mean_near(self.seen.templates, self.score, self._darkenings, template))
             else:
                 ruled_out.append(template)
         return found, ruled_out
@@ -117,28 +122,33 @@ class Candidates:
         """(m,) part of the table's light that a light in each direction would give."""
         return self.beside.everywhere.darkenings[:, -1]
 
-    def _start(self, number: int) -> tuple[Float, float, float]:
-        """Where a fit starts near a template: the light (4,); its darkening and log likelihood, the best around."""
+    def _start(self, number: int) -> _Start:
+        """Where a fit starts near a template, with darkening and log likelihood of the best light around."""
         template = self.seen.templates.lights[number]
-        start, darkening, likelihood = _nearby(self.seen, template, self.beside)
-        # If only steps in the picture tell this one, there may be a stain where map and sides are best nearby.
-        return template if self.score[number] < 0 else start, darkening, likelihood
+        nearby = _nearby(self.seen, template, self.beside)
+        # If only steps in the picture speak for this one, there may be a stain where map and sides are best nearby.
+        return replace(nearby, light=template) if self.score[number] < 0 else nearby
 
-    def _fit(self, number: int, start: Float, darkening: float) -> tuple[EdgeFit | None, float]:
+    def _fit(self, number: int, start: _Start) -> tuple[EdgeFit | None, float]:
         """The fit from a start near a template, and the darkening that it was made with."""
-        fit = _moved_onto_edges(self.image, start, darkening)
+        fit = _moved_onto_edges(self.image, start.light, start.darkening)
         if fit is None and self.steps[number] >= 0 and self.score[number] >= 0:
             # The map is misled by its stains, and may have led away from what is there.
             own = float(self._darkenings[number])
             at_template = _moved_onto_edges(self.image, self.seen.templates.lights[number], own)
             if at_template is not None and at_template.clear > CLEAR:
                 return at_template, own
-        return fit, darkening
+        return fit, start.darkening
+
+
+def _is_clear(found: FoundLight) -> bool:
+    """Whether so many of its shadow's edges are steps that no rival is needed."""
+    return found.fit is not None and found.fit.clear > CLEAR
 
 
 def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
     """Whether a fit from a light (4,) would end at one that was found, whose edges are clear."""
-    return bool(normalised(start[:3]) @ found.sun_alike(height_of(seen.body)) > math.cos(APART_RAD))
+    return bool(normalised(start[:3]) @ found.sun_alike(seen.body.height_m) > math.cos(APART_RAD))
 
 
 def _moved_onto_edges(image: EdgeImage, start: Float, darkening: float) -> EdgeFit | None:
@@ -163,8 +173,8 @@ def in_view(seen: Seen, light: Float, room: Room) -> float:
     return 0.0 if edges is None else float((room.around(edges.points_px) >= LEAST_PX).mean())
 
 
-def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float, float]:
-    """The likeliest light (4,) around a template (4,), its part of the table's light, and its log likelihood."""
+def _nearby(seen: Seen, template: Float, beside: Evidence) -> _Start:
+    """The likeliest light around a template (4,)."""
     s = template[:2] / template[2]
     for offsets in (AROUND, ALONG):
         length = max(float(np.hypot(*s)), 1e-9)
@@ -173,13 +183,11 @@ def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float
         scan = beside.scanned(seen.lit(lights))
         best = int(scan.log_likelihood.argmax())
         s = around[best]
-    return lights[best], float(scan.darkenings[best, -1]), float(scan.log_likelihood[best])
+    return _Start(lights[best], float(scan.darkenings[best, -1]), float(scan.log_likelihood[best]))
 
 
-def mean_near(templates: Templates, score: Float, darkenings: Float, light: Float) -> tuple[Float, Float, float]:
-    """The mean light (4,) of the directions near one (4,), each as likely as its score says; the covariance (2, 2) of
-    its displacement; and its part of the table's light.
-    """
+def mean_near(templates: Templates, score: Float, darkenings: Float, light: Float) -> FoundLight:
+    """The mean of the directions near a light (4,), whose edges are hidden: each is as likely as its score says."""
     near = templates.lights[:, :3] @ normalised(light[:3]) > math.cos(2 * APART_RAD)
     weight = templates.solid_angle[near] * np.exp(score[near] - score[near].max())
     weight /= weight.sum()
@@ -189,4 +197,5 @@ def mean_near(templates: Templates, score: Float, darkenings: Float, light: Floa
     away = templates.lights[near, :2] / templates.lights[near, 2:3] - mean[:2]
     # No finer than the templates lie.
     apart = TEMPLATES_APART * (1 + float(np.hypot(*mean[:2])))
-    return mean, (weight[:, None] * away).T @ away + apart**2 * np.eye(2), float(weight @ darkenings[near])
+    covariance = (weight[:, None] * away).T @ away + apart**2 * np.eye(2)
+    return FoundLight(mean, covariance, None, float(weight @ darkenings[near]))

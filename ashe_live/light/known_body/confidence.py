@@ -13,7 +13,6 @@ from ashe_live.light.known_body.found_light import FoundLight, hidden_step, imag
 from ashe_live.light.known_body.outline.elsewhere import most_log_odds
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, with_edges
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 
 NEAR_RAD = math.radians(10)  # of an answer, within which it counts as right
@@ -51,10 +50,10 @@ def with_confidence(
             one = replace(one, fit=one.fit.seen_again_in(image_beside(seen, others), float(dark_rgb.mean())))
     own = one.casting[None]
     lamp = float(beside.scanned(seen.lit(own)).log_likelihood[0]) if one.is_lamp else -math.inf
-    to_sun = one.sun_alike(height_of(seen.body))
+    to_sun = one.sun_alike(seen.body.height_m)
     steps = seen.rims(known).log_odds
     directions = _Directions(seen.templates, beside.everywhere, steps, log_none, ruled_out)
-    near, around, none = directions.posterior(to_sun, lamp)
+    posterior = directions.posterior(to_sun, lamp)
     darkening = float(dark_rgb.mean())
     # Beside the foot the hidden sky's gradient looks like a step. No body hides more than half of a sky.
     step = darkening - (1 - darkening) / 2
@@ -62,12 +61,12 @@ def with_confidence(
         step = darkening - (1 - darkening) * hidden_step(seen, one)
     if one.fit is None:
         step = min(step, float(beside.scanned(seen.lit(own)).darkenings[0, -1]))
-        confidence, around = (with_edges(each, None, step, palest, pale) for each in (near, around))
-        return replace(one, confidence=confidence, around=around if none < MOST_NONE else confidence)
+        confidence, around = (with_edges(each, None, step, palest, pale) for each in (posterior.near, posterior.around))
+        return replace(one, confidence=confidence, around=around if posterior.none < MOST_NONE else confidence)
     most = math.inf
-    if near < SURE_BY_TABLE:
+    if posterior.near < SURE_BY_TABLE:
         most = most_log_odds(one.fit, image_beside(seen, others), darkening)
-    exists = with_edges(near, one.fit, step, palest, pale, most)
+    exists = with_edges(posterior.near, one.fit, step, palest, pale, most)
     confidence, around = (exists * _shares(one)).tolist()
     return replace(one, exists=exists, confidence=confidence, around=around if 1 - exists < MOST_NONE else confidence)
 
@@ -82,9 +81,18 @@ def _shares(one: FoundLight) -> Float:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class _Posterior:
+    """Posterior probabilities of lights."""
+
+    near: float  # of one within NEAR_RAD of a direction
+    around: float  # of one within AROUND_RAD
+    none: float  # of no light at all
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Directions:
-    """All directions of the scan, and what speaks for and against each before its edges are looked at."""
+    """All directions of the scan, with the evidence on each before its edges are looked at."""
 
     templates: Templates
     scan: Scan
@@ -92,9 +100,8 @@ class _Directions:
     log_none: float  # prior weight of no light
     ruled_out: Sequence[Float]  # lights (4,) around which there is none
 
-    def posterior(self, to_sun: Float, lamp: float) -> tuple[float, float, float]:
-        """The posterior probabilities of a light within NEAR_RAD of a direction (3,), of one within AROUND_RAD, and of
-        no light.
+    def posterior(self, to_sun: Float, lamp: float) -> _Posterior:
+        """Of a direction (3,).
 
         lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none.
         """
@@ -103,7 +110,7 @@ class _Directions:
         by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
         cosines = to_lights @ to_sun
         is_near, is_around = cosines > math.cos(NEAR_RAD), cosines > math.cos(AROUND_RAD)
-        # Steps only speak against directions elsewhere, whose shadows would be seen.
+        # Steps only count against directions elsewhere, whose shadows would be seen.
         by_light = by_light + np.where(is_around, 0.0, np.minimum(self.steps, 0.0))
         for rival in self.ruled_out:
             by_light[~is_near & (to_lights @ rival[:3] > math.cos(APART_RAD))] = -np.inf
@@ -113,4 +120,4 @@ class _Directions:
         elsewhere, none = float(posterior[~is_around].sum()), math.exp(self.log_none - most)
         near = max(near, math.exp(by_lamp - most))
         whole = near + around + elsewhere + none
-        return near / whole, (near + around) / whole, none / whole
+        return _Posterior(near / whole, (near + around) / whole, none / whole)

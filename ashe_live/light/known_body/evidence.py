@@ -4,6 +4,7 @@ One linear model in the lights' darkenings (`observed.py`, docs/maths, "A known 
 """
 
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
@@ -38,6 +39,15 @@ class _Normal:
     sky: Float  # (l, 3, m) what of their parts of the map looks like another sky
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Best:
+    """The set of lights, of several, that explains the map best."""
+
+    left: float  # sum of squares of the map that it leaves
+    number: int  # of the set
+    darkenings: Float  # (l,)
+
+
 class Evidence:
     """What a picture, or one of its colour channels, says of lights beside those that are known."""
 
@@ -59,14 +69,12 @@ class Evidence:
             expected.explained[:, HIDDEN:, None],
         )
         beside = self._with(observed.everywhere)
-        left, best, darkenings = min(
-            (self._left_by_best(each) for each in (beside, self._without)), key=lambda one: one[0]
-        )
-        self._variance = left / observed.cells + LEAST_NOISE**2
-        mixed = darkenings[: len(known.lights)] @ taken
-        if len(darkenings) > len(known.lights):
+        best = min((self._best(each) for each in (beside, self._without)), key=attrgetter("left"))
+        self._variance = best.left / observed.cells + LEAST_NOISE**2
+        mixed = best.darkenings[: len(known.lights)] @ taken
+        if len(best.darkenings) > len(known.lights):
             new = observed.everywhere.lit
-            mixed = mixed + darkenings[-1] * (observed.hidden_sky - new.shadows.one(best).ravel())
+            mixed = mixed + best.darkenings[-1] * (observed.hidden_sky - new.shadows.one(best.number).ravel())
         self._cells_a_sample = max(CELLS_A_SAMPLE, observed.alike(mixed))
         self._none, self._darkenings = self._explained(self._without)
         self.everywhere = self._scan(beside)
@@ -107,16 +115,16 @@ class Evidence:
             return (self._taken @ new.lit.taken(self._observed.hidden_sky).T).astype(np.float64)
         return np.asarray((self._known.varied[:, HIDDEN] - new.lit.shadows.sums(self._columns)).T)
 
-    def _left_by_best(self, normal: _Normal) -> tuple[float, int, Float]:
-        """Sum of squares of the map that is left by the set of lights that explains it best; which, its darkenings."""
+    def _best(self, normal: _Normal) -> _Best:
+        """The set of lights that explains the map best."""
         ridge = RIDGE * self._observed.cells * np.eye(len(normal.pull))[..., None]
         darkenings, _ = _solved(normal.information + ridge, normal.pull)
         darkenings = darkenings.clip(0.0, 1.0)
         left = self._left(normal, darkenings)
         if not len(left) or left.min() > self._observed.squares:
-            return self._observed.squares, 0, np.zeros(len(darkenings))
+            return _Best(self._observed.squares, 0, np.zeros(len(darkenings)))
         best = int(left.argmin())
-        return float(left[best]), best, darkenings[:, best]
+        return _Best(float(left[best]), best, darkenings[:, best])
 
     def _left(self, normal: _Normal, darkenings: Float) -> Float:
         """(m,) sum of squares of the map that is left by lights of darkenings (l, m)."""
@@ -132,13 +140,13 @@ class Evidence:
         darkenings = np.full(normal.pull.shape, DARKENING)
         for _ in range(ROUNDS):
             variance = sides.variance(normal.spread, darkenings)
-            told = reached * (~sides.is_clipped[:, None] / variance)
-            information = by_map + (told[:, None] * reached).sum(axis=2)
-            pull = pull_of_map + (told * sides.residual[:, None]).sum(axis=1)
-            if sides.by_level.any():  # what all sides share tells of the level facet's light as well
-                shared = (told * sides.by_level[:, None]).sum(axis=1) / sides.level_information(variance)
+            weighted = reached * (~sides.is_clipped[:, None] / variance)
+            information = by_map + (weighted[:, None] * reached).sum(axis=2)
+            pull = pull_of_map + (weighted * sides.residual[:, None]).sum(axis=1)
+            if sides.by_level.any():  # the level facet's light, which all sides share, is marginalised out
+                shared = (weighted * sides.by_level[:, None]).sum(axis=1) / sides.level_information(variance)
                 by_level = sides.by_level[:, None] * ~sides.is_clipped[:, None] / variance
-                information -= shared[:, None] * (told * sides.by_level[:, None]).sum(axis=1)
+                information -= shared[:, None] * (weighted * sides.by_level[:, None]).sum(axis=1)
                 pull -= shared * (by_level * sides.residual[:, None]).sum(axis=0)
             darkenings, log_determinant = _solved(information, pull)
             darkenings = darkenings.clip(0.0, MOST_DARKENING)

@@ -37,15 +37,15 @@ class FoundLight:
     covariance: Float  # (p, p) of s = (x, y) / z, and of the nearness w / z where that is determined
     fit: EdgeFit | None  # None where the shadow's edges are hidden: the direction is then that which map and sides say
     darkening: float  # part of the table's light that it gives
-    confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
+    confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 until it is computed
     around: float = 0.0  # that it is within twice as much, where there surely is a light
     may_be_lamp: bool = False  # whether it is likelier a lamp, of uncertain distance, than a sun
     has_folds: bool = False  # whether the covariance has in it how the body and its frame may be off
-    exists: float | None = None  # probability that there is one, of a hidden light, and of others once that is asked
+    exists: float | None = None  # probability that there is one: of a hidden light at once, of others with confidence
 
     @property
     def size_rad(self) -> float:
-        """The light's angular diameter; 0 where it cannot be told from a point."""
+        """The light's angular diameter; 0 where it is not distinguishable from a point."""
         return 0.0 if self.fit is None else self.fit.size_rad or 0.0
 
     @property
@@ -63,7 +63,7 @@ class FoundLight:
     def sun_alike(self, height: float) -> Float:
         """(3,) the direction of the sun in which the shadow of a body of some height ends where it does in this light.
 
-        This is what maps of suns' shadows tell; a low lamp itself stands higher by several degrees.
+        It is the best match among suns; a low lamp itself stands higher by several degrees.
         """
         x, y, z, w = self.casting
         left = max(1 - height * float(w / z), LEAST_LEFT)
@@ -102,7 +102,7 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: floa
     """(l, 3) part of the table's light, R, G, B, that each light gives: its shadow beside the lit table, at its edges.
 
     Where too little of a shadow's edges is seen, as map and sides say. least_size_rad: diameter of a light whose whole
-    penumbra is left out where the shadow is as broad, as it may be wider than is told.
+    penumbra is left out where the shadow is as broad, as it may be wider than was measured.
     """
     edges = [seen.shadow_edges(each.casting) for each in found]
     steps = [

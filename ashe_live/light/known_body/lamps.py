@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,9 +13,8 @@ from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, nearness_sigma
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.table import height_of
 
-# Standard deviation of the body's width over its height, of bodies of which nothing tells how they may be off: one
+# Standard deviation of the body's width over its height, of bodies of which it is not known how they may be off: one
 # wider by a hundredth casts the shadow of a lamp whose w / z is larger by a hundredth over that height.
 FOLDED = 0.017
 LAMP_ODDS = 0.5  # of a lamp near by over a sun, or what is as far as one, before the picture is seen
@@ -34,57 +33,75 @@ MOST_MISFIT_PX, MOST_MISFIT_SHARE, LESS_CLEAR = 0.7, 0.08, 0.05
 MUCH_NEARER = 0.5  # of a sun's misfit: no sun's straight edges come that near to a lamp's fan
 
 
-def as_lamps(seen: Seen, found: Sequence[FoundLight], told: int = 0) -> list[FoundLight]:
+@dataclass(frozen=True, slots=True, eq=False)
+class _ByEdges:
+    """A lamp by its shadow's edges."""
+
+    light: Float  # (4,)
+    covariance: Float  # (3, 3) of s and w / z, as the body may be off
+    has_folds: bool  # whether that has in it how the body's frame may be off
+
+
+@dataclass(frozen=True, slots=True)
+class _Nearness:
+    """The posterior of a light's nearness w / z."""
+
+    sun: float  # probability that it is 0
+    mean: float  # 1/m
+    variance: float  # 1/m^2, with that of a lamp
+
+
+def as_lamps(seen: Seen, found: Sequence[FoundLight], decided: int = 0) -> list[FoundLight]:
     """The lights: as lamps where their distance is determined; else as uncertain as they are if they may be lamps.
 
-    told: the first so many lights have been told from lamps before, without some of the others.
+    decided: number of lights, the first ones, that were decided to be suns or lamps before, without some of the others:
+    their angular sizes are known.
     """
-    others = ([other for other in found if other is not one] for one in found)
-    return [_as_lamp(seen, *each, number < told) for number, each in enumerate(zip(found, others, strict=True))]
+    lights = []
+    for number, one in enumerate(found):
+        size_rad = one.size_rad if number < decided else None
+        lights.append(_as_lamp(seen, one, [other for other in found if other is not one], size_rad))
+    return lights
 
 
-def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told: bool) -> FoundLight:
+def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad: float | None) -> FoundLight:
     if one.fit is None:
         return one
     image = image_beside(seen, others)
-    size_rad = one.size_rad if is_told else None
     fit = fitted(image, one.casting, one.darkening, with_nearness=True, size_rad=size_rad)
     if fit is None or not _is_as_good(fit, one.fit):
         # What was fitted as a lamp from the beginning is no sun with the same displacement.
         if len(one.fit.covariance) < 3:
             return one
         fit = one.fit
-    by_edges, covariance, has_folds = _of_folded_body(image, fit, one.darkening, seen.wobble)
-    sun, nearness, variance = _nearness(seen, by_edges, covariance, others)
+    edges = _of_folded_body(image, fit, one.darkening, seen.wobble)
+    nearness = _nearness(seen, edges, others)
     # By the edges, the displacement follows the nearness.
-    by_nearness = covariance[:, 2] / covariance[2, 2]
-    light = _along(by_edges, by_nearness, np.array([nearness]))[0]
-    covariance = covariance + (variance - covariance[2, 2]) * np.outer(by_nearness, by_nearness)
-    inverse_distance = nearness / float(np.linalg.norm(light[:3]))
-    if nearness > LEAST_SIGMAS * math.sqrt(variance) and inverse_distance > LEAST_INVERSE_DISTANCE:
-        fit = replace(fit, light=fit.light + light - by_edges)
-        return replace(one, light=light, covariance=covariance, fit=fit, has_folds=has_folds)
-    if sun > 0.5:
+    by_nearness = edges.covariance[:, 2] / edges.covariance[2, 2]
+    light = _along(edges.light, by_nearness, np.array([nearness.mean]))[0]
+    covariance = edges.covariance + (nearness.variance - edges.covariance[2, 2]) * np.outer(by_nearness, by_nearness)
+    inverse_distance = nearness.mean / float(np.linalg.norm(light[:3]))
+    is_near = nearness.mean > LEAST_SIGMAS * math.sqrt(nearness.variance)
+    if is_near and inverse_distance > LEAST_INVERSE_DISTANCE:
+        fit = replace(fit, light=fit.light + light - edges.light)
+        return replace(one, light=light, covariance=covariance, fit=fit, has_folds=edges.has_folds)
+    if nearness.sun > 0.5:
         # As uncertain as a sun is by its edges, and as the nearness leaves it.
-        own = one.fit.covariance[:2, :2] + variance * np.outer(by_nearness[:2], by_nearness[:2])
+        own = one.fit.covariance[:2, :2] + nearness.variance * np.outer(by_nearness[:2], by_nearness[:2])
         return replace(one, light=one.light * (1, 1, 1, 0), covariance=own, has_folds=False)
     sun_or_lamp = replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2])
-    return replace(sun_or_lamp, may_be_lamp=True, has_folds=has_folds)
+    return replace(sun_or_lamp, may_be_lamp=True, has_folds=edges.has_folds)
 
 
-def _of_folded_body(
-    image: EdgeImage, fit: EdgeFit, darkening: float, wobble: Wobble | None
-) -> tuple[Float, Float, bool]:
-    """The lamp (4,) that a fit with its nearness tells, its (3, 3) covariance, as the body may be off, and whether that
-    has in it how the body's frame may be off.
-    """
-    told = None if wobble is None else beside_folds(fit, image, darkening, wobble, with_nearness=True)
-    if told is not None:
-        return *told, True
+def _of_folded_body(image: EdgeImage, fit: EdgeFit, darkening: float, wobble: Wobble | None) -> _ByEdges:
+    """The lamp by a fit with its nearness, whose body may be off."""
+    adjusted = None if wobble is None else beside_folds(fit, image, darkening, wobble, with_nearness=True)
+    if adjusted is not None:
+        return _ByEdges(*adjusted, has_folds=True)
     # A wider body casts the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
     end = fit.light[:2] / (1 - image.height_m * fit.light[3])
     by_width = FOLDED * np.append(-end, 1 / image.height_m)
-    return fit.light, fit.covariance + np.outer(by_width, by_width), False
+    return _ByEdges(fit.light, fit.covariance + np.outer(by_width, by_width), has_folds=False)
 
 
 def _is_as_good(fit: EdgeFit, other: EdgeFit) -> bool:
@@ -93,18 +110,17 @@ def _is_as_good(fit: EdgeFit, other: EdgeFit) -> bool:
     return is_near and (fit.clear >= other.clear - LESS_CLEAR or fit.misfit_px < MUCH_NEARER * other.misfit_px)
 
 
-def _nearness(seen: Seen, light: Float, covariance: Float, others: Sequence[FoundLight]) -> tuple[float, float, float]:
-    """The probability of a sun, and mean and variance of w / z with those of a lamp.
-
-    By the edges' fit (4,) with its (3, 3) covariance, the map, and the sides.
+def _nearness(seen: Seen, edges: _ByEdges, others: Sequence[FoundLight]) -> _Nearness:
+    """By a light's edges, the map, and the sides, beside other lights.
 
     A lamp's light falls off over the table, and gives more to what is nearer to it.
     """
+    light, covariance = edges.light, edges.covariance
     by_nearness, sigma = covariance[:, 2] / covariance[2, 2], math.sqrt(covariance[2, 2])
     beside = seen.beside(points_of(others))
-    most = NEAREST / height_of(seen.body)
+    most = NEAREST / seen.body.height_m
     low, high = (float(np.clip(light[3] + sign * WITHIN_SIGMAS * sigma, 0.0, most)) for sign in (-1, 1))
-    # Edges that speak against any lamp leave nothing to look for.
+    # Edges that exclude any lamp leave nothing to look for.
     mean, variance, sun = float(np.clip(light[3], 0.0, most)), sigma**2, float(high < LEAST_NEARNESS)
     for number in range(GRIDS):
         if high - low < LEAST_NEARNESS:
@@ -126,7 +142,7 @@ def _nearness(seen: Seen, light: Float, covariance: Float, others: Sequence[Foun
         spread = WITHIN_SIGMAS * math.sqrt(variance)
         low, high = max(low, mean - spread), min(high, mean + spread)
     by_both = (1 - sun) * (variance + sun * mean**2)
-    return sun, (1 - sun) * mean, by_both + sun * LEAST_NEARNESS**2
+    return _Nearness(sun, (1 - sun) * mean, by_both + sun * LEAST_NEARNESS**2)
 
 
 def _along(light: Float, by_nearness: Float, nearness: Float) -> Float:

@@ -24,7 +24,6 @@ from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import SHOWN
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.table import height_of
 from ashe_live.light.shape.light_points import NO_LIGHTS
 
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
@@ -32,10 +31,10 @@ MOST_LIGHTS = 3
 # Log likelihood of a further light by map and sides, before it is fitted and afterwards; and with its edges, where it
 # rests on these.
 LEAST_SCORE, LEAST_MORE, LEAST_BY_EDGES = -1.5, 4.5, 6.5
-AGAINST = -1.0  # log likelihood of map and sides, from which down they speak against it: less is what its freedom costs
+AGAINST = -1.0  # log likelihood of map and sides, below which they are evidence against it: its freedom costs that much
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
 LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if it rests on these: so many are steps, and so near
-LEAST_TOLD = 0.5  # probability that a light is where it was found, from which on its direction is known
+LEAST_KNOWN = 0.5  # probability that a light is where it was found, from which on its direction is known
 LEAST_EXISTS = 0.5  # probability that the body hides another light's shadow, from which on one is stated
 
 
@@ -69,19 +68,19 @@ def lights_of(seen: Seen) -> Found:
         if further is None:
             break
         if further.fit is not None and found[0].fit is None:
-            # Beside what a shadow's edges tell, a light that none of them told has to be found anew.
+            # Beside a light that rests on a shadow's edges, one that rests on none has to be found anew.
             found = as_lamps(seen, [further])
             seen = _in_light_of(seen, found)
             continue
         both = as_lamps(seen, _refitted(seen, [*found, further]), len(found))
-        if not are_apart(both, height_of(seen.body)) or _is_unseen(both[-1]):
+        if not are_apart(both, seen.body.height_m) or _is_unseen(both[-1]):
             break  # what was taken for another shadow is the rest of one that is known, or another thing's
         found, seen = both, _in_light_of(seen, both)
     found.sort(key=lambda each: (each.exists is not None, -each.darkening))
     dark = darkenings_rgb(seen, found)
     found = [with_confidence(seen, *each, found, alone, ruled_out) for each in zip(found, dark, strict=True)]
     # One that surely is there, but may be anywhere, comes after those that are known, however strong it is.
-    order = sorted(range(len(found)), key=lambda number: found[number].confidence < LEAST_TOLD)
+    order = sorted(range(len(found)), key=lambda number: found[number].confidence < LEAST_KNOWN)
     found, dark = [found[number] for number in order], dark[order]
     return Found(seen, tuple(found), dark, likelihood > DARK_ELSEWHERE)
 
@@ -99,7 +98,7 @@ def _log_likelihood(seen: Seen, one: FoundLight, beside: Evidence) -> float:
 
 
 def are_apart(found: Sequence[FoundLight], height: float) -> bool:
-    """Whether the map can tell all lights' shadows, of a body of some height, apart."""
+    """Whether the map resolves all lights' shadows, of a body of some height."""
     to_suns = np.array([each.sun_alike(height) for each in found])
     return bool((to_suns @ to_suns.T - 2 * np.eye(len(found)) < math.cos(APART_RAD)).all())
 
@@ -109,7 +108,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     beside = seen.beside(points_of(known))
     score = beside.everywhere.log_likelihood
     for each in known:
-        to_sun = each.sun_alike(height_of(seen.body))
+        to_sun = each.sun_alike(seen.body.height_m)
         score = np.where(seen.templates.lights[:, :3] @ to_sun > math.cos(APART_RAD), -np.inf, score)
     if not score.max() > LEAST_SCORE:
         return None
@@ -124,7 +123,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
             continue
         more = _log_likelihood(seen, one, beside)
         by_table = more - edge_log_odds(one.fit)
-        if _is_told(one.fit, by_table, more, is_vague) and more > best:
+        if _is_supported(one.fit, by_table, more, is_vague) and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
     if likeliest is None and len(known) == 1 and _is_surely_sun(known[0]):
@@ -132,7 +131,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     return likeliest
 
 
-def _is_told(fit: EdgeFit, by_table: float, more: float, is_vague: bool) -> bool:
+def _is_supported(fit: EdgeFit, by_table: float, more: float, is_vague: bool) -> bool:
     """Whether there is evidence enough for a further light: log likelihoods by map and sides, and with its edges too.
 
     Edges alone are not enough against map and sides: beside the foot the hidden sky's gradient looks like a step. Nor
@@ -164,7 +163,7 @@ def _is_clear(fit: EdgeFit) -> bool:
 
 
 def _is_unseen(one: FoundLight) -> bool:
-    """Whether its shadow should be seen, and its edges speak against it."""
+    """Whether its shadow should be seen, and its edges are evidence against it."""
     return one.fit is not None and one.fit.seen > MOST_IN_VIEW and edge_log_odds(one.fit) < 0
 
 
@@ -183,10 +182,10 @@ def _hidden(seen: Seen, score: Float, would_be_seen: Mask, beside: Evidence) -> 
         return None
     score = np.where(would_be_seen, -np.inf, score)
     best = seen.templates.lights[int(score.argmax())]
-    mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
-    if darkening < LEAST_DARKENING or in_view(seen, mean, seen.room) > MOST_IN_VIEW:
+    hidden = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
+    if hidden.darkening < LEAST_DARKENING or in_view(seen, hidden.light, seen.room) > MOST_IN_VIEW:
         return None
-    return FoundLight(mean, spread, None, darkening, exists=exists)
+    return replace(hidden, exists=exists)
 
 
 def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:

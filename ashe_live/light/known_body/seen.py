@@ -56,20 +56,20 @@ class Measured:
     facets: Facets
     from_table: Float  # (k, 3) what the table sends to each facet, in the picture's linear light
 
-    def observed(self, channels: Float, templates: Templates, everywhere: Lit, is_told: Mask | bool = True) -> Observed:
+    def observed(self, channels: Float, templates: Templates, everywhere: Lit, is_used: Mask | bool = True) -> Observed:
         """By a sum of the channels with weights (3,), to look for further lights `everywhere`.
 
-        is_told: (n, n) cells that tell of lights.
+        is_used: (n, n) cells that are compared with lights' shadows.
         """
         values = self.relative @ channels.astype(np.float32)
-        weight = (self.table.seen & (values < BRIGHTEST) & is_told).astype(np.float32)
+        weight = (self.table.seen & (values < BRIGHTEST) & is_used).astype(np.float32)
         sides = Sides.of(self.facets, self.from_table, channels)
         return Observed(values, weight, templates.hidden_sky, templates.hidden_slope, sides, everywhere)
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """A picture of a known body, prepared once for all that looks at it; what is asked again is computed once."""
+    """A picture of a known body, prepared once for all that looks at it; results are cached."""
 
     view: View
     body: Proxy

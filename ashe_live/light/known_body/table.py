@@ -36,19 +36,14 @@ def linear_picture(view: View) -> Float32:
     return np.asarray(cv2.LUT(view.image_bgr, LINEAR), dtype=np.float32)
 
 
-def height_of(body: Proxy) -> float:
-    """Metres."""
-    return float((body.spheroids_marker[:, 2] + body.spheroids_marker[:, 4]).max())
-
-
 def height_px(body: Proxy, view: View) -> float:
     """Of the body in the picture, as if seen from the side."""
-    return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
+    return float(view.camera.K[0, 0]) * body.height_m / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
 
 
 def cell_m(body: Proxy) -> float:
     """Metres along a cell of the map."""
-    return height_of(body) / CELLS_A_HEIGHT
+    return body.height_m / CELLS_A_HEIGHT
 
 
 def places(body: Proxy) -> Float:

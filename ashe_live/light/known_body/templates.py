@@ -13,7 +13,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.rims import Rims
 from ashe_live.light.known_body.shadows import Shadows, shadows_of
 from ashe_live.light.known_body.sides.bounce import form_factors
-from ashe_live.light.known_body.table import SIDE, height_of
+from ashe_live.light.known_body.table import SIDE
 from ashe_live.light.shape.light_points import at_infinity
 
 # Lengths of shadows per unit of height, from lights 82 to 10 degrees high, each longer by a fifth; and how far apart
@@ -68,7 +68,7 @@ class Templates:
 def templates_of(body: Proxy) -> Templates:
     """Of all directions; made once for all bodies that are alike but for size, place, and how they were folded."""
     spheroids = body.spheroids_marker - np.append(body.foot_marker, (0.0, 0.0))
-    rounded = np.round(spheroids * (ROUNDED / height_of(body))) / ROUNDED
+    rounded = np.round(spheroids * (ROUNDED / body.height_m)) / ROUNDED
     return _templates(body.family, (rounded + 0.0).tobytes())  # without the sign of a zero
 
 

@@ -36,8 +36,8 @@ ROUNDS = 2  # of reassigning pixels to their cheapest label
 REACH_PX = 3  # around object and shadow, within which pixels are reassigned
 # The depth of one light's shadow varies, in units of its shift: in a penumbra, and where the object hides the sky too.
 DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
-# Least likeness of a pixel, smoothed, to shadowed ground: exp(-d²/2) at the distance d from its nearest colour, in the
-# unit WIDENED_NOISE times the shifts' noise. d² ends at FARTHEST, beyond any effect, so that nothing underflows.
+# Least similarity of a pixel, smoothed, to shadowed ground: exp(-d²/2), d its distance to the nearest colour of that in
+# units of WIDENED_NOISE times the shifts' noise. d² is clipped at FARTHEST, beyond any effect, to avoid underflow.
 SHADOW_LIKE, WIDENED_NOISE, FARTHEST = 0.3, 1.2, 50.0
 # Numbers of clusters that unlit colours are parted into, and of each one's areas that are tried as a shadow.
 COLOUR_COUNTS, AREAS_PER_COLOUR = (2, 3), 2
@@ -127,8 +127,8 @@ def with_near_shadow_undecided(split: Split) -> Split | None:
 def areas_of_one_colour(region: Region) -> list[Mask]:
     """(h, w) each: unlit areas of one colour, by K-means, as the paper finds its shadows.
 
-    An object that looks like ground in shadow is told from its own shadow by another colour alone. Each colour
-    counts once, however many pixels have it, so that a small shadow gets a cluster too.
+    An object that looks like ground in shadow differs from its own shadow in colour alone. Each colour counts once,
+    however many pixels have it, so that a small shadow gets a cluster too.
     """
     unlit, quantised = large_areas(region.unlit, LEAST_PX), region.quantised
     cells = np.unique(quantised.cell[unlit])
@@ -150,8 +150,8 @@ def are_like_areas(one: Mask, other: Mask) -> bool:
 def flat_areas(region: Region) -> Mask | None:
     """(h, w) unlit areas of one colour that other views confirm to lie on the plane: paint, paper, or shadow.
 
-    Only the border of an area tells whether it moves, its inside looks the same wherever it is; so areas are judged
-    whole. None where there are no other views.
+    Only the border of an area shows whether it moves (the aperture problem), so areas are judged whole. None where
+    there are no other views.
     """
     if region.on_plane is None:
         return None

@@ -9,7 +9,6 @@ from ashe_live.light.explanation.alignment import lights_as_lamps
 from ashe_live.light.explanation.explain import END_IN_VIEW
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.light_covariance import tempered
-from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import information_on_displacement
 from ashe_live.light.shape.layout import Layout, nearness_of
 
@@ -18,10 +17,10 @@ LEAST_EIGENVALUE = 1e-6  # of a correlation matrix
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LampBorders:
-    """What an explanation's borders tell of one of its lights as a lamp, whatever the body."""
+    """One of an explanation's lights as a lamp, by the borders, the body marginalised out."""
 
     nearness: float  # 1/m, w / z that they ask for: 0 for a light at infinity
-    nearness_sigma: float  # 1/m; one unknown body in one view tells next to nothing
+    nearness_sigma: float  # 1/m; one unknown body in one view hardly constrains it
     by_nearness: Float  # (2,) metres: the displacement s at the marker's centre by which a nearer light fits as well
 
 
@@ -38,7 +37,7 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
         offset, unary = lights_as_lamps([placed, *explanation.alignment.elsewhere])
         information = tempered(unary, explanation.alignment) + _of_ends_out_of_view(explanation)
     covariance = _bounded_inverse(information)
-    layout, top = Layout(len(placed.lit.lights), with_nearness=True), _top(placed.lit)
+    layout, top = Layout(len(placed.lit.lights), with_nearness=True), placed.lit.body.height
     found = []
     for i, held in enumerate(nearness_of(placed.lit.lights)):
         of_light = layout.light(i)
@@ -65,8 +64,7 @@ def _of_ends_out_of_view(explanation: Explanation) -> Float:
 
     A shadow ends not far outside of the picture, (22b) of docs/maths, in whichever light: its top h casts a shadow
     of the length s h / (1 - k h), so that a nearer light of the same end has a shorter displacement, by s h / (1 - k h)
-    for each k. Without this the other borders alone, which hardly determine how long a shadow is, would tell what a
-    nearer light does to it.
+    for each k. Without this it would follow from the other borders alone, which hardly determine a shadow's length.
     """
     lit, layout = explanation.alignment.placed.lit, Layout(len(explanation.lights), with_nearness=True)
     information = np.zeros((layout.split, layout.split))
@@ -74,16 +72,10 @@ def _of_ends_out_of_view(explanation: Explanation) -> Float:
     for i, (fitted, light, in_view) in enumerate(ends):
         if in_view >= END_IN_VIEW or not light[:2].any():
             continue
-        end = length_by_light(light, _top(lit))
+        end = length_by_light(light, lit.body.height)
         variance = end[:2] @ np.linalg.solve(information_on_displacement(fitted), end[:2])
         information[layout.light(i), layout.light(i)] = np.outer(end, end) / variance
     return information
-
-
-def _top(lit: LitBody) -> float:
-    """The body's height, in its frame."""
-    spheroids = lit.body.spheroids
-    return float((spheroids[:, 2] + spheroids[:, 4]).max())
 
 
 def _bounded_inverse(information: Float) -> Float:

@@ -1,8 +1,8 @@
 """Other objects in the picture: each has a shadow in the same light, so that two of them locate a lamp.
 
 What explains another object may be wrong, and then gives a direction from anywhere on the hemisphere; if it is right,
-its direction is where the light that is known so far puts it. That settles whether it counts. How well it tells its
-direction is what its own evidence says: to agree with a place that is known roughly makes no direction more exact.
+its direction is where the light that is known so far puts it. That decides whether it counts. The covariance of its
+direction is that of its own evidence: to agree with a place that is known roughly makes no direction more exact.
 """
 
 import math
@@ -39,8 +39,8 @@ def companions(
     """The other objects, those that are likeliest right first, whose light agrees with what is known of it.
 
     place: where the light is, as far as that is known without them. candidates: explanations with their log odds.
-    covariance_of: (2, 2) rad^2 of an explanation's first light, if it is right with some probability. view: a picture
-    in which objects are told apart.
+    covariance_of: (2, 2) rad^2 of an explanation's first light, if it is right with some probability. view: the picture
+    in whose pixels objects are compared.
     """
     rated = []
     for explanation, log_odds in candidates:

@@ -1,7 +1,7 @@
-"""The direction at the marker of a light that may be a sun or a lamp, where the picture decides neither for sure.
+"""The direction at the marker of a light that may be a sun or a lamp, where the picture does not decide for sure.
 
-A sun that explains an object's shadow is right at the object. Beside it a lamp is elsewhere: half a metre away, 15 cm
-beside the object, by 17 degrees. The evidence that is too weak to state a lamp still tells what to expect there.
+A sun that explains an object's shadow is right at the object. Beside it the direction of a lamp differs: half a metre
+away, 15 cm beside the object, by 17 degrees. Evidence too weak to state a lamp still gives an expectation there.
 """
 
 import math
@@ -34,7 +34,7 @@ def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float, by_
     """The direction at the marker's centre, expected over a sun and a lamp, of which neither is certain.
 
     light: as a sun's. place: the light's, if it is a lamp; from_sun: to first order about a light at infinity, by which
-    the two are weighed. deviance: of a sun beside that lamp, if unevenness is at its worst. by_outlines: the same by
+    the two are weighted. deviance: of a sun beside that lamp, if unevenness is at its worst. by_outlines: the same by
     the outlines in several views, where bodies were fitted to both.
     """
     assert light.covariance_rad2 is not None

@@ -1,8 +1,8 @@
 """Lamps in the place of suns: an explanation's labels fitted with a near light, and the evidence that it is one.
 
 A lamp's shadow widens with height. By a sun it is that of another body, if of any: the direction is wrong, and the
-outlines miss their steps of light. Whether a light is near is asked of two witnesses that know nothing of each other:
-the outlines, fitted anew by either light, and the fall of light over the ground.
+outlines miss their steps of light. Two independent sources of evidence decide whether a light is near: the outlines,
+fitted anew by either light, and the fall of light over the ground.
 """
 
 import math
@@ -40,11 +40,11 @@ WORTH_FITTING, WORTH_FITTING_ROUGH = 4.0, 20.0
 # views show a shadow's parallax, by which no other body in a sun's light passes for a lamp's.
 MOST_BY_OUTLINES, MOST_IN_VIEWS = 20.0, 40.0
 PARAMETER_DEVIANCE = 3.5  # of one shape parameter in the outlines' criterion: the log of their effective sample size
-# Deviances of a sun above which a light is a lamp: by both witnesses, of which the fall of light tells so much; or by
-# the fall of light alone, to which uneven ground may contribute more than its model allows.
+# Deviances of a sun above which a light is a lamp: by both sources, the fall of light with at least so much; or by the
+# fall of light alone, to which uneven ground may contribute more than its model allows.
 LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 33.0, 13.0, 60.0
 # The same by both in several views, whose outlines' deviance is scaled by their dispersion: of the suns in 27 takes the
-# surest has 15. Neither may speak for the sun.
+# surest has 15. Neither may favour the sun.
 DEVIANCE_IN_VIEWS, LEAST_IN_VIEWS = 20.0, 0.0
 
 
@@ -54,7 +54,7 @@ class LampEvidence:
 
     lamp: Explanation | None  # None where the fall of light asks for none
     by_fall: float  # deviance of the sun by the fall of light, if unevenness is at its worst
-    by_outlines: float  # the same by the outlines, limited; 0 where they do not tell
+    by_outlines: float  # the same by the outlines, limited; 0 where these were not compared
     in_views: bool = False  # whether outlines are those of several views
 
     @property
@@ -70,6 +70,9 @@ class LampEvidence:
         else:
             both = self.by_outlines != 0 and self.by_fall > LEAST_BY_FALL and self.deviance > LAMP_DEVIANCE
         return self.lamp is not None and (both or self.deviance > ALONE_DEVIANCE)
+
+
+NO_LAMP = LampEvidence(None, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,16 +93,14 @@ class LampHypotheses:
         fit: of one view. sharpener: of all views that are explained, that of the answer first.
         """
         nearness, deviance = self._by_fall(sun)
-        prior = nearness_prior(nearness)
-        found: list[LampEvidence] = []
         worth, around = (LEAST_IN_VIEWS, AROUND_IN_VIEWS) if _is_in_views(sun) else (WORTH_FITTING, AROUND)
-        if nearness > 0 and deviance >= worth:
-            tried = [factor * nearness for factor in around]
-            for held, again in zip(tried, fit([(sun, each) for each in tried]), strict=True):
-                lamp = in_all_views(sun, again, held, prior, sharpener)
-                if lamp is not None:
-                    found.append(self._compared(sun, lamp))
-        return max(found, key=attrgetter("deviance"), default=LampEvidence(None, 0.0, 0.0))
+        if nearness == 0 or deviance < worth:
+            return NO_LAMP
+        tried, prior = [factor * nearness for factor in around], nearness_prior(nearness)
+        fits = zip(tried, fit([(sun, each) for each in tried]), strict=True)
+        lamps = [in_all_views(sun, again, held, prior, sharpener) for held, again in fits]
+        found = [self._compared(sun, lamp) for lamp in lamps if lamp is not None]
+        return max(found, key=attrgetter("deviance"), default=NO_LAMP)
 
     @cached_property
     def _directions(self) -> FallDirections | None:
@@ -136,10 +137,11 @@ class LampHypotheses:
         likelier = list(suns)
         lamps = fit([(suns[i], by_fall[i][0]) for i in near]) if near else []
         for i, lamp in zip(near, lamps, strict=True):
-            if lamp is not None:
-                costs = [criterion(each.alignment.placed) / COST_PER_PARAMETER for each in (suns[i], lamp)]
-                if by_fall[i][1] + _limited(costs[0] - costs[1]) > 0:
-                    likelier[i] = lamp
+            if lamp is None:
+                continue
+            as_sun, as_lamp = (criterion(each.alignment.placed) / COST_PER_PARAMETER for each in (suns[i], lamp))
+            if by_fall[i][1] + _limited(as_sun - as_lamp) > 0:
+                likelier[i] = lamp
         return likelier
 
     def _by_fall(self, sun: Explanation) -> tuple[float, float]:

@@ -33,8 +33,8 @@ from ashe_live.light.lamps.one_sun import by_all_objects, place_of_sun
 from ashe_live.light.lamps.place import Place, places_by_glints
 from ashe_live.light.lamps.sources import (
     NEAREST,
+    PlaceEvidence,
     SeenObject,
-    Witnesses,
     deviance_of_sun,
     place_by_all,
     place_by_the_rest,
@@ -44,18 +44,18 @@ from ashe_live.light.lamps.sources import (
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import predicted
 
-SURE_DEVIANCE = 60.0  # of a sun, from which on there is a lamp even if the ground's slope does not tell: one overhead
+SURE_DEVIANCE = 60.0  # of a sun, from which on there is a lamp even without a slope of the ground's light: one overhead
 LEAST_SIGMAS = 3.0  # standard errors by which the nearness of a lamp must differ from 0, seen from a sun
-TOLD_SIGMAS = 2.0  # the same once a sun is excluded: the nearness is then stated with a standard error of its own
-# The same where one object alone tells it: then it is the fall of light that does, and uneven ground, which has wider
-# tails than a normal distribution, has no second witness against it.
+STATED_SIGMAS = 2.0  # the same once a sun is excluded: the nearness is then stated with a standard error of its own
+# The same where there is one object alone: then it rests on the fall of light, whose errors by uneven ground have wider
+# tails than a normal distribution, and there is no independent evidence against these.
 ALONE_SIGMAS = 4.0
 # Deviance of a sun, from which on the ground excludes it: 269 suns have 19 at most (docs/accuracy/lamps.md).
 # Where no lamp fits the object and its shadow either, they are something else.
 EXCLUDED_DEVIANCE = 100.0
 WORTH_ALIGNING = 1.5  # standard errors from which on borders are aligned as a lamp's
 WORTH_LOOKING = 1.0  # standard errors from which on other objects are looked for
-UNTOLD_NEARNESS = 0.5  # 1/m, standard error of the nearness above which a sun is not certain either
+OPEN_NEARNESS_SIGMA = 0.5  # 1/m, standard error of the nearness above which a sun is not certain either
 ALIGNMENTS = 2
 
 
@@ -117,7 +117,7 @@ def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float],
     fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | whole))
 
     first = scene.seen_object(explanation, confidence)
-    seen = Witnesses([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
+    seen = PlaceEvidence([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
     if kind == SUN:
         return Answer(explanation, _as_suns(lights, first, scene), place)
@@ -130,19 +130,19 @@ def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float],
     is_lamp = kind == LAMP or is_held_near(explanation)
     if not is_lamp and _is_lamp(seen, place, from_sun):
         evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.fit, scene.sharpener)
-        # Another object is a witness of its own; one object alone has told all that it can.
+        # Another object is independent evidence; that of one object alone is used up.
         is_lamp = evidence.is_lamp if len(seen.objects) == 1 else evidence.lamp is None or evidence.deviance > 0
     if is_lamp:
-        worth, told = (WORTH_ALIGNING, TOLD_SIGMAS) if kind == AUTO else (0.0, 0.0)
+        worth, needed = (WORTH_ALIGNING, STATED_SIGMAS) if kind == AUTO else (0.0, 0.0)
         as_lamps, at = _fitted_as_lamps(seen, place, worth, scene)
         believed = _believed(as_lamps, scene)
-        if _is_near(at, told) and believed.mean.mean[2] > 0:
+        if _is_near(at, needed) and believed.mean.mean[2] > 0:
             best = as_lamps.objects[0].explanation
             alone, *others_lights = scene.lights_of(best, confidence)
             lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
             return Answer(best, (lamp, *others_lights), believed.mean)
     alone, *others_lights = _as_suns(lights, first, scene)
-    # What the outlines say for a lamp, their borders' place has said already.
+    # Evidence of the outlines for a lamp is in the place by their borders already.
     deviance, by_outlines = deviance_of_sun(seen, place), min(explanation.sun_by_outlines, 0.0)
     unsure = with_doubt(alone, place, from_sun, deviance, by_outlines)
     if deviance + by_outlines > EXCLUDED_DEVIANCE:
@@ -160,14 +160,16 @@ def _as_suns(lights: tuple[Light, ...], first: SeenObject, scene: Scene) -> tupl
     return (by_all_objects(sun, suns, scene.judge.shared_rad2(sun, scene.tracked)) if others else sun,)
 
 
-def _is_lamp(seen: Witnesses, place: Place, from_sun: Place) -> bool:
+def _is_lamp(seen: PlaceEvidence, place: Place, from_sun: Place) -> bool:
     """Whether the light is surely no sun: by the slope of its nearness, seen from a sun, and by a sun's deviance."""
     deviance = deviance_of_sun(seen, place)
     needed = ALONE_SIGMAS if len(seen.objects) == 1 else LEAST_SIGMAS
     return deviance >= SURE_DEVIANCE or (from_sun.standard_errors > needed and deviance > needed**2)
 
 
-def _fitted_as_lamps(seen: Witnesses, place: Place, worth_sigmas: float, scene: Scene) -> tuple[Witnesses, Place]:
+def _fitted_as_lamps(
+    seen: PlaceEvidence, place: Place, worth_sigmas: float, scene: Scene
+) -> tuple[PlaceEvidence, Place]:
     """The objects fitted again with the lamp's nearness held, and its place by them, as long as that is worth it."""
     sharpener = scene.sharpener
     for _ in range(ALIGNMENTS):
@@ -188,7 +190,7 @@ def _fitted_as_lamps(seen: Witnesses, place: Place, worth_sigmas: float, scene: 
     return seen, place
 
 
-def _believed(seen: Witnesses, scene: Scene) -> Mixture:
+def _believed(seen: PlaceEvidence, scene: Scene) -> Mixture:
     """Where the lamp is: by all, if the first object and its shadow are what they were taken for, else by the rest."""
     first = seen.objects[0]
     certain = replace(first, covariance_rad2=scene.covariance_rad2(first.explanation, 1.0))
@@ -198,8 +200,8 @@ def _believed(seen: Witnesses, scene: Scene) -> Mixture:
 
 
 def _may_be_near(place: Place) -> bool:
-    """Whether a sun is not certain: something tells of a lamp, or nothing tells anything."""
-    return _is_near(place, WORTH_LOOKING) or place.nearness_sigma > UNTOLD_NEARNESS
+    """Whether a sun is not certain: there is evidence of a lamp, or hardly any evidence on the nearness."""
+    return _is_near(place, WORTH_LOOKING) or place.nearness_sigma > OPEN_NEARNESS_SIGMA
 
 
 def _is_near(place: Place, sigmas: float) -> bool:

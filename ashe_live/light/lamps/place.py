@@ -21,7 +21,7 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
 )
 from ashe_live.light.shape.layout import light_parameters, nearness_of
-from ashe_live.light.views.joint.aligned import views_as_one
+from ashe_live.light.views.joint.aligned import views_per_sample
 
 # Sigma of the ray that a glint shows, on either axis: the ground's relief and its rough reflection move the peak. Three
 # of a generated set's four glints are 0.1 to 0.4 degrees off, the other is not the lamp's.
@@ -83,14 +83,14 @@ class Place:
 
 
 def combined(places: Sequence[Place]) -> Place:
-    """What independent sources tell together."""
+    """The product of independent distributions of one light's place."""
     information = np.sum([place.information for place in places], axis=0)
     pull = np.sum([place.information @ place.mean for place in places], axis=0)
     return Place(np.linalg.solve(information, pull), np.asarray(information))
 
 
 def place_by_borders(fitted: FittedLight, borders: LampBorders) -> Place:
-    """What one object's borders tell.
+    """A light's place by one object's borders.
 
     fitted: the light as it was fitted with its nearness held. borders: what nearness the same borders ask for, and by
     how much the displacement changes with it.
@@ -104,18 +104,18 @@ def place_by_borders(fitted: FittedLight, borders: LampBorders) -> Place:
 
 
 def places_by_glints(glints: Sequence[Glint], light: Place) -> list[Place]:
-    """What those of some views' mirror images tell that are of the light which is known to be at a place."""
+    """The places by those of some views' mirror images that may be of a light whose place is known roughly."""
     own = [each for each in glints if _is_of(each, light)]
-    return [place_by_glint(each, views_as_one(len(own))) for each in own]
+    return [place_by_glint(each, views_per_sample(len(own))) for each in own]
 
 
-def place_by_glint(glint: Glint, count: float = 1.0) -> Place:
-    """What a light's mirror image in the ground tells: that it is on the ray which is reflected there.
+def place_by_glint(glint: Glint, glints_per_sample: float = 1.0) -> Place:
+    """A light's place by its mirror image in the ground: it is on the ray which is reflected there.
 
-    count: how many of such glints tell as much as one.
+    glints_per_sample: the number of such glints over their effective sample size.
     """
     line = _seen_from(glint)
-    seen = FittedLight(np.append(glint.to_light_marker, 0.0), count * GLINT_SIGMA_RAD**2 * np.eye(2))
+    seen = FittedLight(np.append(glint.to_light_marker, 0.0), glints_per_sample * GLINT_SIGMA_RAD**2 * np.eye(2))
     at = np.append(displacement_of(glint.to_light_marker), 0.0)
     return Place(at, np.asarray(line.T @ information_on_displacement(seen) @ line))
 

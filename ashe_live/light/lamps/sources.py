@@ -20,7 +20,7 @@ NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is 
 STARTS = (0.0, 0.3, 0.7, 1.2, 2.0, 3.5, 6.0, 10.0)  # 1/m, nearnesses from which the search begins
 # Sigmas of the nearness by the fall of light, as fractions of it: a further one for what is wrong with the labels,
 # beside the noise and unevenness that `FallOff` allows for: by `ashe-live bench fit-lamps` true labels need none;
-# and the whole, by that bench, where it is not told from case to case.
+# and the whole, by that bench, where it is not estimated from case to case.
 FALL_ERROR_SHARE, WHOLE_ERROR_SHARE = 0.10, 0.19
 ROUNDS, SETTLED = 12, 1e-3  # Gauss-Newton steps at most, and the size of one that ends them
 # Limits of one step: of the nearness in 1/m, and as a fraction of it; of the displacement over the distance per height.
@@ -35,8 +35,8 @@ class SeenObject:
     explanation: Explanation
     probability: float  # that it is right
     covariance_rad2: Float  # (2, 2) of all causes, on the direction's tangent basis
-    # Factor on the variance of a nearness that steps of light tell, or the borders of several views: their errors are
-    # correlated along borders, as those of directions are. Other sources of the nearness are weighed against that.
+    # Factor on the variance of a nearness by steps of light, or by the borders of several views: their errors are
+    # correlated along borders, as those of directions are. Other sources of the nearness are weighted against that.
     overdispersion: float
 
     @property
@@ -55,13 +55,13 @@ class SeenObject:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Witnesses:
+class PlaceEvidence:
     """All evidence on where the first light of the first object is."""
 
     objects: Sequence[SeenObject]
     ratios: Sequence[Float]  # (3,) the shadow ratio of each light of the first object, linear RGB
     fall_off: FallOff | None
-    glints: Sequence[Place] = ()  # what that light's mirror images tell
+    glints: Sequence[Place] = ()  # by that light's mirror images
 
     @property
     def first(self) -> Explanation:
@@ -70,7 +70,7 @@ class Witnesses:
 
     @property
     def by_borders(self) -> Place:
-        """What the objects' borders tell together, and mirror images: all but the fall of light."""
+        """Where the light is by all objects' borders and mirror images: by all but the fall of light."""
         return combined([*(each.place for each in self.objects), *self.glints])
 
     def with_fall(self, by_others: Place) -> Place:
@@ -80,22 +80,22 @@ class Witnesses:
         return with_fall_off(by_others, self.fall_off, *_beside(self.first, self.ratios), shadow_middle(self.first))
 
     def pull_at(self, at: Float) -> Pull:
-        """What the fall of light tells near the first light's parameters (3,); nothing where it is not known."""
+        """The fall of light's pull near the first light's parameters (3,); none where that is not known."""
         if self.fall_off is None:
             return NO_PULL
         others, shares = _beside(self.first, self.ratios)
         return self.fall_off.pull(np.vstack([at, others]), shares, shadow_middle(self.first))
 
 
-def place_by_all(seen: Witnesses) -> Place:
+def place_by_all(seen: PlaceEvidence) -> Place:
     """Where the light is."""
     return seen.with_fall(seen.by_borders)
 
 
-def place_by_the_rest(seen: Witnesses, about: Place) -> Place:
+def place_by_the_rest(seen: PlaceEvidence, about: Place) -> Place:
     """Where the light is if what was taken for the first object's shadow is none: by the others and the fall of light.
 
-    about: what the shadow tells if it is one.
+    about: the place if it is one.
     """
     anywhere = anywhere_about(about, seen.first.alignment.placed.lit.body.frame.origin_marker)
     return seen.with_fall(combined([anywhere, *(each.place for each in seen.objects[1:])]))
@@ -113,11 +113,11 @@ def anywhere_about(place: Place, foot_m: Float) -> Place:
     return Place(place.mean, np.asarray(information))
 
 
-def place_seen_from_a_sun(seen: Witnesses) -> Place:
+def place_seen_from_a_sun(seen: PlaceEvidence) -> Place:
     """As `place_by_all`, to first order about a light at infinity: its nearness has the variance that a sun's has.
 
-    About a near lamp the fall of light is steep, and seems to tell a nearness that unevenness alone may have suggested;
-    so whether there is a lamp at all is asked here (Rao's score test).
+    About a near lamp the fall of light is steep, and seems to determine a nearness that unevenness alone may have
+    suggested; so whether there is a lamp at all is tested here (Rao's score test).
     """
     by_borders = seen.by_borders
     as_sun = by_borders.at_infinity
@@ -127,7 +127,7 @@ def place_seen_from_a_sun(seen: Witnesses) -> Place:
     return Place(as_sun + np.linalg.solve(information, gradient), information)
 
 
-def deviance_of_sun(seen: Witnesses, place: Place) -> float:
+def deviance_of_sun(seen: PlaceEvidence, place: Place) -> float:
     """By how much a sun costs more than the light at `place`, if unevenness is at its worst.
 
     Twice the log of a likelihood ratio. Straight below a lamp its light falls by the distance's square alone, which is
@@ -145,7 +145,7 @@ def deviance_of_sun(seen: Witnesses, place: Place) -> float:
 def shadow_middle(explanation: Explanation) -> Float:
     """(2,) the middle of the first light's shadow on the plane, where the shadow ratio was measured."""
     lit = explanation.alignment.placed.lit
-    middle = np.array([[*lit.body.frame.origin_marker, 0.5 * explanation.proxy.points_marker()[:, 2].max()]])
+    middle = np.array([[*lit.body.frame.origin_marker, lit.body.middle_m]])
     cast = cast_on_ground(middle, lit.lights[0])
     return np.asarray((middle if cast is None else cast)[0, :2])
 
@@ -165,9 +165,9 @@ def with_fall_off(
     at = by_borders.mean + line * (start - by_borders.mean[2])
     information = by_borders.information
     for number in range(ROUNDS):
-        pulled, told = _tempered(fall_off.pull(np.vstack([at, others]), shares, reference), line, at[2])
-        information = told + by_borders.information
-        step = np.linalg.solve(information, pulled + by_borders.information @ (by_borders.mean - at))
+        gradient, by_fall = _tempered(fall_off.pull(np.vstack([at, others]), shares, reference), line, at[2])
+        information = by_fall + by_borders.information
+        step = np.linalg.solve(information, gradient + by_borders.information @ (by_borders.mean - at))
         reach = max(LARGEST_STEP, LARGEST_SHARE * abs(at[2])) / max(abs(step[2]), 1e-9)
         wide = LARGEST_SHIFT * math.hypot(1, *at[:2]) / max(math.hypot(*step[:2]), 1e-9)
         at = at + min(1.0, reach, wide) * step * (1.0 if 2 * number < ROUNDS else 0.5)

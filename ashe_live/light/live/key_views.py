@@ -18,7 +18,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.ranges import VIEWS
 from ashe_live.core.transforms import transform_points, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.light.views.which import span_rad
+from ashe_live.light.views.selection import span_rad
 
 MOST_VIEWS = int(VIEWS.high)
 # The widest picture that a preset of the estimator works on; halving keeps at least that of a landscape picture, where

@@ -54,10 +54,10 @@ class PlanePicture:
             flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
             return np.asarray(cv2.warpPerspective(source, image_from_cells, (cells, cells), flags=flags), np.float32)
 
-        is_told = view.is_ground & (view.image_bgr.max(axis=2) < SATURATED)
+        is_usable = view.is_ground & (view.image_bgr.max(axis=2) < SATURATED)
         camera = camera_centre(view.T_cam_marker)
         slope = camera[:2] / max(abs(camera[2]), 1e-9)
-        return PlanePicture(drawn(log_opponent(view.image_bgr)[..., 0]), drawn(is_told) > 0.99, slope)
+        return PlanePicture(drawn(log_opponent(view.image_bgr)[..., 0]), drawn(is_usable) > 0.99, slope)
 
 
 def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
@@ -80,9 +80,9 @@ def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
 
     So a hand that passes through a single view makes only that view outdated.
     """
-    told = [differs(now, each) for each in before]
-    gone = [at for at, is_other in enumerate(told) if is_other]
-    return list(range(len(before))) if 2 * len(gone) > told.count(True) + told.count(False) else gone
+    results = [differs(now, each) for each in before]
+    gone = [at for at, is_other in enumerate(results) if is_other]
+    return list(range(len(before))) if 2 * len(gone) > results.count(True) + results.count(False) else gone
 
 
 def outdated_with_far(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
@@ -96,10 +96,10 @@ def outdated_with_far(now: PlanePicture, before: Sequence[PlanePicture]) -> list
     for at in sorted(range(len(before)), key=lambda at: _aside(now, before[at])):
         if at not in shows_it:
             aside = {other: _aside(before[other], before[at]) for other in shows_it}
-            told = [
+            results = [
                 (differs(before[other], before[at]), shows_it[other]) for other in sorted(aside, key=aside.__getitem__)
             ]
-            nearest = [is_other != shows for is_other, shows in told if is_other is not None][:2]
+            nearest = [is_other != shows for is_other, shows in results if is_other is not None][:2]
             if nearest[:1] == [True] or nearest == [False, False]:
                 shows_it[at] = nearest[0]
     return [at for at in range(len(before)) if not shows_it.get(at, True)]

@@ -15,7 +15,7 @@ from typing import Any, Self
 
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_estimator
-from ashe_live.light.estimators.steps import BALANCED, ProxySteps
+from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.light.live import worker_process
 from ashe_live.light.live.worker_process import Answer, Draw, Request, WorkerFailure
 from ashe_live.process import children
@@ -38,7 +38,7 @@ class LightWorker:
     from a preset. The process starts here, so that its imports are done when the first request comes.
     """
 
-    def __init__(self, estimator: str | Callable[[ProxySteps], Estimator]) -> None:
+    def __init__(self, estimator: str | Callable[[ProxyPreset], Estimator]) -> None:
         if isinstance(estimator, str) and estimator not in ESTIMATORS:
             make_estimator(estimator)  # raises here, not later in the process
         self._make = partial(make_estimator, estimator) if isinstance(estimator, str) else estimator
@@ -55,7 +55,7 @@ class LightWorker:
     def request(
         self,
         tracked: TrackedFrame,
-        preset: ProxySteps = BALANCED,
+        preset: ProxyPreset = BALANCED,
         draw: Draw | None = None,
         is_awaited: bool = False,
         others: Sequence[TrackedFrame] = (),
@@ -131,7 +131,7 @@ class LightWorker:
 class _Process:
     """One instance of the process; when it ends, the mailbox of its outcomes is closed with EOFError."""
 
-    def __init__(self, make: Callable[[ProxySteps], Estimator]) -> None:
+    def __init__(self, make: Callable[[ProxyPreset], Estimator]) -> None:
         self.outcomes: LatestMailbox[Outcome] = LatestMailbox()
         self._connection, far_end = multiprocessing.Pipe()
         self._process = children.started(worker_process.run, (make,), "ashe-live light worker", LIMITS, far_end)

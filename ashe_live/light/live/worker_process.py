@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ashe_live.core.arrays import Image
     from ashe_live.core.types import LightEstimate, TrackedFrame
     from ashe_live.light.estimators.estimator import Estimator
-    from ashe_live.light.estimators.steps import ProxySteps
+    from ashe_live.light.estimators.preset import ProxyPreset
     from ashe_live.light.estimators.view_search import Trace
     from ashe_live.light.live.same_scene import PlanePicture
 
@@ -35,7 +35,7 @@ class Request:
 
     numbers: tuple[int, ...]  # of the frozen frame, then of the other views, which are kept for the next request
     new: "Mapping[int, TrackedFrame]"
-    preset: "ProxySteps"
+    preset: "ProxyPreset"
     draw: Draw | None = None  # what draws the trace
     is_awaited: bool = False  # by a person
     # In a scene that is watched, nothing is estimated if the frame shows the other views' scene in this light.
@@ -60,7 +60,7 @@ class WorkerFailure:
     message: str  # one line, for the user
 
 
-def run(connection: Connection, make: "Callable[[ProxySteps], Estimator]") -> None:
+def run(connection: Connection, make: "Callable[[ProxyPreset], Estimator]") -> None:
     """Answers each Request with an Answer or a WorkerFailure; returns when the connection is closed."""
     import cv2
 
@@ -121,7 +121,7 @@ def _give_way() -> None:
 
 
 def _answer(
-    estimator_by: "Callable[[ProxySteps], Estimator]", held: HeldViews, request: Request
+    estimator_by: "Callable[[ProxyPreset], Estimator]", held: HeldViews, request: Request
 ) -> Answer | WorkerFailure:
     """The estimate, or a failure for any exception, so that the process goes on."""
     from ashe_live.light.estimators.estimator import TracingEstimator

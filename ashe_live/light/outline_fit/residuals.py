@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.family import Family
+from ashe_live.light.shape.family import Members
 from ashe_live.light.shape.outlines.silhouettes import Outlines
 from ashe_live.light.shape.supports import outline_reaches
 
@@ -51,16 +51,14 @@ class Observations(Stacked):
         return Observations(np.array(cameras), directions, least, most, np.array(scales_px)[:, None])
 
 
-def residuals(
-    observations: Observations, families: Sequence[Family], lights: Float, shapes: Float
-) -> tuple[Float, Float]:
+def residuals(observations: Observations, members: Members, lights: Float) -> tuple[Float, Float]:
     """(n, r) signed distances in pixels by which outlines of n bodies violate the observed bounds, 0 within them; and
     the derivatives of the outlines' reaches by theta, (n, split + q, r).
 
-    lights: (n, l, 4) in the bodies' frames. shapes: (n, q) parameters of the members of `families` (n,).
+    lights: (n, l, 4) in the bodies' frames.
     """
     (n, rows, _), outlines = observations.least_px.shape, 1 + lights.shape[1]
-    reach, by_theta = outline_reaches(families, shapes, observations.P, lights, observations.directions)
+    reach, by_theta = outline_reaches(members, observations.P, lights, observations.directions)
     if rows > outlines:
         is_farthest = reach.argmax(axis=1)[:, None] == np.arange(outlines)[:, None]
         of_farthest = (by_theta * is_farthest[:, None]).sum(axis=2, keepdims=True)

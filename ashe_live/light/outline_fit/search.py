@@ -12,7 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.outline_fit.residuals import Indices, Observations, Stacked, residuals
-from ashe_live.light.shape.family import Family, padded
+from ashe_live.light.shape.family import Family, Members, padded
 from ashe_live.light.shape.layout import Layout
 
 PRIOR_COST = 0.25  # px^2, cost of a parameter one `spread` from its start: it settles what the outlines leave open
@@ -99,9 +99,9 @@ def information_on_lights(normal: Float, layout: Layout) -> Float:
 
 
 def offset_of_lights(normal: Float, gradient: Float, layout: Layout) -> tuple[Float, Float]:
-    """(split,) the offset of the lights that normal equations ask for, whatever the shape; (split, split) information.
+    """(split,) the lights' step by normal equations, the shape marginalised out; (split, split) information on it.
 
-    Well conditioned also where next to nothing tells of a parameter.
+    Well conditioned also where a parameter is hardly constrained.
     """
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-12))
     balanced = normal / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
@@ -187,10 +187,8 @@ class _Stack:
     def evaluated(self, problem: Indices, start: Float, theta: Float) -> tuple[Float, Float, Float]:
         """Residuals (n, r) of n candidates, their derivatives by theta, and the costs (n,), the prior included."""
         observed, layout = self.observations.of(problem), self.layout
-        families = [self.families[i] for i in problem]
-        missed, by_theta = residuals(
-            observed, families, layout.lights_of(theta, self.nearness[problem]), layout.shape_of(theta)
-        )
+        members = Members([self.families[i] for i in problem], layout.shape_of(theta))
+        missed, by_theta = residuals(observed, members, layout.lights_of(theta, self.nearness[problem]))
         loss = (observed.scale_px**2 * np.log1p((missed / observed.scale_px) ** 2)).sum(axis=1)
         return missed, by_theta, loss + ((theta - start) ** 2 * self.prior[problem]).sum(axis=1)
 

@@ -18,7 +18,27 @@ NARROWEST = 0.05  # least distance from an outline to the vanishing point, relat
 TANGENT_SIGMAS = 1.5  # sigma of a tangent's position, in sigmas of an edge
 OUTLIER = 4.0  # scale of Cauchy's loss, in sigmas of a tangent
 GROUNDED_SHARE = 0.15  # of the body's height: a tangent that touches it lower may touch its foot
-ITERATIONS = 15  # of Gauss and Newton's method
+ITERATIONS, CONVERGED = 15, 1e-4  # at most; and the relative gain of the cost that ends them
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TangentGaps:
+    """The gaps between the object's and the shadow's tangents on both sides, for n candidate lights."""
+
+    px: Float  # (n, 2) on the first and the second side
+    by_light: Float  # (n, 2, 2) derivatives by the light's displacement s
+    is_bound: Mask  # (n, 2) whether a gap is a mere bound, as an outline that is hidden or cut may extend further
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _State:
+    """Candidate lights, and the negative log posterior around them, twice."""
+
+    parameters: Float  # (l, 2) displacements s
+    cost: float
+    gradient: Float  # (split,) half that of the cost
+    curvature: Float  # (split, split) half that of the cost
+    two_sided: Float  # (split, split) the part of it that is not from mere bounds
 
 
 def lights_refined_by_tangents(
@@ -29,56 +49,50 @@ def lights_refined_by_tangents(
     P: (3, 4) pixels from the body's frame, counted from the outlines' centre. lights: (l, 4) in that frame, with
     `information` (split, split) on their parameters, which must be positive definite. spheroids: (k, 5) the body, if it
     is a good enough model to show where a tangent touches it; else None. Returns the lights (l, 4) and the covariance
-    (split, split) of their parameters.
+    (split, split) of their parameters. By the method of Levenberg and Marquardt.
     """
     layout, fitted, nearness = Layout(len(lights)), light_parameters(lights), nearness_of(lights)
     sigma = TANGENT_SIGMAS * max(edge_sigma_px, 0.05)
     feet = [None if spheroids is None else _touches_near_ground(P, spheroids, light) for light in lights]
 
-    def evaluate(candidate: Float) -> tuple[float, Float, Float, Float]:
-        """The cost, half its gradient, half its curvature, and the part of the latter that is not from mere bounds."""
+    def evaluated(candidate: Float) -> _State:
         offset = (candidate - fitted).ravel()
         gradient, curvature, two_sided = information @ offset, information.copy(), information.copy()
         cost = float(offset @ gradient)
         for i, (shadow, foot) in enumerate(zip(outlines.shadows, feet, strict=True)):
             light = layout.lights_of(candidate.ravel(), nearness)[i : i + 1]
-            gaps, by_light, bounds_only = tangent_gaps(P, outlines.body, shadow, light, foot)
-            error, slope, block = gaps[0] / sigma, by_light[0] / sigma, layout.light(i)
+            gaps = tangent_gaps(P, outlines.body, shadow, light, foot)
+            error, slope, block = gaps.px[0] / sigma, gaps.by_light[0] / sigma, layout.light(i)
             weight = 1 / (1 + (error / OUTLIER) ** 2)
             cost += float(OUTLIER**2 * np.log1p((error / OUTLIER) ** 2).sum())
             gradient[block] += slope.T @ (weight * error)
             curvature[block, block] += slope.T @ (weight[:, None] * slope)
-            two_sided[block, block] += slope.T @ (np.where(bounds_only[0], 0.0, weight)[:, None] * slope)
-        return cost, gradient, curvature, two_sided
+            two_sided[block, block] += slope.T @ (np.where(gaps.is_bound[0], 0.0, weight)[:, None] * slope)
+        return _State(candidate, cost, gradient, curvature, two_sided)
 
-    best, damping = fitted, 1e-3
-    cost, gradient, curvature, two_sided = evaluate(best)
+    best, damping = evaluated(fitted), 1e-3
     for _ in range(ITERATIONS):
-        step = np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), -gradient)
-        candidate = best + step.reshape(fitted.shape)
-        new_cost, *new_slopes = evaluate(candidate)
-        if new_cost < cost:
-            settled = cost - new_cost < 1e-4 * cost
-            best, cost, (gradient, curvature, two_sided) = candidate, new_cost, new_slopes
-            damping *= 0.2
-            if settled:
-                break
-        else:
+        damped = best.curvature + damping * np.diag(np.diag(best.curvature))
+        new = evaluated(best.parameters + np.linalg.solve(damped, -best.gradient).reshape(fitted.shape))
+        if not new.cost < best.cost:
             damping *= 8.0
+            continue
+        is_settled = best.cost - new.cost < CONVERGED * best.cost
+        best, damping = new, 0.2 * damping
+        if is_settled:
+            break
     # A bound only excludes lights on one side of it; it adds no information about those on the other.
-    return layout.lights_of(best.ravel(), nearness), np.asarray(np.linalg.inv(two_sided))
+    return layout.lights_of(best.parameters.ravel(), nearness), np.asarray(np.linalg.inv(best.two_sided))
 
 
 def tangent_gaps(
     P: Float, body: Silhouette, shadow: Silhouette, lights: Float, foot: Mask | None = None
-) -> tuple[Float, Float, Mask]:
-    """The gaps between the object's and the shadow's tangents on both sides, for n candidate lights.
+) -> TangentGaps:
+    """The gaps of n candidates for the shadow's light, lights (n, 4).
 
-    P: (3, 4) pixels counted from the silhouettes' centre. lights: (n, 4) candidates for the shadow's light. foot: (2,)
-    sides on which the object's tangent touches its foot, where it hides its own shadow. Returns gaps (n, 2) in pixels
-    on the first and second side, their derivatives (n, 2, 2) by the light's parameters, and (n, 2) whether they are
-    mere bounds, as an outline that is hidden or cut may extend further. A gap that such an extension explains is 0, and
-    so is the gap of a vanishing point within the outlines, from which there are no tangents.
+    P: (3, 4) pixels counted from the silhouettes' centre. foot: (2,) sides on which the object's tangent touches its
+    foot, where it hides its own shadow. A gap that an outline's hidden or cut part explains is 0, and so is the gap of
+    a vanishing point within the outlines, from which there are no tangents.
     """
     foot = np.zeros(2, dtype=np.bool_) if foot is None else foot
     v = _vanishing_points(P, lights)
@@ -92,7 +106,7 @@ def tangent_gaps(
     outside = (one.least_room > NARROWEST) & (other.least_room > NARROWEST)
     explained = (shadow_may_reach_further & (gaps < 0)) | (~one.certain & (gaps > 0)) | ~outside[:, None]
     by_v = np.where(explained, 0.0, scale)[..., None] * (other.by_v - one.by_v)
-    return np.where(explained, 0.0, gaps), by_v @ P[:, :2], shadow_may_reach_further | ~one.certain
+    return TangentGaps(np.where(explained, 0.0, gaps), by_v @ P[:, :2], shadow_may_reach_further | ~one.certain)
 
 
 def _vanishing_points(P: Float, lights: Float) -> Float:

@@ -20,7 +20,7 @@ from ashe_live.light.paper.shadow_colour import shadow_rgb_ratio
 
 
 @dataclass(frozen=True, slots=True)
-class PaperSteps:
+class PaperParameters:
     """The method's parameters: as published where the paper states them, else chosen here."""
 
     size: Size = (640, 480)  # published
@@ -41,7 +41,7 @@ class PaperSteps:
 class PaperEstimator:
     """AShE from one frame; see Estimator."""
 
-    steps: PaperSteps = PaperSteps()
+    parameters: PaperParameters = PaperParameters()
 
     @property
     def name(self) -> str:
@@ -58,7 +58,7 @@ class PaperEstimator:
         """
         if tracked.marker is None:
             raise ValueError("an estimate needs a frame with a marker")
-        clock, steps, marker = StageClock(), self.steps, tracked.marker
+        clock, parameters, marker = StageClock(), self.parameters, tracked.marker
         object_mask: Mask | None = None
         shadow_mask: Mask | None = None
 
@@ -68,11 +68,11 @@ class PaperEstimator:
                 self.name, tracked.frame.index, found, reason, object_mask, shadow_mask, clock.timing_ms()
             )
 
-        size = masks.working_size(tracked.frame.size, steps.size)
-        if min(size) < steps.least_side_px:
+        size = masks.working_size(tracked.frame.size, parameters.size)
+        if min(size) < parameters.least_side_px:
             return answer(None, "the picture is too narrow")
         camera = tracked.camera.resized(size)
-        smallest_px = steps.smallest_share * size[0] * size[1]
+        smallest_px = parameters.smallest_share * size[0] * size[1]
 
         cube_hull, sheet_hull = self._hulls(camera, marker)
         if cube_hull is None or sheet_hull is None:
@@ -85,14 +85,14 @@ class PaperEstimator:
         if not dark.any():
             clock.end("segment")
             return answer(None, "nothing in the picture is dark enough for a shadow")
-        foreground = masks.grabcut_foreground(image, steps.grabcut_margin_px, steps.grabcut_iterations)
+        foreground = masks.grabcut_foreground(image, parameters.grabcut_margin_px, parameters.grabcut_iterations)
         clock.end("segment")
 
         object_mask = masks.largest_object(foreground, dark, cube | sheet, smallest_px)
         if object_mask is None:
             clock.end("associate")
             return answer(None, "no object found beside the marker")
-        c_px, k = steps.score_c_share * size[0], steps.score_k
+        c_px, k = parameters.score_c_share * size[0], parameters.score_k
         shadow_mask = masks.shadow_of(object_mask, dark & ~cube, c_px, k, smallest_px)
         clock.end("associate")
         if shadow_mask is None:
@@ -110,13 +110,15 @@ class PaperEstimator:
 
     def _dark(self, image: Image, ground: Mask) -> Mask:
         """(h, w) the pixels of the darkest clusters of colour, by what is dark beside `ground`."""
-        steps = self.steps
-        labels = masks.lab_clusters(image, steps.clusters, steps.kmeans_attempts, steps.kmeans_iterations)
-        return masks.darkest_clusters(image, labels, ground, steps.dark_share)
+        parameters = self.parameters
+        labels = masks.lab_clusters(
+            image, parameters.clusters, parameters.kmeans_attempts, parameters.kmeans_iterations
+        )
+        return masks.darkest_clusters(image, labels, ground, parameters.dark_share)
 
     def _hulls(self, camera: Camera, marker: MarkerPose) -> tuple[Float | None, Float | None]:
         """(n, 2) pixels, of the virtual cube and of the printed sheet; None for one that reaches behind the camera."""
-        sheet_side_m = self.steps.sheet_over_marker * marker.side_m
+        sheet_side_m = self.parameters.sheet_over_marker * marker.side_m
         bodies = geometry.cube_corners(marker.side_m), square_corners(sheet_side_m)
         cube, sheet = (masks.hull_of_points(camera, marker.T_cam_marker, corners) for corners in bodies)
         return cube, sheet

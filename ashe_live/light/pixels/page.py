@@ -42,7 +42,7 @@ class Page:
     """Where a page ends right, above, left and below of the marker's centre, in its sides; and what lies around it."""
 
     ends: tuple[float, ...]
-    # Whether that end is; if not, it is not told what is paper and what ground beyond LARGEST_SHEET.
+    # Whether that end is; if not, what is paper and what ground beyond LARGEST_SHEET is unknown.
     is_seen: tuple[bool, ...]
     ground_over_paper: tuple[float, ...]  # linear RGB
     paper: tuple[float, ...]  # log-opponent colour where it is lit

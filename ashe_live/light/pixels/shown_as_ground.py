@@ -14,7 +14,7 @@ from ashe_live.light.pixels.page import Page
 from ashe_live.light.pixels.page_lines import is_coloured
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, MarkerPicture, Sheet
 
-STANDS_PX = 5  # across a neighbourhood whose majority tells what stands on the page from noise
+STANDS_PX = 5  # across a neighbourhood whose majority decides between noise and what stands on the page
 # Where the colour this near to a page's border differs by so much from the lit ground's, in log-opponent distance,
 # something may cross the border so near.
 BESIDE_PX, OTHER, CROSSED_PX = 3, 0.6, 8

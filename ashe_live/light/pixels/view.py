@@ -90,7 +90,7 @@ class View(MarkerPicture):
     def pose_covariance(self) -> Float | None:
         """(6, 6) of (w, v), as MarkerPose.covariance, by which poses differ from view to view; None for an exact pose.
 
-        What all poses are off by alike, as by a curled marker or a wrong focal length, no view tells.
+        What all poses are off by alike, as by a curled marker or a wrong focal length, is no part of it.
         """
         noise = None if self.measured is None else self.measured.noise_covariance
         return None if noise is None else np.asarray(OVER_NOISE**2 * noise)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.shape.family import Family
+from ashe_live.light.shape.family import Family, Members, padded
 from ashe_live.light.shape.layout import Layout, nearness_of
 from ashe_live.light.shape.light_points import towards
 
@@ -60,6 +60,11 @@ class Body:
         spheroids[:, 3:] = np.abs(spheroids[:, 3:])  # radii enter squared, so their signs have no meaning
         return spheroids
 
+    @property
+    def height(self) -> float:
+        """Of its highest point, in the body frame."""
+        return float((self.spheroids[:, 2] + self.spheroids[:, 4]).max())
+
     @cached_property
     def proxy(self) -> Proxy:
         """The body as a proxy in the marker frame, metres."""
@@ -70,7 +75,12 @@ class Body:
     @cached_property
     def middle_m(self) -> float:
         """Half of the body's height."""
-        return 0.5 * float(self.proxy.points_marker()[:, 2].max())
+        return 0.5 * self.proxy.height_m
+
+
+def members_of(several: Sequence[Body]) -> Members:
+    """The bodies without their frames."""
+    return Members([one.family for one in several], padded([one.shape for one in several]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,7 +146,7 @@ class LitBody:
         body = replace(self.body, shape=layout.shape_of(theta))
         lights = layout.lights_of(theta, nearness_of(before))
         if with_nearness:
-            highest = 2 * HIGHEST_NEARNESS / max(float((body.spheroids[:, 2] + body.spheroids[:, 4]).max()), 1e-9)
+            highest = 2 * HIGHEST_NEARNESS / max(body.height, 1e-9)
             lights[:, 3] = np.clip(lights[:, 3], 0.0, highest)
         return replace(self, lights=self.body.frame.lights_marker(lights), body=body)
 

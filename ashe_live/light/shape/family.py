@@ -45,21 +45,28 @@ class Batch:
     by_shape: Float  # (m, k, 5, q) derivatives; of those with fewer parameters padded with 0
 
 
-def batches_of(families: Sequence[Family], shapes: Float) -> list[Batch]:
-    """The spheroids of n bodies, members of `families` (n,) with parameters `shapes` (n, q), in batches.
+@dataclass(frozen=True, slots=True, eq=False)
+class Members:
+    """n members of families."""
 
-    Points have simpler formulas than spheroids, and to pad few parts to many costs more than a batch of their own.
-    """
-    members: dict[str, list[int]] = {}
-    for i, family in enumerate(families):
-        members.setdefault(family.name, []).append(i)
-    batches: dict[tuple[bool, bool], list[tuple[list[int], Float, Float]]] = {}
-    for rows in members.values():
-        family = families[rows[0]]
-        parts, by_shape = family.parts(shapes[rows, : family.size])
-        kind = bool(parts[..., 3:].any()), parts.shape[1] > FEW_PARTS
-        batches.setdefault(kind, []).append((rows, parts, by_shape))
-    return [_joined(several) for several in batches.values()]
+    families: Sequence[Family]  # (n,) the family of each
+    shapes: Float  # (n, q) its parameters; those of families with fewer are padded
+
+    def batches(self) -> list[Batch]:
+        """Their spheroids, in batches.
+
+        Points have simpler formulas than spheroids, and to pad few parts to many costs more than a batch of their own.
+        """
+        rows_of: dict[str, list[int]] = {}
+        for i, family in enumerate(self.families):
+            rows_of.setdefault(family.name, []).append(i)
+        batches: dict[tuple[bool, bool], list[tuple[list[int], Float, Float]]] = {}
+        for rows in rows_of.values():
+            family = self.families[rows[0]]
+            parts, by_shape = family.parts(self.shapes[rows, : family.size])
+            kind = bool(parts[..., 3:].any()), parts.shape[1] > FEW_PARTS
+            batches.setdefault(kind, []).append((rows, parts, by_shape))
+        return [_joined(several) for several in batches.values()]
 
 
 def _joined(several: Sequence[tuple[list[int], Float, Float]]) -> Batch:

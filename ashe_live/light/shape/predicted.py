@@ -12,8 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.family import batches_of, padded
+from ashe_live.light.shape.body import LitBody, members_of
 from ashe_live.light.shape.light_points import cast_on_ground
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.supports import outline_points
@@ -87,7 +86,7 @@ def lit_outlines(several: Sequence[LitBody], sights: Sequence[Sight]) -> list[li
     P = np.array([sight.P(lit.body.frame) for lit, sight in zip(several, sights, strict=True)])
     lights = np.array([lit.lights_in_body_frame for lit in several])
     found: dict[int, list[Float | None]] = {}
-    for batch in batches_of([lit.body.family for lit in several], padded([lit.body.shape for lit in several])):
+    for batch in members_of([lit.body for lit in several]).batches():
         clouds = outline_points(P[batch.rows], batch.parts, lights[batch.rows], AROUND).astype(np.float32)
         # What seems very large may extend behind the camera, and needs the slower projection with clipping.
         are_large = ~(np.abs(clouds).max(axis=(1, 2, 3, 4)) < LARGE_PX)

@@ -7,14 +7,13 @@ spheroid, through the light's projection onto the ground.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.shape.family import Family, batches_of
+from ashe_live.light.shape.family import Members
 from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.light_points import shadow_projection
 
@@ -60,8 +59,7 @@ class Supports:
 
 
 def outline_reaches(
-    families: Sequence[Family],
-    shapes: Float,
+    members: Members,
     P: Float,
     lights: Float,
     directions: Float,
@@ -70,13 +68,12 @@ def outline_reaches(
 ) -> tuple[Float, Float]:
     """(n, 1 + l, d) support functions of n bodies and their shadows; (n, split + q, 1 + l, d) derivatives by theta.
 
-    shapes: (n, q) parameters of the members of `families` (n,). with_nearness: as in the Layout of theta. All else as
-    in `outline_supports`.
+    with_nearness: as in the Layout of theta. All else as in `outline_supports`.
     """
-    (n, q), (_, count, _), d = shapes.shape, lights.shape, directions.shape[-1]
+    (n, q), (_, count, _), d = members.shapes.shape, lights.shape, directions.shape[-1]
     split = Layout(count, with_nearness).split
     reach_px, by_theta = np.empty((n, 1 + count, d)), np.zeros((n, split + q, 1 + count, d))
-    for batch in batches_of(families, shapes):
+    for batch in members.batches():
         rows = batch.rows
         turned = None if touching is None else touching[rows]
         supports = outline_supports(P[rows], batch.parts, lights[rows], directions[rows], turned)

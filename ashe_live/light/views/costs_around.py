@@ -13,7 +13,7 @@ from ashe_live.light.pixels.areas import overlapping
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.predicted import predicted
 
-LEAST_PX = 60  # of a body with its shadow, in the coarse picture: a view that shows less tells nothing
+LEAST_PX = 60  # of a body with its shadow, in the coarse picture: a view that shows less is no evidence
 
 
 def costs_around(lit: LitBody, shifts: Sequence[Float], view: SceneView, region_px: int) -> Costs | None:

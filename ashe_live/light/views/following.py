@@ -10,8 +10,8 @@ from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.alignment import SEARCH_RANGES, Alignment, Start, aligned
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.ground.preset import GroundPreset
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
-from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import Body, BodyFrame, LitBody
 from ashe_live.light.shape.family import Family, Parts
@@ -20,7 +20,7 @@ from ashe_live.light.views.costs_around import costs_around
 from ashe_live.light.views.ground_height import seen_from_ground, seen_from_marker
 
 WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 160, 480, 90  # widths of the frame for its ground and for the region; its size
-STEPS = GroundSteps(12, 8, 1)  # coarser than any preset's: a known body needs little of the ground
+GROUND = GroundPreset(12, 8, 1)  # coarser than any preset's: a known body needs little of the ground
 RANGES = SEARCH_RANGES[0], SEARCH_RANGES[-1]  # two parameters a light need no more rounds than a far one and a near one
 # A light is followed down to this mean clarity of the borders of body and shadow, and up to this misfit over the
 # object's size.
@@ -52,7 +52,7 @@ def _followed(estimate: LightEstimate, body: Proxy, tracked: TrackedFrame) -> Li
     lights = estimate.lights
     fine = View.of(tracked, FINE_WIDTH_PX).with_paper_as_ground()
     coarse = fine.scaled(WIDTH_PX)
-    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, STEPS)
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, GROUND)
     ratios = [light.shadow_rgb_ratio for light in lights]
     if ground is None or any(ratio is None for ratio in ratios):
         return None

@@ -36,7 +36,7 @@ LEAST_NOISE = 0.01  # of log brightness
 
 
 def height_above_ground(several: Sequence[TrackedFrame]) -> float:
-    """Metres by which the marker's plane lies above the ground's; 0 where the views do not surely tell another height.
+    """Metres by which the marker's plane lies above the ground's; 0 where the views show no other height for sure.
 
     several: frames of one scene with a marker, first the one that the others are compared with.
     """

@@ -91,7 +91,7 @@ def on_plane(reference: View, colours: Float32, other: View, other_colours: Floa
 
 
 def log_likelihood_ratio(several: Sequence[OnPlane], shape: tuple[int, ...]) -> Float32:
-    """(h, w) log odds, from the views, that a pixel lies on the plane rather than above it; 0 where nothing tells.
+    """(h, w) log odds, by the views, that a pixel lies on the plane rather than above it; 0 without evidence.
 
     A view that shows something else at a point of the plane counts against it only so far, as an object before it may
     be the cause.
@@ -133,10 +133,10 @@ def _log_odds(one: OnPlane) -> Float32:
 
 
 def _alike_along_shear(ours: Float32, theirs: Float32, seen: Mask, shear_px: Float) -> Float32:
-    """(h, w) how like each pixel is to those of the other view at SHEARS times the shear: 0 to 1, the mean over these.
+    """(h, w) similarity of each pixel to those of the other view at SHEARS times the shear: 0 to 1, the mean of these.
 
     ours, theirs: (3, h, w) colours in standard deviations. Only neighbours on what both views show, `seen` (h, w),
-    count; where there are none, nothing tells the pixel from them, and it is as like as can be.
+    count; where there are none, it is 1.
     """
     height, width = seen.shape
     alike, count = np.zeros(seen.shape, np.float32), np.zeros(seen.shape, np.float32)

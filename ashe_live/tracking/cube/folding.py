@@ -18,7 +18,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy, Wobble
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
-from ashe_live.tracking.poses.pose import Sighting, corners_information, corners_noise
+from ashe_live.tracking.poses.pose import Sighting, Tolerance, corners_information, corners_noise
 from ashe_live.tracking.poses.pose_refinement import pixels_by_points, pixels_by_pose
 
 # Standard deviations of careful folding: of a face's turn about each axis, and of its shift over the edge length, which
@@ -26,7 +26,7 @@ from ashe_live.tracking.poses.pose_refinement import pixels_by_points, pixels_by
 TURN_SIGMA, SHIFT_SIGMA = math.radians(0.9), 0.011
 # Largest RMS residual of a face's corners in a pose of all faces while their folds are unknown, over the side of its
 # tag: three standard deviations of its shift across the view and of its turn, on top of the residual of a flat print.
-FOLDED_RMS = 0.08
+OF_FOLDED_CUBE = Tolerance(most_rms=0.08)
 # Frames that look alike have the same errors of the corners. So each frame after the first has this weight, and after
 # so many nothing more is learned.
 LATER_WEIGHT, MOST_FRAMES = 0.2, 60

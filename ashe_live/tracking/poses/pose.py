@@ -44,6 +44,17 @@ class Sighting:
     square: FittedSquare
 
 
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """By how much the corners of a right pose may be off."""
+
+    errors: CornerErrors = FITTED  # systematic errors of corners, in addition to noise
+    most_rms: float = MOST_RMS  # largest error accepted, as a fraction of the largest square's side
+
+
+OF_FLAT_PRINT = Tolerance()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Corners(Correspondences):
     """All corners of n squares that lie in one frame."""
@@ -83,17 +94,13 @@ def pose_of_squares(
     side_m: float,
     previous: MarkerPose | None = None,
     refines: bool = True,
-    errors: CornerErrors = FITTED,
-    most_rms: float = MOST_RMS,
+    tolerance: Tolerance = OF_FLAT_PRINT,
 ) -> MarkerPose | None:
-    """The pose of the frame in which all `sightings` lie; see `estimate_pose`. Corners are weighted by covariance.
-
-    `errors`: the systematic errors of corners, in addition to noise. `most_rms`: the largest error accepted, as a
-    fraction of the largest square's side.
-    """
+    """The pose of the frame in which all `sightings` lie; see `estimate_pose`. Corners are weighted by covariance."""
     sightings = [one for one in sightings if is_front_of_square(one.square.corners_px)]
     if not sightings:
         return None
+    errors = tolerance.errors
     seen = Corners.of(sightings, errors)
     chosen = _chosen_solution(seen, camera, previous, refines)
     if chosen is None:
@@ -105,7 +112,7 @@ def pose_of_squares(
     off_px = _rms_px(project(camera, T_cam_marker, seen.largest.points) - largest_px)
     # With a wrong focal length the right print fits badly as well, so that only known cameras are checked.
     is_known = camera.source in ("file", "flag")
-    if is_known and not off_px <= max(MOST_RMS_PX, most_rms * mean_side_px(largest_px)):
+    if is_known and not off_px <= max(MOST_RMS_PX, tolerance.most_rms * mean_side_px(largest_px)):
         return None
     own = square_corners(side_m)
     is_whole = len(sightings) == 1 and seen.largest.square.sides_seen == 4 and np.array_equal(seen.points, own)

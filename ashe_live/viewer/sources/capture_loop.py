@@ -68,6 +68,15 @@ class State:
     asked_s: float | None = None  # when the current read began, monotonic clock; None: no read is in progress
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Exchange:
+    """What the capture thread shares with the one that started it."""
+
+    wishes: LatestMailbox[Wish]
+    frames: LatestMailbox[TrackedFrame]
+    key_views: KeyViews
+
+
 class CaptureLoop:
     """Used by the capture thread only, except for `state`, which any thread may read."""
 
@@ -76,9 +85,7 @@ class CaptureLoop:
         source: Source,
         tracker: MarkerTracker,
         wish: Wish,
-        wishes: LatestMailbox[Wish],
-        frames: LatestMailbox[TrackedFrame],
-        key_views: KeyViews,
+        exchange: Exchange,
         tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None,
     ) -> None:
         self.state = State()
@@ -86,10 +93,10 @@ class CaptureLoop:
         self._tracker = tracker
         self._clip = source if isinstance(source, Seekable) else None
         self._wish = wish
-        self._wishes = wishes
+        self._wishes = exchange.wishes
         self._tracker_for = tracker_for
-        self._frames = frames
-        self._key_views = key_views
+        self._frames = exchange.frames
+        self._key_views = exchange.key_views
         self._period_s = 1 / (source.fps or PHOTO_FPS)
         self._pace = Pace()
         self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated

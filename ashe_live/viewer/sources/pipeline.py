@@ -13,7 +13,7 @@ from ashe_live.light.live.key_views import KeyViews
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
-from ashe_live.viewer.sources.capture_loop import FIRST_FRAME, PHOTO_FPS, CaptureLoop, Jump, Place, Wish
+from ashe_live.viewer.sources.capture_loop import FIRST_FRAME, PHOTO_FPS, CaptureLoop, Exchange, Jump, Place, Wish
 
 # Longer than a disk takes to wake up, or a camera to adjust itself.
 STALLED_AFTER_S = 2.0
@@ -44,7 +44,8 @@ class Pipeline:
         self._first_marker = tracker.marker.spec
         self._wish = Wish(loop)
         self._wishes = LatestMailbox[Wish]()
-        self._capture = CaptureLoop(source, tracker, self._wish, self._wishes, self.frames, self.key_views, tracker_for)
+        exchange = Exchange(self._wishes, self.frames, self.key_views)
+        self._capture = CaptureLoop(source, tracker, self._wish, exchange, tracker_for)
         self.may_follow_others = tracker_for is not None
         self._thread = threading.Thread(target=self._capture.run, name="capture", daemon=True)
 

@@ -28,13 +28,13 @@ from ashe_live.bench.judge.validation import (
 )
 from ashe_live.bench.metrics import tangent_offset
 from ashe_live.core.arrays import Float
-from ashe_live.light.estimators import steps
+from ashe_live.light.estimators import preset
 from ashe_live.light.explanation.judgement.judge import recalibrated
 from ashe_live.light.explanation.judgement.judge_tables import Average, Curve, Score
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 
-FAST = of_one_view(steps.FAST)
-OTHER = of_one_view(steps.BALANCED)
+FAST = of_one_view(preset.FAST)
+OTHER = of_one_view(preset.BALANCED)
 ONE, TWO = Average((1.0,)), Average((0.6, 0.4))
 UP = np.array([0.0, 0.0, 1.0])
 ONE_LIGHT = UP[None]  # the true one
@@ -184,12 +184,12 @@ def test_the_better_look_weighs_more() -> None:
     """Of two looks one always finds the light, the other in every second picture, and is surer where it does not."""
     score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
     wrong = dataclasses.replace(candidate(90.0), to_light_marker=np.array([1.0, 0, 0]))
-    steps_of_both = dataclasses.replace(FAST, second_look=OTHER)
+    both = dataclasses.replace(FAST, second_look=OTHER)
     right = sample_of([candidate(2.0, edge=0.8)])
     pictures = [{FAST: right, OTHER: sample_of([wrong]) if i % 2 else right} for i in range(40)]
-    average = fitted_average(pictures, [score] * 40, [steps_of_both], 2)
+    average = fitted_average(pictures, [score] * 40, [both], 2)
     assert average.weights[0] > 0.5
-    assert mean_risk([judged(score, looks_by(each, steps_of_both), average) for each in pictures]) == 0
+    assert mean_risk([judged(score, looks_by(each, both), average) for each in pictures]) == 0
 
 
 def test_a_family_is_judged_by_a_fit_that_has_not_seen_it() -> None:

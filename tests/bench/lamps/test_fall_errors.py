@@ -13,7 +13,7 @@ from ashe_live.bench.lamps.bench import LampBench
 from ashe_live.bench.lamps.fall_errors import FallError, fall_error, fitted_share, whole_share
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from tests.light.painted_scenes import BOX, paint
 
 

@@ -12,7 +12,7 @@ from ashe_live.bench.light.trade import MEDIAN_ERROR, MISSED, VARIATIONS, Variat
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose
-from ashe_live.light.estimators.steps import BALANCED, PRESETS, ProxySteps
+from ashe_live.light.estimators.preset import BALANCED, PRESETS, ProxyPreset
 
 
 class Guess:
@@ -48,7 +48,7 @@ def test_a_path_leads_into_the_records_within():
 def test_every_variation_is_a_setting_and_every_series_passes_through_balanced():
     series = {}
     for variation in VARIATIONS:
-        series.setdefault(variation.series, []).append(variation.steps())
+        series.setdefault(variation.series, []).append(variation.preset())
     for name, settings in series.items():
         assert BALANCED in settings, name
         assert all(settings.count(setting) == 1 for setting in settings), name
@@ -56,7 +56,7 @@ def test_every_variation_is_a_setting_and_every_series_passes_through_balanced()
 
 def test_every_number_that_the_presets_differ_in_is_varied():
     varied = {path.partition(".")[0] for variation in VARIATIONS for path in variation.changes}
-    fields = [field.name for field in dataclasses.fields(ProxySteps)]
+    fields = [field.name for field in dataclasses.fields(ProxyPreset)]
     assert varied >= {name for name in fields if len({getattr(preset, name) for preset in PRESETS.values()}) > 1}
 
 

@@ -18,7 +18,7 @@ from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.errors import UserError
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
 
 FRAMES = 12
@@ -28,7 +28,7 @@ SAMPLED_AT = list(range(500, 100_001, 500))
 class BlindEstimator:
     """Answers at once that it sees no light."""
 
-    def __init__(self, _preset: ProxySteps) -> None: ...
+    def __init__(self, _preset: ProxyPreset) -> None: ...
 
     def estimate(self, tracked, others=()):  # noqa: ARG002
         return LightEstimate("blind", tracked.frame.index, Illumination(), "blind", timing_ms={"total": 1.0})

@@ -18,7 +18,7 @@ from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.errors import UserError
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
 from ashe_live.tracking.families.markers import parse_marker
 
@@ -33,7 +33,7 @@ class BlindEstimator:
     name = "blind"
     takes_ms = 1.0
 
-    def __init__(self, _preset: ProxySteps) -> None: ...
+    def __init__(self, _preset: ProxyPreset) -> None: ...
 
     def estimate(self, tracked, others=()):  # noqa: ARG002
         return LightEstimate(

@@ -10,8 +10,8 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, pixels_by_pose, project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.edges.moved_views import moved_view, pose_cost, pose_offset
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.pixels.view import OVER_NOISE, View
 from tests.light.painted_scenes import BOX, direction, paint, tracked_frame
 from tests.light.synthetic_masks import camera_towards

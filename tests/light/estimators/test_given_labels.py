@@ -6,7 +6,7 @@ import pytest
 from ashe_live.bench.cases import read_cases
 from ashe_live.bench.light.truth import error_on_true_labels_deg
 from ashe_live.light.estimators.given_labels import directions_from_labels
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from tests.shared_data import shared_folder
 from tests.shipped_scenes import CASES, LIT
 

@@ -11,8 +11,8 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.light.estimators.preset import ACCURATE, BALANCED, FAST, PRESETS
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import ACCURATE, BALANCED, FAST, PRESETS
 from ashe_live.light.explanation.no_answer import DOES_NOT_FIT, OTHER_SIZE
 from ashe_live.light.lamps.kinds import SUN
 from tests.light.painted_scenes import BOX, CYLINDER, Painted, paint
@@ -26,8 +26,8 @@ PAINTED = {"box": BOX, "cylinder": CYLINDER}
 LIGHTS = [(200.0, 40.0), (290.0, 25.0), (330.0, 65.0)]
 
 
-def estimated(scene: Painted, caster: Caster | None, steps=BALANCED) -> LightEstimate:
-    return ProxyEstimator(steps.with_caster(caster)).estimate(scene.tracked)
+def estimated(scene: Painted, caster: Caster | None, preset=BALANCED) -> LightEstimate:
+    return ProxyEstimator(preset.with_caster(caster)).estimate(scene.tracked)
 
 
 def error_deg(estimate: LightEstimate, scene: Painted) -> float:
@@ -86,10 +86,10 @@ def test_a_hull_of_the_same_corners_is_the_same_body() -> None:
 
 
 def test_all_fits_of_all_looks_know_the_body() -> None:
-    steps = ACCURATE.with_caster(KNOWN["box"])
-    assert [look.caster for look in steps.looks] == [KNOWN["box"]] * 2
-    assert {steps.first_fit.caster, steps.fine_fit.caster} == {KNOWN["box"]}
-    assert steps.with_caster(None) == ACCURATE
+    preset = ACCURATE.with_caster(KNOWN["box"])
+    assert [look.caster for look in preset.looks] == [KNOWN["box"]] * 2
+    assert {preset.first_fit.caster, preset.fine_fit.caster} == {KNOWN["box"]}
+    assert preset.with_caster(None) == ACCURATE
     assert all(preset.caster is None for preset in PRESETS.values())
 
 

@@ -8,12 +8,12 @@ import pytest
 
 from ashe_live.commands.flags.option_groups import LIGHTS
 from ashe_live.commands.flags.parser import build_parser
-from ashe_live.commands.flags.setup import light_steps
+from ashe_live.commands.flags.setup import light_preset
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Light, LightEstimate
+from ashe_live.light.estimators.preset import BALANCED, FAST, ProxyPreset
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import BALANCED, FAST, ProxySteps
 from ashe_live.light.lamps.kinds import KINDS, LAMP, SUN
 from tests.light.painted_scenes import BOX, CYLINDER, SHADOW_RATIO, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
@@ -87,13 +87,13 @@ def test_what_a_light_is_taken_for_can_be_chosen() -> None:
     assert math.degrees(angle_between(as_sun.to_light_marker, lamp_m)) > 6
 
 
-@pytest.mark.parametrize("steps", [BALANCED, replace(FAST, light=LAMP)], ids=["as a rule", "taken for a lamp"])
+@pytest.mark.parametrize("preset", [BALANCED, replace(FAST, light=LAMP)], ids=["as a rule", "taken for a lamp"])
 @pytest.mark.parametrize("lamp_m", EXTREME.values(), ids=EXTREME)
-def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...], steps: ProxySteps) -> None:
+def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...], preset: ProxyPreset) -> None:
     place = np.array(lamp_m)
     # Small where it is asked what is stated of a lamp at all, and not what the default preset finds.
-    size = (640, 480) if steps is BALANCED else (320, 240)
-    estimate = ProxyEstimator(steps).estimate(paint(BOX, lamp_m=place, size=size).tracked)
+    size = (640, 480) if preset is BALANCED else (320, 240)
+    estimate = ProxyEstimator(preset).estimate(paint(BOX, lamp_m=place, size=size).tracked)
     if estimate.light is None:
         assert estimate.reason
         return
@@ -107,10 +107,10 @@ def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...], s
 
 def test_what_a_command_or_a_program_asks_for_reaches_the_estimator() -> None:
     options = build_parser().parse_args(["estimate", "a.jpg", "--light", "sun"])
-    assert light_steps(options) == replace(BALANCED, light=SUN)
-    assert {choice: light_steps(build_parser().parse_args(["demo", "--light", choice])).light for choice in LIGHTS} == {
-        kind: kind for kind in KINDS
-    }
+    assert light_preset(options) == replace(BALANCED, light=SUN)
+    assert {
+        choice: light_preset(build_parser().parse_args(["demo", "--light", choice])).light for choice in LIGHTS
+    } == {kind: kind for kind in KINDS}
 
 
 def test_two_objects_tell_the_distance() -> None:

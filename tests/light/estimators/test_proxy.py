@@ -15,8 +15,8 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, rigid
 from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.estimators import proxy
+from ashe_live.light.estimators.preset import ACCURATE, BALANCED, FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import ACCURATE, BALANCED, FAST
 from ashe_live.light.explanation.judgement.judge import fitted_judge
 from ashe_live.light.explanation.no_answer import NEAR_OR_FAR
 from ashe_live.light.lamps.kinds import SUN
@@ -150,7 +150,7 @@ def test_looking_twice_in_the_same_way_tells_the_same() -> None:
 
 def test_a_second_look_finds_nothing_where_nothing_is() -> None:
     bare = paint().tracked
-    once, twice = (ProxyEstimator(steps).estimate(bare) for steps in (BALANCED, ACCURATE))
+    once, twice = (ProxyEstimator(preset).estimate(bare) for preset in (BALANCED, ACCURATE))
     assert once.light is twice.light is None
     assert twice.reason == once.reason
 

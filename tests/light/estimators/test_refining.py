@@ -5,8 +5,8 @@ import math
 import pytest
 
 from ashe_live.core.transforms import angle_between
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.estimators.refining import Refiner
-from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener

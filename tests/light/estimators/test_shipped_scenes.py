@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.transforms import angle_between, normalised
+from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.explanation.judgement.judge import likeliest_direction
 from ashe_live.light.lamps.kinds import SUN
 from tests.shipped_scenes import CASES, LIT

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Mask
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.ground.broad_areas import with_broad_areas
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.regions import region_of

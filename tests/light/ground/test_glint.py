@@ -9,7 +9,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, project
 from ashe_live.light.ground.glint import Glint, glint_in
 from ashe_live.light.ground.lit_ground import fit_lit_ground
-from ashe_live.light.ground.steps import GroundSteps
+from ashe_live.light.ground.preset import GroundPreset
 from ashe_live.light.pixels.view import View
 from tests.light.painted_scenes import tracked_frame
 from tests.light.synthetic_masks import camera_towards, direction
@@ -41,7 +41,7 @@ def view_of(image: Image) -> View:
 
 def found(image: Image) -> Glint | None:
     view = view_of(image)
-    ground = fit_lit_ground(view.image_bgr, view.is_ground, GroundSteps())
+    ground = fit_lit_ground(view.image_bgr, view.is_ground, GroundPreset())
     assert ground is not None
     return glint_in(view, ground)
 

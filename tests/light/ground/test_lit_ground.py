@@ -7,18 +7,18 @@ import pytest
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.light.ground.lit_ground import fit_lit_ground, ground_colours, lit_rgb, unlit_mask
-from ashe_live.light.ground.steps import GroundSteps
+from ashe_live.light.ground.preset import GroundPreset
 from ashe_live.light.pixels.log_colour import log_opponent
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, overlap, paint
 from tests.light.synthetic_masks import camera_towards
 
 SIZE = (320, 240)
 LEAST_PX = 40
-STEPS = GroundSteps()
+PRESET = GroundPreset()
 
 
 def unlit_of(image_bgr: Image, is_ground: Mask) -> Mask:
-    ground = fit_lit_ground(image_bgr, is_ground, STEPS)
+    ground = fit_lit_ground(image_bgr, is_ground, PRESET)
     assert ground is not None
     return unlit_mask(ground, is_ground, LEAST_PX)
 
@@ -71,7 +71,7 @@ def test_exposure_changes_little(ground):
 
 def test_the_palette_holds_the_ground_and_not_the_object():
     scene = paint(BOX, ground="checkered", size=SIZE)
-    ground = fit_lit_ground(scene.tracked.frame.image_bgr, scene.beside_sheet, STEPS)
+    ground = fit_lit_ground(scene.tracked.frame.image_bgr, scene.beside_sheet, PRESET)
     assert ground is not None
     np.testing.assert_allclose(ground.palette.weights.sum(), 1, atol=0.01)
     assert (np.linalg.eigvalsh(ground.palette.covariances) > 0).all()
@@ -85,7 +85,7 @@ def test_the_palette_holds_the_ground_and_not_the_object():
 def test_the_lit_grounds_colour_is_the_painted_one(ground):
     scene = paint(BOX, ground=ground, size=SIZE, noise_levels=0.5)
     empty = paint(ground=ground, size=SIZE, noise_levels=0.5)
-    fitted = fit_lit_ground(scene.tracked.frame.image_bgr, scene.beside_sheet, STEPS)
+    fitted = fit_lit_ground(scene.tracked.frame.image_bgr, scene.beside_sheet, PRESET)
     assert fitted is not None
     painted = LINEAR_FROM_SRGB_8BIT[empty.tracked.frame.image_bgr[empty.beside_sheet]].mean(axis=0)[::-1]
     np.testing.assert_allclose(lit_rgb(fitted), painted, rtol=0.1)
@@ -94,7 +94,7 @@ def test_the_lit_grounds_colour_is_the_painted_one(ground):
 def test_a_window_of_the_same_picture_has_the_same_colours():
     scene = paint(BOX, ground="striped", size=SIZE)
     image = scene.tracked.frame.image_bgr
-    ground = fit_lit_ground(image, scene.beside_sheet, STEPS)
+    ground = fit_lit_ground(image, scene.beside_sheet, PRESET)
     assert ground is not None
     window = np.s_[40:180, 100:300]
     inner = np.s_[4:-4, 4:-4]  # the window's own border is smoothed without its surroundings
@@ -105,7 +105,7 @@ def test_a_finer_picture_of_the_same_ground_has_the_same_colours():
     fine = paint(BOX, noise_levels=0.0)
     coarse_image = np.asarray(cv2.resize(fine.tracked.frame.image_bgr, SIZE, interpolation=cv2.INTER_AREA), np.uint8)
     is_ground = paint(BOX, size=SIZE).beside_sheet
-    ground = fit_lit_ground(coarse_image, is_ground, STEPS)
+    ground = fit_lit_ground(coarse_image, is_ground, PRESET)
     assert ground is not None
     colours = ground_colours(fine.tracked.frame.image_bgr, ground, np.s_[100:400, 40:600])
     coarse = np.asarray(cv2.resize(colours, (280, 150), interpolation=cv2.INTER_AREA))
@@ -132,25 +132,25 @@ FLAT = {level: np.full((*SIZE[::-1], 3), level, np.uint8) for level in (0, 1, 12
 @pytest.mark.parametrize("image", [*FLAT.values(), NOISE], ids=[*map(str, FLAT), "noise"])
 def test_pictures_of_nothing_hold_nothing(image):
     is_ground = np.ones(image.shape[:2], bool)
-    ground = fit_lit_ground(image, is_ground, STEPS)
+    ground = fit_lit_ground(image, is_ground, PRESET)
     assert ground is None or not unlit_mask(ground, is_ground, LEAST_PX).any()
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 2), (1, 500), (500, 1), (30, 40)])
 def test_too_little_ground_is_none(shape):
     image = np.full((*shape, 3), 90, np.uint8)
-    assert fit_lit_ground(image, np.zeros(shape, bool), STEPS) is None
+    assert fit_lit_ground(image, np.zeros(shape, bool), PRESET) is None
     if np.prod(shape) < 500:
-        assert fit_lit_ground(image, np.ones(shape, bool), STEPS) is None
+        assert fit_lit_ground(image, np.ones(shape, bool), PRESET) is None
 
 
 def test_the_same_picture_gives_the_same_bits():
     scene = paint(BOX, ground="bricks", size=SIZE)
     image, is_ground = scene.tracked.frame.image_bgr, scene.beside_sheet
-    first = fit_lit_ground(image, is_ground, STEPS)
+    first = fit_lit_ground(image, is_ground, PRESET)
     cv2.setRNGSeed(99)
     np.random.seed(99)  # noqa: NPY002 - the global generator on purpose
-    again = fit_lit_ground(image, is_ground, STEPS)
+    again = fit_lit_ground(image, is_ground, PRESET)
     assert first is not None
     assert again is not None
     np.testing.assert_array_equal(first.squared_distance, again.squared_distance)

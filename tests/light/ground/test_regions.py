@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.ground.lit_ground import ground_colours, with_on_plane, with_unlit_on_average
 from ashe_live.light.ground.regions import BEFORE, region_with_on_plane, unlit_regions
 from ashe_live.light.pixels.areas import grown

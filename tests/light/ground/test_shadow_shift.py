@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.shadow_shift import (
     SHIFT_NOISE,

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from ashe_live.light.ground.lit_ground import fit_lit_ground, ground_colours, unlit_mask
+from ashe_live.light.ground.preset import GroundPreset
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
-from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.mixtures import mixture_of, nearest_squared_distance
 
 SIZE = HEIGHT, WIDTH = 240, 320
@@ -72,7 +72,7 @@ def test_a_mirrored_lamp_is_nothing_that_stands_on_the_ground():
     image = np.clip(np.full((*SIZE, 3), 90.0) + noise + 130 * GLOW[..., None], 0, 255)
     image[60:110, 60:90] = (30, 60, 160)
     image = image.astype(np.uint8)
-    lit = fit_lit_ground(image, ALL, GroundSteps())
+    lit = fit_lit_ground(image, ALL, GroundPreset())
     unlit = unlit_mask(lit, ALL, 20)
     assert unlit[62:108, 62:88].mean() > 0.95
     assert unlit[:, 110:].mean() < 0.01

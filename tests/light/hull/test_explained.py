@@ -23,7 +23,6 @@ def test_it_explains_much_of_what_the_family_leaves(unexplained: int, by_hull: f
     body, dear = np.zeros(SHAPE, np.bool_), np.zeros(SHAPE, np.float32)
     body[:10, :10] = True
     dear[:10, :10].flat[:unexplained] = 10.0
-    nothing = np.zeros(SHAPE, np.float32)
     explanation = SimpleNamespace(each=[SimpleNamespace(predicted=Predicted(body, ~body & False))])
-    hull = SimpleNamespace(views=[SimpleNamespace(as_body=dear, as_shadow=nothing, as_lit=nothing)])
+    hull = SimpleNamespace(views=[SimpleNamespace(cost=lambda body, _shadow: float(dear[body].sum()))])
     assert explains_more(explanation, hull, SimpleNamespace(cost=by_hull)) == is_better

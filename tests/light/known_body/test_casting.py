@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.light.known_body.found_light import FoundLight, image_beside
-from ashe_live.light.known_body.lamps import _nearness, as_lamps
+from ashe_live.light.known_body.lamps import _ByEdges, _nearness, as_lamps
 from ashe_live.light.known_body.lights import _refitted
 from ashe_live.light.known_body.outline.fit import fitted
 from ashe_live.light.known_body.seen import Seen
@@ -59,7 +59,7 @@ def test_it_is_fitted_again_from_where_its_shadow_lies(seen: Seen, suns: list[Fo
 def test_a_lamp_is_told_beside_the_other_shadow(seen: Seen, suns: list[FoundLight]) -> None:
     first, second = suns
     beside_it, beside_what_is_stated = (
-        as_lamps(seen, [first, other], told=1)[0] for other in (second, stated_elsewhere(second))
+        as_lamps(seen, [first, other], decided=1)[0] for other in (second, stated_elsewhere(second))
     )
     assert beside_what_is_stated.light == pytest.approx(beside_it.light, abs=1e-9)
     assert beside_what_is_stated.covariance == pytest.approx(beside_it.covariance, abs=1e-12)
@@ -73,8 +73,8 @@ def test_the_open_sky_is_told_in_the_shadow_that_is_seen(seen: Seen, suns: list[
 
 def test_edges_that_no_lamp_throws_are_a_suns(seen: Seen, suns: list[FoundLight]) -> None:
     """A shadow that grows narrower with height, by eight standard deviations."""
-    light, covariance = np.append(suns[0].light[:3], -8.0), np.diag([1e-4, 1e-4, 1.0])
-    probability, nearness, variance = _nearness(seen, light, covariance, suns[1:])
-    assert probability == 1
-    assert nearness == 0
-    assert variance > 0
+    edges = _ByEdges(np.append(suns[0].light[:3], -8.0), np.diag([1e-4, 1e-4, 1.0]), has_folds=False)
+    nearness = _nearness(seen, edges, suns[1:])
+    assert nearness.sun == 1
+    assert nearness.mean == 0
+    assert nearness.variance > 0

@@ -1,6 +1,7 @@
 """Lights whose shadow the cube hides from the camera: told by its sides, less surely; and what no side tells."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -92,12 +93,12 @@ def test_a_second_shadow_is_found_though_stains_lead_the_map_away_from_it(monkey
     lights = sun(FROM_DEG + 110, 35, on_table=0.4), sun(FROM_DEG - 100, 40, on_table=0.15)
     nearby, calls = candidates._nearby, []
 
-    def led_away(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float, float]:
-        light, darkening, likelihood = nearby(seen, template, beside)
+    def led_away(seen: Seen, template: Float, beside: Evidence) -> candidates._Start:
+        start = nearby(seen, template, beside)
         calls.append(template)
         # Towards the camera, where the cube hides the shadow.
         behind = at_infinity(direction_from_angles(math.radians(FROM_DEG), math.radians(60))[None])[0]
-        return (light if len(beside.darkenings) == 0 else behind), darkening, likelihood
+        return start if len(beside.darkenings) == 0 else replace(start, light=behind)
 
     monkeypatch.setattr(candidates, "_nearby", led_away)
     answer = estimate(*lights)

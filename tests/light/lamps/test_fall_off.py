@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.ground.gloss import Gloss, mirrored_and_slopes
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.ground.slow_shading import log_irradiance

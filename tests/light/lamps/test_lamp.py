@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.explain import NearFit, Proposal, explained, explained_near
 from ashe_live.light.explanation.judgement.judge import fitted_judge
 from ashe_live.light.ground.shadow_shift import shadow_ratio

@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import angle_between, camera_centre, image_from_plane
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.ground.gloss import Gloss, mirrored
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.lamps.kinds import AUTO, SUN

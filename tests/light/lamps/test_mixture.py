@@ -5,7 +5,7 @@ import pytest
 
 from ashe_live.bench.metrics import tangent_offset
 from ashe_live.core.transforms import angle_between, radius_of_68_percent
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.ground.shadow_shift import shadow_ratio
 from ashe_live.light.labels.associate import Split
@@ -15,7 +15,7 @@ from ashe_live.light.lamps.kinds import AUTO
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_of
 from ashe_live.light.lamps.mixture import Mixture
 from ashe_live.light.lamps.place import Place
-from ashe_live.light.lamps.sources import SeenObject, Witnesses, place_by_the_rest
+from ashe_live.light.lamps.sources import PlaceEvidence, SeenObject, place_by_the_rest
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX
@@ -50,7 +50,7 @@ def test_two_places_have_the_mean_covariance_and_radius_of_samples_of_both() -> 
 
 
 @pytest.fixture(name="seen", scope="module")
-def seen_by_a_lamp() -> Witnesses:
+def seen_by_a_lamp() -> PlaceEvidence:
     here = painted_region(BOX, lamp_m=LAMP_M)
     (rough,) = explained([Proposal(here.region, here.materials, Split(here.body, here.shadow))], BALANCED.fine_fit)
     assert rough is not None
@@ -59,12 +59,12 @@ def seen_by_a_lamp() -> Witnesses:
     assert ground is not None
     fall_off = FallOff.of(coarse, ground, clear_of(here.unlit))
     assert fall_off is not None
-    return Witnesses(
+    return PlaceEvidence(
         [SeenObject(rough, 0.5, 1e-3 * np.eye(2), 1.0)], [shadow_ratio(here.ground, here.true_shift)], fall_off
     )
 
 
-def test_the_ground_tells_where_a_lamp_is_whatever_a_wrong_shadow_told(seen: Witnesses) -> None:
+def test_the_ground_tells_where_a_lamp_is_whatever_a_wrong_shadow_told(seen: PlaceEvidence) -> None:
     lamp = np.array(LAMP_M)
     true = np.append(lamp[:2], 1.0) / lamp[2]
     found = []
@@ -77,8 +77,8 @@ def test_the_ground_tells_where_a_lamp_is_whatever_a_wrong_shadow_told(seen: Wit
     assert max(np.degrees(angle_between(one, found[0])) for one in found) < 2
 
 
-def test_where_the_ground_is_not_seen_a_wrong_shadow_leaves_the_hemisphere(seen: Witnesses) -> None:
+def test_where_the_ground_is_not_seen_a_wrong_shadow_leaves_the_hemisphere(seen: PlaceEvidence) -> None:
     wrong = Place(np.array([0.5, 0.2, 1.5]), np.diag([1e3, 1e3, 10.0]))
-    found = place_by_the_rest(Witnesses(seen.objects, seen.ratios, None), wrong)
+    found = place_by_the_rest(PlaceEvidence(seen.objects, seen.ratios, None), wrong)
     np.testing.assert_allclose(found.mean, wrong.mean)
     assert 30 < np.degrees(radius_of_68_percent(found.lamp_covariance[:2, :2])) < 90

@@ -1,5 +1,7 @@
 """Two views of one scene agree on its plane, however the camera moved; a changed light, object or marker does not."""
 
+from functools import cache
+
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
@@ -15,13 +17,12 @@ from tests.light.synthetic_masks import camera_towards
 MUG = Caster("cylinder", at=(0.02, -0.13), width_m=0.07, height_m=0.1)
 
 
+@cache
 def seen(*casters, azimuth_deg=0.0, ground="checkered", light_deg=200.0, exposure=1.0, seed=0, **kwargs):
     """A picture from the side `azimuth_deg` of the first, drawn onto the plane."""
+    kwargs |= {"ground": ground, "azimuth_deg": light_deg, "exposure": exposure, "seed": seed}
     towards = camera_towards((0.02, 0.0), 0.6, 45.0, azimuth_deg)
-    scene = paint(
-        *casters, ground=ground, azimuth_deg=light_deg, exposure=exposure, seed=seed, T_cam_marker=towards, **kwargs
-    )
-    return PlanePicture.of(scene.tracked)
+    return PlanePicture.of(paint(*casters, T_cam_marker=towards, **kwargs).tracked)
 
 
 @pytest.mark.parametrize("ground", ["plain", "checkered", "bricks"])

@@ -16,11 +16,11 @@ from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, Trac
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator
-from ashe_live.light.estimators.steps import BALANCED, FAST, ProxySteps
+from ashe_live.light.estimators.preset import BALANCED, FAST, ProxyPreset
 from ashe_live.light.live import worker as worker_module
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.light.live.worker_process import Answer, WorkerFailure
-from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
+from ashe_live.light.paper.estimator import PaperEstimator, PaperParameters
 from tests.light.painted_scenes import BOX
 from tests.light.painted_scenes import paint as painted
 from tests.light.synthetic_masks import camera_towards
@@ -28,12 +28,12 @@ from tests.light.synthetic_masks import camera_towards
 PATIENCE_S = 60.0
 
 
-def quick(preset: ProxySteps = BALANCED) -> PaperEstimator:  # noqa: ARG001
-    return PaperEstimator(PaperSteps(size=(160, 120), grabcut_iterations=2))
+def quick(preset: ProxyPreset = BALANCED) -> PaperEstimator:  # noqa: ARG001
+    return PaperEstimator(PaperParameters(size=(160, 120), grabcut_iterations=2))
 
 
-def endless(preset: ProxySteps) -> PaperEstimator:  # noqa: ARG001
-    return PaperEstimator(PaperSteps(grabcut_iterations=10**6))
+def endless(preset: ProxyPreset) -> PaperEstimator:  # noqa: ARG001
+    return PaperEstimator(PaperParameters(grabcut_iterations=10**6))
 
 
 def children() -> set[int]:
@@ -215,7 +215,7 @@ class Telling:
 
     name = "telling"
 
-    def __init__(self, _preset: ProxySteps) -> None: ...
+    def __init__(self, _preset: ProxyPreset) -> None: ...
 
     def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:
         views = tracked.frame.index, *(other.frame.index for other in others)

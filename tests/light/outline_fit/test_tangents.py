@@ -36,14 +36,14 @@ def seen(scene: MaskedScene) -> tuple[Float, Outlines]:
 
 def test_they_meet_for_the_true_light_whatever_the_shape() -> None:
     P, outlines = seen(floating_scene())
-    gaps, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(LIGHT[None]))
+    gaps = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(LIGHT[None])).px
     assert (np.abs(gaps) < 0.6).all()
 
 
 def test_they_meet_for_the_true_lamp_and_not_for_a_sun_in_its_direction() -> None:
     P, outlines = seen(floating_scene(LAMP))
     sun = at_infinity((LAMP[:3] - (0.1, 0.0, 0.05))[None])
-    (gaps,), (wrong,) = (tangent_gaps(P, outlines.body, outlines.shadows[0], lights)[0] for lights in (LAMP[None], sun))
+    (gaps,), (wrong,) = (tangent_gaps(P, outlines.body, outlines.shadows[0], each).px for each in (LAMP[None], sun))
     assert (np.abs(gaps) < 0.6).all()
     assert np.abs(wrong).max() > 2.0
 
@@ -61,17 +61,16 @@ def test_they_find_the_lamp_of_a_known_height() -> None:
 def test_they_part_for_a_wrong_one(azimuth_deg: float) -> None:
     P, outlines = seen(floating_scene())
     wrong = direction(azimuth_deg, 40.0)
-    gaps, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(wrong[None]))
+    gaps = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(wrong[None])).px
     assert np.abs(gaps).max() > 3.0
 
 
 def test_their_derivatives_are_exact() -> None:
     P, outlines = seen(floating_scene())
     at = np.array([[-1.0, 0.9, 1.0, 0.0], [-0.7, 0.8, 1.0, 0.0], [-1.4, 1.5, 1.0, 0.5]])
-    _, by_light, _ = tangent_gaps(P, outlines.body, outlines.shadows[0], at)
+    by_light = tangent_gaps(P, outlines.body, outlines.shadows[0], at).by_light
     for axis, step in enumerate(1e-6 * np.eye(4)[:2]):
-        ahead, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], at + step)
-        back, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], at - step)
+        ahead, back = (tangent_gaps(P, outlines.body, outlines.shadows[0], each).px for each in (at + step, at - step))
         # The gaps' scale changes too, in proportion to the gap; that is left out of the derivative.
         assert np.allclose(by_light[..., axis], (ahead - back) / 2e-6, rtol=0.3, atol=2.0)
 
@@ -106,6 +105,6 @@ def test_a_light_behind_the_object_is_no_division_by_zero() -> None:
     P, outlines = seen(floating_scene())
     towards_centre = -np.linalg.inv(P[:, :3]) @ (0.0, 0.0, 1.0)
     light = at_infinity(towards_centre[None])
-    gaps, by_light, _ = tangent_gaps(P, outlines.body, outlines.shadows[0], light)
-    assert np.array_equal(gaps, np.zeros((1, 2)))
-    assert np.array_equal(by_light, np.zeros((1, 2, 2)))
+    gaps = tangent_gaps(P, outlines.body, outlines.shadows[0], light)
+    assert np.array_equal(gaps.px, np.zeros((1, 2)))
+    assert np.array_equal(gaps.by_light, np.zeros((1, 2, 2)))

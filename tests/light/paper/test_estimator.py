@@ -7,9 +7,9 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
+from ashe_live.light.paper.estimator import PaperEstimator, PaperParameters
 
-SMALL = PaperEstimator(PaperSteps(size=(160, 120), grabcut_iterations=2))
+SMALL = PaperEstimator(PaperParameters(size=(160, 120), grabcut_iterations=2))
 
 
 def overlap(a, b):

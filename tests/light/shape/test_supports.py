@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.shape.families import FAMILIES
-from ashe_live.light.shape.family import Family, batches_of, padded
+from ashe_live.light.shape.family import Family, Members, padded
 from ashe_live.light.shape.layout import Layout, light_parameters, nearness_of
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.supports import outline_points, outline_reaches, outline_supports
@@ -132,7 +132,7 @@ def test_outline_points_lie_on_the_outline_and_reach_as_far_as_it(name: str) -> 
 def test_parts_of_several_families_are_those_of_each() -> None:
     names = ["frustum", "box", "mug", "box", "pylon", "ell"]
     shapes = [member(name)[0] for name in names]
-    batches = batches_of([FAMILIES[name] for name in names], padded(shapes))
+    batches = Members([FAMILIES[name] for name in names], padded(shapes)).batches()
     assert sorted(row for batch in batches for row in batch.rows.tolist()) == list(range(len(names)))
     for batch in batches:
         for i, parts, slopes in zip(batch.rows.tolist(), batch.parts, batch.by_shape, strict=True):
@@ -149,7 +149,7 @@ def test_reaches_of_several_families_are_those_of_each() -> None:
     P_of_all, lights, directions = (
         np.repeat(one, len(families), axis=0) for one in (P[None], LIGHTS, DIRECTIONS.T[None])
     )
-    reach_px, by_theta = outline_reaches(families, padded(shapes), P_of_all, lights, directions)
+    reach_px, by_theta = outline_reaches(Members(families, padded(shapes)), P_of_all, lights, directions)
     for i, (family, shape) in enumerate(zip(families, shapes, strict=True)):
         parts, by_shape = family.parts(shape[None])
         alone = outline_supports(P[None], parts, LIGHTS, DIRECTIONS.T[None])

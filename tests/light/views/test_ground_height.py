@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ import pytest
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.views.ground_height import height_above_ground, seen_from_ground, seen_from_marker
 from tests.light.painted_scenes import BOX, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
@@ -18,13 +19,16 @@ from tests.light.synthetic_masks import camera_towards, direction
 CARD_M = 0.004
 
 
+@cache
+def painted(heading_deg: float, casters: tuple[Caster, ...], ground: str) -> TrackedFrame:
+    return paint(*casters, ground=ground, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading_deg)).tracked
+
+
 def painted_from(
     *headings_deg: float, card_m: float = 0.0, casters: tuple[Caster, ...] = (BOX,), ground: str = "bricks"
 ) -> list[TrackedFrame]:
     """Frames of a box on the ground, with poses of a marker that lies so far above it."""
-    poses = [camera_towards((0.06, 0.0), 0.5, 45.0, heading) for heading in headings_deg]
-    frames = [paint(*casters, ground=ground, T_cam_marker=pose).tracked for pose in poses]
-    return [seen_from_ground(each, -card_m) for each in frames]
+    return [seen_from_ground(painted(heading, casters, ground), -card_m) for heading in headings_deg]
 
 
 @pytest.mark.parametrize("card_m", [CARD_M, 0.007])

@@ -11,7 +11,7 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
-from ashe_live.tracking.cube.folding import FOLDED_RMS, SHIFT_SIGMA, TURN_SIGMA, Folding
+from ashe_live.tracking.cube.folding import OF_FOLDED_CUBE, SHIFT_SIGMA, TURN_SIGMA, Folding
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
@@ -70,7 +70,7 @@ def sightings_of(folding: Folding, squares: dict[int, FittedSquare]) -> dict[int
 
 def pose_of(folding: Folding, squares: dict[int, FittedSquare]) -> MarkerPose:
     sightings = list(sightings_of(folding, squares).values())
-    pose = pose_of_squares(sightings, CAMERA, EDGE_M, most_rms=FOLDED_RMS)
+    pose = pose_of_squares(sightings, CAMERA, EDGE_M, tolerance=OF_FOLDED_CUBE)
     assert pose is not None
     return pose
 

@@ -9,7 +9,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.drawing.steps_sheet import steps_sheet
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.pixels.view import View

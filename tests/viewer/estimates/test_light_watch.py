@@ -11,7 +11,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, direction_from_angles
 from ashe_live.core.types import Frame, TrackedFrame
-from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED

@@ -26,7 +26,7 @@ EXPLAINED, DEEP = 0.0, 0.7
 FLAT = 0.7  # log of breadth over height above which a body counts as flat
 # A strongly lit object may show no shading in the picture: where it is overexposed, translucent or painted.
 LEAST_CONTRAST = -0.5
-LEAST_STEP_COST = 0.1  # outlines with lower costs than this are not told apart
+LEAST_STEP_COST = 0.1  # lower costs of outlines than this count as equal
 # Sine of a light's elevation below which level ground receives so little of it that a clear shadow is hardly its own.
 LOW_SINE = 0.3
 FEWEST_SHADED = 15  # pixels inside a shadow that are needed to measure its evenness

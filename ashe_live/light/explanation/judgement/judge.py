@@ -18,7 +18,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import ALONE, Company, company_features
+from ashe_live.light.explanation.judgement.context import NO_CONTEXT, Context, context_features
 from ashe_live.light.explanation.judgement.evidence import appearance, evidence
 from ashe_live.light.explanation.judgement.judge_tables import Average, Tables, read_tables
 from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines
@@ -62,9 +62,9 @@ class Judge:
         """Log odds, before any fit, that the right light follows from a split; larger is likelier."""
         return self.tables.split.log_odds(split_features(region, materials, split))
 
-    def log_odds(self, explanation: Explanation, company: Company = ALONE) -> float:
+    def log_odds(self, explanation: Explanation, context: Context = NO_CONTEXT) -> float:
         """Log odds that the explanation is right, its direction within GOOD_RAD, rather than none of those tried."""
-        return self.log_odds_of(explanation_features(explanation, company))
+        return self.log_odds_of(explanation_features(explanation, context))
 
     def log_odds_of(self, features: Mapping[str, float]) -> float:
         """As `log_odds`, of an explanation with these features."""
@@ -161,11 +161,11 @@ def split_features(region: Region, materials: Materials, split: Split) -> Mappin
     return appearance(region, materials, Predicted(split.object_mask, doubtful))
 
 
-def explanation_features(explanation: Explanation, company: Company = ALONE) -> Mapping[str, float]:
-    """The features of an explanation: its `evidence`, how well it constrains the direction, and its company's."""
+def explanation_features(explanation: Explanation, context: Context = NO_CONTEXT) -> Mapping[str, float]:
+    """The features of an explanation: its `evidence`, how well it constrains the direction, and its context's."""
     is_good = min(probability_of_good(covariance_of_outlines(light.covariance_rad2)) for light in explanation.lights)
     constrained = math.log(max(is_good, LEAST_GOOD))
-    return {**evidence(explanation), "constrained": constrained, **company_features(explanation, company)}
+    return {**evidence(explanation), "constrained": constrained, **context_features(explanation, context)}
 
 
 def probability_of_good(covariance_rad2: Float) -> float:

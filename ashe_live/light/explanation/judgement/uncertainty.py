@@ -1,4 +1,4 @@
-"""The uncertainty of a direction beyond its outlines': pose, focal length, systematic errors, and low confidence."""
+"""The covariance of a direction by all causes: outlines, pose, focal length, systematic errors, low confidence."""
 
 import math
 from dataclasses import dataclass

@@ -9,13 +9,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.explain import Proposal, aligned_explanations, proposal_by
+from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_by
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.second_light import LEAST_CLARITY, NEAR_RAD
 from ashe_live.light.explanation.searches.shadow_search import shadow_candidates
 from ashe_live.light.labels.materials import materials_of
-from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.light_points import NO_LIGHTS
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
@@ -62,9 +61,9 @@ def _clear_objects(judged: Sequence[Explanation], log_odds: Callable[[Explanatio
     return found[:BODIES]
 
 
-def _starts(one: Explanation, view: SceneView, region_px: int) -> list[tuple[Proposal, Sequence[LitBody], Sight]]:
-    """The object of `one` with each candidate for its shadow, to be aligned."""
-    starts: list[tuple[Proposal, Sequence[LitBody], Sight]] = []
+def _starts(one: Explanation, view: SceneView, region_px: int) -> list[FittedProposal]:
+    """The object of `one` with each candidate for its shadow."""
+    starts: list[FittedProposal] = []
     for candidate in shadow_candidates(one.proxy, NO_LIGHTS, view.coarse, view.ground, TRIED):
         shift = candidate.shift(view.ground)
         if shift is not None:
@@ -72,7 +71,7 @@ def _starts(one: Explanation, view: SceneView, region_px: int) -> list[tuple[Pro
             region = candidate.region(start, view, region_px)
             masks = predicted(one.proxy, start.lights, region.view)
             proposal = proposal_by(masks, region, materials_of(region, view.ground, shift))
-            starts.append((proposal, [start], Sight.of(region.view)))
+            starts.append(FittedProposal(proposal, [start], Sight.of(region.view)))
     return starts
 
 

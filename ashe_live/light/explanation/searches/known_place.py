@@ -13,7 +13,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import raycast_to_plane
-from ashe_live.light.explanation.explain import Proposal, aligned_explanations, proposal_by
+from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_by
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
 from ashe_live.light.explanation.scene_view import SceneView
@@ -179,13 +179,12 @@ def _agreement(one: PlacedBody) -> float:
     return sum(float(look[seen].mean()) for mask, look in looks if (seen := mask & region.is_ground).any())
 
 
-def _start(
-    lit: LitBody, hint: Hint, view: SceneView, region_px: int
-) -> tuple[Proposal, Sequence[LitBody], Sight] | None:
+def _start(lit: LitBody, hint: Hint, view: SceneView, region_px: int) -> FittedProposal | None:
     """The body as the start of an alignment, in a region of its own; None where it is not in view."""
     seen = predicted(lit.body.proxy, lit.lights, view.coarse).whole & view.coarse.is_ground
     if not seen.any():
         return None
     region = view.region(seen, region_px)
     masks = predicted(lit.body.proxy, lit.lights, region.view)
-    return proposal_by(masks, region, materials_of(region, view.ground, hint.shift)), [lit], Sight.of(region.view)
+    proposal = proposal_by(masks, region, materials_of(region, view.ground, hint.shift))
+    return FittedProposal(proposal, [lit], Sight.of(region.view))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
-from ashe_live.light.explanation.explain import aligned_explanations, explanation_criterion, proposal_by
+from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, explanation_criterion, proposal_by
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.shadow_search import ShadowCandidate, shadow_candidates
@@ -91,7 +91,7 @@ def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region
     assert proposal.as_object is not None
     if not are_two_shadows(proposal.split.parts):
         return None
-    (both,) = aligned_explanations([(proposal, [start], Sight.of(region.view))])
+    (both,) = aligned_explanations([FittedProposal(proposal, [start], Sight.of(region.view))])
     if both is None or both.alignment.clear_shadows[second] < LEAST_CLARITY:
         return None
     costs = Costs(region, materials, proposal.as_object)

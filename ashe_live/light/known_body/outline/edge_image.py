@@ -7,7 +7,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.profiles import Profiles
 from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.table import height_of, height_px
+from ashe_live.light.known_body.table import height_px
 from ashe_live.light.pixels.view import View
 
 
@@ -23,7 +23,7 @@ class EdgeImage:
     @property
     def height_m(self) -> float:
         """Of the body."""
-        return height_of(self.body)
+        return self.body.height_m
 
     @property
     def height_px(self) -> float:

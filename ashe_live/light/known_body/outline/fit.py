@@ -34,7 +34,7 @@ class EdgeFit:
 
     light: Float  # (4,) homogeneous, z = 1, marker frame
     covariance: Float  # (p, p) of s = (x, y) / z, and of the nearness w / z where that was fitted
-    size_rad: float | None  # the light's angular diameter; None: no wider than the picture's blur tells
+    size_rad: float | None  # the light's angular diameter; None: its penumbra does not exceed the picture's blur
     misfit_px: float  # root mean square distance of the edges, robust
     misfit_share: float  # the same over how far they were looked for
     clear: float  # of the outline's points that could be seen, the part with a step as deep as the shadow
@@ -100,8 +100,9 @@ def windows_px(edges: ShadowEdges, blur_px2: float, size_rad: float, height_px: 
 def prior_of(light: Float, height: float, with_nearness: bool) -> tuple[Float, Float]:
     """(p,) mean and (p, p) information of a light's parameters before its edges are seen, by the start `light` (4,).
 
-    In units of the residuals' weights. Where an edge is hidden, what it would tell stays as it was found. A start tells
-    where the shadow of something `height` high ends, s / (1 - height w / z), but not what of that is nearness.
+    In units of the residuals' weights. Where an edge is hidden, what it would determine stays as it was found. A start
+    determines where the shadow of something `height` high ends, s / (1 - height w / z), but not what of that is
+    nearness.
     """
     end = light[:2] / (1 - height * light[3])
     sigma = (LAMP_START_SIGMA if with_nearness else START_SIGMA) * (1 + float(np.hypot(*end)))
@@ -131,10 +132,10 @@ def moved(light: Float, step: Float, height: float) -> Float:
     return there
 
 
-def telling_sides(profiles: Profiles, weight: Float, darkening: float, with_nearness: bool) -> Mask:
-    """(m,) which sides of an outline tell where it lies, by the weights (n,) of its points.
+def informative_sides(profiles: Profiles, weight: Float, darkening: float, with_nearness: bool) -> Mask:
+    """(m,) which sides of an outline are evidence on where it lies, by the weights (n,) of its points.
 
-    One that shows an edge in few places, by chance or by its neighbours', may lead a fit but tells nothing.
+    One that shows an edge in few places, by chance or by its neighbours', may lead a fit but adds no information.
     """
     side, count = profiles.edges.side, len(profiles.edges.corners_px)
     shown = np.bincount(side, weight, count) >= LEAST_SHOWN * np.bincount(side, profiles.visible, count)
@@ -173,12 +174,15 @@ class _Round:
         profiles, weight, edges, J = self.profiles, self.weight, self.profiles.edges, self.J
         left_px = profiles.offset_px - self.moves_px
         variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
-        told = weight * telling_sides(profiles, weight, darkening, with_nearness=len(self.step) > 2)[edges.side]
-        inverse = np.linalg.inv((J.T * told) @ J + self.prior)
+        is_informative = informative_sides(profiles, weight, darkening, with_nearness=len(self.step) > 2)
+        informative = weight * is_informative[edges.side]
+        inverse = np.linalg.inv((J.T * informative) @ J + self.prior)
         # What the edges leave open is as open as before, however well they fit.
         by_prior = max(EDGE_SIGMA_PX**2 - variance, 0.0) * inverse @ self.prior @ inverse
         # Neighbouring points err alike, and whole sides do where stains, folds or the hidden sky's gradient shift them.
-        by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(len(edges.corners_px))[:, None]) * told) @ J @ inverse
+        by_sides = (
+            EDGE_SIGMA_PX * ((edges.side == np.arange(len(edges.corners_px))[:, None]) * informative) @ J @ inverse
+        )
         return EdgeFit(
             light,
             np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),

@@ -15,9 +15,9 @@ from ashe_live.light.known_body.outline.fit import (
     EDGE_SIGMA_PX,
     LEAST_SIGMA_PX,
     EdgeFit,
+    informative_sides,
     moved,
     prior_of,
-    telling_sides,
 )
 from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE
 
@@ -52,7 +52,7 @@ def beside_folds(
     left_px, variance = profiles.offset_px, EDGE_SIGMA_PX**2
     for number in range(ROUNDS):
         weight = profiles.weights(darkening, EARLY_LOSS if number == 0 else 1.0, left_px)
-        weight = weight * telling_sides(profiles, weight, darkening, with_nearness)[edges.side]
+        weight = weight * informative_sides(profiles, weight, darkening, with_nearness)[edges.side]
         weighted = J.T * (weight / (POINTS_A_SAMPLE * variance))
         wanted = np.column_stack([weighted @ profiles.offset_px + to_start, of_lights])
         step, *by_lights = np.linalg.solve(weighted @ J + prior, wanted).T

@@ -45,7 +45,7 @@ def with_edges(
     """A probability of a direction, after a look at the edges that its shadow should have.
 
     step: part of the table's light that the shadow lacks. One paler than `palest` is none, and of one paler than `pale`
-    the edges only speak against it, as stains have edges, too. most: log odds that edges may have.
+    the edges only count against it, as stains have edges, too. most: log odds that edges may have.
     """
     if step <= palest:
         return 0.0

@@ -92,11 +92,11 @@ class Profiles:
         # Near a corner the neighbouring edge bends the half light.
         straight = np.clip(self.edges.to_corner_px / np.maximum(0.7 * self.reach_px, 1e-9), 0, 1) ** 2
         deep = np.clip(self.step / max(darkening, 1e-6), 0, 1) ** 2
-        told = straight * deep * self.window**2
-        return np.asarray(self.are_steps(darkening) * told / (1 + (left_px / scale) ** 2))
+        quality = straight * deep * self.window**2
+        return np.asarray(self.are_steps(darkening) * quality / (1 + (left_px / scale) ** 2))
 
     def widths(self, weight: Float) -> tuple[float, float]:
-        """The variance of the picture's blur, px^2, and the light's angular diameter, 0 where it is not told.
+        """The variance of the picture's blur, px^2, and the light's angular diameter, 0 where blur alone explains it.
 
         A penumbra widens with the height that casts it, blur does not: a weighted linear regression of variances.
         """

@@ -8,8 +8,8 @@ from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float32, Mask, upper_median
 AROUND_PX = 5  # width of the squares over which light is averaged
 # Robust scatter of pixels around these means, over the lit table's light, from which on a table is rough: of 42
 # path-traced pictures those of gravel have 0.09 to 0.27, of a print in two tones 0.08 to 0.10, others 0.07 at most, and
-# painted stripes and checks of more than a centimetre 0.08, which blur would only widen. And of how many rows one
-# tells it.
+# painted stripes and checks of more than a centimetre 0.08, which blur would only widen. And one of so many
+# rows is measured.
 ROUGH, EVERY = 0.085, 20
 # Standard deviation of the blur in which edges are looked for on a rough table: with twice as much cloudy skies on
 # gravel seem to have edges, too.

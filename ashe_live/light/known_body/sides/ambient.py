@@ -30,8 +30,8 @@ def sky_slope_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float, sky
     """(2, 3) slope of the sky's light along x and y, R, G, B, in units of all light on level ground.
 
     A facet with the normal n gets sky (1 + n_z) / 2 + n_x slope_x + n_y slope_y: spherical harmonics of the first
-    order, whose vertical part an even sky's hemisphere fixes (docs/maths, "Ambient"). Zeros where nothing tells the
-    level facet's light, which all others are compared with.
+    order, whose vertical part an even sky's hemisphere fixes (docs/maths, "Ambient"). Zeros where the level facet's
+    light, which all others are compared with, is unknown.
 
     dark_rgb: (l, 3) part of the table's light that each light gives. sky_rgb: (3,) the sky's.
     """
@@ -45,9 +45,9 @@ def sky_slope_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float, sky
         left = sides.residual - by_lights @ reached
         variance = sides.noise**2 + by_lights**2 @ sides.spread(points, reached) + (UNEVEN * sky) ** 2
         # Of a clipped side only a bound is known; what the level facet's own light leaves open, all sides share.
-        is_told = ~sides.is_clipped
-        across, shared = sides.normals[is_told, :2], sides.by_level[is_told]
-        weighted = np.linalg.solve(np.diag(variance[is_told]) + np.outer(shared, shared), across)
+        is_measured = ~sides.is_clipped
+        across, shared = sides.normals[is_measured, :2], sides.by_level[is_measured]
+        weighted = np.linalg.solve(np.diag(variance[is_measured]) + np.outer(shared, shared), across)
         information = across.T @ weighted + np.eye(2) / (SLOPE * sky) ** 2
-        slope[:, channel] = np.linalg.solve(information, weighted.T @ left[is_told])
+        slope[:, channel] = np.linalg.solve(information, weighted.T @ left[is_measured])
     return slope.clip(-0.5 * sky_rgb, 0.5 * sky_rgb)

@@ -6,7 +6,7 @@ from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.sides.facets import NORMALS, Facets
 from ashe_live.light.known_body.sides.shading import PAPER
-from ashe_live.light.known_body.table import SIDE, cell_m, height_of, places
+from ashe_live.light.known_body.table import SIDE, cell_m, places
 
 # Of what falls on a printed face, over what white paper sends back of it: about 0.37 of the cube's faces is ink.
 WHITE_SHARE = 0.63
@@ -32,14 +32,14 @@ def form_factors(body: Proxy) -> Float32:
         out, wide = float((from_foot @ normal[:2]).max()), from_foot @ across[:2]
         before = np.flatnonzero(middle @ normal > out + 0.25 * cell_m(body))
         ends = [out * normal + side * across for side in (wide.min(), wide.max())]
-        up = np.array((0.0, 0.0, height_of(body)))
+        up = np.array((0.0, 0.0, body.height_m))
         corners = [ends[0], ends[1], ends[1] + up, ends[0] + up]
         rays = [corner - middle[before] for corner in corners]
         total = np.zeros(len(before))
         for one, other in zip(rays, [*rays[1:], rays[0]], strict=True):
             crossed = np.cross(one, other)
             sine, cosine = np.linalg.norm(crossed, axis=1), (one * other).sum(axis=1)
-            total += np.arctan2(sine, cosine) * crossed[:, 2] / np.maximum(sine, LEAST_ANGLE * height_of(body) ** 2)
+            total += np.arctan2(sine, cosine) * crossed[:, 2] / np.maximum(sine, LEAST_ANGLE * body.height_m**2)
         factors[number, before] = np.abs(total) / (2 * np.pi)
     return factors.reshape(-1, SIDE, SIDE)
 

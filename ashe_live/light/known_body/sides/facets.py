@@ -40,7 +40,7 @@ class Facets:
     centres: Float  # (n, 3) metres
     is_clipped: Mask  # (n,) brighter than the picture shows
     width_px: Float  # (n,) of the narrowest strip of the picture that holds it
-    level_sigma: float = 0.0  # standard deviation of the logarithm of the level facet's light; inf: nothing tells it
+    level_sigma: float = 0.0  # standard deviation of the logarithm of the level facet's light; inf: it is unknown
 
 
 def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
@@ -78,17 +78,17 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
 def _with_level(normals: Float, light: Float, is_clipped: Mask, widths: Float, inks: Float) -> tuple[Float, float]:
     """The facets' light (n, 3), that of a clipped level one by its ink (n,), and how well that is determined.
 
-    Its ink over a side's tells its light over the side's; and it is no darker than it looks.
+    The ratio of their inks is that of a level facet's light to a side's; and it is no darker than it looks.
     """
     level = np.flatnonzero(normals[:, 2] > 0.99)
     if not len(level) or not is_clipped[level[0]]:
         return light, 0.0 if len(level) else math.inf
     shows_ink = (widths > INK_PX) & (inks > LEAST_INK)
-    told = ~is_clipped & shows_ink
+    comparable = ~is_clipped & shows_ink
     logs = np.linspace(0.0, WITHIN_SIGMAS * OVER_SIGMA, STEPS)
     score = (logs / OVER_SIGMA) ** 2
-    if told.any() and shows_ink[level[0]]:
-        by_ink = np.log(light[told].mean(axis=1) * inks[level[0]] / inks[told]).mean()
+    if comparable.any() and shows_ink[level[0]]:
+        by_ink = np.log(light[comparable].mean(axis=1) * inks[level[0]] / inks[comparable]).mean()
         score += ((logs - float(by_ink - np.log(light[level[0]].mean()))) / INK_SIGMA) ** 2
     weight = np.exp(-0.5 * (score - score.min()))
     weight /= weight.sum()

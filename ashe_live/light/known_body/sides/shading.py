@@ -48,7 +48,7 @@ class Sides:
 
     @staticmethod
     def of(facets: Facets, from_table: Float, channels: Float) -> "Sides":
-        """No sides where the level facet's light is not told, which all others are compared with.
+        """No sides where the level facet's light, which all others are compared with, is unknown.
 
         from_table: (n, 3) what the table sends to each facet, in the picture's linear light. channels: (3,) weights of
         R, G, B.
@@ -67,7 +67,7 @@ class Sides:
         level_centre = facets.centres[level].mean(axis=0) if len(level) else np.zeros(3)
         clipped = facets.is_clipped[sides]
         by_level = relative * (facets.level_sigma if len(level) else 0.0)
-        # What is a bound only tells nothing of what is shared.
+        # What is a bound only is no information on what is shared.
         noise = np.hypot(noise, np.where(clipped, by_level, 0.0))
         by_level = np.where(clipped, 0.0, by_level)
         normals, centres = facets.normals[sides], facets.centres[sides]
@@ -110,8 +110,8 @@ class Sides:
         reached = self.reached(unit)
         given, there = darkening * (reached + even), self.residual + even
         sigma = np.sqrt(self.noise**2 + self.by_level**2 + darkening**2 * self.spread(unit, reached))
-        is_told = ~self.is_clipped & (given > DENIED_SIGMAS * sigma)
-        return bool(is_told.any() and (given - there > DENIED_SIGMAS * sigma)[is_told].all())
+        is_expected = ~self.is_clipped & (given > DENIED_SIGMAS * sigma)
+        return bool(is_expected.any() and (given - there > DENIED_SIGMAS * sigma)[is_expected].all())
 
     def variance(self, spread: Float, darkenings: Float) -> Float:
         """(k, m) of the residuals in m sets of l lights of `darkenings` (l, m); spread: (l, k, m) as by `spread`."""
@@ -129,10 +129,11 @@ class Sides:
             away = np.where(self.is_clipped[:, None], np.maximum(away, 0.0), away)
         by_sides = np.log(variance).sum(axis=0)
         if self.by_level.any():
-            weighed, most = self.by_level[:, None] / variance, self.level_information(variance)
-            together = (weighed * away).sum(axis=0) / most
-            away = away - self.by_level[:, None] * together
-            by_sides = by_sides + together**2 + np.log(most)
+            # The level facet's error, which all sides share, is marginalised out.
+            weighted, information = self.by_level[:, None] / variance, self.level_information(variance)
+            shared = (weighted * away).sum(axis=0) / information
+            away = away - self.by_level[:, None] * shared
+            by_sides = by_sides + shared**2 + np.log(information)
         sigmas_squared = np.minimum(away**2 / variance, MOST_SIGMAS**2)
         return np.asarray(-0.5 * (sigmas_squared.sum(axis=0) + by_sides))
 

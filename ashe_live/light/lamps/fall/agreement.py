@@ -1,8 +1,8 @@
 """Whether a direction agrees with how light is distributed over the ground: below a lamp, and on gloss in any light.
 
-The ground is brightest where a lamp stands, and where it would mirror a light, so that an uneven ground tells which way
-the light comes from before any object is looked at. What explains the picture by a light from elsewhere is then
-unlikely, however well it fits.
+The ground is brightest where a lamp stands, and where it would mirror a light, so that uneven light on the ground is
+evidence on its direction before any object is looked at. An explanation by a light from elsewhere is then unlikely,
+however well it fits.
 """
 
 import math
@@ -21,10 +21,10 @@ NEARNESSES = (0.6, 1.3, 2.7, 5.5)  # 1/m, equally likely of a lamp
 DIRECTIONS, LOWEST_Z = 40, 0.25  # of lamps, spread evenly over the hemisphere, without the lowest
 SUNS, LOWEST_SUN_Z = 60, 0.08  # the same of suns, which gloss mirrors lower
 SHARE = 0.8  # of the light that is the lamp's, where it is not known yet
-# Deviance of a ground that is lit alike all over, from which on its light tells a direction: chance exceeds it once in
-# a thousand, with a lamp's three parameters.
+# Deviance of a ground that is lit alike all over, from which on its light is evidence on a direction: chance exceeds it
+# once in a thousand, with a lamp's three parameters.
 UNEVEN_DEVIANCE = 16.3
-TELLING_DEVIANCE = 30.0  # of a sun, from which on the ground is taken to be lit by a lamp, and tells where from
+INFORMATIVE_DEVIANCE = 30.0  # of a sun, from which on the ground is taken to be lit by a lamp, and shows its direction
 # The fall of light counts as much less: what bends it, as walls do, turns its direction too.
 TEMPERING = 0.25
 MOST = 3.0  # of the log of a likelihood ratio, either way
@@ -39,8 +39,8 @@ EVERY = 4  # samples, of those that choose the gloss
 def with_gloss(fall_off: FallOff) -> FallOff:
     """With the gloss by which a sun explains the ground's brightness best, from wherever it shines; or as it is.
 
-    Where a lamp is likelier than any sun, with the gloss by which one explains it best: what a wrong light, or a dull
-    ground, cannot explain would tell another.
+    Where a lamp is likelier than any sun, with the gloss by which one explains it best: residuals of a wrong light, or
+    of a dull ground, would be fitted by another lamp.
     """
     some, suns = fall_off.every(EVERY), _suns()
     directions = FallDirections(some)
@@ -70,12 +70,12 @@ class FallDirections:
     def log_ratio(self, displacements: Float) -> float:
         """Log of how much likelier a light is that casts displacements (1 + k, 2) than one anywhere.
 
-        0 where neither gloss nor the fall of light tells. displacements: at the marker's centre, of a sun and of lamps
-        of each of NEARNESSES.
+        0 where neither gloss nor the fall of light is evidence. displacements: at the marker's centre, of a sun and of
+        lamps of each of NEARNESSES.
         """
         light, deviance = self.likeliest
         is_lamp = light[2] > 0
-        if deviance < (TELLING_DEVIANCE if is_lamp else UNEVEN_DEVIANCE):
+        if deviance < (INFORMATIVE_DEVIANCE if is_lamp else UNEVEN_DEVIANCE):
             return 0.0
         here = self._costs(np.column_stack([displacements, (0.0, *NEARNESSES)]))
         if is_lamp:

@@ -1,4 +1,4 @@
-"""How the light falls over the lit ground: it tells a lamp from a sun, and about how far the lamp is.
+"""How the light falls off over the lit ground, by which a lamp differs from a sun, and a near lamp from a far one.
 
 A lamp at (X, Y, Z) lights a point p of the plane by Z / |X - p|^3, which is (1 + |s - p w / z|^2)^(-3/2) in the
 light's parameters but for a factor; a sun lights all of it alike. A glossy ground mirrors either on top of that. What
@@ -31,7 +31,7 @@ BLOCK = 60_000  # samples times lights that are tried at once: what is computed 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pull:
-    """What the fall of light tells near some parameters of a light: a pull towards others, linearised there."""
+    """The log likelihood of a light by the fall of light, linearised about some parameters."""
 
     gradient: Float  # (3,) information times the offset of displacement and nearness
     information: Float  # (3, 3) on these, positive semi-definite
@@ -64,7 +64,7 @@ class FallOff:
     def pull(self, parameters: Float, shares: Sequence[float], reference: Float) -> Pull:
         """The pull on the first of l lights whose displacements and nearness are `parameters` (l, 3).
 
-        shares: each light's share of all light on the plane at `reference` (2,), as its shadow there tells.
+        shares: each light's share of all light on the plane at `reference` (2,), by its shadow there.
         """
         lit = partial(log_irradiance, self.samples.places, parameters, shares, reference)
         places, gloss = self.samples.places, self.gloss
@@ -73,25 +73,25 @@ class FallOff:
 
     def _pull(self, log_light: Float, slopes: Float) -> Pull:
         """As `pull`, by the log of all light (n,) and its slopes (n, 3)."""
-        rest = self.samples.brightness - log_light
-        gram = self.samples.gram(np.column_stack([slopes, self.samples.uneven, log_light, rest]))
-        tone, told = -2, -1
+        residual = self.samples.brightness - log_light
+        gram = self.samples.gram(np.column_stack([slopes, self.samples.uneven, log_light, residual]))
+        tone, rest = -2, -1  # columns of the log of all light, which a contrast multiplies, and of the residual
         # The contrast's offset from 1, fitted with its prior, then eliminated.
         stiff = gram[tone, tone] + 1 / CONTRAST**2
-        contrast = float(np.clip(1 + gram[tone, told] / stiff, LEAST_CONTRAST, MOST_CONTRAST))
+        contrast = float(np.clip(1 + gram[tone, rest] / stiff, LEAST_CONTRAST, MOST_CONTRAST))
         gram = gram - np.outer(gram[:, tone], gram[tone]) / stiff
-        gradient, information = contrast * gram[:3, told], contrast**2 * gram[:3, :3]
+        gradient, information = contrast * gram[:3, rest], contrast**2 * gram[:3, :3]
         through = contrast * gram[:3, 3 : 3 + len(WORST)] * WORST
         # The covariance of the gradient: noise, and the worst unevenness (a "sandwich", after Huber, 1967).
         spread = information + through @ through.T
         spread += (1e-9 * np.trace(spread) + 1e-12) * np.eye(3)
         trusted = information @ np.linalg.inv(spread)
-        told_of = trusted @ information
+        robust = trusted @ information
         uneven = slice(3, 3 + len(WORST))
         stiffness = gram[uneven, uneven] + np.diag(1 / WORST**2)
-        explained = float(gram[uneven, told] @ np.linalg.solve(stiffness, gram[uneven, told]))
-        cost = float(gram[told, told])
-        return Pull(trusted @ gradient, np.asarray(0.5 * (told_of + told_of.T)), cost, cost - explained)
+        explained = float(gram[uneven, rest] @ np.linalg.solve(stiffness, gram[uneven, rest]))
+        cost = float(gram[rest, rest])
+        return Pull(trusted @ gradient, np.asarray(0.5 * (robust + robust.T)), cost, cost - explained)
 
     def worst_costs(self, parameters: Float, share: float | Float, reference: Float) -> Float:
         """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), each of a share (n,), or all of one."""
@@ -116,15 +116,16 @@ class FallOff:
         weighted, explained = self.samples.weighted(lights)
         by_light = known.T @ weighted - known_explained.T @ explained
         square = (lights * weighted).sum(axis=0) - (explained**2).sum(axis=0)
-        uneven, told, with_told = slice(0, 5), 5, by_light[5]
+        uneven, bright = slice(0, 5), 5  # columns of `known`
+        with_brightness = by_light[bright]
         # As in `pull`: inner products of unevenness and contrast with one another, and with what the light leaves.
         columns = np.empty((lights.shape[1], 6, 7))
         columns[:, :5, :5] = among[uneven, uneven]
         columns[:, :5, 5] = columns[:, 5, :5] = by_light[uneven].T
         columns[:, 5, 5] = square
-        columns[:, :5, 6] = among[uneven, told] - by_light[uneven].T
-        columns[:, 5, 6] = with_told - square
-        cost = among[told, told] - 2 * with_told + square
+        columns[:, :5, 6] = among[uneven, bright] - by_light[uneven].T
+        columns[:, 5, 6] = with_brightness - square
+        cost = among[bright, bright] - 2 * with_brightness + square
         stiff = square + 1 / CONTRAST**2
         cost -= columns[:, 5, 6] ** 2 / stiff
         columns = columns - columns[:, :, 5:6] * columns[:, 5:6] / stiff[:, None, None]

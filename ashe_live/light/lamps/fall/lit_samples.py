@@ -3,8 +3,8 @@
 The picture's brightness also has the ground's paint and texture, vignetting, and what else is uneven. Vignetting and a
 little unevenness are fitted along (docs/maths, "The fall of light"). Paint and texture are noise that is correlated
 over their size. No colour has a level of its own: a plain ground's colours are the steps of its own brightness, and
-their levels would explain a lamp away. Areas that what is not lit divides have one, as what is beyond a table's end may
-be a floor; so do surfaces that an edge divides.
+their levels would absorb a lamp's fall. Lit areas that are not connected have one each, as what is beyond a table's end
+may be a floor; so do surfaces that an edge divides.
 """
 
 import math
@@ -25,8 +25,8 @@ from ashe_live.light.pixels.view import View
 BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
 AROUND_PX = 7  # side of the squares of which half has to be lit: what is narrower than half joins no two areas
 LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
-CLIPPED = 250  # value of the brightest channel from which on it tells nothing
-SAMPLES, FEWEST = 1500, 300  # pixels of lit ground: as many as are used, and as few as tell anything
+CLIPPED = 250  # value of the brightest channel from which on it is saturated
+SAMPLES, FEWEST = 1500, 300  # pixels of lit ground that are used, at most and at least
 CELLS = (12, 9)  # in which samples' errors may be correlated: texture is larger than a pixel
 # Sigmas of what is fitted along: vignetting at the picture's corner (of log brightness), the ground's own unevenness as
 # a gradient (1/m) and a curvature (1/m^2) of log irradiance, and the camera's contrast beside that of sRGB.

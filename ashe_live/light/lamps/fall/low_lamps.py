@@ -2,8 +2,8 @@
 
 Where such a lamp hardly reaches, the sky that an object hides at its own foot is darker than the shadow, and a shadow
 fades before it ends. An explanation that takes either for a shadow's end may fit well. But so near a lamp lights the
-ground as no other light does: within some centimetres its light falls to a tenth, and the spot tells where it stands
-to a centimetre or two. Where that is lower than the object's top, and not where the explanation has its light, there is
+ground as no other light does: within some centimetres its light falls to a tenth, and the spot locates it to a
+centimetre or two. Where that is lower than the object's top, and not where the explanation has its light, there is
 nothing to state, unless the explanation is surer than the ground: uneven paint may look like a spot as well.
 """
 
@@ -17,7 +17,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import logit
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.slow_shading import irradiances
-from ashe_live.light.lamps.fall.agreement import EVERY, TELLING_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
+from ashe_live.light.lamps.fall.agreement import EVERY, INFORMATIVE_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
 from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.hypotheses import NEARNESSES
@@ -52,7 +52,7 @@ def is_under_low_lamp(explanation: Explanation, confidence: float, view: View, g
         return False
     lights = np.vstack([lit.lights[:1], lit.first_light_near((0.0, *NEARNESSES))])
     parameters = np.column_stack([light_parameters(lights), nearness_of(lights)])
-    top_m = float(explanation.proxy.points_marker()[:, 2].max())
+    top_m = explanation.proxy.height_m
     return low_lamp_elsewhere(fall_off, top_m, parameters, logit(confidence))
 
 
@@ -74,7 +74,7 @@ def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float, log_odds:
     elsewhere = ELSEWHERE + 2 * math.log(max(len(low_lamps) * (SPACING / WIDTH) ** 2, 1.0))
     outweighed = elsewhere + max(2 * log_odds, 0.0)
     # What lamps of ordinary heights explain as well, as they do a table's slow shading, is no low lamp's spot.
-    is_spot = even - low > max(TELLING_DEVIANCE, deviance + elsewhere)
+    is_spot = even - low > max(INFORMATIVE_DEVIANCE, deviance + elsewhere)
     return is_spot and _least_cost(some, lights) - low > outweighed
 
 

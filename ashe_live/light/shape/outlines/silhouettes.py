@@ -85,25 +85,35 @@ def observe_outlines(
     doubt = _Doubt(truncation_mask(body.shape, unreliable), body_contour, margin)
     directions, owner = _directions(direction_count, body_contour, shadow_contours, doubt, size)
 
-    seen_body, least_of_body, most_of_body = _body_bounds(doubt, directions, owner, centre)
-    bounded = [
-        _shadow_bounds(contour, doubt, directions, owner == number, centre, most_of_body)
+    of_body = _body_bounds(doubt, directions, owner, centre)
+    of_shadows = [
+        _shadow_bounds(contour, doubt, directions, owner == number, centre, of_body.most_px)
         for number, contour in enumerate(shadow_contours, start=2)
     ]
-    least = np.stack([least_of_body, *(one[1] for one in bounded)])
-    most = np.stack([most_of_body, *(one[2] for one in bounded)])
+    least = np.stack([one.least_px for one in (of_body, *of_shadows)])
+    most = np.stack([one.most_px for one in (of_body, *of_shadows)])
     whole = np.full(len(directions), -np.inf), np.full(len(directions), np.inf)
     if whole_contour is not None:
         cut = values_at(whole_contour.hull_px, truncation_mask(body.shape, really_unreliable))
         whole = _bounds_of_whole(whole_contour.hull_px - centre, cut, directions, least, most)
     least, most = np.vstack([least, whole[0]]), np.vstack([most, whole[1]])
-    outlines = Outlines(directions, centre, size, seen_body, tuple(one[0] for one in bounded), least, most)
+    silhouettes = tuple(one.silhouette for one in of_shadows)
+    outlines = Outlines(directions, centre, size, of_body.silhouette, silhouettes, least, most)
     seen = outlines.seen.sum(axis=1)
     if seen[0] + seen[-1] < LEAST_SEEN_OF_BODY:
         return "too little of the object's outline can be seen"
     if (seen[1:-1] + seen[-1]).min() < LEAST_SEEN_OF_SHADOW:
         return "too little of the shadow's outline can be seen"
     return outlines
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Bounded:
+    """A silhouette with bounds on its reach along d directions."""
+
+    silhouette: Silhouette
+    least_px: Float  # (d,)
+    most_px: Float  # (d,)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,19 +147,17 @@ def _directions(
     return np.concatenate(blocks), np.repeat(np.arange(len(blocks)), [len(block) for block in blocks])
 
 
-def _body_bounds(
-    doubt: _Doubt, directions: Float, owner: NDArray[np.intp], centre_px: Float
-) -> tuple[Silhouette, Float, Float]:
-    """The body's silhouette, and (d,) lower and upper bounds of its reach along each direction."""
+def _body_bounds(doubt: _Doubt, directions: Float, owner: NDArray[np.intp], centre_px: Float) -> _Bounded:
+    """The body's, along directions (d, 2)."""
     points, cut = doubt.body.hull_px - centre_px, doubt.cuts(doubt.body.hull_px)
     reach = _reach(points, directions)
     most = np.where(_ends_at(cut, points, directions, TIE_PX) & (owner != 1), np.inf, reach)
-    return Silhouette(points, ~cut), reach, most
+    return _Bounded(Silhouette(points, ~cut), reach, most)
 
 
 def _shadow_bounds(
     contour: Contour, doubt: _Doubt, directions: Float, is_own: Mask, centre_px: Float, most_of_body: Float
-) -> tuple[Silhouette, Float, Float]:
+) -> _Bounded:
     """The same of a shadow; is_own: (d,) normals of its own straight edges, along which it is measured."""
     points = contour.hull_px - centre_px
     cut, hidden = doubt.cuts(contour.hull_px), doubt.hides(contour.hull_px)
@@ -157,7 +165,7 @@ def _shadow_bounds(
     # A shadow's hidden part cannot extend beyond the object's outline, which hides it.
     most = np.where(_ends_at(hidden, points, directions, 0.0), np.maximum(reach, most_of_body), reach)
     most = np.where(_ends_at(cut, points, directions, TIE_PX), np.inf, most)
-    return Silhouette(points, ~(cut | hidden)), reach, np.where(is_own, reach, most)
+    return _Bounded(Silhouette(points, ~(cut | hidden)), reach, np.where(is_own, reach, most))
 
 
 def _bounds_of_whole(points: Float, cut: Mask, directions: Float, least: Float, most: Float) -> tuple[Float, Float]:

@@ -12,7 +12,13 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, project
-from ashe_live.light.explanation.alignment import EARLY_LOSS_FACTOR, SEARCH_RANGES, Alignment, batches, measured
+from ashe_live.light.explanation.alignment import (
+    EARLY_LOSS_FACTOR,
+    SEARCH_RANGES,
+    Alignment,
+    grouped_by_lights,
+    measured,
+)
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.light_covariance import lights_of
@@ -74,7 +80,7 @@ def costs_of_views(explanation: Explanation) -> list[Costs]:
 def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation | None]:
     """Each body aligned with the borders in all its views; None where it is not in the first view."""
     found: list[JointExplanation | None] = [None] * len(several)
-    for members in batches(len(start.lit.lights) for start in several):
+    for members in grouped_by_lights(len(start.lit.lights) for start in several):
         for i, start in zip(members, _aligned([several[i] for i in members]), strict=True):
             found[i] = explained_where_it_stands(start)
     return found
@@ -114,7 +120,7 @@ def explained_where_it_stands(start: JointStart) -> JointExplanation | None:
         ground = costs.region.is_ground
         split = Split(seen.body & ground, seen.shadow & ground, None, seen.parts)
         each.append(Explanation(costs.region, costs.materials, split, alignment, lights, costs.as_object))
-    # One view tells how much the light depends on the family, until all views have chosen it.
+    # How much the light depends on the family is known from one view, until all views have chosen it.
     together = replace(each[0], bodies=start.origin.bodies)
     return JointExplanation(together, tuple(each[1:]), start.origin)
 
@@ -129,8 +135,8 @@ def views_cost(placed: Sequence[PlacedBody]) -> float:
     return pixels_cost(placed) + cost_of_moves(placed)
 
 
-def views_as_one(count: int) -> float:
-    """How many of so many views tell as much as one that shares no errors with the others."""
+def views_per_sample(count: int) -> float:
+    """The number of views over their effective sample size, as they share errors."""
     return 1 + SHARED * (count - 1)
 
 
@@ -210,7 +216,7 @@ def _together(alignments: Sequence[Alignment]) -> Alignment:
     normal = added_up(np.array([one.normal for one in alignments]), lit.body.family, lit.layout)
     return replace(
         first,
-        normal=normal / views_as_one(len(alignments)),
+        normal=normal / views_per_sample(len(alignments)),
         misfit_px=math.sqrt(float(np.mean(relative))) * first.placed.object_px,
         clear_body=float(np.mean([one.clear_body for one in alignments])),
         clear_shadow=float(np.mean([one.clear_shadow for one in alignments])),

@@ -7,7 +7,6 @@ apart on both sides of the truth.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from operator import itemgetter
 
 import numpy as np
 
@@ -69,8 +68,7 @@ def sharpened_families(
     aligned = [one for one in explained_in_views(starts) if one is not None]
     others = [sharpened_in_views(refined_by_all_tangents(one), sharpener) for one in aligned]
     several = [moved, *(replace(one, joint=replace(one.joint, bodies=explanation.joint.bodies)) for one in others)]
-    told = [(one.joint.criterion, one) for one in several if math.isfinite(one.joint.criterion)]
-    return [one for _, one in sorted(told, key=itemgetter(0))]
+    return sorted((one for one in several if math.isfinite(one.joint.criterion)), key=lambda one: one.joint.criterion)
 
 
 def with_average_light(

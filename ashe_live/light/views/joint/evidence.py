@@ -9,7 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import angle_between, view_direction
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import Company, company_features
+from ashe_live.light.explanation.judgement.context import Context, context_features
 from ashe_live.light.explanation.judgement.evidence import of_steps_and_families
 from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
@@ -21,6 +21,7 @@ from ashe_live.light.explanation.judgement.judge import (
 )
 from ashe_live.light.ground.lit_ground import OFF_PLANE
 from ashe_live.light.ground.regions import Region
+from ashe_live.light.labels.associate import distinct
 from ashe_live.light.pixels.areas import areas_by_size, grown
 from ashe_live.light.views.joint.aligned import JointExplanation
 from ashe_live.light.views.plane import where_in
@@ -45,29 +46,28 @@ ALIKE_SHARE = 0.3  # of a body's size: the most distance between the feet of two
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the largest angle between their lights
 
 
-def joint_features(explanation: JointExplanation, company: Company) -> Mapping[str, float]:
+def joint_features(explanation: JointExplanation, context: Context) -> Mapping[str, float]:
     """The features of an explanation of several views: the mean over the first JUDGED views of what each shows.
 
-    Each view is weighted by how much of body and shadow its picture shows. Steps of light are those of all views
-    together, and so is the covariance that tells how well the light is determined. company: what else the first view
-    shows, and what was found in any.
+    Each view is weighted by how much of body and shadow its picture shows. Steps of light and the light's covariance
+    are those of all views together. context: what else the first view shows, and what was found in any.
     """
     judged = explanation.each[:JUDGED]
     of_views = [explanation_features(each) for each in judged]
     weights = [max(share_seen(each), LEAST_SEEN) for each in judged]
     means = {name: float(np.average([each[name] for each in of_views], weights=weights)) for name in of_views[0]}
     joint = explanation.joint
-    return {**means, **of_steps_and_families(joint), **company_features(joint, company)}
+    return {**means, **of_steps_and_families(joint), **context_features(joint, context)}
 
 
-def joint_log_odds(explanation: JointExplanation, judge: Judge, company: Company) -> float:
+def joint_log_odds(explanation: JointExplanation, judge: Judge, context: Context) -> float:
     """Log odds that the explanation is right rather than none of those tried."""
     joint = explanation.joint
     shadow = joint.predicted.shadow & ~_hidden_elsewhere(explanation)
     support = joint_support(joint.region, joint.predicted.body, shadow)
-    # Labels tell about a body only as far as its picture shows it.
+    # Labels are evidence on a body only as far as its picture shows it.
     seen = float(np.mean([share_seen(each) for each in explanation.each]))
-    return judge.log_odds_of(joint_features(explanation, company)) + seen * support
+    return judge.log_odds_of(joint_features(explanation, context)) + seen * support
 
 
 def no_less_sure(
@@ -141,7 +141,7 @@ def _other_objects(explanation: Explanation) -> Mask:
 def plane_support(region: Region, body: Mask, shadow: Mask) -> float:
     """Log odds by which other views confirm that the shadow (h, w) lies on the plane and the body (h, w) does not.
 
-    For labels of one view. 0 where there are no other views, or they tell nothing.
+    For labels of one view. 0 where there are no other views, or these are no evidence.
     """
     return _support(_on_plane(region, shadow), _on_plane(region, body), MOST_AGAINST_ONE_VIEW)
 
@@ -175,11 +175,7 @@ def _on_plane(region: Region, mask: Mask, below: float = math.inf) -> float:
 
 def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:
     """The explanations in order, without those whose body and lights are like an earlier one's."""
-    kept: list[JointExplanation] = []
-    for one in several:
-        if not any(_are_alike(one, other) for other in kept):
-            kept.append(one)
-    return kept
+    return distinct(several, _are_alike)
 
 
 def _are_alike(one: JointExplanation, other: JointExplanation) -> bool:

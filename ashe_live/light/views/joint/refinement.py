@@ -16,8 +16,8 @@ from ashe_live.light.views.joint.aligned import (
     explained_in_views,
     explained_where_it_stands,
     pixels_cost,
-    views_as_one,
     views_cost,
+    views_per_sample,
 )
 
 
@@ -72,7 +72,7 @@ def sharpened_in_views(
     moved = explained_where_it_stands(JointStart(explanation.origin, best.lit, costs))
     if moved is None:
         return explanation
-    as_one, before = views_as_one(len(sharpener.pictures)), explanation.joint
+    as_one, before = views_per_sample(len(sharpener.pictures)), explanation.joint
     by_pixels = pixels_cost([each.alignment.placed for each in moved.each])
     joint = replace(
         moved.joint,

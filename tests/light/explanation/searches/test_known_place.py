@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.searches.known_place import Hint, explanations_by_place, hints_of

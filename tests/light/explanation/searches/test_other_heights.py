@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.searches.other_heights import with_other_heights

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 
 from ashe_live.core.transforms import angle_between
+from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.views.joint.aligned import JointStart, explained_in_views, turned_from

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import FittedLight

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Mask
+from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import FAST
-from ashe_live.light.explanation.judgement.company import ALONE, Company
+from ashe_live.light.explanation.judgement.context import NO_CONTEXT, Context
 from ashe_live.light.explanation.judgement.judge import best_direction, fitted_judge, probabilities_of
 from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.pixels.areas import grown
@@ -88,7 +88,7 @@ def test_what_another_object_hides_in_one_view_does_not_shear_in_the_other() -> 
             )
             for each, mask in ((here, end), (there, standing))
         ]
-        return joint_log_odds(JointExplanation(several[0], tuple(several), here), fitted_judge(), ALONE)
+        return joint_log_odds(JointExplanation(several[0], tuple(several), here), fitted_judge(), NO_CONTEXT)
 
     in_its_place, reaching_over = log_odds(end_there), log_odds(grown(end_there, 3) | beside)
     assert reaching_over > in_its_place + 0.5
@@ -102,10 +102,10 @@ def test_what_else_a_picture_shows_counts_with_several_views_too() -> None:
     found = in_each_view(trace.judged[int(np.argmax(trace.probabilities))])
     towards = found.joint.lights[0].to_light_marker[:2]
     confirmed, contradicted = (
-        joint_log_odds(found, fitted_judge(), Company(sheet=SheetShadow(0.05 * away, 0.8)))
+        joint_log_odds(found, fitted_judge(), Context(sheet=SheetShadow(0.05 * away, 0.8)))
         for away in (-towards, towards)
     )
-    assert contradicted + 0.5 < joint_log_odds(found, fitted_judge(), ALONE) < confirmed - 0.5
+    assert contradicted + 0.5 < joint_log_odds(found, fitted_judge(), NO_CONTEXT) < confirmed - 0.5
 
 
 def test_one_view_alone_supports_nothing() -> None:

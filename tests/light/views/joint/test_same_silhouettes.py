@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import normalised
+from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import FAST
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.views.joint.aligned import JointExplanation, JointStart, costs_of_views, explained_where_it_stands
 from ashe_live.light.views.joint.same_silhouettes import counted_once, show_the_same

@@ -1,4 +1,4 @@
-"""What else a picture shows in favour of an explanation's light.
+"""The context of an explanation: what else its picture shows in favour of its light.
 
 All objects of a picture stand in one light. If two objects were explained independently and agree about the light, that
 is an accident only if both err in the same way. The mirror image of a light in glossy ground, and the shadow of the
@@ -22,32 +22,32 @@ AGREEING_RAD = math.radians(10)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Company:
-    """What an explanation is judged beside."""
+class Context:
+    """What else a picture shows of its lights, beside the explanation that is judged."""
 
     others: Sequence[Explanation] = ()  # all that were tried on the picture, itself among them or not
     glint: Glint | None = None  # the mirror image of a light that the ground shows
     sheet: SheetShadow | None = None  # of the marker's own sheet
 
 
-ALONE = Company()
+NO_CONTEXT = Context()
 
 
-def company_features(explanation: Explanation, company: Company) -> dict[str, float]:
-    """The features of an explanation that depend on the others (docs/maths, "Evidence")."""
+def context_features(explanation: Explanation, context: Context) -> dict[str, float]:
+    """The features of an explanation that depend on its context (docs/maths, "Evidence")."""
     first = explanation.lights[0]
     agreeing = [
         min(other.alignment.clear_body, other.alignment.clear_shadow)
-        for other in company.others
+        for other in context.others
         if first.to_light_marker @ other.lights[0].to_light_marker > math.cos(AGREEING_RAD)
         and are_apart(explanation.proxy, other.proxy)
     ]
-    if company.glint is not None:
+    if context.glint is not None:
         # A lamp is elsewhere as seen from the glint than from the marker.
-        there = towards(first.light, np.append(company.glint.place_marker, 0.0))
-        if angle_between(there, company.glint.to_light_marker) < AGREEING_RAD:
+        there = towards(first.light, np.append(context.glint.place_marker, 0.0))
+        if angle_between(there, context.glint.to_light_marker) < AGREEING_RAD:
             agreeing.append(1.0)
-    by_sheet = 0.0 if company.sheet is None else company.sheet.log_odds(first.to_light_marker)
+    by_sheet = 0.0 if context.sheet is None else context.sheet.log_odds(first.to_light_marker)
     return {"agreeing": max(agreeing, default=0.0), "sheet": by_sheet}
 
 

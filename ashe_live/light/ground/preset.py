@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class GroundSteps:
+class GroundPreset:
     """How finely the ground is modelled."""
 
     spread_colours: int = 20  # clusters whose spread over the frame is measured

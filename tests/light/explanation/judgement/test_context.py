@@ -9,7 +9,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import AGREEING_RAD, ALONE, Company, company_features
+from ashe_live.light.explanation.judgement.context import AGREEING_RAD, NO_CONTEXT, Context, context_features
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.shape.body import LitBody
@@ -31,27 +31,27 @@ def glint_towards(to_light: Float, place_m: tuple[float, float] = (0.0, 0.0)) ->
     return Glint(np.zeros((2, 2), np.bool_), to_light, np.array(place_m))
 
 
-def agreeing(one: Explanation, company: Company) -> float:
-    return company_features(one, company)["agreeing"]
+def agreeing(one: Explanation, context: Context) -> float:
+    return context_features(one, context)["agreeing"]
 
 
 def test_another_body_in_the_same_light_agrees() -> None:
     one, other = explanation(), elsewhere(explanation(to_light=NEAR), 0.5)
     least = min(other.alignment.clear_body, other.alignment.clear_shadow)
-    assert agreeing(one, Company([one, other])) == least > 0
+    assert agreeing(one, Context([one, other])) == least > 0
 
 
 def test_the_same_body_does_not_nor_one_in_another_light() -> None:
     one = explanation()
-    assert agreeing(one, Company([one, explanation(to_light=NEAR)])) == 0
-    assert agreeing(one, Company([one, elsewhere(explanation(to_light=FAR), 0.5)])) == 0
-    assert agreeing(one, ALONE) == 0
+    assert agreeing(one, Context([one, explanation(to_light=NEAR)])) == 0
+    assert agreeing(one, Context([one, elsewhere(explanation(to_light=FAR), 0.5)])) == 0
+    assert agreeing(one, NO_CONTEXT) == 0
 
 
 def test_a_glint_agrees_as_far_as_an_answer_is_good() -> None:
     one = explanation()
-    assert agreeing(one, Company([one], glint_towards(NEAR))) == 1
-    assert agreeing(one, Company([one], glint_towards(FAR))) == 0
+    assert agreeing(one, Context([one], glint_towards(NEAR))) == 1
+    assert agreeing(one, Context([one], glint_towards(FAR))) == 0
     assert math.degrees(AGREEING_RAD) == pytest.approx(10)
 
 
@@ -60,8 +60,8 @@ def test_a_glint_of_a_lamp_agrees_as_the_lamp_is_seen_from_there() -> None:
     lamp_m, place_m = 0.5 * sun.to_light_marker, (0.3, -0.2)
     lamp = replace(one, lights=(replace(sun, light=np.append(sun.to_light_marker, 2.0)),))
     there = normalised(lamp_m - (*place_m, 0.0))
-    assert agreeing(lamp, Company([lamp], glint_towards(there, place_m))) == 1
-    assert agreeing(one, Company([one], glint_towards(there, place_m))) == 0
+    assert agreeing(lamp, Context([lamp], glint_towards(there, place_m))) == 1
+    assert agreeing(one, Context([one], glint_towards(there, place_m))) == 0
 
 
 def test_the_sheets_shadow_agrees_where_it_points_away_from_the_light() -> None:
@@ -69,8 +69,8 @@ def test_the_sheets_shadow_agrees_where_it_points_away_from_the_light() -> None:
     away = -0.05 * normalised(NEAR[:2])
 
     def of_sheet(away: Float) -> float:
-        return company_features(one, Company([one], sheet=SheetShadow(away, 0.8)))["sheet"]
+        return context_features(one, Context([one], sheet=SheetShadow(away, 0.8)))["sheet"]
 
     assert of_sheet(away) > 0.5
     assert of_sheet(-away) < -1
-    assert company_features(one, ALONE)["sheet"] == 0
+    assert context_features(one, NO_CONTEXT)["sheet"] == 0

@@ -8,12 +8,12 @@ from ashe_live.light.ground.lit_ground import with_on_plane
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 
-# Number of views that the plane is compared with, for the first view and for another: more repeat what these tell.
+# Number of views that the plane is compared with, for the first view and for another: more add hardly any evidence.
 COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
 
 
 def with_plane(views: Sequence[SceneView]) -> list[SceneView]:
-    """The views with what others tell about which of their pixels lie on the plane."""
+    """The views with the others' evidence on which of their pixels lie on the plane."""
     found, colours = [], [log_opponent(view.coarse.image_bgr) for view in views]
     for number, view in enumerate(views):
         others = [i for i in range(len(views)) if i != number]
@@ -25,5 +25,5 @@ def with_plane(views: Sequence[SceneView]) -> list[SceneView]:
 
 
 def without_plane(view: SceneView) -> SceneView:
-    """The view by itself, without what others tell about which of its pixels lie on the plane."""
+    """The view without the others' evidence on which of its pixels lie on the plane."""
     return replace(view, ground=replace(view.ground, on_plane=None))

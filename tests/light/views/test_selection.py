@@ -6,7 +6,7 @@ import math
 import pytest
 
 from ashe_live.core.transforms import view_direction
-from ashe_live.light.views.which import span_rad, usable
+from ashe_live.light.views.selection import span_rad, usable
 from tests.light.painted_scenes import paint
 from tests.light.synthetic_masks import camera_towards
 

@@ -3,16 +3,16 @@
 from dataclasses import dataclass, replace
 
 from ashe_live.core.caster import Caster
-from ashe_live.light.ground.steps import GroundSteps
+from ashe_live.light.ground.preset import GroundPreset
 from ashe_live.light.lamps.kinds import AUTO, KINDS
-from ashe_live.light.outline_fit import preset
+from ashe_live.light.outline_fit import preset as fitting
 from ashe_live.light.outline_fit.preset import FitPreset
 
-FIRST_FIT = preset.FAST  # of splits, where nothing is known of the object
+FIRST_FIT = fitting.FAST  # of splits, where nothing is known of the object
 
 
 @dataclass(frozen=True, slots=True)
-class ProxySteps:
+class ProxyPreset:
     """How much work the estimator spends: the counts and sizes that the presets differ in."""
 
     coarse_width_px: int  # at which the ground is modelled and unlit regions are found
@@ -22,19 +22,19 @@ class ProxySteps:
     shifts: int  # colour shifts of a shadow that are tried; as many narrower modes are found for pairs
     tried: int  # number of splits that are fitted, the best-looking
     refined: int  # number of fits that are relabelled and refitted, the likeliest
-    ground: GroundSteps
+    ground: GroundPreset
     fine_fit: FitPreset  # for refitting those; the first fit is the same in all presets, except for the caster
     views: int  # number of views that are used together, the frame's own included
     companions: int  # number of the other views that explanations are looked for in at most, as in the frame itself
     joint: int  # number of explanations that are aligned in all views, the likeliest
     light: str = AUTO  # one of KINDS: what kind of light is assumed
-    second_look: "ProxySteps | None" = None  # at the same picture at another scale, where it is the only view
+    second_look: "ProxyPreset | None" = None  # at the same picture at another scale, where it is the only view
 
     def __post_init__(self) -> None:
         if self.light not in KINDS:
             raise ValueError(f"light {self.light!r} is not one of {', '.join(KINDS)}")
 
-    def with_caster(self, caster: Caster | None) -> "ProxySteps":
+    def with_caster(self, caster: Caster | None) -> "ProxyPreset":
         """The same for pictures of one object whose shape and size are known; None for any object."""
         second_look = self.second_look and self.second_look.with_caster(caster)
         return replace(self, fine_fit=replace(self.fine_fit, caster=caster), second_look=second_look)
@@ -50,13 +50,13 @@ class ProxySteps:
         return replace(FIRST_FIT, caster=self.caster)
 
     @property
-    def looks(self) -> tuple["ProxySteps", ...]:
-        """The looks at a single picture, each with steps of its own, whose probabilities are averaged."""
+    def looks(self) -> tuple["ProxyPreset", ...]:
+        """The looks at a single picture, each with a preset of its own, whose probabilities are averaged."""
         further = self.second_look.looks if self.second_look else ()
         return replace(self, second_look=None), *further
 
 
-FAST = ProxySteps(
+FAST = ProxyPreset(
     coarse_width_px=240,
     fine_width_px=480,
     region_px=90,
@@ -64,13 +64,13 @@ FAST = ProxySteps(
     shifts=5,
     tried=6,
     refined=2,
-    ground=GroundSteps(12, 8, 1),
-    fine_fit=preset.FAST,
+    ground=GroundPreset(12, 8, 1),
+    fine_fit=fitting.FAST,
     views=4,
     companions=0,
     joint=2,
 )
-BALANCED = ProxySteps(
+BALANCED = ProxyPreset(
     coarse_width_px=320,
     fine_width_px=640,
     region_px=100,
@@ -78,8 +78,8 @@ BALANCED = ProxySteps(
     shifts=8,
     tried=10,
     refined=2,
-    ground=GroundSteps(),
-    fine_fit=preset.BALANCED,
+    ground=GroundPreset(),
+    fine_fit=fitting.BALANCED,
     views=8,
     companions=3,
     joint=3,
