@@ -133,11 +133,11 @@ def _said(record: FileRecord) -> str:
     if not estimate.lights:
         return f"no directional light ({estimate.reason})"
     milliseconds = (record.timing_ms or {}).get("total", 0.0)
-    where = f"frame {record.frame}"
+    where = "" if record.is_photo else f"frame {record.frame}, "
     if estimate.span_rad is not None:
-        where = f"{len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°"
+        where = f"{len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°, "
     lights = "; ".join(light.summary(decimals=1) for light in estimate.lights)
-    return f"{lights} ({where}, {milliseconds:.0f} ms)"
+    return f"{lights} ({where}{milliseconds:.0f} ms)"
 
 
 def _status(record: FileRecord) -> ExitStatus:

@@ -109,6 +109,7 @@ class FileEstimator:
                 camera_for = cameras.__getitem__ if is_known else self.camera_for
                 chosen = with_marker_in(source, options, self.followed)
                 tracker = make_tracker(chosen, camera_for, source=source)
+                record = dataclasses.replace(record, is_photo=source.is_photo)
                 seen = look_at(source, tracker, wanted)
         except UserError as error:
             return dataclasses.replace(record, error=printable(error)), None
