@@ -13,47 +13,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ashe_live.core.camera import read_camera_file
-from ashe_live.core.contract import light_by_hand_json
-from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.models.assembly.up import UPS
 from ashe_live.models.memory import ModelMemory
 from ashe_live.models.placement import PlacedModel, Placement
 from ashe_live.tracking.focal.focal import FocalEstimate
 from ashe_live.tracking.focal.focal_memory import FocalMemory
-from ashe_live.viewer.before_after import WHOLE
 from ashe_live.viewer.output.as_shown import read_as_shown
 from ashe_live.viewer.table.shelf import Shelf
 from tests.fuzz.damaged import files, is_refused
+from tests.fuzz.materials import SHOWN
 
 SIDE_M = 0.08
 CAMERA = {
     "size": [64, 48],
     "K": [[50.0, 0.0, 31.5], [0.0, 50.0, 23.5], [0.0, 0.0, 1.0]],
     "dist": [0.1, 0.0, 0.0, 0.0, 0.0],
-}
-LAMP = Light((0.2, -0.3, 0.7), shadow_rgb_ratio=(0.5, 0.4, 0.3), inverse_distance=2.5, radius_m=0.02)
-SHOWN = {
-    "schema": 1,
-    "shown": [
-        {
-            "frame": 3,
-            "models": [
-                {
-                    "model": "mug",
-                    "up": "y",
-                    "marker": None,
-                    "seat": 0,
-                    "scale": 1.5,
-                    "turn_rad": 0.7,
-                    "shift_m": [0.02, 0.0],
-                }
-            ],
-            "estimate": light_by_hand_json(Illumination((LAMP,), ambient_rgb_ratio=(0.5, 0.5, 0.5)), 3),
-            "parts": WHOLE,
-            "hides_marker": True,
-        }
-    ],
 }
 MOVED = Placement(1.5, 0.7, (0.02, -0.04))
 PLACES = {"mug": {"up": "z", "places": {"0": {"scale": 2.0, "turn_deg": 30.0, "shift_sides": [0.5, 1.0]}}}}
