@@ -105,8 +105,9 @@ def write_materials(folder: Path, film: Path, camera_file: Path) -> dict[str, Pa
     _film(materials["jumps-back.ts"], frames, "mpegts")
     materials["jumps-back.ts"].write_bytes(materials["jumps-back.ts"].read_bytes() * 2)
     _grow(materials["grows.mkv"], frames)
-    _write_odd_photos(materials, PIL.Image.fromarray(frames[0][:, :, ::-1]))
-    _write_odd_clips(materials, frames)
+    # Without a marker, as estimates of them all would take minutes.
+    _write_odd_photos(materials, PIL.Image.fromarray(blank))
+    _write_odd_clips(materials, [blank] * FRAMES)
     materials["shown.json"].write_text(json.dumps(SHOWN))
     write_png(materials["photo.png"], frames[0])
     cv2.imwrite(str(materials["photo.jpg"]), frames[0])
@@ -130,7 +131,8 @@ def _write_odd_photos(materials: dict[str, Path], photo: PIL.Image.Image) -> Non
     PIL.Image.fromarray(np.asarray(photo.convert("L")).astype(np.uint16) * 257).save(materials["deep.png"])
     photo.save(materials["moving.png"], save_all=True, append_images=[photo.rotate(5)])
     photo.save(materials["progressive.jpg"], progressive=True)
-    materials["progressive.jpg"].write_bytes(materials["progressive.jpg"].read_bytes()[:-2000])
+    whole = materials["progressive.jpg"].read_bytes()
+    materials["progressive.jpg"].write_bytes(whole[: len(whole) * 3 // 4])
     photo.convert("F").save(materials["float.tif"])
     exif = photo.getexif()
     exif[0x112] = 6
