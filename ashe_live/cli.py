@@ -23,7 +23,6 @@ ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     # What goes wrong is said by UserError, once, and not by libraries as well.
     "OPENCV_LOG_LEVEL": "SILENT",
-    "PYTHONWARNINGS": "ignore",
     # Also what libraries start must not run what lies in the current folder: glfw does at its import.
     "PYTHONSAFEPATH": "1",
 }
@@ -36,8 +35,11 @@ def main() -> None:
     for name, value in ENVIRONMENT.items():
         os.environ.setdefault(name, value)
     os.environ["LD_LIBRARY_PATH"] = safe_library_path()  # before OpenCV appends to it
-    if not sys.warnoptions:
-        warnings.simplefilter("ignore")
+    # As of OpenCV above. What is set for all of a person's Python programs is not meant for this one: pyrr cannot be
+    # compiled where its warnings are errors.
+    os.environ["PYTHONWARNINGS"] = "ignore"
+    sys.warnoptions.clear()  # which children would get as flags
+    warnings.simplefilter("ignore")
     try:
         status = run(sys.argv[1:], _interruptible)
     except SystemExit as end:  # argparse, after --help and wrong use

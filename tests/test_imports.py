@@ -23,7 +23,7 @@ ROOMS: dict[str, set[str]] = {
     "core": {"errors", "files"},
     "models": {"core", "errors", "files", "process"},
     "capture": {"core", "errors", "files", "process"},
-    "tracking": {"core", "errors", "files"},
+    "tracking": {"core", "errors", "files", "process"},
     "light": set(),
     "light.pixels": {"core"},
     "light.ground": {"core", "light.pixels"},

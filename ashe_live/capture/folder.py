@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ashe_live.capture.photo import SUFFIXES, looks_like_photo
 from ashe_live.errors import UserError
+from ashe_live.process.messages import listed
 
 NAMED = 3  # of the files that are passed over
 
@@ -28,7 +29,9 @@ def pictures_in(folder: Path, with_clips: bool) -> tuple[list[Path], str | None]
     for path in files:
         (pictures if _is_photo(path) or (with_clips and _is_named_as_clip(path)) else others).append(path)
     wanted = "photos or clips" if with_clips else "photos"
-    return pictures, f"{folder}: passed over, as not named as {wanted}: {_counted(others)}" if others else None
+    if not others:
+        return pictures, None
+    return pictures, f"{folder}: passed over, as not named as {wanted}: {listed((each.name for each in others), NAMED)}"
 
 
 def refuse_folder(path: Path) -> None:
@@ -62,9 +65,3 @@ def _is_photo(path: Path) -> bool:
 def _is_named_as_clip(path: Path) -> bool:
     # A GIF is read as a clip, which it may be.
     return path.suffix.lower() == ".gif" or (mimetypes.guess_type(path.name)[0] or "").startswith("video/")
-
-
-def _counted(paths: list[Path]) -> str:
-    names = [path.name for path in paths[:NAMED]]
-    more = len(paths) - len(names)
-    return ", ".join(names) + (f" and {more} more" if more else "")

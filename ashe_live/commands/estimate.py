@@ -19,7 +19,7 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_folder, check_outputs, make_folder
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.process.console import TerminalConsole
-from ashe_live.process.messages import printable, say, say_exactly, tell
+from ashe_live.process.messages import listed, printable, say, say_exactly, tell
 from ashe_live.process.signals import ended_by_signals
 
 PAGES = (".html", ".htm")
@@ -109,8 +109,7 @@ def _watched(paths: Sequence[Path]) -> Iterator[Path]:
 
 def _named(record: FileRecord) -> str:
     """The name of the file, or of all files that the answer rests on."""
-    files = list(dict.fromkeys(file for file, _ in record.places)) or [record.file]
-    return files[0] if len(files) == 1 else f"{', '.join(files[:-1])} and {files[-1]}"
+    return listed(dict.fromkeys(file for file, _ in record.places) or [record.file])
 
 
 def _line(record: FileRecord) -> str:
@@ -133,11 +132,11 @@ def _said(record: FileRecord) -> str:
     if not estimate.lights:
         return f"no directional light ({estimate.reason})"
     milliseconds = (record.timing_ms or {}).get("total", 0.0)
-    where = f"frame {record.frame}"
+    where = "" if record.is_photo else f"frame {record.frame}, "
     if estimate.span_rad is not None:
-        where = f"{len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°"
+        where = f"{len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°, "
     lights = "; ".join(light.summary(decimals=1) for light in estimate.lights)
-    return f"{lights} ({where}, {milliseconds:.0f} ms)"
+    return f"{lights} ({where}{milliseconds:.0f} ms)"
 
 
 def _status(record: FileRecord) -> ExitStatus:

@@ -152,6 +152,7 @@ class FileRecord:
     in_view: tuple[str, ...] = ()  # specs of other markers, if the one that was looked for is not found
     places: tuple[tuple[str, int], ...] = ()  # file and frame of each of the estimate's views, if of several files
     looked_for: str = ""  # spec of the marker; not part of the line
+    is_photo: bool = False  # whether `frame` is all that is in the file; not part of the line
     is_fault: bool = False  # whether the error is the program's own; not part of the line
 
     def to_json(self) -> Json:

@@ -7,6 +7,7 @@ break the line nor reach the terminal as a control sequence.
 import contextlib
 import re
 import sys
+from collections.abc import Iterable
 
 from ashe_live.errors import UserError
 
@@ -25,6 +26,14 @@ def printable(text: object, most: int = MOST_CHARACTERS) -> str:
     # characters.
     line = _cut(BREAK.sub(" ", _cut(str(text), 4 * most)).strip(), most)
     return _cut("".join(letter if letter.isprintable() else _escaped(letter) for letter in line), most)
+
+
+def listed(names: Iterable[str], most: int | None = None) -> str:
+    """Such as "clearcoat, sheen and volume"; of more than `most` names the first ones, and how many more there are."""
+    *others, last = names
+    if most is not None and len(others) >= most:
+        others, last = others[:most], f"{len(others) + 1 - most} more"
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def tell(text: object) -> None:

@@ -6,6 +6,7 @@ from ashe_live.core.transforms import angle_between, transform_points
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.framing import box_corners, framing
 from ashe_live.render.lights.light_view import sees
+from ashe_live.tracking.families.in_view import said_in_view
 from ashe_live.viewer.session import Session
 
 FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
@@ -145,7 +146,7 @@ def guidance(session: Session) -> tuple[str, ...]:
         return (OUT_OF_PICTURE,)
     if session.markers_in_view:
         specs = session.markers_in_view
-        return (f"{' and '.join(specs)} {'is' if len(specs) == 1 else 'are'} in view: M follows {specs[0]}",)
+        return (f"{said_in_view(specs)}: M follows {specs[0]}",)
     if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
         return NO_MARKER
     if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:

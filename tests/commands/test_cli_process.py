@@ -93,3 +93,14 @@ def test_what_lies_in_the_current_folder_is_not_imported(tmp_path: Path) -> None
     for start in ("$A", f"{sys.executable} -m ashe_live"):
         assert run_in_shell(f"{start} estimate gone.jpg", tmp_path).returncode == 2
     assert not canary.exists(), canary.read_text()
+
+
+def test_warnings_that_are_errors_elsewhere_are_none_here(tmp_path: Path) -> None:
+    """Nor in a child process, which reads the model: libraries, compiled for the first time, warn of their own code."""
+    (tmp_path / "triangle.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "dot.ppm").write_bytes(b"P6 1 1 255\n\0\0\0")
+    command = "$A play dot.ppm --model triangle.obj --headless --hfov 60 --out shown.png"
+    done = run_in_shell(command, tmp_path, PYTHONWARNINGS="error", PYTHONPYCACHEPREFIX=str(tmp_path / "compiled"))
+    assert "Traceback" not in done.stderr
+    assert done.returncode == 3  # a picture without a marker
+    assert (tmp_path / "shown.png").exists()

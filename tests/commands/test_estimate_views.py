@@ -129,6 +129,16 @@ def test_what_cannot_be_is_said_in_one_line_with_status_2(run, film, flags, said
     assert said in line
 
 
+def test_a_photo_is_not_spoken_of_as_frames(run, table):
+    (line,) = run("estimate", *KNOWN, table[0]).out
+    assert "frame" not in line
+    for flags in (("--estimate-at", 3), ("--frames", "3:")):
+        outcome = run("estimate", *KNOWN, table[0], *flags)
+        assert outcome.status == 2
+        (line,) = outcome.out + outcome.err
+        assert f"it is a photo: leave {flags[0]} out" in line
+
+
 def test_photos_taken_together_have_one_answer(run, table, schema):
     outcome = run("estimate", "--json", *KNOWN, "--together", *table)
     (record,) = outcome.records

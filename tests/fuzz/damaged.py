@@ -1,11 +1,16 @@
-"""How many damaged files are tried, of each kind: a few that are always the same, or very many at random.
+"""How many damaged files are tried, of each kind, and whether one is refused as it should be.
+
+A few are always the same, or very many are drawn at random:
 
 FUZZ_FILES=12000 pytest tests/fuzz/test_damaged_models.py tests/fuzz/test_damaged_files.py
 """
 
 import os
+from collections.abc import Callable
 
 from hypothesis import HealthCheck, settings
+
+from ashe_live.errors import UserError
 
 HUNTED = int(os.environ.get("FUZZ_FILES", "0"))
 LONGEST_MS = 20_000  # for one file, where very many are tried
@@ -17,3 +22,12 @@ def files(few: int) -> settings:
     if HUNTED:
         return settings(max_examples=HUNTED, deadline=LONGEST_MS, database=None, suppress_health_check=IGNORED)
     return settings(max_examples=few, derandomize=True, deadline=None, suppress_health_check=IGNORED)
+
+
+def is_refused(read: Callable[[], object]) -> bool:
+    """Whether it ends as a UserError; any other exception fails the test."""
+    try:
+        read()
+    except UserError as error:
+        return bool(error.message and error.remedy)
+    return False

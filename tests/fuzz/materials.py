@@ -12,9 +12,15 @@ import PIL.Image
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
+from ashe_live.core.contract import light_by_hand_json
+from ashe_live.core.types import Illumination, Light
+from ashe_live.viewer.before_after import WHOLE
 
 FPS = 30
 FRAMES = 6
+# As scanners, painting programs, editors and other cameras write them: each read as the plain one is, or refused.
+ODD_PHOTOS = ("inks.jpg", "palette.png", "deep.png", "moving.png", "progressive.jpg", "float.tif", "on-its-side.jpg")
+ODD_CLIPS = ("deep.mkv", "transparent.mov", "moving.gif", "uneven.mkv", "single.mkv", "swift.mkv")
 PICTURES = (
     *("clip.mp4", "blank.mp4", "jumps-back.ts", "grows.mkv", "cut.mp4", "foreign.mp4"),
     *("photo.png", "photo.jpg", "blank.png", "dot.png"),
@@ -43,6 +49,30 @@ LONG_TEXTS = {
     "digits": "9" * 5000,
     "name": 'camera-file = "' + "a" * 300 + '"\n',
 }
+# How a recording was shown.
+LAMP = Light((0.2, -0.3, 0.7), shadow_rgb_ratio=(0.5, 0.4, 0.3), inverse_distance=2.5, radius_m=0.02)
+SHOWN = {
+    "schema": 1,
+    "shown": [
+        {
+            "frame": 3,
+            "models": [
+                {
+                    "model": "mug",
+                    "up": "y",
+                    "marker": None,
+                    "seat": 0,
+                    "scale": 1.5,
+                    "turn_rad": 0.7,
+                    "shift_m": [0.02, 0.0],
+                }
+            ],
+            "estimate": light_by_hand_json(Illumination((LAMP,), ambient_rgb_ratio=(0.5, 0.5, 0.5)), 3),
+            "parts": WHOLE,
+            "hides_marker": True,
+        }
+    ],
+}
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 
@@ -53,7 +83,17 @@ def write_materials(folder: Path, film: Path, camera_file: Path) -> dict[str, Pa
     blank = np.full((48, 64, 3), 90, np.uint8)
     materials = {
         name: folder / name
-        for name in (*PICTURES, "model.gltf", "model.obj", "wordy.gltf", "camera.json", "settings.toml")
+        for name in (
+            *PICTURES,
+            *ODD_PHOTOS,
+            *ODD_CLIPS,
+            "shown.json",
+            "model.gltf",
+            "model.obj",
+            "wordy.gltf",
+            "camera.json",
+            "settings.toml",
+        )
     }
     for name, pictures in (("clip.mp4", frames), ("blank.mp4", [blank] * 3)):
         with Recorder(materials[name], pictures[0].shape[1::-1], FPS) as recorder:
@@ -65,6 +105,10 @@ def write_materials(folder: Path, film: Path, camera_file: Path) -> dict[str, Pa
     _film(materials["jumps-back.ts"], frames, "mpegts")
     materials["jumps-back.ts"].write_bytes(materials["jumps-back.ts"].read_bytes() * 2)
     _grow(materials["grows.mkv"], frames)
+    # Without a marker, as estimates of them all would take minutes.
+    _write_odd_photos(materials, PIL.Image.fromarray(blank))
+    _write_odd_clips(materials, [blank] * FRAMES)
+    materials["shown.json"].write_text(json.dumps(SHOWN))
     write_png(materials["photo.png"], frames[0])
     cv2.imwrite(str(materials["photo.jpg"]), frames[0])
     write_png(materials["blank.png"], blank)
@@ -79,6 +123,45 @@ def write_materials(folder: Path, film: Path, camera_file: Path) -> dict[str, Pa
     materials["camera.json"].write_bytes(camera_file.read_bytes())
     materials["settings.toml"].write_text('quality = "fast"\nhfov = 55\n')
     return materials
+
+
+def _write_odd_photos(materials: dict[str, Path], photo: PIL.Image.Image) -> None:
+    photo.convert("CMYK").save(materials["inks.jpg"])
+    photo.convert("P").save(materials["palette.png"])
+    PIL.Image.fromarray(np.asarray(photo.convert("L")).astype(np.uint16) * 257).save(materials["deep.png"])
+    photo.save(materials["moving.png"], save_all=True, append_images=[photo.rotate(5)])
+    photo.save(materials["progressive.jpg"], progressive=True)
+    whole = materials["progressive.jpg"].read_bytes()
+    materials["progressive.jpg"].write_bytes(whole[: len(whole) * 3 // 4])
+    photo.convert("F").save(materials["float.tif"])
+    exif = photo.getexif()
+    exif[0x112] = 6
+    photo.save(materials["on-its-side.jpg"], exif=exif)
+
+
+def _write_odd_clips(materials: dict[str, Path], frames: list[Image]) -> None:
+    """By name: encoder, pixels, frames a second, when each frame is shown (ms; None: regularly)."""
+    kinds: dict[str, tuple[str, str, int, list[int] | None]] = {
+        "deep.mkv": ("ffv1", "gray16le", FPS, None),
+        "transparent.mov": ("prores_ks", "yuva444p10le", FPS, None),
+        "moving.gif": ("gif", "rgb8", 10, None),
+        "uneven.mkv": ("ffv1", "yuv420p", FPS, [0, 1, 5, 2000, 2001, 9000]),
+        "single.mkv": ("ffv1", "bgra", FPS, [0]),
+        "swift.mkv": ("ffv1", "yuv444p", 10_000, None),
+    }
+    for name, (encoder, pixels, fps, times_ms) in kinds.items():
+        with av.open(str(materials[name]), "w") as clip:
+            stream = clip.add_stream(encoder, rate=fps)
+            stream.height, stream.width = frames[0].shape[:2]
+            stream.pix_fmt = pixels
+            if times_ms is not None:
+                stream.codec_context.time_base = Fraction(1, 1000)
+            for index, picture in enumerate(frames[: None if times_ms is None else len(times_ms)]):
+                frame = av.VideoFrame.from_ndarray(picture, "bgr24")
+                if times_ms is not None:
+                    frame.pts, frame.time_base = times_ms[index], Fraction(1, 1000)
+                clip.mux(stream.encode(frame))
+            clip.mux(stream.encode(None))
 
 
 def _film(path: Path, pictures: list[Image], container: str) -> None:

@@ -4,7 +4,7 @@ import io
 import json
 import tracemalloc
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 
 from ashe_live.capture.opening import open_source
 from ashe_live.core.camera import read_camera_file
-from ashe_live.errors import UserError
 from ashe_live.tracking.families.pattern_files import read_marker_picture, read_pattern_file
-from tests.fuzz.damaged import files
+from tests.fuzz.damaged import files, is_refused
 
 # Pillow's own words about what it skips.
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:PIL")
@@ -44,15 +43,6 @@ def damaged(whole: bytes, changes: list[tuple[int, bytes, bool]], cut: int | Non
         place = max(0, len(content) - at - len(new)) if from_end else at
         content[place : place if puts_in else place + len(new)] = new
     return bytes(content[: None if cut is None else len(content) * cut // HEADER_BYTES])
-
-
-def is_refused(read: Callable[[], object]) -> bool:
-    """Whether it ends as a UserError; any other exception fails the test."""
-    try:
-        read()
-    except UserError as error:
-        return bool(error.message and error.remedy)
-    return False
 
 
 def all_frames(path: Path) -> Iterator[tuple[int, int]]:

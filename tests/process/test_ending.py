@@ -22,6 +22,19 @@ picture, has_begun = np.zeros((2000, 2000), np.uint8), threading.Event()
 threading.Thread(target=work, daemon=True).start()
 has_begun.wait()
 """
+# As the cover of a marker's sheet is made, whose window was closed meanwhile.
+IN_A_POOL = """
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+def work():
+    has_begun.set()
+    threading.Event().wait()
+
+has_begun = threading.Event()
+ThreadPoolExecutor(1).submit(work)
+has_begun.wait()
+"""
 END = """
 import atexit
 from ashe_live.process.ending import end_process
@@ -31,9 +44,11 @@ end_process(3)
 """
 
 
-@pytest.mark.parametrize("before", ["", IN_OPENCV], ids=["alone", "in a library"])
-def test_a_thread_inside_a_library_does_not_change_the_status(before: str) -> None:
-    done = subprocess.run([sys.executable, "-c", before + END], cwd=CHECKOUT, capture_output=True, text=True)
+@pytest.mark.parametrize("before", ["", IN_OPENCV, IN_A_POOL], ids=["alone", "in a library", "in a pool"])
+def test_a_thread_at_work_neither_changes_the_status_nor_is_waited_for(before: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", before + END], cwd=CHECKOUT, capture_output=True, text=True, timeout=60
+    )
     assert (done.returncode, done.stdout, done.stderr) == (3, "ended in order\n", "")
 
 

@@ -7,10 +7,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ashe_live.process.messages import MOST_CHARACTERS, printable, say, tell
+from ashe_live.process.messages import MOST_CHARACTERS, listed, printable, say, tell
 from tests.checkout import CHECKOUT
 
 ANY_TEXT = st.text(st.characters(exclude_categories=()))  # lone surrogates too
+
+
+@given(st.lists(st.integers(0, 9).map(str), min_size=1, max_size=40), st.integers(1, 9))
+def test_a_list_accounts_for_every_name(names: list[str], most: int) -> None:
+    assert listed(names).replace(" and ", ", ").split(", ") == names
+    said = listed(names, most).replace(" and ", ", ").split(", ")
+    if len(names) <= most:
+        assert said == names
+    else:
+        assert said[:-1] == names[:most]
+        assert said[-1] == f"{len(names) - most} more"
 
 
 @given(ANY_TEXT)

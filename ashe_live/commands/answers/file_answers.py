@@ -27,7 +27,7 @@ from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import Estimator, TracingEstimator
 from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.light.live.same_scene import first_of_most, of_one_scene
-from ashe_live.process.messages import printable, tell
+from ashe_live.process.messages import listed, printable, tell
 from ashe_live.process.unforeseen import fault, outer_cause, show_traceback
 from ashe_live.tracking.families.in_view import markers_in_view
 from ashe_live.tracking.tracker import MarkerTracker
@@ -109,6 +109,7 @@ class FileEstimator:
                 camera_for = cameras.__getitem__ if is_known else self.camera_for
                 chosen = with_marker_in(source, options, self.followed)
                 tracker = make_tracker(chosen, camera_for, source=source)
+                record = dataclasses.replace(record, is_photo=source.is_photo)
                 seen = look_at(source, tracker, wanted)
         except UserError as error:
             return dataclasses.replace(record, error=printable(error)), None
@@ -169,7 +170,7 @@ class FileEstimator:
         if places and len(of_it) < len(others):
             kept = {view.frame.index for view in of_it}
             gone = sorted({places[view.frame.index][0] for view in others if view.frame.index not in kept})
-            tell(f"{' and '.join(gone)}: another light or arrangement than in {places[0][0]}, and left out")
+            tell(f"{listed(gone)}: another light or arrangement than in {places[0][0]}, and left out")
         return of_it
 
     def _marker_of_all(self, paths: Sequence[Path]) -> argparse.Namespace:
@@ -237,7 +238,7 @@ def _tell_of_unused(given: Sequence[str], used: Sequence[str]) -> None:
     """Says which files the estimator was given besides the first one, and has not used."""
     unused = [file for file in dict.fromkeys(given) if file not in used]
     if unused:
-        tell(f"{' and '.join(unused)}: not used; the answer rests on {' and '.join(dict.fromkeys(used))}")
+        tell(f"{listed(unused)}: not used; the answer rests on {listed(dict.fromkeys(used))}")
 
 
 def _tells_no_camera(source: Source) -> bool:

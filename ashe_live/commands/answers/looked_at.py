@@ -68,9 +68,10 @@ def look_at(source: Source, tracker: MarkerTracker, wanted: Wanted) -> LookedAt:
     if last is None:
         _refuse(source, wanted)
     if wanted.estimate_at is not None and frozen is None:
+        of_it = f"choose one from {wanted.first} to {last.frame.index} for --estimate-at"
         raise UserError(
             f"there is no frame {wanted.estimate_at} in it",
-            f"choose one from {wanted.first} to {last.frame.index} for --estimate-at",
+            "it is a photo: leave --estimate-at out" if source.is_photo else of_it,
         )
     frozen = frozen or found or last
     if frozen.camera is not last.camera and frozen.marker is not None:
@@ -105,8 +106,11 @@ def _refuse(source: Source, wanted: Wanted) -> NoReturn:
     if not wanted.first:
         raise UserError("there is no readable picture in it", "copy or record it again")
     source.rewind()
-    frames = sum(1 for _ in source)
-    raise UserError(f"there is no frame {wanted.first} in it", f"begin --frames between 0 and {frames - 1}")
+    of_it = f"begin --frames between 0 and {sum(1 for _ in source) - 1}"
+    raise UserError(
+        f"there is no frame {wanted.first} in it",
+        "it is a photo: leave --frames out" if source.is_photo else of_it,
+    )
 
 
 def _spread(frozen: TrackedFrame, views: Sequence[TrackedFrame], most: int) -> tuple[TrackedFrame, ...]:

@@ -9,7 +9,7 @@ from ashe_live.commands.flags.model_choice import without_model
 from ashe_live.commands.flags.setup import camera_chooser, make_tracker
 from ashe_live.core.camera import Camera
 from ashe_live.process.messages import tell
-from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.tracking.families.in_view import markers_in_view, said_in_view
 from ashe_live.tracking.families.layout import parse_target
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
@@ -78,7 +78,7 @@ def marker_in(source: Source, options: argparse.Namespace, told_of: set[str]) ->
                 told_of.add(free[0])
                 return free[0]
             if in_view:
-                tell(f"{source.name}: {' and '.join(in_view)} are in view: choose one with --marker")
+                tell(f"{source.name}: {said_in_view(in_view)}: choose one with --marker")
                 return str(options.marker)
     finally:
         source.rewind()
@@ -89,4 +89,4 @@ def others_said(in_view: tuple[str, ...], marker: str) -> str:
     """A hint on the markers in view, if none that looks like `marker` was found through the camera."""
     if marker in in_view:
         return f"{marker} is in view, but not as this camera would see it: check --hfov, --focal-px or --camera-file"
-    return f"{' and '.join(in_view)} {'is' if len(in_view) == 1 else 'are'} in view: --marker {in_view[0]}"
+    return f"{said_in_view(in_view)}: --marker {in_view[0]}"

@@ -14,6 +14,7 @@ from typing import Any
 from ashe_live.errors import UserError
 from ashe_live.files.kept import configuration_file
 from ashe_live.files.reading import parsers_words, read_text
+from ashe_live.process.messages import listed
 
 Value = str | int | float
 
@@ -74,7 +75,7 @@ def read_settings(path: Path) -> dict[str, Value]:
         _check(path, key, value)
     several = [key for key in ONE_OF if key in content]
     if len(several) > 1:
-        raise UserError(f"{path} has {' and '.join(several)}", "keep one of them, as they say the same thing")
+        raise UserError(f"{path} has {listed(several)}", "keep one of them, as they say the same thing")
     if "camera-file" in content:
         # Paths are relative to the settings' folder, not to the current one.
         try:

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Mapping
 
 from ashe_live.models.parsing.json_kinds import Json
-from ashe_live.models.parsing.notes import Notes, listed
+from ashe_live.models.parsing.notes import Notes
+from ashe_live.process.messages import listed
 
 PLAIN = {
     "KHR_materials_sheen": "sheen",

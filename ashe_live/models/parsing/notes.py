@@ -1,7 +1,5 @@
 """Notes on features of a model file that are drawn differently, one line each: for terminal, window and programs."""
 
-from collections.abc import Iterable
-
 MOST_NOTES = 6
 NAME_CHARACTERS = 60  # of a name that a file gives
 WITHOUT_COORDINATES = "where it has no texture coordinates, pictures are drawn in one colour, that of their corner"
@@ -20,9 +18,3 @@ class Notes:
     def lines(self) -> tuple[str, ...]:
         """In the order in which they were added, the first MOST_NOTES of them."""
         return tuple(self._lines)[:MOST_NOTES]
-
-
-def listed(names: Iterable[str]) -> str:
-    """Such as "clearcoat, sheen and volume"."""
-    *others, last = names
-    return f"{', '.join(others)} and {last}" if others else last

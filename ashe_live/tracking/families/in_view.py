@@ -1,9 +1,12 @@
 """Which markers of the known families a picture shows, whichever one is looked for."""
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
+from ashe_live.process.messages import listed
 from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS
 from ashe_live.tracking.edges.quads import ink_in, on_lighter, without_repeats
 from ashe_live.tracking.families.dictionary_marker import DICTIONARIES
@@ -18,6 +21,7 @@ CELL_WINDOW_PX = 101  # reaches white from within a marker's black, where that i
 WRONG_IN_BORDER = 0.1
 # Least number of the cube's tags that count as a cube: a single one may lie flat on a table.
 FACES_OF_CUBE = 2
+NAMED = 4  # of the markers in view
 
 
 def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
@@ -37,6 +41,11 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
     if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
         return tuple(specs)
     return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))
+
+
+def said_in_view(specs: Sequence[str]) -> str:
+    """Such as "aruco:4x4_50:7 and apriltag:36h11:3 are in view": of a calibration board's 28 markers the first few."""
+    return f"{listed(specs, NAMED)} {'is' if len(specs) == 1 else 'are'} in view"
 
 
 def _read(readable: Image, grey: Image) -> list[tuple[Float, str]]:

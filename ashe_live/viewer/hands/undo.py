@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ashe_live.core.types import Illumination
 from ashe_live.models.placement import Placement
+from ashe_live.process.messages import listed
 from ashe_live.viewer.hands.hand import Hand
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 
@@ -86,7 +87,7 @@ class Undo:
             changed = {"light": last.light is not hand.light, "model": last.placement != hand.placement}
             if any(changed.values()):
                 hand.light, hand.placement = last.light, last.placement
-                return f"undone: {' and '.join(name for name, is_other in changed.items() if is_other)} as before"
+                return f"undone: {listed(name for name, is_other in changed.items() if is_other)} as before"
         return None
 
     def forget(self) -> None:

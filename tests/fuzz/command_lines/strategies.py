@@ -20,6 +20,12 @@ from tests.fuzz.command_lines.surroundings import (
 
 integers = st.sampled_from(INTEGERS + LARGE)
 floats = st.sampled_from(FLOATS)
+papers = st.sampled_from(("a4", "letter", "a3", "A4", "a0", ""))
+casters = st.one_of(
+    st.sampled_from(["model.gltf", "model.obj", "cube", "fifo", "zero", "huge.gltf", "clip.mp4", "", ":", "sphere"]),
+    st.builds(lambda kind, sizes: f"{kind}:{'x'.join(sizes)}", st.sampled_from(["box", "cylinder", "sphere"]),
+              st.lists(floats, max_size=4)),
+)  # fmt: skip
 frame_counts = st.sampled_from(("1", "2", "3", "3", *INTEGERS[:14]))
 
 
@@ -73,6 +79,8 @@ def _scene(words: Words) -> None:
     words.maybe("--camera-file", names)
     words.maybe("--focal-px", floats, 10)
     words.maybe("--hfov", floats, 8)
+    words.maybe("--light", st.sampled_from(["sun", "lamp", "auto", "Sun", ""]), 10)
+    words.maybe("--caster", casters, 8)
 
 
 def _view(words: Words) -> None:
@@ -80,7 +88,11 @@ def _view(words: Words) -> None:
         words.words.append("--headless")
     words.words += ["--frames", words.draw(frame_counts), "--quality", "fast"]
     models = st.sampled_from(["cube", "model.gltf", "model.obj", "wordy.gltf", "huge.gltf", "fifo", "zero", "a"])
-    words.maybe("--model", st.one_of(models, hostile_names), 4)
+    words.maybe("--model", st.one_of(models, models.map(lambda name: f"7={name}"), hostile_names), 4)
+    words.maybe("--up", st.sampled_from(["z", "-x", "y", "q", ""]), 8)
+    words.maybe("--mirror", None, 10)
+    words.maybe("--as-shown", st.sampled_from(["shown.json", "odd.json", "fifo", "huge.json", "zero"]), 8)
+    words.maybe("--layers", st.sampled_from(["both", "model", "shadow", "all"]), 8)
     words.maybe("--size", st.sampled_from(SIZES), 4)
     words.maybe("--estimate-at", integers, 8)
     words.maybe("--no-filter", None, 8)
@@ -88,7 +100,7 @@ def _view(words: Words) -> None:
     if "--hide-marker" not in words.words:
         words.words.append("--no-hide-marker")  # most of what a short run takes
     words.maybe("--loop", None, 8)
-    words.written("--out", ".mp4")
+    words.written("--out", words.draw(st.sampled_from([".mp4"] * 4 + [".png", ".mov", ".webm"])))
     words.written("--report", ".json", 4)
     words.maybe("--overwrite", None, 4)
     words.maybe("--estimator", st.one_of(st.sampled_from(["proxy", "Proxy", SEQUENCE]), hostile_names), 12)
@@ -133,6 +145,9 @@ def _marker(words: Words) -> None:
     words.written("--out", words.draw(st.sampled_from([".png", ".pdf", ".txt", ""])), 1)
     words.maybe("--marker", st.one_of(st.sampled_from(MARKERS), hostile_names), 2)
     words.maybe("--size-mm", floats, 3)
+    words.maybe("--cube", None, 4)
+    words.maybe("--side", floats, 6)
+    words.maybe("--paper", papers, 6)
     words.maybe("--overwrite", None, 3)
 
 
@@ -140,6 +155,7 @@ def _board(words: Words) -> None:
     words.words.append("board")
     words.written("--out", words.draw(st.sampled_from([".png", ".pdf", ".txt"])), 1)
     words.maybe("--square-mm", floats, 2)
+    words.maybe("--paper", papers, 6)
     words.maybe("--overwrite", None, 3)
 
 

@@ -6,9 +6,10 @@ from hypothesis import strategies as st
 
 from tests.fuzz.command_lines.case import HOME, INNER, OUTSIDE, TEMPORARY, WORK, Kind, Planted
 from tests.fuzz.command_lines.names import ADDRESSES, PROTOCOLS, SEQUENCE, hostile_names
+from tests.fuzz.materials import ODD_CLIPS, ODD_PHOTOS
 
-CLIPS = ("clip.mp4", "blank.mp4", "jumps-back.ts", "grows.mkv", "cut.mp4")
-PHOTOS = ("photo.png", "photo.jpg", "blank.png", "dot.png")
+CLIPS = ("clip.mp4", "blank.mp4", "jumps-back.ts", "grows.mkv", "cut.mp4", *ODD_CLIPS)
+PHOTOS = ("photo.png", "photo.jpg", "blank.png", "dot.png", *ODD_PHOTOS)
 MODELS = ("model.gltf", "model.obj", "wordy.gltf")
 LONG = ("deep", "long", "digits", "name")
 OUTPUTS = ("r.mp4", "report.json", "sheet.html", "marker.png", "marker.pdf", "R.MP4", "steps")
@@ -27,7 +28,8 @@ CODE = (
     "__main__",
     "random",
 )
-CONFIG = f"{HOME}/.config/ashe-live/settings.toml"
+FOLDER = f"{HOME}/.config/ashe-live"
+CONFIG = f"{FOLDER}/settings.toml"
 SETTINGS = (
     'quality = "fast"\n',
     "hfov = 1e300\n",
@@ -48,6 +50,17 @@ SETTINGS = (
     "\udcff\udcfe",
     "\ufeffhfov = 55\n",
     "",
+)
+# What is kept in the folder of the settings: damaged, an older version's, somebody else's.
+KEPT = ("models.json", "focal_lengths.json")
+KEPT_TEXTS = (
+    '{"cube": {"up": 3, "places": {"0": {"scale": 1e308, "turn_deg": 1e308, "shift_sides": [1e308, 0]}}}}',
+    '{"cube": {"places": {"0": {"scale": 2, "turn_deg": 30, "shift_sides": [1e6, -1e6]}}}}',
+    '{"cube": null, "0, 64x48": {"focal_px": -1, "sigma_px": 0, "views": 1e9}}',
+    "[" * 100_000,
+    "{",
+    "",
+    "\udcff",
 )
 CAMERAS = (
     '{"size": [64, 48], "K": [[1e300, 0, 3], [0, 1e300, 2], [0, 0, 1]]}',
@@ -148,6 +161,22 @@ damaged_settings = st.one_of(
     st.sampled_from(SETTINGS).map(lambda text: Planted(CONFIG, "text", text)),
     st.sampled_from(LONG).map(lambda name: Planted(CONFIG, "material", name)),
 )
+damaged_memories = st.builds(
+    lambda name, what: Planted(f"{FOLDER}/{name}", *what),
+    st.sampled_from(KEPT),
+    st.one_of(
+        st.sampled_from(KEPT_TEXTS).map(lambda text: ("text", text)),
+        st.sampled_from(
+            [
+                ("fifo", ""),
+                ("folder", ""),
+                ("node", "5"),
+                ("sparse", str(10 << 30)),
+                ("link", f"{{base}}/{OUTSIDE}/thesis.txt"),
+            ]
+        ),
+    ),
+)
 odd_cameras = st.one_of(
     st.sampled_from(CAMERAS).map(lambda text: _lying("odd.json", "text", text)),
     st.sampled_from(LONG).map(lambda name: _lying("odd.json", "material", name)),
@@ -156,11 +185,13 @@ planted_strategy = st.one_of(
     _of_material(CLIPS),
     _of_material(PHOTOS),
     _of_material(MODELS),
+    st.just(_lying("shown.json", "material", "shown.json")),
     others_partials,
     existing_outputs,
     odd_places,
     foreign_code,
     damaged_settings,
+    damaged_memories,
     odd_cameras,
     st.builds(lambda name: _lying(name, "text", "x"), st.sampled_from(ADDRESSES + PROTOCOLS)),
 )
@@ -171,9 +202,12 @@ environments = st.fixed_dictionaries(
     optional={
         "HOME": st.sampled_from([None, "{base}/missing", f"{{base}}/{OUTSIDE}/thesis.txt", "", "relative", "/\udcff"]),
         "XDG_CONFIG_HOME": st.sampled_from(["", "{base}/missing", f"{{base}}/{OUTSIDE}/thesis.txt", "x\ny", "{base}"]),
-        "LANG": st.sampled_from([None, "C", "de_DE.ISO-8859-1", "nonsense", "\udcff"]),
+        "LANG": st.sampled_from([None, "C", "de_DE.ISO-8859-1", "tr_TR.UTF-8", "nonsense", "\udcff"]),
         "PYTHONIOENCODING": st.sampled_from(["ascii", "ascii:strict", "latin-1", "utf-16"]),
         "TMPDIR": st.sampled_from(["{base}/missing", "", f"{{base}}/{OUTSIDE}/thesis.txt"]),
+        "TZ": st.sampled_from(["", "Nonsense/Zone", ":/dev/zero", "UTC-14", "\udcff"]),
+        "PYTHONWARNINGS": st.just("error"),
+        "PYTHONOPTIMIZE": st.just("2"),
         "COLUMNS": st.sampled_from(["1", "0", "-5", "99999999", "x"]),
         "TERM": st.sampled_from(["dumb", "xterm-256color", "", "\x1b"]),
         "DISPLAY": st.sampled_from([":77", "", "127.0.0.1:{port}", "\udcff"]),
