@@ -1,6 +1,6 @@
 """The markers that are followed as one rigid object, and where the corners of each are on it."""
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 
 import numpy as np
 
@@ -46,6 +46,12 @@ class Members:
         if self._folding is not None and number < NUMBER:
             return self._folding.corners(number)
         return self.side_m * self.all[number].corners
+
+    def faces_among(self, several: Sequence[Sequence[Float]]) -> dict[int, Float]:
+        """Corners (4, 2), of the cube's faces among what was found of all members: the first of each."""
+        if self._folding is None:
+            return {}
+        return {number: found[0] for number, found in enumerate(several[:NUMBER]) if len(found)}
 
     def sighting(self, number: int, square: FittedSquare) -> Sighting:
         """A member's corners with the square that was seen of it."""

@@ -12,6 +12,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size, fitted
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.tracking.cube.unfolded import UNFOLDED, lies_unfolded
 from ashe_live.tracking.edges.flow import flowed_corners
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare
@@ -63,6 +64,7 @@ class MarkerTracker:
         self._lost_frames = 0
         self._census_s: float | None = None
         self._note: str | None = None
+        self._is_unfolded = False
         self._before_jump: MarkerPose | None = None
         self._filter.reset()
         self.others.reset()
@@ -115,7 +117,8 @@ class MarkerTracker:
                 beside.learn(frame, camera, pose, self.preset)
             others += () if beside.placed is None else (beside.placed,)
         detect_ms = (time.perf_counter() - start) * 1e3
-        return TrackedFrame(frame, camera, pose, detect_ms, self._note if pose else None, others)
+        note = UNFOLDED if self._is_unfolded else self._note if pose else None
+        return TrackedFrame(frame, camera, pose, detect_ms, note, others)
 
     def _camera_for(self, size: Size) -> Camera:
         if self._camera_now is None or self._camera_now.size != size:
@@ -169,6 +172,9 @@ class MarkerTracker:
         markers = [member.marker for member in self._members.all]
         for thorough in (False, True) if is_thorough else (False,):
             several = anywhere(markers, image, self.preset.detection_width_px, thorough)
+            self._is_unfolded = lies_unfolded(self._members.faces_among(several))
+            if self._is_unfolded:
+                return {}
             for number, (marker, found) in enumerate(zip(markers, several, strict=True)):
                 chosen = self._nearest(found, None if last is None else last.corners_px.get(number))
                 if chosen is not None:

@@ -10,7 +10,7 @@ from ashe_live.commands.flags.setup import camera_chooser, make_tracker
 from ashe_live.core.camera import Camera
 from ashe_live.process.messages import tell
 from ashe_live.tracking.families.in_view import markers_in_view, said_in_view
-from ashe_live.tracking.families.layout import parse_target
+from ashe_live.tracking.families.layout import is_of_cube, parse_target
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
@@ -88,5 +88,7 @@ def marker_in(source: Source, options: argparse.Namespace, told_of: set[str]) ->
 def others_said(in_view: tuple[str, ...], marker: str) -> str:
     """A hint on the markers in view, if none that looks like `marker` was found through the camera."""
     if marker in in_view:
-        return f"{marker} is in view, but not as this camera would see it: check --hfov, --focal-px or --camera-file"
+        fold = "fold it if it lies flat, or " if is_of_cube(marker) else ""
+        camera = "check --hfov, --focal-px or --camera-file"
+        return f"{marker} is in view, but not as this camera would see it: {fold}{camera}"
     return f"{said_in_view(in_view)}: --marker {in_view[0]}"

@@ -1,0 +1,65 @@
+"""The cube's sheet before it is folded is no cube, and whoever shows it to the camera is told so."""
+
+import cv2
+import numpy as np
+import PIL.Image
+import pytest
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Frame
+from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
+from ashe_live.tracking.cube.sheet import write_cube_sheet
+from ashe_live.tracking.cube.unfolded import UNFOLDED, lies_unfolded
+from ashe_live.tracking.families.layout import cube_layout
+from ashe_live.tracking.preset import BALANCED
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.conftest import pose_of
+
+SIZE = 640, 480
+CAMERA = Camera.from_hfov(SIZE, 60)
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Image:
+    path = tmp_path_factory.mktemp("cube") / "sheet.png"
+    write_cube_sheet(path, cube_layout(), 0.06)
+    with PIL.Image.open(path) as opened:
+        return np.asarray(opened.convert("RGB").resize((840, 1188)))
+
+
+def on_a_table(page: Image, corners_px: Float) -> Image:
+    """(480, 640, 3): the page with its corners there, on a grey table."""
+    height, width = page.shape[:2]
+    page_px = np.array([(0, 0), (width, 0), (width, height), (0, height)], np.float32)
+    homography = cv2.getPerspectiveTransform(page_px, corners_px.astype(np.float32))
+    table = np.full((SIZE[1], SIZE[0], 3), 120, np.uint8)
+    return np.asarray(
+        cv2.warpPerspective(page, homography, SIZE, dst=table, flags=cv2.INTER_AREA, borderMode=cv2.BORDER_TRANSPARENT)
+    )
+
+
+@pytest.mark.parametrize(
+    "corners_px",
+    [
+        [(150, 10), (480, 10), (480, 470), (150, 470)],
+        [(210, 60), (450, 70), (560, 460), (90, 450)],
+        [(620, 120), (600, 400), (60, 470), (90, 40)],
+    ],
+    ids=["from above", "obliquely", "on its side"],
+)
+def test_the_sheet_in_view_is_no_cube(page: Image, corners_px: list[tuple[int, int]]) -> None:
+    image = on_a_table(page, np.array(corners_px))
+    tracked = MarkerTracker(cube_layout(), CAMERA, 0.06, BALANCED).track(Frame(image, 0, 0.0))
+    assert tracked.marker is None
+    assert tracked.note == UNFOLDED
+
+
+@pytest.mark.parametrize("eye", [(0.3, -0.25, 0.3), (-0.3, 0.2, 0.15), (0.05, -0.4, 0.35)])
+def test_a_folded_cube_is_not_taken_for_a_sheet(eye: tuple[float, float, float]) -> None:
+    """Not even if all five squares were seen through it."""
+    T_cam_cube = pose_of(eye)
+    squares = {number: project(CAMERA, T_cam_cube, 0.06 * face.corners(TAG_SHARE)) for number, face in enumerate(FACES)}
+    assert not lies_unfolded(squares)
+    assert not lies_unfolded({number: squares[number] for number in (0, 1, 2, 4)})
