@@ -6,19 +6,17 @@ pattern that repeats is continued (`repetition.py`). Shading is spread from the 
 smoothly as possible (Perez, Gangnet, Blake, "Poisson image editing", SIGGRAPH 2003).
 """
 
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked import HOLE_FROM, KNOWN_FROM, blurred_within, distances_from, reduced
-from ashe_live.render.cover.patches import PATCH, CoarseGround, CopiedPatches, chosen_patches, standing_out
+from ashe_live.render.cover.masked import blurred_within, distances_from, mean_around, reduced
+from ashe_live.render.cover.patches import CoarseGround, CopiedPatches, chosen_patches, standing_out
 from ashe_live.render.cover.repetition import Pattern, pattern_of
 from ashe_live.render.cover.straight_lines import straight_lines
+from ashe_live.render.cover.visible_ground import AROUND_SIDES, SHADING_SIDES, Ground
 
 # "Sides" below is the length of a side of the marker; "roots" are square roots of linear RGB.
-COARSE_SIDE_PX = 26.0  # length of a side in the coarse picture, in which patches are chosen
 OVER_TEXTURE = 0.5, 1.5  # contrast of a line over the ground's, from which it is drawn faintly, and fully
 DIMMEST = 0.03  # least shading, in roots, by which detail is divided
 WHOLE = 0.995  # share of the hole that a pattern must fill
@@ -26,21 +24,10 @@ DARKEST_LINE = 0.2  # least root of light on a line over that beside it
 # Distance from the hole up to which the picture's coarse colours and sharpening have mixed the ground with what lies in
 # it, so that it is filled as well; and width of the ground beyond, with which what is filled in is compared.
 BLEED_SIDES, BESIDE_SIDES = 0.06, 0.1
-SHADING_SIDES = 0.5  # standard deviation of the blur that separates shading from texture
 BAND_SIDES = 0.02  # standard deviation of the blur that separates fine texture from the rest
 COARSER_SIDES = 0.05  # size of detail from which on patches are blended softly
-AROUND_SIDES = 0.5  # ground up to this distance from the hole gives the range of the ground's colours
-# Margins of that range: in roots, over those of the brightest ground, and in a channel's share of the sum of roots.
-UNLIKE, UNLIKE_HUE = 0.12, 0.03
 MOST_GRAIN = 2.0  # largest factor by which the fine contrast of blended patches is raised to that of the ground
 EDGE_OVER_GRAIN = 5.0  # fine contrast beyond this multiple of its median is an edge, and is not raised further
-# Objects and their shadows differ from the ground's level by both of these: in roots, and over the median difference.
-OBJECT, OBJECT_OVER_TEXTURE = 0.08, 5.0
-OBJECT_PX = 7  # their least width, in coarse pixels
-# A brighter one has no outline, and is a highlight, if along its rim the brightness changes within three coarse pixels
-# by less than this share (median) of what it differs by from the ground; at an outline it changes by all.
-FADES = 0.7
-MOST_OBJECTS = 0.25  # largest share of the ground that they are: what is more is a pattern of it
 FIELD = 128  # cells a side of the grid in which the difference at the border is spread
 BORDER_CELLS = 3.0  # standard deviation of a mean along the border
 SMOOTH_ROUNDS = 100  # iterations of the relaxation
@@ -55,11 +42,11 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     # Roots: dark and bright patches are compared alike.
     roots = np.sqrt(np.clip(lit, 0, 4)).astype(np.float32)
     to_fill = with_rim(hole, side_px)
-    ground = _Ground.around(to_fill, is_source & ~to_fill, roots, side_px)
+    ground = Ground.around(to_fill, is_source & ~to_fill, roots, side_px)
     if not ground.sources.any() or not ground.unknown.any():
         return None
     trusted = ground.trusted
-    shading = _mean_around(roots, trusted, SHADING_SIDES * side_px)
+    shading = mean_around(roots, trusted, SHADING_SIDES * side_px)
     detail = np.where(trusted[..., None], roots - shading, 0)
     plain = trusted & (reduced(ground.known, len(hole)) > 0.5)
     pattern = _pattern_of_all(detail, shading, plain, to_fill, side_px)
@@ -84,32 +71,7 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     return np.asarray(np.where(to_fill[..., None], found, lit), np.float32)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Ground:
-    """Where a picture (n, n) shows ground rather than objects; coarse (m, m), also what is to be filled."""
-
-    trusted: Mask  # (n, n)
-    highlights: Mask  # (n, n) their light goes on into the hole, but they are not copied
-    unknown: Mask  # (m, m) to be filled
-    known: Mask  # (m, m) like the ground around that, and no object
-    sources: Mask  # (m, m) middles of patches of it
-
-    @staticmethod
-    def around(to_fill: Mask, may_be_ground: Mask, roots: Float32, side_px: float) -> "_Ground":
-        n = len(to_fill)
-        m = max(PATCH + 2, round(n * COARSE_SIDE_PX / side_px))
-        unknown, shown = reduced(to_fill, m) > HOLE_FROM, reduced(may_be_ground, m) > KNOWN_FROM
-        coarse = reduced(roots, m)
-        known = shown & _like_the_ground_around(coarse, shown, unknown)
-        objects, highlights = _objects_and_highlights(coarse, known, shown)
-        known &= ~(objects | highlights)
-        sources = cv2.erode(known.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
-        standing, bright = (reduced(each, n) > 0.5 for each in (objects, highlights))
-        bare = may_be_ground & ~standing
-        return _Ground(bare & ~bright, bare & bright, unknown, known, sources)
-
-
-def _copied(plainer: Float32, predicted: Mask, shading: Float32, ground: _Ground) -> CopiedPatches:
+def _copied(plainer: Float32, predicted: Mask, shading: Float32, ground: Ground) -> CopiedPatches:
     """The patches that are copied into the hole, and the pattern where that is predicted (n, n).
 
     plainer: (n, n, 3) detail without lines. shading: (n, n, 3) of the ground.
@@ -149,73 +111,6 @@ def _visibility(lines: Float32, ground: Float32) -> Float:
     low, high = OVER_TEXTURE
     contrast = np.linalg.norm(lines, axis=2) / max(float(np.median(np.linalg.norm(ground, axis=1))), 1e-4)
     return np.asarray(np.clip((contrast - low) / (high - low), 0, 1), np.float64)
-
-
-def _mean_around(roots: Float32, trusted: Mask, sigma: float) -> Float32:
-    """(n, n, 3) of the ground that is trusted, weighted by a Gaussian; from a quarter of the resolution."""
-    weight = trusted.astype(np.float32)
-    sums, share = (
-        cv2.GaussianBlur(reduced(each, len(weight) // 4), (0, 0), sigma / 4)
-        for each in (roots * weight[..., None], weight)
-    )
-    means = sums / np.maximum(share, 1e-6)[..., None]
-    return np.asarray(cv2.resize(means, weight.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
-
-
-def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask:
-    """(m, m) ground whose colour also occurs beside the unknown part. Excludes objects, also those no estimate knows.
-
-    coarse: (m, m, 3) roots of linear RGB.
-    """
-    away = distances_from(unknown)
-    beside = known & (away < AROUND_SIDES * COARSE_SIDE_PX)
-    if not beside.any():
-        return known
-    smooth = cv2.GaussianBlur(coarse, (0, 0), 1.0)
-    low, high = np.percentile(smooth[beside], (2, 98), axis=0)
-    margin = UNLIKE * float(high.mean())
-    alike = ((smooth > low - margin) & (smooth < high + margin)).all(axis=2)
-    # Hues, too: a grey object may be as bright as the ground.
-    hues = smooth / np.maximum(smooth.sum(axis=2, keepdims=True), 1e-3)
-    low, high = np.percentile(hues[beside], (2, 98), axis=0)
-    return np.asarray(alike & ((hues > low - UNLIKE_HUE) & (hues < high + UNLIKE_HUE)).all(axis=2))
-
-
-def _objects_and_highlights(coarse: Float32, ground: Mask, shown: Mask) -> tuple[Mask, Mask]:
-    """(m, m) each, of wide areas much darker or brighter than the ground (m, m) around them: objects and their shadows;
-    and highlights, as glossy ground has, which have no outline.
-
-    Joints and cracks are narrow. If such areas are more than MOST_OBJECTS, they are a pattern of the ground. coarse:
-    (m, m, 3) roots. shown: (m, m) what the picture shows there, of ground and things.
-    """
-    plain, apart = ground.copy(), np.zeros(ground.shape, np.float32)
-    for _ in range(2):  # first with them, then without
-        level = _mean_around(coarse, plain, SHADING_SIDES * COARSE_SIDE_PX)
-        apart = (coarse - level).mean(axis=2)
-        texture = float(np.median(np.abs(apart[plain]))) if plain.any() else 0.0
-        plain = ground & (np.abs(apart) < max(OBJECT, OBJECT_OVER_TEXTURE * texture))
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (OBJECT_PX, OBJECT_PX))
-    wide = cv2.morphologyEx((ground & ~plain).astype(np.uint8), cv2.MORPH_OPEN, disc)
-    objects, highlights = np.zeros_like(ground), np.zeros_like(ground)
-    count, areas = cv2.connectedComponents(wide)
-    for area in (areas == number for number in range(1, count)):
-        kind = highlights if _is_highlight(area, apart, shown) else objects
-        kind |= cv2.dilate(area.astype(np.uint8), disc) > 0
-    if ((objects | highlights) & ground).sum() >= MOST_OBJECTS * ground.sum():
-        return np.zeros_like(ground), np.zeros_like(ground)
-    return objects, highlights
-
-
-def _is_highlight(area: Mask, apart: Float32, shown: Mask) -> bool:
-    """Whether an area (m, m) is brighter than what is `shown` (m, m) around it, and fades into that.
-
-    apart: (m, m) difference from the ground's level, roots.
-    """
-    window = np.ones((3, 3), np.uint8)
-    across = cv2.dilate(apart, window) - cv2.erode(apart, window)
-    is_seen = cv2.erode(shown.astype(np.uint8), window, borderValue=0) > 0
-    rim = (cv2.morphologyEx(area.astype(np.uint8), cv2.MORPH_GRADIENT, window) > 0) & is_seen
-    return bool(rim.any()) and float(np.median(across[rim])) < FADES * float(np.median(apart[area]))
 
 
 def _with_grain_of(detail: Float32, plain: Mask, texture: Float32, hole: Mask, side_px: float) -> Float32:

@@ -21,6 +21,17 @@ def blurred_within(picture: Float32, weight: Float32, sigma_px: float) -> Float3
     return np.asarray(sums / np.maximum(share, 1e-6)[..., None], np.float32)
 
 
+def mean_around(picture: Float32, trusted: Mask, sigma: float) -> Float32:
+    """(n, n, 3) the means of what is trusted (n, n), by a Gaussian, from a quarter of the resolution."""
+    weight = trusted.astype(np.float32)
+    sums, share = (
+        cv2.GaussianBlur(reduced(each, len(weight) // 4), (0, 0), sigma / 4)
+        for each in (picture * weight[..., None], weight)
+    )
+    means = sums / np.maximum(share, 1e-6)[..., None]
+    return np.asarray(cv2.resize(means, weight.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
+
+
 def distances_from(mask: Mask) -> Float32:
     """(n, n) pixels from each pixel to the nearest one of the mask: 0 within it."""
     return np.asarray(cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 5), np.float32)
