@@ -27,6 +27,7 @@ EDGE_SIDES = 0.05  # width of a sheet's rim with its curl and the picture's blur
 THROWN_SIDES = 0.22  # reach of a curled sheet's own shadow
 WIDE_SIDES = 0.02  # radius of the largest dark speckles of the ground
 DARKER = 0.75  # brightness of that shadow over that of the ground around it, at most
+THING_SIDES = 0.06  # radius of discs that fit into what is dark beyond that reach as well: a thing, or its shadow
 
 
 def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
@@ -59,13 +60,22 @@ def _with_own_shadow(sheet: Mask, brightness: Float32, is_ground: Mask, side_px:
     beside = near & ~grown & is_ground
     if not beside.any():
         return grown
-    dark = near & ~sheet & (brightness < DARKER * np.median(brightness[beside]))
+    dark = ~sheet & (brightness < DARKER * np.median(brightness[beside]))
+    dark &= near & ~_reaching_beyond(dark, near, side_px)
     touching = cv2.morphologyEx((dark | grown).astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3)))
     # Between the sheet and a wide shadow may lie a rim of paper, where the paper is not told from the ground.
     wide = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, _disc(WIDE_SIDES * side_px))
     reaching = cv2.morphologyEx(wide | grown.astype(np.uint8), cv2.MORPH_CLOSE, _disc(EDGE_SIDES * side_px))
     thrown = _joined((touching | reaching) > 0, sheet)
     return grown | (cv2.dilate(thrown.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0)
+
+
+def _reaching_beyond(dark: Mask, near: Mask, side_px: float) -> Mask:
+    """(n, n) the broad parts of what is dark that go on where the sheet throws no shadow, beyond `near`; with rims."""
+    disc = _disc(THING_SIDES * side_px)
+    broad = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, disc) > 0
+    beyond = _joined(broad, broad & ~near)
+    return dark & (cv2.dilate(beyond.astype(np.uint8), disc) > 0)
 
 
 def _rectangle(unlike: Float32, of_paper: float, side_px: float) -> Mask:

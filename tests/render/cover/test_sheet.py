@@ -84,3 +84,13 @@ def test_what_ends_far_from_white_paper_on_a_white_table_is_not_its_sheet() -> N
     assert mask[np.maximum(np.abs(X), np.abs(Y)) < 0.6].all()
     assert not mask[thing].any()
     assert not mask[np.maximum(np.abs(X), np.abs(Y)) > 1.0].any()
+
+
+def test_a_dark_thing_beside_the_sheet_is_not_covered_as_the_shadow_of_a_lifted_edge_is() -> None:
+    plane = _plane(0.4)
+    thing = (np.abs(X) < 0.5) & (Y > 0.76) & (Y < 1.5)
+    shadow = (np.abs(X) < 0.6) & (Y < -0.68) & (Y > -0.8)
+    plane[thing | shadow] = 0.05
+    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    assert mask[PAPER | shadow].all()
+    assert not mask[thing & (Y > 0.68 + 0.12)].any()
