@@ -69,11 +69,11 @@ def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask
 
 
 def _objects_and_highlights(coarse: Float32, ground: Mask, shown: Mask) -> tuple[Mask, Mask]:
-    """(m, m) each, of wide areas much darker or brighter than the ground (m, m) around them: objects and their shadows;
-    and highlights, as glossy ground has, which have no outline.
+    """(m, m) each, of wide areas of other colours than the ground, or much darker or brighter than it is around them:
+    objects and their shadows; and highlights, as glossy ground has, which have no outline.
 
-    Joints and cracks are narrow. If such areas are more than MOST_OBJECTS, they are a pattern of the ground. coarse:
-    (m, m, 3) roots. shown: (m, m) what the picture shows there, of ground and things.
+    Joints and cracks are narrow. If more than MOST_OBJECTS of the ground is such areas, they are a pattern of it.
+    coarse: (m, m, 3) roots. ground: (m, m) of its colours. shown: (m, m) what the picture shows, of ground and things.
     """
     plain, apart = ground.copy(), np.zeros(ground.shape, np.float32)
     for _ in range(2):  # first with them, then without
@@ -82,7 +82,7 @@ def _objects_and_highlights(coarse: Float32, ground: Mask, shown: Mask) -> tuple
         texture = float(np.median(np.abs(apart[plain]))) if plain.any() else 0.0
         plain = ground & (np.abs(apart) < max(OBJECT, OBJECT_OVER_TEXTURE * texture))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (OBJECT_PX, OBJECT_PX))
-    wide = cv2.morphologyEx((ground & ~plain).astype(np.uint8), cv2.MORPH_OPEN, disc)
+    wide = cv2.morphologyEx((shown & ~plain).astype(np.uint8), cv2.MORPH_OPEN, disc)
     objects, highlights = np.zeros_like(ground), np.zeros_like(ground)
     count, areas = cv2.connectedComponents(wide)
     for area in (areas == number for number in range(1, count)):

@@ -137,6 +137,14 @@ def test_a_thing_beside_the_sheet_sheds_no_light_into_the_hole(brightness: float
     np.testing.assert_allclose(_filled(truth)[inside].mean(), 0.4, atol=0.02)
 
 
+@pytest.mark.parametrize("colour", [(0.1, 0.5, 0.05), (0.3, 0.05, 0.02)])
+def test_a_coloured_thing_nearby_does_not_tint_what_is_filled_in(colour: tuple[float, ...]) -> None:
+    truth = _ground(0.02)
+    truth[np.hypot(X - 1.95 * SIDE_PX, Y) < 0.7 * SIDE_PX] = colour
+    inside = (X > 0.3 * SIDE_PX) & (X < 0.7 * SIDE_PX) & (np.abs(Y) < 0.4 * SIDE_PX)
+    np.testing.assert_allclose(_filled(truth)[inside].mean(axis=0), 0.4, atol=0.005)
+
+
 def test_without_a_whole_patch_of_ground_there_is_none() -> None:
     with_sheet = np.full((SIZE, SIZE, 3), PAPER, np.float32)
     nowhere = np.zeros((SIZE, SIZE), bool)
