@@ -144,5 +144,4 @@ def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
     if best.materials.lights == 2:
         return best.materials.shifts
     colours = best.region.colours[shadow_core(best.region, best.predicted)]
-    seen = shift_of_known_shadow(colours, ground)
-    return best.materials.shifts if seen is None else (seen,)
+    return (shift_of_known_shadow(colours, ground, best.materials.shift),)

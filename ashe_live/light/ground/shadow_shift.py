@@ -71,22 +71,22 @@ def shift_within(colours: Float32, ground: LitGround) -> Float | None:
     return shifts[0] if shifts else None
 
 
-def shift_of_known_shadow(colours: Float32, ground: LitGround) -> Float | None:
-    """(3,) as `shift_within`, or the mode near the difference of means from the ground, if that has ANY_HUE times as
-    many votes.
+def shift_of_known_shadow(colours: Float32, ground: LitGround, approximate: Float) -> Float:
+    """(3,) as `shift_within`, and the approximate shift (3,) where that finds none; or the mode near the difference of
+    means from the ground, if that has ANY_HUE times as many votes.
 
     Cameras render dark colours more saturated than bright ones, so that on a coloured ground a shadow's hue may be one
     that no daylight has.
     """
-    if len(colours) < LEAST_VOTERS:
-        return None
-    plausible = shift_within(colours, ground)
+    voted = shift_within(colours, ground)
+    plausible = approximate if voted is None else voted
     offsets, weights = _votes(colours, ground.palette)
+    if len(colours) < LEAST_VOTERS or not len(offsets):
+        return plausible
     start = np.asarray(np.average(offsets, axis=0, weights=weights), np.float64)
     found = np.asarray(_modes(offsets, weights, start[None], 1.0)[0])
-    if plausible is not None and _support(offsets, weights, found) < ANY_HUE * _support(offsets, weights, plausible):
-        return plausible
-    return found
+    of_found, of_plausible = (_support(offsets, weights, each) for each in (found, plausible))
+    return found if of_found > ANY_HUE * of_plausible else plausible
 
 
 def shift_near(colours: Float32, ground: LitGround, shift: Float) -> Float | None:

@@ -110,8 +110,8 @@ def test_a_known_shadow_has_the_hue_that_a_camera_gives_it_on_a_coloured_ground(
     shadow = scattered(shaded, 300)
     border = (lit + np.linspace(0, 1, 40)[:, None] * (shaded - lit)).astype(np.float32)
     colours = np.concatenate([shadow, border])
-    found = shift_of_known_shadow(colours, ground)
-    assert found is not None
+    pale = 0.2 * (shaded - lit)
+    found = shift_of_known_shadow(colours, ground, pale)
     np.testing.assert_allclose(shadow_ratio(ground, found), shaded_rgb / lit_rgb, rtol=0.15)
 
 
@@ -119,7 +119,15 @@ def test_a_known_shadow_has_the_hue_that_a_camera_gives_it_on_a_coloured_ground(
 def test_a_shadow_under_daylight_has_no_other_hue(ground: str) -> None:
     here = painted_region(BOX, ground=ground, noise_levels=0.3)
     colours = here.region.colours[here.shadow]
-    np.testing.assert_array_equal(shift_of_known_shadow(colours, here.ground), shift_within(colours, here.ground))
+    found = shift_of_known_shadow(colours, here.ground, np.zeros(3))
+    np.testing.assert_array_equal(found, shift_within(colours, here.ground))
+
+
+def test_of_a_known_shadow_of_a_few_pixels_the_approximate_shift_stays() -> None:
+    here = painted_region(BOX)
+    np.testing.assert_array_equal(
+        shift_of_known_shadow(here.region.colours[:0].reshape(-1, 3), here.ground, here.true_shift), here.true_shift
+    )
 
 
 def test_a_few_pixels_vote_for_nothing() -> None:

@@ -94,3 +94,15 @@ def test_a_dark_thing_beside_the_sheet_is_not_covered_as_the_shadow_of_a_lifted_
     mask = sheet_mask(plane, GROUND, SIDE_PX)
     assert mask[PAPER | shadow].all()
     assert not mask[thing & (Y > 0.68 + 0.12)].any()
+
+
+def test_speckles_as_bright_as_paper_are_no_edge() -> None:
+    """At every distance most lines outwards show another colour, but none does for long."""
+    plane = _plane(0.8)
+    phases = np.random.default_rng(1).integers(0, 3, (SIZE, 1))
+    speckles = (np.arange(SIZE) + phases) % 3 < 2
+    plane[speckles & ~PAPER] = 0.5
+    plane[~PAPER & (np.abs(Y) < 0.03)] = 0.8
+    mask = sheet_mask(plane, GROUND, SIDE_PX)
+    assert mask[np.maximum(np.abs(X), np.abs(Y)) < 0.6].all()
+    assert not mask[np.abs(X) > 1.0].any()
