@@ -64,7 +64,7 @@ class MarkerTracker:
         self._lost_frames = 0
         self._census_s: float | None = None
         self._note: str | None = None
-        self._is_unfolded = False
+        self._is_unfolded = False  # whether the last frame shows the cube's sheet before it is folded
         self._before_jump: MarkerPose | None = None
         self._filter.reset()
         self.others.reset()
@@ -94,6 +94,7 @@ class MarkerTracker:
         start = time.perf_counter()
         camera = self._camera_for(frame.size)
         last = self._recent(frame.time_s)
+        self._is_unfolded = False
         squares = self._look(frame, camera, last)
         pose, last = self._pose(squares, camera, last)
         bridged = 0

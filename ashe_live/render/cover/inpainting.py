@@ -66,8 +66,8 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     if pattern is None:
         texture = _with_grain_of(plainer, plain, texture, to_fill, side_px)
     texture = np.asarray(texture * on_line + lines, np.float32)
-    shaded = trusted | ground.highlights
-    found = np.square(np.maximum(texture + _spread_difference(roots, texture, shaded, to_fill, side_px), 0))
+    shows_shading = trusted | ground.highlights
+    found = np.square(np.maximum(texture + _spread_difference(roots, texture, shows_shading, to_fill, side_px), 0))
     return np.asarray(np.where(to_fill[..., None], found, lit), np.float32)
 
 

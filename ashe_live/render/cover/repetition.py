@@ -96,7 +96,7 @@ def _repeated_shifts(structure: Float32, seen: Mask) -> Float:
     peaks = np.array([_summit(alike, *each) for each in np.argwhere(is_peak)]).reshape(-1, 2) - len(seen)
     far = np.linalg.norm(peaks, axis=1) > APART_PX
     peaks, strength = peaks[far], alike[is_peak][far]
-    # Of a far shift less ground tells, and its neighbours in the lattice, by which a cell is known, lie outside.
+    # A far shift is compared by less ground, and its neighbours in the lattice, which confirm a cell, lie outside.
     likeliest = np.argsort(-strength * overlap[is_peak][far])[:MOST_PEAKS]
     cell = _cell(peaks, strength, likeliest)
     if cell is None:

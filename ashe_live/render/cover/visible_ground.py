@@ -26,7 +26,7 @@ MOST_OBJECTS = 0.25  # largest share of the ground that they are: what is more i
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ground:
-    """Where a picture (n, n) shows ground rather than objects; coarse (m, m), also what is to be filled."""
+    """Where a picture (n, n) of the plane shows ground and no objects; coarse (m, m), also what is to be filled."""
 
     trusted: Mask  # (n, n)
     highlights: Mask  # (n, n) their light goes on into the hole, but they are not copied
@@ -36,6 +36,7 @@ class Ground:
 
     @staticmethod
     def around(to_fill: Mask, may_be_ground: Mask, roots: Float32, side_px: float) -> "Ground":
+        """The ground around what is `to_fill` (n, n), where it `may_be_ground` (n, n); side_px: the marker's side."""
         n = len(to_fill)
         m = max(PATCH + 2, round(n * COARSE_SIDE_PX / side_px))
         unknown, shown = reduced(to_fill, m) > HOLE_FROM, reduced(may_be_ground, m) > KNOWN_FROM

@@ -16,6 +16,8 @@ from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.conftest import pose_of
+from tests.painted_cubes import CAMERA as CAMERA_OF_CUBES
+from tests.painted_cubes import CubeScene, frame_of, looking, sun
 
 SIZE = 640, 480
 CAMERA = Camera.from_hfov(SIZE, 60)
@@ -63,3 +65,11 @@ def test_a_folded_cube_is_not_taken_for_a_sheet(eye: tuple[float, float, float])
     squares = {number: project(CAMERA, T_cam_cube, 0.06 * face.corners(TAG_SHARE)) for number, face in enumerate(FACES)}
     assert not lies_unfolded(squares)
     assert not lies_unfolded({number: squares[number] for number in (0, 1, 2, 4)})
+
+
+def test_once_it_is_folded_nothing_more_is_said(page: Image) -> None:
+    sheet = on_a_table(page, np.array([(150, 10), (480, 10), (480, 470), (150, 470)]))
+    cube = frame_of(CubeScene(CAMERA_OF_CUBES, looking(0.35, 50, 40), [sun(200, 40)])).image_bgr
+    tracker = MarkerTracker(cube_layout(), CAMERA_OF_CUBES, 0.06, BALANCED)
+    notes = [tracker.track(Frame(image, k, 0.03 * k)).note for k, image in enumerate((sheet, sheet, cube, cube))]
+    assert notes == [UNFOLDED, UNFOLDED, None, None]
