@@ -95,9 +95,10 @@ STATED = {
     ),
     "exposure": (
         "docs/rendering.md",
-        "divided by paper's albedo of {:g} and measured every {:g} s of the video",
-        (PAPER_ALBEDO, LOOK_HELD_S),
+        "divided by paper's albedo of {:g} and measured in each frame",
+        (PAPER_ALBEDO,),
     ),
+    "blur and noise": ("docs/rendering.md", "Blur and noise are measured every {:g} s of the video", (LOOK_HELD_S,)),
     "exposure without paper": ("docs/rendering.md", "Where no paper can be recognised, w is {:g}", (ASSUMED_WHITE,)),
     "the real shadow's rim": (
         "docs/rendering.md",

@@ -1,14 +1,17 @@
-"""The look of a video, measured again only now and then, and one part of it at a time while the video flows on."""
+"""The look of a video: its exposure in each frame, and now and then its sharpness and its noise."""
 
 import math
 from dataclasses import replace
 from enum import Enum, auto
 
+import numpy as np
+
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2
+from ashe_live.render.camera.exposure import followed
 from ashe_live.render.camera.video_look import UNSEEN, VideoLook, chroma_blur_of, noise_of, sharpness_of
-from ashe_live.render.camera.white import white_of
+from ashe_live.render.camera.white import LightOnPrint, light_on_print, white_of
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.lighting import Lighting
 
@@ -18,45 +21,54 @@ CHROMA_HELD_S = 10.0  # that a camera's colours count as blurred as they were fo
 
 
 class _Part(Enum):
-    WHITE = auto()
     SHARPNESS = auto()
     NOISE = auto()
 
 
 class HeldLook:
-    """Measures what the preset matches of a video's look, each part of it every LOOK_HELD_S."""
+    """Measures the exposure in every frame, and what else the preset matches of a video's look every LOOK_HELD_S."""
 
     def __init__(self, preset: RenderPreset) -> None:
         self._preset = preset
         self._look = UNSEEN
+        self._exposed_in: Frame | None = None
+        self._light: LightOnPrint | None = None  # by which the exposure was measured in it
         self._measured_in: dict[_Part, TrackedFrame] = {}
-        self._lighting: Lighting | None = None  # by which the white was measured
         self._chroma_in: TrackedFrame | None = None
 
     def at(self, tracked: TrackedFrame, lighting: Lighting, real_object: Proxy | None) -> VideoLook:
         """The look of a frame with a marker; the same object while nothing was measured.
 
-        After a cut, which the first frame is as well, all parts are measured in that frame. Otherwise it is one part a
-        call at most, as all together take a third of a picture's time.
+        After a cut, which the first frame is as well, all of it is measured in that frame. Otherwise it is one part a
+        call at most beside the exposure, as all together take a third of a picture's time.
         """
         if any(_is_cut(seen, tracked) for seen in self._measured_in.values()):
             self._measured_in.clear()
-        if not self._measured_in:
+        is_cut = not self._measured_in
+        self._expose(tracked, lighting, real_object, at_once=is_cut)
+        if is_cut:
             for part in _Part:
-                self._measure(part, tracked, lighting, real_object)
+                self._measure(part, tracked)
         oldest = min(_Part, key=lambda part: self._measured_in[part].frame.time_s)
         if tracked.frame.time_s - self._measured_in[oldest].frame.time_s >= LOOK_HELD_S:
-            self._measure(oldest, tracked, lighting, real_object)
-        if lighting is not self._lighting:
-            self._measure(_Part.WHITE, self._measured_in[_Part.WHITE], lighting, real_object)
+            self._measure(oldest, tracked)
         return self._look
 
-    def _measure(self, part: _Part, tracked: TrackedFrame, lighting: Lighting, real_object: Proxy | None) -> None:
+    def _expose(self, tracked: TrackedFrame, lighting: Lighting, real_object: Proxy | None, at_once: bool) -> None:
+        light = self._light
+        if light is None or light.lighting is not lighting:
+            light, at_once = light_on_print(tracked, lighting, real_object), True
+        elif tracked.frame is self._exposed_in:
+            return
+        white = white_of(tracked, light)
+        if not at_once:
+            red, green, blue = np.exp(followed(np.log(self._look.white_rgb), np.log(white))).tolist()
+            white = red, green, blue
+        self._look, self._light, self._exposed_in = replace(self._look, white_rgb=white), light, tracked.frame
+
+    def _measure(self, part: _Part, tracked: TrackedFrame) -> None:
         self._measured_in[part] = tracked
-        if part is _Part.WHITE:
-            self._look = replace(self._look, white_rgb=white_of(tracked, lighting, real_object))
-            self._lighting = lighting
-        elif part is _Part.SHARPNESS and self._preset.matches_blur:
+        if part is _Part.SHARPNESS and self._preset.matches_blur:
             sigma_px, sharpening = sharpness_of(tracked)
             if self._preset.matches_lens and tracked.camera.is_distorted:
                 # The composite interpolates then, which blurs as well.

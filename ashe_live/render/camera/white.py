@@ -1,8 +1,8 @@
 """Exposure and white balance: how the picture shows perfectly white ground, by the marker's paper and ink."""
 
 import math
-from collections.abc import Callable
-from functools import partial
+from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 
@@ -37,29 +37,54 @@ RING_SIDES = (0.57, 0.62)  # distances from the marker's centre, in sides, at wh
 OVERSHOOT_PX = 3.0  # width of the rim beside the square in which sharpening makes paper brighter than it is
 INK_SIDES = 0.45  # distance from the marker's centre, in sides, at which there is its square's black border
 LEAST_LEVEL = 0.05  # least light on paper, over full light, for it to be used
-BLACKEST = 1e-3  # least linear brightness assumed of ink, which a picture may show as 0
+BLACKEST = 1e-3  # least linear brightness assumed of ink and of paper's channels, which a picture may show as 0
 MIN_PAPER = 0.02  # least linear brightness of paper in the picture
 LIT_SHARE, BLACK_SHARE = 0.4, 0.6  # shares of the places on paper and ink used, the brightest: others may be shaded
 AROUND = 12  # places along each of the square's edges
+ALONG = np.linspace(-0.5, 0.5, AROUND)
+INK_PLACES = np.concatenate([[(INK_SIDES * s, 0.9 * x), (0.9 * x, INK_SIDES * s)] for s in (-1, 1) for x in ALONG])
 BODY_PRINT_SHARE = 0.7  # side of the black squares on a body's faces over its edge: TAG_SHARE of tracking/cube/faces.py
 
 
-def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_object: Proxy | None = None) -> RGB:
+@dataclass(frozen=True, slots=True)
+class LightOnPrint:
+    """The light on the paper and ink of the marker's print, by which its brightness becomes that of white."""
+
+    lighting: Lighting  # of lamps the paper is brighter towards them
+    reaching: tuple[Sun, ...]  # those of its lights that reach any of the print past the real object
+
+    def level_at(self, ground: Float) -> Float:
+        """(n, 3) of full light at the marker's centre, at places (n, 2) of the plane."""
+        level = self.lighting.level_at(ground)
+        for sun in self.lighting.suns:
+            if sun not in self.reaching:
+                level = level - np.outer(sun.ground_falloff(ground), sun.ground_share)
+        return np.maximum(level, LEAST_LEVEL)
+
+
+def light_on_print(tracked: TrackedFrame, lighting: Lighting, real_object: Proxy | None) -> LightOnPrint:
+    """By where the marker lies alone: the same for all frames of a marker.
+
+    Only a light whose shadow covers the whole print is none of those that reach it: where light and shadow meet, the
+    picture tells them apart better than an estimated light does.
+    """
+    if real_object is None:
+        return LightOnPrint(lighting, lighting.suns)
+    ring = print_side_m(tracked) * _ring(RING_SIDES)
+    reaches = [np.nan_to_num(lit_past(real_object, sun, ring), nan=1.0).any() for sun in lighting.suns]
+    return LightOnPrint(lighting, tuple(compress(lighting.suns, reaches)))
+
+
+def white_of(tracked: TrackedFrame, light: LightOnPrint | None = None) -> RGB:
     """Linear RGB that white, fully lit at the marker's centre, has in a frame with a marker; grey without any paper.
 
-    `lighting`: with lamps in it the paper is brighter towards them, and all of it may be in the real object's shadow.
+    `light`: None while it is unknown, and even over the print.
     """
-    assert tracked.marker is not None
     side = print_side_m(tracked)
-    side_px = mean_side_px(print_corners_px(tracked))
-    along = np.linspace(-0.5, 0.5, AROUND)
     nearest, farthest = RING_SIDES
+    side_px = mean_side_px(print_corners_px(tracked))
     nearest = float(np.clip(0.5 + OVERSHOOT_PX / max(side_px, 1.0), nearest, farthest))
-    ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in (nearest, farthest) for x in along])
-    inside = np.concatenate([[(INK_SIDES * s, 0.9 * x), (0.9 * x, INK_SIDES * s)] for s in (-1, 1) for x in along])
-    suns = _reaching(lighting, real_object, side * ring)
-    level = partial(_level, lighting, suns)
-    paper, ink = (_linear_at(tracked, side * points, level) for points in (ring, inside))
+    paper, ink = (_linear_at(tracked, side * places, light) for places in (_ring((nearest, farthest)), INK_PLACES))
     grey = (ASSUMED_WHITE, ASSUMED_WHITE, ASSUMED_WHITE)
     if len(paper) < AROUND or len(ink) < AROUND:
         return grey
@@ -69,9 +94,9 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
     if np.median(brightness) < max(MIN_CONTRAST * np.median(darkness), MIN_PAPER):
         return grey
     black = ink[darkness >= np.quantile(darkness, 1 - BLACK_SHARE)]
-    mirrored = _mirrored(tracked, suns)
+    mirrored = _mirrored(tracked, () if light is None else light.reaching)
     exposed = _as_exposed(lit.mean(axis=0), black.mean(axis=0), float(mirrored @ REC709_LUMINANCE))
-    red, green, blue = (float(value) for value in exposed / (PAPER_ALBEDO + mirrored))
+    red, green, blue = (float(value) for value in np.maximum(exposed, BLACKEST) / (PAPER_ALBEDO + mirrored))
     return red, green, blue
 
 
@@ -152,31 +177,13 @@ def _mean_over(excess: float) -> float:
     return spread * (z + math.exp(-(z**2) / 2) / (math.sqrt(2 * math.pi) * above))
 
 
-def _reaching(lighting: Lighting | None, real_object: Proxy | None, ground: Float) -> tuple[Sun, ...]:
-    """The lights that reach any of the places (n, 2) of the plane past the real object.
-
-    Where light and shadow meet, the picture tells them apart better than an estimated light does.
-    """
-    if lighting is None:
-        return ()
-    if real_object is None:
-        return lighting.suns
-    return tuple(sun for sun in lighting.suns if np.nan_to_num(lit_past(real_object, sun, ground), nan=1.0).any())
+def _ring(sides: tuple[float, float]) -> Float:
+    """(n, 2) places around the square, in sides from its centre, at two distances in sides."""
+    return np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in sides for x in ALONG])
 
 
-def _level(lighting: Lighting | None, reaching: tuple[Sun, ...], ground: Float) -> Float:
-    """(n, 3) the light at places (n, 2) of the plane, without the lights whose shadow covers the whole print."""
-    if lighting is None:
-        return np.ones((len(ground), 3))
-    level = lighting.level_at(ground)
-    for sun in lighting.suns:
-        if sun not in reaching:
-            level = level - np.outer(sun.ground_falloff(ground), sun.ground_share)
-    return np.maximum(level, LEAST_LEVEL)
-
-
-def _linear_at(tracked: TrackedFrame, places: Float, level: Callable[[Float], Float]) -> Float:
-    """(m, 3) linear RGB of those places (n, 2) of the print in view, over the light's `level` (n, 3) there."""
+def _linear_at(tracked: TrackedFrame, places: Float, light: LightOnPrint | None) -> Float:
+    """(m, 3) linear RGB of those places (n, 2) of the print in view, as it would be in full light."""
     pixels = print_pixels(tracked, places)
     if not np.isfinite(pixels).all():
         return np.zeros((0, 3))
@@ -184,4 +191,5 @@ def _linear_at(tracked: TrackedFrame, places: Float, level: Callable[[Float], Fl
     width, height = tracked.frame.size
     seen = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     bgr = tracked.frame.image_bgr[row[seen].astype(int), column[seen].astype(int)]
-    return np.asarray(LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]] / level(places)[seen])
+    linear = LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]]
+    return np.asarray(linear if light is None else linear / light.level_at(places[seen]))

@@ -26,7 +26,7 @@ FINER = 1.5  # its pixels for one of the video: it is interpolated twice, and fi
 COARSER = 1.6  # factor on the size of patches for a body, which hides several times as much ground as a sheet
 FEATHER_PX = 2.0  # width of the band beyond the sheet in which the cover's alpha falls to 0
 LEAST_SHADE = 0.02  # least factor of a shadow by which ground is divided
-MOST_AROUND = 600  # largest number of points by which exposures are compared
+MOST_AROUND = 300  # largest number of points by which exposures are compared
 
 
 @dataclass(frozen=True, slots=True, eq=False)

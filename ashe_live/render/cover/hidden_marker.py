@@ -16,7 +16,8 @@ from ashe_live.core.arrays import Float, Mask, same_objects
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import view_direction
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, TrackedFrame
+from ashe_live.render.camera.exposure import followed
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
@@ -26,9 +27,6 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 NEARER = 1.5  # the cover is made anew once the marker appears this many times as large, as it then lacks detail
 TURNED_COS = np.cos(np.radians(30.0))  # and once the camera has turned by this, as the ground's relief looks different
 RETRIED_S = 1.0  # time of the video after which another attempt follows one that failed
-GAIN_HELD_S = 0.2  # time of the video between two measurements of the exposure
-EASED = 0.4  # share of the way to the measured exposure that each of them moves the cover's
-STILL = 0.004  # a smaller relative change of the exposure is ignored
 GAIN_RANGE = 0.4, 2.5  # limits of the exposure of one frame over that of another
 RIDGE = 0.03  # on the slope of brightness over the plane, times the points' mean squared distance from the marker
 ROUNDS = 3  # of the least-squares fit, each without the outliers of the one before
@@ -51,7 +49,7 @@ class HiddenMarker:
         self._maker: ThreadPoolExecutor | None = None
         self._coming: Future[GroundCover | None] | None = None
         self._gain, self._slope = np.ones(3), np.zeros(2)
-        self._gained_s = -np.inf
+        self._exposed_in: Frame | None = None  # by which these were measured
         self._failed_s: float | None = None
 
     @property
@@ -145,7 +143,7 @@ class HiddenMarker:
         self._texture = self._ctx.texture((size, size), 4, np.ascontiguousarray(cover.image_rgba[::-1]))
         self._texture.repeat_x = self._texture.repeat_y = False
         self._cover, self._made_from, self._failed_s = cover, self._asked_for, None
-        self._gain, self._slope, self._gained_s = np.ones(3), np.zeros(2), -np.inf
+        self._gain, self._slope, self._exposed_in = np.ones(3), np.zeros(2), None
 
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
         if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
@@ -164,18 +162,18 @@ class HiddenMarker:
         return bool(is_nearer or turned)
 
     def _follow_exposure(self, tracked: TrackedFrame) -> None:
-        if self._cover is None or 0 <= tracked.frame.time_s - self._gained_s < GAIN_HELD_S:
+        if self._cover is None or tracked.frame is self._exposed_in:
             return
         measured = gain_and_slope(tracked, self._cover)
         if measured is None:
             return
         gain, slope = measured
-        eased = 1.0 if self._gained_s == -np.inf else EASED
-        self._gained_s = tracked.frame.time_s
-        change = np.append(gain / self._gain - 1, (slope - self._slope) * self._cover.half_m)
-        if np.abs(change).max() > STILL:
-            self._gain = self._gain * (gain / self._gain) ** eased
-            self._slope = self._slope + eased * (slope - self._slope)
+        if self._exposed_in is not None:
+            size = self._cover.half_m
+            shown, found = (np.append(np.log(g), size * s) for g, s in ((self._gain, self._slope), (gain, slope)))
+            next_shown = followed(shown, found)
+            gain, slope = np.exp(next_shown[:3]), next_shown[3:] / size
+        self._gain, self._slope, self._exposed_in = gain, slope, tracked.frame
 
     def _release_texture(self) -> None:
         if self._texture is not None:
@@ -229,7 +227,8 @@ def gain_and_slope(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, Fl
 
 def _near_middle(logs: Float) -> Mask:
     """(n,) which logarithms are no outliers: never none, as the lower of two middle ones counts, and not their mean."""
-    return np.asarray(np.abs(logs - np.quantile(logs, 0.5, method="lower")) < OUTLIER)
+    middle = (len(logs) - 1) // 2
+    return np.asarray(np.abs(logs - np.partition(logs, middle)[middle]) < OUTLIER)
 
 
 def _same_scene(one: Illumination, other: Illumination) -> bool:

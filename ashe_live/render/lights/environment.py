@@ -17,6 +17,8 @@ from ashe_live.render.lights.surroundings import (
     surroundings_of,
 )
 
+LEAST_CHANGE = 0.02  # of the video's white, relative, by which even ground is filled anew where no frame was seen
+
 
 class Environment:
     """Two maps of `size` texels a side, a power of two; refilled only when what they show has changed."""
@@ -26,7 +28,8 @@ class Environment:
         self._ground, self._sky = (_blank(ctx, size) for _ in range(2))
         self._shares = share_texture(ctx)
         self._half_radius_m = 1.0
-        self._shown: tuple[TrackedFrame | None, Float | None, RGB | None, bytes] | None = None
+        self._shown: tuple[TrackedFrame | None, Float | None, bytes] | None = None
+        self._white_rgb: RGB = (1.0, 1.0, 1.0)  # while the maps were filled
 
     def show(self, illumination: Illumination, white_rgb: RGB, covered: Float) -> None:
         """Fills the maps from the frame that the illumination was seen in, or with even ground where there is none.
@@ -35,8 +38,10 @@ class Environment:
         where it is hidden.
         """
         seen_in, ground_rgb = illumination.seen_in, illumination.ground_rgb
-        wanted = seen_in, ground_rgb, white_rgb if seen_in is None else None, covered.tobytes()
-        if self._shown is not None and same_objects(self._shown[:2], wanted[:2]) and self._shown[2:] == wanted[2:]:
+        wanted = seen_in, ground_rgb, covered.tobytes()
+        is_as_white = seen_in is not None or np.allclose(white_rgb, self._white_rgb, rtol=LEAST_CHANGE, atol=0.0)
+        is_same = self._shown is not None and same_objects(self._shown[:2], wanted[:2]) and self._shown[2] == wanted[2]
+        if is_same and is_as_white:
             return
         if seen_in is not None:
             surroundings = surroundings_of(seen_in, self._size, ground_rgb, covered)
@@ -46,7 +51,7 @@ class Environment:
         _fill(self._ground, surroundings.ground)
         _fill(self._sky, surroundings.sky)
         self._half_radius_m = surroundings.half_radius_m
-        self._shown = wanted
+        self._shown, self._white_rgb = wanted, white_rgb
 
     def bind(self, program: moderngl.Program) -> None:
         """Gives `program` what environment.glsl and brdf.glsl read."""

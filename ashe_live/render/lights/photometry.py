@@ -8,7 +8,7 @@ from ashe_live.render.camera.held_look import HeldLook
 from ashe_live.render.camera.relief import Relief, relief_of
 from ashe_live.render.camera.shadow_border import unexplained_border_px
 from ashe_live.render.camera.video_look import VideoLook
-from ashe_live.render.camera.white import white_of
+from ashe_live.render.camera.white import light_on_print, white_of
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.lighting import Lighting, lighting_of
 from ashe_live.render.lights.open_sky import open_sky
@@ -33,7 +33,8 @@ class Photometry:
             lights, ambient = steadied(of)
             albedo = None
             if of.ground_rgb is not None and of.seen_in is not None:
-                white_rgb = np.array(white_of(of.seen_in, lighting_of(lights, ambient), of.real_object))
+                light = light_on_print(of.seen_in, lighting_of(lights, ambient), of.real_object)
+                white_rgb = np.array(white_of(of.seen_in, light))
                 albedo = of.ground_rgb / white_rgb
                 if of.real_object is not None and _was_seen_in_shadow(of):
                     ambient = open_sky(of.seen_in, of.real_object, lighting_of(lights, ambient, albedo), white_rgb)

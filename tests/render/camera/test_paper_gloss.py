@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Light
 from ashe_live.render.camera.paper_gloss import mirrored_by_paper
-from ashe_live.render.camera.white import INK_RATIO, PAPER_ALBEDO, white_of
+from ashe_live.render.camera.white import INK_RATIO, PAPER_ALBEDO, light_on_print, white_of
 from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, Lighting, Sun, lighting_of
 from tests.render.camera.test_video_look import _sheet
 
@@ -77,6 +77,9 @@ def test_what_paper_and_ink_mirror_is_no_exposure(stage, white: float) -> None:
     matte = _sheet(stage, (white,) * 3, ink=ink)
     assert mirrored > 0.01
     taken_for_exposure = white_of(glossy)[1] / white_of(matte)[1] - 1
-    left = white_of(glossy, opposite)[1] / white_of(matte, behind)[1] - 1
+    seen = [
+        white_of(sheet, light_on_print(sheet, sun, None))[1] for sheet, sun in ((glossy, opposite), (matte, behind))
+    ]
+    left = seen[0] / seen[1] - 1
     assert taken_for_exposure > 0.015
     assert abs(left) < 0.4 * taken_for_exposure
