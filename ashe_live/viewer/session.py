@@ -105,7 +105,7 @@ class Session:
             self._estimated = Illumination(seen_in=tracked)
         self.table.motion.tick(now_s)
         self.arrangement.stand_clear(tracked, self._estimated.light, self.hides_marker)
-        is_steady = self._steadiness.add(tracked.marker)
+        is_steady = self._steadiness.add(tracked)
         if has_gone_round and self.settle_for_last(now_s):
             return
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):

@@ -58,7 +58,7 @@ def look_at(source: Source, tracker: MarkerTracker, wanted: Wanted) -> LookedAt:
         last = tracker.track(frame)
         kept.add(last)
         if frozen is None:
-            is_steady = steadiness.add(last.marker)
+            is_steady = steadiness.add(last)
             is_it = is_steady if wanted.estimate_at is None else frame.index == wanted.estimate_at
             frozen = last if is_it else None
         if last.marker is not None:

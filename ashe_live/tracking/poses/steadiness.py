@@ -4,9 +4,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.square import side_lengths_px
-from ashe_live.core.types import MarkerPose
+from ashe_live.core.types import TrackedFrame
 
-MOST_MOTION = 0.06  # of a corner from one frame to the next, over the shortest side
+MOST_SPEED = 1.8  # of a corner, in shortest sides a second: 0.06 sides between two frames at 30 frames a second
+LEAST_APART_S = 1 / 60  # assumed of two frames: cameras deliver some in bursts
 
 
 class Steadiness:
@@ -18,6 +19,7 @@ class Steadiness:
             raise ValueError(f"{frames} frames are none")
         self._frames = frames
         self._last_px: Float | None = None
+        self._last_s = 0.0
         self._in_a_row = 0
 
     @staticmethod
@@ -25,13 +27,14 @@ class Steadiness:
         """For a photo, whose only frame has to do, or for what moves."""
         return Steadiness(1) if is_photo else Steadiness()
 
-    def add(self, marker: MarkerPose | None) -> bool:
-        """Takes in the next frame's marker; returns `is_steady`."""
+    def add(self, tracked: TrackedFrame) -> bool:
+        """Takes in the next frame; returns `is_steady`."""
+        marker, time_s = tracked.marker, tracked.frame.time_s
         if marker is None or marker.bridged:
             self.reset()
             return False
-        self._in_a_row = self._in_a_row + 1 if self._is_near(marker.corners_px) else 1
-        self._last_px = marker.corners_px
+        self._in_a_row = self._in_a_row + 1 if self._is_near(marker.corners_px, time_s) else 1
+        self._last_px, self._last_s = marker.corners_px, time_s
         return self.is_steady
 
     @property
@@ -43,8 +46,8 @@ class Steadiness:
         self._last_px = None
         self._in_a_row = 0
 
-    def _is_near(self, corners_px: Float) -> bool:
+    def _is_near(self, corners_px: Float, time_s: float) -> bool:
         if self._last_px is None:
             return False
-        motion = np.linalg.norm(corners_px - self._last_px, axis=1).max()
-        return bool(motion <= MOST_MOTION * side_lengths_px(self._last_px).min())
+        motion = np.linalg.norm(corners_px - self._last_px, axis=1).max() / side_lengths_px(self._last_px).min()
+        return bool(motion <= MOST_SPEED * max(time_s - self._last_s, LEAST_APART_S))
