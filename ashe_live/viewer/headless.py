@@ -1,11 +1,17 @@
-"""Playback without a window: all frames in order, waiting for every requested estimate, so that it is reproducible."""
+"""Playback without a window: all frames in order, waiting for every requested estimate, so that it is reproducible.
+
+Of a clip the first estimate is made before the first picture is drawn, so that a recording is lit from its beginning.
+"""
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice
 
 from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
+from ashe_live.errors import UserError
 from ashe_live.light.live.worker import LONGEST_ESTIMATE_S
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
@@ -31,6 +37,8 @@ def play_headless(
     """Plays `source` to its end or the limit and fills `report`. Raises UserError as the source does."""
     period_s = 1 / (source.fps or 1.0)
     begin_s = shown_s = 0.0
+    if not (source.is_live or source.is_photo):
+        _estimate_ahead(source, tracker, session, run, report)
     while run.frame_limit is None or len(report.frames) < run.frame_limit:
         started = time.perf_counter()
         frame = source.read()
@@ -63,6 +71,24 @@ def play_headless(
             picture = renderer.read_bgra() if run.has_alpha else renderer.read_bgr()
             for take in run.takers:
                 take(picture, shown_s)
+
+
+def _estimate_ahead(source: Source, tracker: MarkerTracker, session: Session, run: HeadlessRun, report: Report) -> None:
+    """Plays unseen to the frame that the light is estimated in; for the session it all happens at the time 0."""
+    with suppress(UserError):  # of a damaged clip, what comes before the damage is played first
+        for frame in islice(iter(source.read, None), run.frame_limit):
+            tracked = tracker.track(frame)
+            session.watch.key_views.add(tracked)
+            session.take(tracked, 0.0)
+            run.scene(session)
+            if session.watch.is_estimating:
+                break
+        else:
+            session.settle_for_last(0.0)
+        if session.watch.is_estimating:
+            _finish_estimate(session, report, 0.0)
+    source.rewind()
+    tracker.reset()
 
 
 def _finish_estimate(session: Session, report: Report, shown_s: float) -> None:

@@ -15,13 +15,9 @@ from ashe_live.viewer.session import Session
 class Play:
     """One playback with fakes behind it."""
 
-    def __init__(self, fakes, source, answer=None, **playback) -> None:
-        self.source, self.tracker, self.worker, self.renderer = (
-            source,
-            fakes.Tracker(),
-            fakes.Worker(),
-            fakes.Renderer(),
-        )
+    def __init__(self, fakes, source, answer=None, renderer=None, **playback) -> None:
+        self.source, self.tracker, self.worker = source, fakes.Tracker(), fakes.Worker()
+        self.renderer = renderer or fakes.Renderer()
         self.worker.answer = answer
         self.session = Session(fakes.Shelf(), self.worker, EstimatePolicy(on_first_steady=True), Steadiness(3))
         self.report = Report("fake", "3.3", "fast")
@@ -47,10 +43,16 @@ def test_every_frame_is_shown_once(fakes):
     assert [scene.tracked.frame.index for scene in play.renderer.scenes] == list(range(7))
 
 
-def test_the_estimate_lights_the_frame_it_was_asked_for(fakes):
+def test_a_clip_is_lit_from_its_first_frame_on(fakes):
     play = Play(fakes, fakes.Source(6), fakes.estimate(2))
-    assert [bool(scene.illumination.lights) for scene in play.renderer.scenes] == [False, False, True, True, True, True]
+    assert all(scene.illumination.lights for scene in play.renderer.scenes)
     assert [estimate["frame"] for estimate in play.report.estimates] == [2]
+
+
+def test_no_frame_beyond_the_limit_is_estimated(fakes):
+    play = Play(fakes, fakes.Source(6), fakes.estimate(1), frame_limit=2)
+    assert [estimate["frame"] for estimate in play.report.estimates] == [1]
+    assert play.indices == [0, 1]
 
 
 @pytest.mark.parametrize("frames", [2, 6])  # the last frame is estimated where none was steady
@@ -62,7 +64,9 @@ def test_an_estimate_that_fails_is_said_and_the_clip_is_played_on(fakes, frames)
 
 
 def test_a_clip_in_which_no_frame_was_steady_is_lit_by_its_last(fakes):
-    assert [estimate["frame"] for estimate in Play(fakes, fakes.Source(2), fakes.estimate(1)).report.estimates] == [1]
+    play = Play(fakes, fakes.Source(2), fakes.estimate(1))
+    assert [estimate["frame"] for estimate in play.report.estimates] == [1]
+    assert all(scene.illumination.lights for scene in play.renderer.scenes)
 
 
 def test_the_limit_counts_frames(fakes):
@@ -74,7 +78,7 @@ def test_a_loop_goes_on_to_the_limit_in_even_time(fakes):
     source = fakes.Source(4, fps=25.0)
     play = Play(fakes, source, fakes.estimate(2), frame_limit=10, loop=True)
     assert play.indices == [0, 1, 2, 3, 0, 1, 2, 3, 0, 1]
-    assert play.tracker.resets == source.rewinds == 2
+    assert play.tracker.resets == source.rewinds == 3  # the first time after the estimate
     assert [time_s for _, time_s in play.taken] == pytest.approx([frame / 25 for frame in range(10)])
 
 
@@ -83,13 +87,15 @@ def test_takers_get_each_picture_as_drawn(fakes):
     assert [int(picture[0, 0, 0]) for picture, _ in play.taken] == [1, 2, 3, 4, 5]
 
 
-def test_a_source_that_fails_in_the_middle_raises(fakes):
-    source = fakes.Source(5)
+@pytest.mark.parametrize("damaged", [1, 3])  # before and after the frame that is estimated
+def test_a_source_that_fails_in_the_middle_raises_once_the_frames_before_are_shown(fakes, damaged):
+    source, shown = fakes.Source(5), fakes.Renderer()
 
     def fail(index: int) -> None:
-        if index == 3:
+        if index == damaged:
             raise UserError("gone", "look for it")
 
     source.hook = fail
     with pytest.raises(UserError, match="gone"):
-        Play(fakes, source, fakes.estimate(2))
+        Play(fakes, source, fakes.estimate(2), shown)
+    assert [scene.tracked.frame.index for scene in shown.scenes] == list(range(damaged))
