@@ -12,7 +12,7 @@ from ashe_live.tracking.edges.corners import refined_corners
 from ashe_live.tracking.edges.print_alignment import PrintAlignment
 from ashe_live.tracking.edges.quads import MIN_SIDE_PX, dark_quads, ink_quads, on_lighter, without_repeats
 from ashe_live.tracking.edges.squares import is_front_of_square
-from ashe_live.tracking.families.cells import CellReader
+from ashe_live.tracking.families.cells import reader_of
 
 # Least and largest window of the detector's adaptive threshold: one window finds most of the markers that three find,
 # in a third of the time.
@@ -43,7 +43,7 @@ class DictionaryMarker:
         self._number = dictionary
         self._dictionary = cv2.aruco.getPredefinedDictionary(dictionary)
         if marker_id < self.count:
-            self._reader = CellReader(self._dictionary, marker_id)
+            self._reader = reader_of(dictionary)
             cells = self._dictionary.markerSize + 2
             self.alignment = PrintAlignment(self.bitmap(SAMPLES_A_CELL * cells), 1 / cells)
         self._parameters = cv2.aruco.DetectorParameters()
@@ -103,11 +103,11 @@ class DictionaryMarker:
         if not is_front_of_square(quad):
             return None
         is_small = side_lengths_px(quad).min() < SURE_SIDE_PX
-        if not is_small and not self._reader.may_be(grey, quad):
+        if not is_small and not self._reader.may_be(grey, quad, self.marker_id):
             return None
         # Coarse corners of a small marker are off by a cell; but refinement may have caught another edge.
         for corners in (refined_corners(grey, quad, EDGE_SAMPLES), quad):
-            turns = self._reader.turns(grey, corners)
+            turns = self._reader.turns(grey, corners, self.marker_id)
             if turns is not None:
                 # Turned counter-clockwise, the print's top-left corner lies `turns` places before the quad's first one.
                 return np.roll(corners, turns, axis=0)

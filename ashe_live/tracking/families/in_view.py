@@ -1,6 +1,7 @@
 """Which markers of the known families a picture shows, whichever one is looked for."""
 
 from collections.abc import Sequence
+from itertools import product
 
 import cv2
 import numpy as np
@@ -8,11 +9,17 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.process.messages import listed
 from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS
-from ashe_live.tracking.edges.quads import ink_in, on_lighter, without_repeats
-from ashe_live.tracking.families.dictionary_marker import DICTIONARIES
+from ashe_live.tracking.edges.corners import refined_corners
+from ashe_live.tracking.edges.quads import dark_quads, ink_in, ink_quads, on_lighter, without_repeats
+from ashe_live.tracking.edges.squares import is_front_of_square
+from ashe_live.tracking.families.cells import reader_of
+from ashe_live.tracking.families.dictionary_marker import DICTIONARIES, EDGE_SAMPLES
 
 # Long codes first: a chance likeness to one of the short ones is no news where a long one is read.
-FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "original", "5x5_1000", "4x4_1000")
+FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "5x5_1000", "4x4_250")
+# Only where none of these is seen: random cells are one of a thousand short codes in 6 % of cases, and number 0 of the
+# original family is a stripe, as many a thing has.
+DOUBTFUL_FAMILIES = ("original", "4x4_1000")
 SIZES = (50, 100, 250, 1000)  # of each ArUco family; the smaller ones are the beginning of the larger
 MIN_SIDE_PX = 20.0
 MOST_PX = 1280  # of the longer side: what is larger is looked at reduced
@@ -27,15 +34,15 @@ NAMED = 4  # of the markers in view
 def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
     """Specs such as "aruco:4x4_50:7" of the markers in (h, w, 3) uint8 sRGB, the largest first; two faces are a cube.
 
-    Equal ones are named once. For a person who does not know which one it is: no cell may be wrong, so what is small or
-    blurred is passed over.
+    Equal ones are named once. For a person who does not know which one it is: what random cells are as like to is
+    passed over.
     """
     grey: Image = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
     scale = min(1.0, max(MOST_PX / max(grey.shape), 1 / min(grey.shape)))  # a row of pixels is left of the narrowest
     if scale < 1:
         grey = np.asarray(cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-    # By grey levels first; a deep shadow's edge across a marker leaves it readable by what is ink and what is not.
-    found = _read(grey, grey) or _read(np.asarray(255 - ink_in(grey, CELL_WINDOW_PX), dtype=np.uint8), grey)
+    found = _read_as_a_whole(grey)
+    found = _with_others(found, _read_cell_by_cell(grey, FAMILIES)) or _read_cell_by_cell(grey, DOUBTFUL_FAMILIES)
     found.sort(key=lambda one: -cv2.contourArea(one[0].astype("float32")))
     specs = list(dict.fromkeys(spec for _, spec in found))
     if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
@@ -48,22 +55,46 @@ def said_in_view(specs: Sequence[str]) -> str:
     return f"{listed(specs, NAMED)} {'is' if len(specs) == 1 else 'are'} in view"
 
 
-def _read(readable: Image, grey: Image) -> list[tuple[Float, str]]:
-    """Corners (4, 2) and specs of the markers that are `readable` (h, w) and lie on lighter surroundings in `grey`."""
+def _read_as_a_whole(grey: Image) -> list[tuple[Float, str]]:
+    """Corners (4, 2) and specs of the markers in `grey` (h, w) that lie on lighter surroundings.
+
+    By grey levels first; where a deep shadow's edge crosses a marker, it is readable by what is ink and what is not.
+    """
+    found: list[tuple[Float, str]] = []
+    quads = on_lighter(grey, [*dark_quads(grey, MIN_SIDE_PX), *ink_quads(grey, MIN_SIDE_PX)])
+    readable = grey, np.asarray(255 - ink_in(grey, CELL_WINDOW_PX), dtype=np.uint8)
+    for quad in without_repeats([quad for quad in quads if is_front_of_square(quad)]):
+        corners = refined_corners(grey, quad, EDGE_SAMPLES)
+        for picture, family in product(readable, FAMILIES):
+            number = reader_of(DICTIONARIES[family]).number(picture, corners)
+            if number is not None:
+                found.append((corners, _spec(family, number)))
+                break
+    return found
+
+
+def _read_cell_by_cell(grey: Image, families: Sequence[str]) -> list[tuple[Float, str]]:
+    """The same by OpenCV's detector, which finds some other squares; no cell may be wrong."""
     parameters = cv2.aruco.DetectorParameters()
     parameters.minMarkerPerimeterRate = min(1.0, 4 * MIN_SIDE_PX / max(grey.shape))
     parameters.errorCorrectionRate = 0.0
     parameters.maxErroneousBitsInBorderRate = WRONG_IN_BORDER
     found: list[tuple[Float, str]] = []
-    for family in FAMILIES:
+    for family in families:
         dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARIES[family])
-        quads, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(readable)
-        for quad, number in zip(quads, () if ids is None else ids.ravel(), strict=True):
-            corners: Float = quad.reshape(4, 2).astype(float)
-            others = [other for other, _ in found]
-            if on_lighter(grey, [corners]) and len(without_repeats([*others, corners])) > len(others):
-                found.append((corners, _spec(family, int(number))))
+        quads, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(grey)
+        numbers: list[int] = [] if ids is None else [int(number) for number in ids.ravel()]
+        corners = [quad.reshape(4, 2).astype(float) for quad in quads]
+        read = [(each, _spec(family, number)) for each, number in zip(corners, numbers, strict=True)]
+        found = _with_others(found, [one for one in read if on_lighter(grey, [one[0]])])
     return found
+
+
+def _with_others(found: list[tuple[Float, str]], others: list[tuple[Float, str]]) -> list[tuple[Float, str]]:
+    """`found`, and of the others those that lie elsewhere."""
+    both = [*found, *others]
+    kept = {id(corners) for corners in without_repeats([corners for corners, _ in both])}
+    return [one for one in both if id(one[0]) in kept]
 
 
 def _spec(family: str, number: int) -> str:

@@ -73,3 +73,28 @@ def test_a_shadows_edge_across_it_hides_no_name(ratio: float) -> None:
         rng, flaws, place = np.random.default_rng(seed), Flaws(shadow_ratio=ratio), pose_at(0.5, 25, 30)
         image = frames.PrintedMarker(parse_marker(SPECS[1]).bitmap(7), SIDE_M, SMALL, flaws).painted([place], rng)
         assert markers_in_view(image) == (SPECS[1],)
+
+
+@pytest.mark.parametrize(
+    ("spec", "cells"),
+    [("aruco:4x4_50:27", 6), ("aruco:5x5_50:6", 7), ("apriltag:36h11:25", 8), ("aruco:6x6_250:100", 8)],
+)
+def test_a_small_blurred_marker_is_named(spec: str, cells: int) -> None:
+    """50 pixels wide, as in a picture of 480: bright cells bleed over single dark ones."""
+    rng = np.random.default_rng(4)
+    for azimuth_deg in (0, 30, 75):
+        place, flaws = pose_at(1.0, 35, azimuth_deg), Flaws(blur_px=1.6, noise=2.0)
+        image = frames.PrintedMarker(parse_marker(spec).bitmap(cells), SIDE_M, SMALL, flaws).painted([place], rng)
+        assert markers_in_view(image) == (spec,)
+
+
+def test_random_cells_are_hardly_ever_a_marker() -> None:
+    """Squares with a black border; the 1000 codes of 16 cells alone would take 6 % of those of four cells a side."""
+    rng, named = np.random.default_rng(8), 0
+    for cells in np.tile([4, 5, 6, 7], 60):
+        square = np.pad(rng.integers(0, 2, (cells, cells)).astype(np.uint8) * 255, 1)
+        large = cv2.resize(square, (120, 120), interpolation=cv2.INTER_NEAREST)
+        page = np.pad(large, 60, constant_values=230)
+        found = markers_in_view(cv2.cvtColor(cv2.GaussianBlur(page, (0, 0), 1.0), cv2.COLOR_GRAY2BGR))
+        named += any(not spec.startswith(("aruco:4x4_1000", "aruco:original")) for spec in found)
+    assert named <= 6
