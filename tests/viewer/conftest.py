@@ -225,7 +225,7 @@ class FakeShelf:
         self.turned += by
         return "yzx"[self.turned]
 
-    def take_words(self):
+    def take_notes(self):
         words, self.words = self.words, []
         return words
 

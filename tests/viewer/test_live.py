@@ -23,7 +23,7 @@ from ashe_live.light.live.key_views import KeyViews
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.quality import BALANCED, FAST
-from ashe_live.render.gl.offscreen import graphics_failures_told
+from ashe_live.render.gl.offscreen import graphics_failures_reported
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.policy import EstimatePolicy
@@ -317,7 +317,10 @@ def test_a_graphics_driver_that_fails_ends_it_in_one_line_with_the_recording_fin
         stage.renderer.render = render
 
     steps = [lambda index=index: stage.put(index) for index in range(1, 9)]
-    with pytest.raises(UserError, match=r"the graphics driver failed \(GL_CONTEXT_LOST\)"), graphics_failures_told():
+    with (
+        pytest.raises(UserError, match=r"the graphics driver failed \(GL_CONTEXT_LOST\)"),
+        graphics_failures_reported(),
+    ):
         stage.run(Command.RECORD, *steps, lose_context, lambda: pytest.fail("still running"))
     (path,) = tmp_path.iterdir()
     with ClipSource(path) as clip:

@@ -61,8 +61,8 @@ def trembling_px(poses: Sequence[Float | None], camera: Camera, side_m: float) -
     unseen = np.full((4, 2), np.nan)
     corners = np.array([unseen if T is None else project(camera, T, square_corners(side_m)) for T in poses])
     bends = np.linalg.norm(corners[2:] - 2 * corners[1:-1] + corners[:-2], axis=2) if len(corners) > 2 else np.empty(0)
-    told = bends[np.isfinite(bends)]
-    return float(np.median(told)) / math.sqrt(6) if len(told) else 0.0
+    measured = bends[np.isfinite(bends)]
+    return float(np.median(measured)) / math.sqrt(6) if len(measured) else 0.0
 
 
 def largest_turn_deg(markers: Sequence[MarkerPose | None]) -> float:

@@ -69,7 +69,7 @@ def test_a_lamps_nearness_is_told_by_the_fall_of_light(lamp_case: Case) -> None:
     found = fall_error(lamp_case, BALANCED)
     assert found is not None
     assert found.true == pytest.approx(1 / LAMP_M[2])
-    assert found.told == pytest.approx(found.true, rel=0.15)
+    assert found.estimated == pytest.approx(found.true, rel=0.15)
     assert found.deviance > 30
     assert found.squared_sigmas < WITHIN_99
 

@@ -199,12 +199,12 @@ def test_a_model_stands_on_another_side_when_asked_and_the_next_time_too(tmp_pat
 def test_what_should_be_known_of_a_model_is_told_once(tmp_path):
     (tmp_path / "tile.obj").write_text(TILE + "l 1 2\n")
     shelf = Shelf(str(tmp_path / "tile.obj"), 0.08)
-    left_out, up = shelf.take_words()
+    left_out, up = shelf.take_notes()
     assert left_out == "tile.obj: points and lines are left out"
     assert up.startswith("tile.obj is taken to stand with ")
     shelf.choose(1)
     awaited(shelf)
-    assert shelf.take_words() == []  # of a shipped model there is nothing to tell
+    assert shelf.take_notes() == []  # of a shipped model there is nothing to tell
     shelf.choose(0)
     awaited(shelf)
-    assert shelf.take_words() == []
+    assert shelf.take_notes() == []
