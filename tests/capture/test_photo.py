@@ -136,7 +136,7 @@ def test_longer_photo_than_any_camera_is_refused(tmp_path: Path, size: tuple[int
         open_source(path)
 
 
-def test_kind_is_told_by_content_and_only_then_by_name(tmp_path: Path, rgb: Image, clip: Path) -> None:
+def test_kind_is_recognised_by_content_and_only_then_by_name(tmp_path: Path, rgb: Image, clip: Path) -> None:
     PIL.Image.fromarray(rgb).save(tmp_path / "photo.mp4", "PNG")
     clip.rename(tmp_path / "clip.dat")
     assert isinstance(open_source(tmp_path / "photo.mp4"), PhotoSource)

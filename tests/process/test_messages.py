@@ -59,7 +59,7 @@ def test_what_is_too_long_keeps_its_beginning_and_its_end(letter: str) -> None:
     assert line.endswith(": copy it again")
 
 
-def test_a_reader_that_has_gone_is_told_of_and_no_error() -> None:
+def test_a_reader_that_has_gone_is_reported_and_is_no_error() -> None:
     code = (
         "import sys; from ashe_live.process.messages import print_answer; sys.stdin.read(); "
         "sys.exit(print_answer('a') + 2 * print_answer('b'))"

@@ -239,7 +239,7 @@ def test_a_lamp_in_view_has_a_bulb_in_its_place(make_renderer, stage) -> None:
         assert np.hypot(*(expected_px - (columns.mean(), rows.mean()))) < 12
 
 
-def test_a_driver_without_memory_left_is_told_once_and_in_one_line(ctx, make_renderer, stage) -> None:
+def test_a_driver_without_memory_left_is_reported_once_and_in_one_line(ctx, make_renderer, stage) -> None:
     renderer = make_renderer()
     renderer.render(Scene(stage.tracked(90, None)))
     renderer.finish()

@@ -121,7 +121,7 @@ def test_the_last_frame_is_drawn_again_and_again(stage):
     assert [scene.tracked.frame.index for scene in stage.renderer.scenes] == [3, 3, 3, 3]
 
 
-def test_a_source_that_fails_keeps_its_last_picture_and_is_told_once(stage, capfd):
+def test_a_source_that_fails_keeps_its_last_picture_and_is_reported_once(stage, capfd):
     stage.put(0)
     failure = UserError("the camera came back with another size", "start again")
     stage.run(lambda: stage.pipeline.frames.close(failure), None, None, None)

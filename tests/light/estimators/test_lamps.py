@@ -120,7 +120,7 @@ def test_what_a_command_or_a_program_asks_for_reaches_the_estimator() -> None:
     } == {kind: kind for kind in KINDS}
 
 
-def test_two_objects_tell_the_distance() -> None:
+def test_two_objects_determine_the_distance() -> None:
     """Better than one does: the fall of light alone leaves it uncertain by what cameras do to contrast."""
     lamp_m, other = at(200.0, 50.0, 0.6), replace(CYLINDER, at=(-0.06, 0.14))
     alone, both = (
@@ -147,7 +147,7 @@ def estimated_in_views(lamp_m: Float, ground: str = "plain") -> LightEstimate:
 
 
 @pytest.mark.parametrize(("distance_m", "ground"), [(0.5, "bricks"), (1.0, "plain")])
-def test_several_views_of_a_lamp_tell_its_place_by_the_shadows_parallax(distance_m: float, ground: str) -> None:
+def test_several_views_of_a_lamp_determine_its_place_by_the_shadows_parallax(distance_m: float, ground: str) -> None:
     lamp_m = at(200.0, 50.0, distance_m)
     light = stated(estimated_in_views(lamp_m, ground))
     assert light.kind == "lamp"
@@ -155,7 +155,7 @@ def test_several_views_of_a_lamp_tell_its_place_by_the_shadows_parallax(distance
     assert abs(light.inverse_distance * distance_m - 1) < 0.08
 
 
-def test_several_views_of_what_is_far_away_tell_no_lamp() -> None:
+def test_several_views_of_what_is_far_away_give_no_lamp() -> None:
     light = stated(estimated_in_views(at(200.0, 40.0, 20.0), "bricks"))
     assert light.kind == "directional"
     assert math.degrees(angle_between(light.to_light_marker, direction(200.0, 40.0))) < 1.0

@@ -105,7 +105,7 @@ def test_an_exception_comes_back_as_a_value_and_the_worker_goes_on(worker, scene
     assert isinstance(worker.wait(PATIENCE_S), Answer)
 
 
-def test_a_preset_that_the_estimator_cannot_use_is_told_in_words_and_the_worker_goes_on(scene):
+def test_a_preset_that_the_estimator_cannot_use_is_reported_in_words_and_the_worker_goes_on(scene):
     with LightWorker("paper") as worker:
         worker.request(scene.tracked, BALANCED.with_caster(parsed_caster("box:0.05x0.05x0.08")))
         failure = worker.wait(PATIENCE_S)
@@ -114,7 +114,7 @@ def test_a_preset_that_the_estimator_cannot_use_is_told_in_words_and_the_worker_
         assert len(children()) == 1
 
 
-def test_a_killed_process_is_told_once_and_replaced(scene, without_marker):
+def test_a_killed_process_is_reported_once_and_replaced(scene, without_marker):
     with LightWorker(endless) as worker:
         worker.request(without_marker)
         worker.wait(PATIENCE_S)
@@ -141,7 +141,7 @@ def test_a_process_killed_between_requests_is_replaced(worker, scene):
     assert isinstance(worker.wait(PATIENCE_S), Answer)
 
 
-def test_one_that_hangs_is_given_up_told_once_and_replaced(scene, without_marker, monkeypatch):
+def test_one_that_hangs_is_given_up_reported_once_and_replaced(scene, without_marker, monkeypatch):
     with LightWorker(endless) as worker:
         worker.request(without_marker)
         worker.wait(PATIENCE_S)
@@ -248,7 +248,7 @@ def test_other_views_reach_the_estimator_and_those_of_another_scene_do_not():
         assert answer.outdated == (0, 1, 2)
 
 
-def test_views_from_one_side_are_left_out_as_they_tell_no_more():
+def test_views_from_one_side_are_left_out_as_they_add_no_information():
     with LightWorker(Telling) as worker:
         answer = answered(worker, view(0), [view(1, 0.5)])
     assert answer.estimate.views == (0,)

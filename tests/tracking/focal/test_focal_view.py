@@ -30,7 +30,7 @@ def found(hfov_deg: float, tilt_deg: float, side_px: float = 120, stated_px: flo
 
 
 @pytest.mark.parametrize("hfov_deg", [45, 60, 75])
-def test_an_oblique_marker_tells_the_focal_length(hfov_deg: float) -> None:
+def test_an_oblique_marker_determines_the_focal_length(hfov_deg: float) -> None:
     camera, truth_px = found(hfov_deg, 45).camera, Camera.from_hfov(SIZE, hfov_deg).K[0, 0]
     assert camera.source == "estimated"
     assert camera.K[0, 0] == pytest.approx(truth_px, rel=0.03)
@@ -38,7 +38,7 @@ def test_an_oblique_marker_tells_the_focal_length(hfov_deg: float) -> None:
     assert abs(camera.K[0, 0] - truth_px) < 3 * camera.focal_sigma_px
 
 
-def test_a_marker_seen_from_above_tells_nothing_of_it() -> None:
+def test_a_marker_seen_from_above_does_not_constrain_it() -> None:
     camera = found(75, 0, side_px=60).camera
     assert camera.source == "assumed"
     assert camera.focal_sigma_px == pytest.approx(FOCAL_SIGMA["assumed"] * camera.K[0, 0])
