@@ -18,7 +18,7 @@ def print_soak_figures(console: Console, record: Json) -> None:
     """Prints the tables of `record`, the bench's part of it."""
     ages = figures_table(
         f"age of a picture on a display of {record['display_hz']:.0f} Hz, ms",
-        "camera", "pictures", "median", "p95", "p99", "beyond the law: p99", "longest", "within",
+        "camera", "pictures", "median", "p95", "p99", "beyond the bound: p99", "longest", "within",
     )  # fmt: skip
     for age in record["age"]:
         ms, over = age["age_ms"], age["over_law_ms"]
