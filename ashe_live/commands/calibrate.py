@@ -51,10 +51,8 @@ def run(options: argparse.Namespace) -> int:
     console = TerminalConsole()
     try:
         path = write_json(options.out, calibration.to_json(), options.overwrite, beside=True)
-    except UserError:  # the figures are not lost with the file
+    finally:  # the figures are not lost with the file
         _print_figures(console, calibration, guide.kept)
-        raise
-    _print_figures(console, calibration, guide.kept)
     print_answer(
         f"{path}: {calibration.rms_px:.2f} px off on average in {int(calibration.used.sum())} of {len(guide.kept)} "
         f"views; use it with --camera-file {path}"

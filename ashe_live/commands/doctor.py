@@ -120,7 +120,7 @@ def _described(info: dict[str, str]) -> str:
     return f"OpenGL {info['GL_VERSION']}, {info['GL_RENDERER']}{slow}"
 
 
-def apart(probe: Callable[[], str]) -> str:
+def isolated_probe(probe: Callable[[], str]) -> str:
     """What a function of this module returns, called in a process of its own, which a broken driver may crash.
 
     Raises the UserError that the function raised, or one about the process's end.
@@ -169,8 +169,8 @@ CHECKS: dict[str, Callable[[], str]] = {
     "packages": _packages,
     "files": _files,
     "display": _display,
-    "window": lambda: _display() and apart(window_probe),
-    "offscreen pictures": lambda: apart(offscreen_probe),
+    "window": lambda: _display() and isolated_probe(window_probe),
+    "offscreen pictures": lambda: isolated_probe(offscreen_probe),
     "H.264 video": _video,
     "camera": _cameras,
     "settings": _settings,
