@@ -25,7 +25,7 @@ def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, ins
     assert str(sheet) in outcome.out[-1]
     assert "from the truth" in outcome.out[0]
     with ClipSource(video) as clip:
-        assert len(list(iter(clip.read, None))) == 20
+        assert len(list(clip)) == 20
     with PIL.Image.open(sheet) as picture:
         assert picture.width > 1000
 

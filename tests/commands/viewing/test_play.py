@@ -24,7 +24,7 @@ HEADLESS = ("--headless", "--hfov", "55", "--quality", "fast", "--no-hide-marker
 
 def frames_of(path: Path) -> list[np.ndarray]:
     with ClipSource(path) as clip:
-        return [frame.image_bgr for frame in iter(clip.read, None)]
+        return [frame.image_bgr for frame in clip]
 
 
 def strongest_difference(a: np.ndarray, b: np.ndarray) -> int:
