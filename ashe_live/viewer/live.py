@@ -200,7 +200,7 @@ class LiveViewer:
             self._session.say("nothing to open: copy a file, or its path, and press Ctrl+V", now_s)
         model, source = first_of_each_kind(paths)
         if model is not None:
-            self._session.table.open(model)
+            self._session.table.shelf.add(model)
         if source is not None:
             self._opening.begin(Path(source))
 

@@ -158,7 +158,7 @@ class Session:
         Returns a new estimate, once.
         """
         self.table.poll(now_s, is_quiet=self.notice.shown(now_s) is None)
-        outcome = self._accept(self.watch.poll(), now_s)
+        outcome = self._accept(self.watch.wait(0.0), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)

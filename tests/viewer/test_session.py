@@ -643,7 +643,7 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
 
 def test_a_models_file_is_shown_by_its_name(make, tmp_path):
     session = make()
-    session.table.open(str(tmp_path / "chair.obj"))
+    session.table.shelf.add(str(tmp_path / "chair.obj"))
     assert session.table.model_name == "chair.obj"
 
 

@@ -77,10 +77,6 @@ class Table:
         """The time in their motion at which the models are shown; 0 if none moves."""
         return self.motion.time_s if self.arrangement.moves else 0.0
 
-    def open(self, path: str) -> None:
-        """Shows the model in the file as soon as it is read."""
-        self.shelf.add(path)
-
     def begin_anew(self) -> None:
         """Resets what was done by hand, for another clip or photo."""
         self.arrangement.keep_places()
