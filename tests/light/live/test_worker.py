@@ -52,7 +52,7 @@ def without_marker(scene) -> TrackedFrame:
 
 
 def test_it_answers_as_a_direct_call_does(worker, scene):
-    assert worker.poll() is None
+    assert worker.wait(0.0) is None
     assert worker.request(scene.tracked)
     assert worker.busy
     assert not worker.request(scene.tracked)
@@ -65,7 +65,7 @@ def test_it_answers_as_a_direct_call_does(worker, scene):
     assert answer.frame_index == scene.tracked.frame.index
     assert not answer.light.to_light_marker.flags.writeable
     assert not worker.busy
-    assert worker.poll() is None
+    assert worker.wait(0.0) is None
 
 
 def test_what_led_to_the_answer_is_drawn_only_when_asked_for(scene):
@@ -124,7 +124,7 @@ def test_a_killed_process_is_reported_once_and_replaced(scene, without_marker):
         failure = worker.wait(PATIENCE_S)
         assert isinstance(failure, WorkerFailure)
         assert failure.frame_index == scene.tracked.frame.index
-        assert worker.poll() is None
+        assert worker.wait(0.0) is None
         assert not worker.busy
         assert worker.request(without_marker)
         assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
@@ -147,15 +147,15 @@ def test_one_that_hangs_is_given_up_reported_once_and_replaced(scene, without_ma
         worker.wait(PATIENCE_S)
         (first,) = children()
         worker.request(scene.tracked)
-        assert worker.poll() is None
+        assert worker.wait(0.0) is None
         monkeypatch.setattr(worker_module, "LONGEST_ESTIMATE_S", 0.0)
-        failure = worker.poll()
+        failure = worker.wait(0.0)
         monkeypatch.undo()
         assert isinstance(failure, WorkerFailure)
         assert failure.frame_index == scene.tracked.frame.index
         assert "no answer" in failure.message
         assert first not in children()
-        assert worker.poll() is None
+        assert worker.wait(0.0) is None
         assert worker.request(without_marker)
         assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
 
@@ -165,7 +165,7 @@ def test_what_is_given_up_has_no_outcome_and_the_next_request_may_come_at_once(w
     assert worker.request(scene.tracked)
     worker.give_up()
     assert not worker.busy
-    assert worker.poll() is None
+    assert worker.wait(0.0) is None
     assert worker.request(without_marker)
     outcome = worker.wait(PATIENCE_S)
     assert isinstance(outcome, WorkerFailure)
