@@ -11,10 +11,10 @@ from importlib import import_module
 from ashe_live.commands.flags.options import parsed, with_origin
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.ending import end_process
-from ashe_live.process.messages import tell
+from ashe_live.process.messages import print_message
 from ashe_live.process.module_path import safe_library_path, safe_module_path
 from ashe_live.process.streams import flushed, open_streams
-from ashe_live.process.unforeseen import outer_cause
+from ashe_live.process.unexpected_errors import outer_cause
 
 # Read by libraries as they load, here and in child processes.
 ENVIRONMENT = {
@@ -67,7 +67,7 @@ def run(arguments: Sequence[str], begins: Callable[[], None] | None = None) -> i
             begins()
         return int(command(options))
     except UserError as error:
-        tell(with_origin(error, options))
+        print_message(with_origin(error, options))
     except KeyboardInterrupt:
         return ExitStatus.INTERRUPTED
     except BrokenPipeError:  # the reader (`| head`) has what it wanted
@@ -75,5 +75,5 @@ def run(arguments: Sequence[str], begins: Callable[[], None] | None = None) -> i
     except Exception as error:
         if (cause := outer_cause(error)) is None:
             raise
-        tell(cause)
+        print_message(cause)
     return ExitStatus.WRONG_USE

@@ -145,6 +145,11 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Film]:
     return shoot(tmp_path_factory.mktemp("film"), (320, 240), 12)
 
 
+def pytest_configure() -> None:
+    """One thread of OpenCV, as in the viewer and in the light's process: its others spin between calls."""
+    cv2.setNumThreads(1)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The longest groups first, so that at the end both processes have something left to do."""
     items.sort(key=lambda item: _group(item.nodeid)[0])

@@ -11,8 +11,8 @@ import PIL.Image
 
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
-from ashe_live.process.apart import NoAnswerError, called_apart
 from ashe_live.process.children import Limits
+from ashe_live.process.isolated import NoAnswerError, isolated_call
 
 Result = TypeVar("Result")
 
@@ -31,13 +31,13 @@ def is_heif(file: BinaryIO) -> bool:
     return begin[4:8] == b"ftyp" and begin[8:] in BRANDS
 
 
-def read_apart(path: Path, read: Callable[[Path, PIL.Image.Image], Result]) -> Result:
-    """The result of `read(path, picture)` for the photo, `read` as for `called_apart`; arrays in it are read-only.
+def read_isolated(path: Path, read: Callable[[Path, PIL.Image.Image], Result]) -> Result:
+    """The result of `read(path, picture)` for the photo, `read` as for `isolated_call`; arrays in it are read-only.
 
     Raises the UserError that it raises, and one for a damaged file.
     """
     try:
-        result: Result = called_apart(_read, (path, read), "ashe-live photo", LIMITS, LONGEST_S)
+        result: Result = isolated_call(_read, (path, read), "ashe-live photo", LIMITS, LONGEST_S)
     except NoAnswerError as failure:
         raise UserError(f"{path} is damaged ({failure})", ADVICE) from None
     return result

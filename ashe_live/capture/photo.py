@@ -12,7 +12,7 @@ import PIL.Image
 from PIL import ImageOps
 from PIL.TiffImagePlugin import TiffImageFile
 
-from ashe_live.capture.heif import is_heif, read_apart
+from ashe_live.capture.heif import is_heif, read_isolated
 from ashe_live.capture.sources import Source, refuse_too_large, too_many_pixels
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
@@ -105,7 +105,7 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
     except PIL.UnidentifiedImageError:
         with opened(path) as file:
             if is_heif(file):
-                return read_apart(path, _decoded)
+                return read_isolated(path, _decoded)
         raise UserError(f"{path} is not a photo of a known format", "convert it to JPEG or PNG") from None
     # A damaged file can fail anywhere in Pillow's decoders: SyntaxError, ValueError, struct.error, OSError...
     except Exception as error:

@@ -10,8 +10,17 @@ LEAST_MEMORY_FRAMES = 10  # the end is compared with a fifth of the way
 
 
 def run(options: argparse.Namespace) -> int:
-    benches = {"viewer": _viewer, "soak": _soak, "render": _render, "light": _light, "track": _track, "cube": _cube}
-    {**benches, "fit-judge": _fit_judge, "fit-lamps": _fit_lamps}[options.bench](options)
+    benches = {
+        "viewer": _viewer,
+        "soak": _soak,
+        "render": _render,
+        "light": _light,
+        "track": _track,
+        "cube": _cube,
+        "fit-judge": _fit_judge,
+        "fit-lamps": _fit_lamps,
+    }
+    benches[options.bench](options)
     return ExitStatus.ANSWERED
 
 

@@ -3,7 +3,7 @@
 import argparse
 
 from ashe_live.errors import ExitStatus
-from ashe_live.process.messages import say
+from ashe_live.process.messages import print_answer
 from ashe_live.tracking.boards.calibration_board import CalibrationBoard
 from ashe_live.tracking.families.page import larger_than
 from ashe_live.tracking.families.printing import write_board_sheet
@@ -14,5 +14,5 @@ def run(options: argparse.Namespace) -> int:
         options.out, CalibrationBoard(), options.square_mm / 1000, options.overwrite, options.paper
     )
     on = larger_than(options.paper, page_mm)
-    say(f"{options.out}: print it{on}, fix it on something flat, then: ashe-live calibrate --out camera.json")
+    print_answer(f"{options.out}: print it{on}, fix it on something flat, then: ashe-live calibrate --out camera.json")
     return ExitStatus.ANSWERED

@@ -21,7 +21,7 @@ from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, write_json
 from ashe_live.process.console import TerminalConsole
-from ashe_live.process.messages import say, tell
+from ashe_live.process.messages import print_answer, print_message
 from ashe_live.tracking.boards.calibration import Calibration
 from ashe_live.tracking.boards.calibration_board import BoardView, CalibrationBoard
 from ashe_live.tracking.boards.calibration_guide import CalibrationGuide, KeptView
@@ -44,18 +44,16 @@ def run(options: argparse.Namespace) -> int:
     check_outputs([options.out], inputs, options.overwrite)
     with _opened(options) as source:
         if source.note is not None:
-            tell(source.note)
+            print_message(source.note)
         guide = CalibrationGuide(source.size)
         with _window(source) if source.is_live and not options.headless else _lines() as guidance:
             calibration = _collect(source, guide, guidance) or guide.calibration()
     console = TerminalConsole()
     try:
         path = write_json(options.out, calibration.to_json(), options.overwrite, beside=True)
-    except UserError:  # the figures are not lost with the file
+    finally:  # the figures are not lost with the file
         _print_figures(console, calibration, guide.kept)
-        raise
-    _print_figures(console, calibration, guide.kept)
-    say(
+    print_answer(
         f"{path}: {calibration.rms_px:.2f} px off on average in {int(calibration.used.sum())} of {len(guide.kept)} "
         f"views; use it with --camera-file {path}"
     )

@@ -15,7 +15,7 @@ from ashe_live.commands.viewing.window import show_in_window
 from ashe_live.core.arrays import Image
 from ashe_live.drawing.contact_sheet import contact_sheet
 from ashe_live.files.writing import unused_name
-from ashe_live.process.messages import say
+from ashe_live.process.messages import print_answer
 from ashe_live.render.scene import Scene
 from ashe_live.render.screen import Screen
 from ashe_live.viewer.display import Display, Readings, bare_scene
@@ -63,7 +63,7 @@ def _into_files(setup: ViewerSetup, is_bare: bool) -> int:
 
     played = show_without_window(setup, scene, thumbnails.add)
     sheet = write_png(sheet, contact_sheet(*thumbnails.spread()), beside=True)
-    say(f"see {played.recording} and {sheet}")
+    print_answer(f"see {played.recording} and {sheet}")
     return played.status
 
 

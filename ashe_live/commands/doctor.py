@@ -18,9 +18,9 @@ from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.resources import resource
-from ashe_live.process.apart import NoAnswerError, called_apart
 from ashe_live.process.children import Limits
-from ashe_live.process.messages import printable, say
+from ashe_live.process.isolated import NoAnswerError, isolated_call
+from ashe_live.process.messages import print_answer, printable
 from ashe_live.render.gl.driver import is_software
 
 PACKAGES = (
@@ -43,12 +43,12 @@ def run(_options: argparse.Namespace) -> int:
     findings = {}
     for name, check in CHECKS.items():
         finding = findings[name] = _tried(name, check)
-        say(f"{'works' if finding.works else 'does not work':<14} {name:<19} {finding.said}")
+        print_answer(f"{'works' if finding.works else 'does not work':<14} {name:<19} {finding.said}")
     missing = [name for name in needed_for_demo(findings["display"].works) if not findings[name].works]
     if missing:
-        say(f"The demo cannot run: mend {', '.join(missing)}.")
+        print_answer(f"The demo cannot run: mend {', '.join(missing)}.")
         return ExitStatus.WRONG_USE
-    say("The demo can run: ashe-live demo")
+    print_answer("The demo can run: ashe-live demo")
     return ExitStatus.ANSWERED
 
 
@@ -120,14 +120,14 @@ def _described(info: dict[str, str]) -> str:
     return f"OpenGL {info['GL_VERSION']}, {info['GL_RENDERER']}{slow}"
 
 
-def apart(probe: Callable[[], str]) -> str:
+def isolated_probe(probe: Callable[[], str]) -> str:
     """What a function of this module returns, called in a process of its own, which a broken driver may crash.
 
     Raises the UserError that the function raised, or one about the process's end.
     """
     remedy = "install or update the graphics driver (Debian, Ubuntu: apt-get install libgl1 libegl1 libgl1-mesa-dri)"
     try:
-        return called_apart(probe, (), "ashe-live doctor", Limits(niceness=0, silent=True), PROBE_S)
+        return isolated_call(probe, (), "ashe-live doctor", Limits(niceness=0, silent=True), PROBE_S)
     except NoAnswerError as failure:
         raise UserError(f"trying OpenGL failed ({failure})", remedy) from None
 
@@ -169,8 +169,8 @@ CHECKS: dict[str, Callable[[], str]] = {
     "packages": _packages,
     "files": _files,
     "display": _display,
-    "window": lambda: _display() and apart(window_probe),
-    "offscreen pictures": lambda: apart(offscreen_probe),
+    "window": lambda: _display() and isolated_probe(window_probe),
+    "offscreen pictures": lambda: isolated_probe(offscreen_probe),
     "H.264 video": _video,
     "camera": _cameras,
     "settings": _settings,

@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from ashe_live.commands.answers.file_answers import FileEstimator
 from ashe_live.commands.answers.light_page import LightPage
-from ashe_live.commands.flags.marker_choice import others_said
+from ashe_live.commands.flags.marker_choice import other_markers_hint
 from ashe_live.commands.flags.named_files import named_files
 from ashe_live.commands.flags.setup import camera_chooser, light_preset, make_tracker
 from ashe_live.core.contract import FileRecord
@@ -19,7 +19,7 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_folder, check_outputs, make_folder
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.process.console import TerminalConsole
-from ashe_live.process.messages import listed, printable, say, say_exactly, tell
+from ashe_live.process.messages import listed, print_answer, print_exactly, print_message, printable
 from ashe_live.process.signals import ended_by_signals
 
 PAGES = (".html", ".htm")
@@ -52,10 +52,10 @@ def run(options: argparse.Namespace) -> int:
     with ended_by_signals() as end_if_asked:
         try:
             for record, picture in answers:
-                is_read = say_exactly(record.to_line()) if options.json else say(_line(record))
+                is_read = print_exactly(record.to_line()) if options.json else print_answer(_line(record))
                 statuses.add(_status(record))
                 if options.sheet is not None:
-                    page.add(_named(record), _said(record), picture)
+                    page.add(_named(record), _answer_text(record), picture)
                 elif not is_read and options.debug is None:
                     break  # whoever read the output has gone
                 end_if_asked()
@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
             if page.has_figures:
                 if makes_folder_of_sheet:
                     make_folder(options.debug)
-                tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
+                print_message(f"sheet in {page.write(options.sheet, options.overwrite)}")
     if files.without_steps:
         statuses.add(ExitStatus.WRONG_USE)
     return next(status for status in WORST_FIRST if status in statuses)
@@ -117,15 +117,15 @@ def _line(record: FileRecord) -> str:
     # A name may be as short as a word of the error, or as a letter in one.
     as_word = rf"(?<!\w){re.escape(printable(record.file))}(?!\w)"
     names_itself = record.error is not None and re.search(as_word, record.error) is not None
-    return _said(record) if names_itself else f"{_named(record)}: {_said(record)}"
+    return _answer_text(record) if names_itself else f"{_named(record)}: {_answer_text(record)}"
 
 
-def _said(record: FileRecord) -> str:
+def _answer_text(record: FileRecord) -> str:
     if record.error is not None:
         return record.error
     if record.marker is None:
         if record.in_view:
-            return f"the marker was not found: {others_said(record.in_view, record.looked_for)}"
+            return f"the marker was not found: {other_markers_hint(record.in_view, record.looked_for)}"
         return "no marker found: show all of it, or name the one that is there with --marker"
     estimate = record.estimate
     assert estimate is not None

@@ -7,7 +7,7 @@ from ashe_live.commands.flags.model_choice import marker_files
 from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs
-from ashe_live.process.messages import say
+from ashe_live.process.messages import print_answer
 from ashe_live.tracking.cube.faces import CUBE, USUAL_EDGE_M
 from ashe_live.tracking.cube.sheet import write_cube_sheet
 from ashe_live.tracking.families.layout import Layout, cube_layout, is_of_cube, parse_target
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
     flags = [] if spec == DEFAULT_MARKER else [f"--marker {shlex.quote(spec)}"]
     flags += [] if size_mm == USUAL_MM else [f"--marker-size {size_mm / 1000:g}"]
     use = f"; use it with {' '.join(flags)}" if flags else ""
-    say(
+    print_answer(
         f"{options.out}: print it at 100 %{larger_than(options.paper, page_mm)}, then the ruler line on it is true{use}"
     )
     return ExitStatus.ANSWERED
@@ -65,5 +65,5 @@ def _cube(options: argparse.Namespace) -> int:
     edge_m = USUAL_EDGE_M if options.side is None else options.side
     write_cube_sheet(options.out, cube_layout(), edge_m, options.paper, options.overwrite)
     flags = f"--marker {CUBE}" if edge_m == USUAL_EDGE_M else f"--marker {CUBE} --marker-size {edge_m:g}"
-    say(f"{options.out}: print it at 100 % on stiff matt paper, fold it, stand it on its plain face: {flags}")
+    print_answer(f"{options.out}: print it at 100 % on stiff matt paper, fold it, stand it on its plain face: {flags}")
     return ExitStatus.ANSWERED

@@ -9,7 +9,7 @@ from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
 from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.settings_file import SETTINGS, read_settings, settings_path
 from ashe_live.errors import ExitStatus
-from ashe_live.process.messages import say, say_exactly
+from ashe_live.process.messages import print_answer, print_exactly
 
 NOTE_AT = 36
 UNSET = {"marker": f"the one in view, or {DEFAULT_MARKER}"}
@@ -23,12 +23,14 @@ def run(_options: argparse.Namespace) -> int:
     (effective["model"],) = effective["model"]  # the flag may be repeated, a setting names one model
     if effective["takes_any_marker"]:  # a file that names one would end that
         effective["marker"] = None
-    say(f"# {path}" if os.path.lexists(path) else f"# {path} (not there: ashe-live settings > FILE is a start)")
+    print_answer(
+        f"# {path}" if os.path.lexists(path) else f"# {path} (not there: ashe-live settings > FILE is a start)"
+    )
     for key in SETTINGS:
         value = effective[key.replace("-", "_")]
         line = f"# {key} =" if value is None else f"{key} = {_toml(value)}"
         note = "set here" if key in settings else UNSET.get(key, "not set") if value is None else "default"
-        say_exactly(f"{line:<{NOTE_AT}} # {note}")
+        print_exactly(f"{line:<{NOTE_AT}} # {note}")
     return ExitStatus.ANSWERED
 
 

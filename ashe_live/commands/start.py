@@ -5,7 +5,7 @@ import argparse
 from ashe_live.capture.cameras import connected
 from ashe_live.commands import demo, webcam
 from ashe_live.commands.viewing.setup import check_outputs
-from ashe_live.process.messages import tell
+from ashe_live.process.messages import print_message
 
 
 def run(options: argparse.Namespace) -> int:
@@ -13,7 +13,7 @@ def run(options: argparse.Namespace) -> int:
     if options.camera is None:
         devices = connected()
         if not devices:
-            tell("no camera is connected, so this is the demo (ashe-live --help has more)")
+            print_message("no camera is connected, so this is the demo (ashe-live --help has more)")
             return demo.run(options)
         options.camera = str(devices[0].number)
     return webcam.run(options)

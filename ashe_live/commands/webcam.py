@@ -9,7 +9,7 @@ from ashe_live.commands.flags.model_choice import with_markers_spelled
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.viewing.setup import ViewerSetup, check_outputs
 from ashe_live.commands.viewing.window import show
-from ashe_live.process.messages import tell
+from ashe_live.process.messages import print_message
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 
 
@@ -21,5 +21,5 @@ def run(options: argparse.Namespace) -> int:
     tracker = make_tracker(options, memory=memory)
     source = WebcamSource(camera, options.size)
     if source.note is not None:
-        tell(source.note)
+        print_message(source.note)
     return show(ViewerSetup(source, tracker, options, tracker_for=tracker_maker(options, memory)))

@@ -8,7 +8,7 @@ from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.core.caster import Caster, parsed_caster
 from ashe_live.models.loading import SUFFIXES, load_model_file
 from ashe_live.models.placement import PlacedModel
-from ashe_live.models.reading import read_apart
+from ashe_live.models.reading import read_isolated
 
 # A hull of fewer points may fall short of the model by MOST_MISSED of its extent in any of these directions: a third of
 # the error of sizes measured with a ruler.
@@ -23,7 +23,7 @@ def read_caster(spec: str) -> Caster:
     """
     if Path(spec).suffix.lower() not in SUFFIXES:
         return parsed_caster(spec)
-    return Caster.hull(read_apart(_few_points, (spec,), spec))
+    return Caster.hull(read_isolated(_few_points, (spec,), spec))
 
 
 def _few_points(path: str) -> Float:

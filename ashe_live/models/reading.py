@@ -10,8 +10,8 @@ from typing import TypeVar
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import PlacedModel, placed_on_marker
-from ashe_live.process.apart import NoAnswerError, called_apart
 from ashe_live.process.children import Limits
+from ashe_live.process.isolated import NoAnswerError, isolated_call
 
 Result = TypeVar("Result")
 
@@ -27,16 +27,16 @@ def read_model(name: str, marker_side_m: float, up: str | None = None) -> Placed
     """
     if name in model_names():
         return _read(name, marker_side_m, up)
-    return read_apart(_read, (name, marker_side_m, up), name)
+    return read_isolated(_read, (name, marker_side_m, up), name)
 
 
-def read_apart(read: Callable[..., Result], arguments: tuple[object, ...], file: str) -> Result:
-    """The result of `read(*arguments)` for a model's file, in a process of its own; functions as for `called_apart`.
+def read_isolated(read: Callable[..., Result], arguments: tuple[object, ...], file: str) -> Result:
+    """The result of `read(*arguments)` for a model's file, in a process of its own; functions as for `isolated_call`.
 
     Raises the UserError that it raises, and one for a file that no process has read to its end.
     """
     try:
-        return called_apart(read, arguments, "ashe-live model", LIMITS, LONGEST_S)
+        return isolated_call(read, arguments, "ashe-live model", LIMITS, LONGEST_S)
     except NoAnswerError as failure:
         raise UserError(
             f"the model file {file} could not be read ({failure})", "reduce it, or export it again"

@@ -71,21 +71,21 @@ if hasattr(os, "register_at_fork"):
 
 
 def _start(process: SpawnProcess) -> None:
-    told = spawn.get_preparation_data
+    prepare = spawn.get_preparation_data
 
-    def told_ours(name: str) -> dict[str, Any]:
-        return _preparation(name) if name == process.name else told(name)
+    def prepare_ours(name: str) -> dict[str, Any]:
+        return _preparation(name) if name == process.name else prepare(name)
 
     with _environment(), _without_ctrl_c():
-        spawn.get_preparation_data = told_ours
+        spawn.get_preparation_data = prepare_ours
         try:
             process.start()
         finally:
-            spawn.get_preparation_data = told
+            spawn.get_preparation_data = prepare
 
 
 def _preparation(name: str) -> dict[str, Any]:
-    """What multiprocessing tells a child before anything else, all of which is optional (`spawn.prepare`).
+    """What multiprocessing sends a child before anything else, all of which is optional (`spawn.prepare`).
 
     Left out are the main script, which would run once more (and start another child, if a program that embeds this one
     does not guard it), and the current folder, which a child inherits anyway and which may have been deleted.

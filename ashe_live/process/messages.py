@@ -36,18 +36,18 @@ def listed(names: Iterable[str], most: int | None = None) -> str:
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def tell(text: object) -> None:
-    """Prints one line for the user on standard error, under the program's name; does nothing if that is closed."""
+def print_message(text: object) -> None:
+    """Prints one line for the user on standard error, after the program's name; does nothing if that is closed."""
     with contextlib.suppress(OSError):
         print(f"ashe-live: {printable(text)}", file=sys.stderr, flush=True)
 
 
-def say(text: object) -> bool:
-    """Prints one line for the user on standard output: an answer. Returns and raises as `say_exactly`."""
-    return say_exactly(printable(text))
+def print_answer(text: object) -> bool:
+    """Prints one line for the user on standard output: an answer. Returns and raises as `print_exactly`."""
+    return print_exactly(printable(text))
 
 
-def say_exactly(line: str) -> bool:
+def print_exactly(line: str) -> bool:
     """Prints one line for another program (JSON, TOML) on standard output, unchanged.
 
     Returns False if its reader has gone (`| head`), which is no reason to skip what else was asked for. Raises

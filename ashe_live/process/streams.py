@@ -6,7 +6,7 @@ import sys
 from typing import TextIO
 
 from ashe_live.errors import ExitStatus
-from ashe_live.process.messages import tell
+from ashe_live.process.messages import print_message
 
 
 def open_streams() -> None:
@@ -32,7 +32,7 @@ def flushed(status: int) -> int:
         except OSError as error:
             _discard(stream)
             if stream is sys.stdout and status != ExitStatus.WRONG_USE:
-                tell(f"cannot write to standard output ({error.strerror}): choose a place that has space left")
+                print_message(f"cannot write to standard output ({error.strerror}): choose a place that has space left")
                 status = ExitStatus.WRONG_USE
     return status
 

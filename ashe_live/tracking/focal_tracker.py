@@ -38,7 +38,7 @@ class FocalTracker(MarkerTracker):
         self._assumed = assumed
         self._memory = memory
         self._known: FocalEstimate | None = None
-        self._told: Camera | None = None
+        self._stated: Camera | None = None
         self._views_asked = 0
         self._estimator: FocalEstimator | None = None
 
@@ -46,13 +46,13 @@ class FocalTracker(MarkerTracker):
         """As MarkerTracker.track; a focal length learned from this frame serves from the next one on."""
         tracked = super().track(frame)
         is_measured = tracked.marker is not None and not tracked.marker.bridged
-        if is_measured and tracked.camera is self._told and self._is_contradicted(tracked.camera):
-            self._told = None
+        if is_measured and tracked.camera is self._stated and self._is_contradicted(tracked.camera):
+            self._stated = None
             self.use_camera(self._known_or_assumed(frame.size))
             tracked = dataclasses.replace(super().track(frame), note=CUT)
         if is_measured and tracked.camera.source == "assumed" and self._views_asked < VIEWS_ASKED:
             self._views_asked += 1
-            tracked = self._told_by_view(tracked)
+            tracked = self._with_focal_of_view(tracked)
         if not self.is_sure:
             self._learn_from(tracked)
         return tracked
@@ -62,27 +62,27 @@ class FocalTracker(MarkerTracker):
         """Whether the focal length is known so well that nothing more is learned."""
         return self._known is not None and self._known.relative_sigma <= FOUND_SIGMA
 
-    def tell(self, camera: Camera) -> None:
-        """The camera's focal length as its pictures state it, until the marker contradicts or tells it more surely."""
-        self._told = camera
+    def use_stated(self, camera: Camera) -> None:
+        """The focal length that pictures state is used until the marker contradicts it, or gives a surer one."""
+        self._stated = camera
 
-    def _told_by_view(self, tracked: TrackedFrame) -> TrackedFrame:
-        """`tracked`, or the same frame with a camera that its marker's perspective tells better than assumed."""
-        told = focal_of_view(self._sightings, tracked.camera, self.side_m)
-        if told is None or told.relative_sigma > MUCH_SURER * FOCAL_SIGMA["assumed"]:
+    def _with_focal_of_view(self, tracked: TrackedFrame) -> TrackedFrame:
+        """`tracked`, or the frame tracked anew if the marker's perspective gives a surer focal length than assumed."""
+        found = focal_of_view(self._sightings, tracked.camera, self.side_m)
+        if found is None or found.relative_sigma > MUCH_SURER * FOCAL_SIGMA["assumed"]:
             return tracked
-        self._known = told
-        self.use_camera(told.camera())
+        self._known = found
+        self.use_camera(found.camera())
         return dataclasses.replace(super().track(tracked.frame), note=tracked.note)
 
     def _is_contradicted(self, stated: Camera) -> bool:
         """Whether the marker's perspective, with as vague a prior as for any camera, implies another focal length."""
         focal_px = float(stated.K[0, 0])
-        told = focal_of_view(self._sightings, Camera.from_focal(stated.size, focal_px, "assumed"), self.side_m)
-        if told is None:
+        found = focal_of_view(self._sightings, Camera.from_focal(stated.size, focal_px, "assumed"), self.side_m)
+        if found is None:
             return False
-        sigma = math.hypot(told.relative_sigma, FOCAL_SIGMA["exif"])
-        return abs(math.log(told.focal_px / focal_px)) > DOUBTED * sigma
+        sigma = math.hypot(found.relative_sigma, FOCAL_SIGMA["exif"])
+        return abs(math.log(found.focal_px / focal_px)) > DOUBTED * sigma
 
     def _known_or_assumed(self, size: Size) -> Camera:
         """For frames of another size than before: nothing has been learned from them."""
@@ -90,7 +90,7 @@ class FocalTracker(MarkerTracker):
         self._estimator = FocalEstimator(size)
         if self._known is not None:
             return self._known.camera()
-        return self._assumed(size) if self._told is None or self._told.size != size else self._told
+        return self._assumed(size) if self._stated is None or self._stated.size != size else self._stated
 
     def _is_better(self, new: FocalEstimate, camera: Camera) -> bool:
         """Whether what several views say is worth a change of `camera`; one view takes bent paper for perspective."""

@@ -13,9 +13,9 @@ from ashe_live.render.gl.framing import box_corners, framing, letterbox
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.render.screen import Screen
-from ashe_live.viewer.before_after import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
 from ashe_live.viewer.drawn.estimate_inset import EstimateInset, Span
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
+from ashe_live.viewer.parts_shown import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
 
@@ -101,7 +101,7 @@ class Display:
     def _text(self, session: Session, readings: Readings, now_s: float) -> HudText:
         fps, marker = self._steady_readings(readings.fps, session.tracked, now_s)
         if not self._name or session.table.is_drawn:
-            self._name = session.table.in_hand_said
+            self._name = session.table.in_hand_text
         # Also while they are hidden: the wait for a model counts from when it was first asked about.
         status = status_lines(session, fps, readings.quality, marker, self._name)
         text = HudText(tuple(status), tuple(source_lines(session, readings.source_status, now_s)))

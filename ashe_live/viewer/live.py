@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ashe_live.errors import UserError
 from ashe_live.process.mailbox import Closed
-from ashe_live.process.messages import say, tell
+from ashe_live.process.messages import print_answer, print_message
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display, Readings
@@ -58,19 +58,19 @@ class LiveViewer:
         self._menu = Menu()
         self._interval_s = 1 / window.refresh_rate_hz
         self._quality = QualityChoice(options.quality, self._interval_s, renderer, session)
-        self._keeper = Keeper(renderer, session, self._tell, options.recording)
+        self._keeper = Keeper(renderer, session, self._announce, options.recording)
         self._opening = Opening(options.opener)
         self._loop = options.loop
         self._quit = False
         self._source_error: str | None = None
         self._take_up(pipeline)
-        self.followed = Followed(pipeline, session, self._tell, options.takes_any_marker)
+        self.followed = Followed(pipeline, session, self._announce, options.takes_any_marker)
         self._keeper.flags = lambda: [*options.flags, *self.followed.flags]
         self._stillness = Stillness()
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
             Command.CUT_OUT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s, is_cut_out=True),
-            Command.KEEP_LIGHT: lambda now_s: self._keeper.light(now_s),
+            Command.KEEP_LIGHT: self._keeper.light,
             Command.RECORD: lambda now_s: self._keeper.record(self._pipeline.fps, now_s),
             Command.QUALITY: lambda _now: self._quality.step(self._pipeline),
             Command.FULLSCREEN: lambda _now: self._window.toggle_fullscreen(),
@@ -133,7 +133,7 @@ class LiveViewer:
             if self._session.tracked is None:
                 raise
             self._source_error = str(error)
-            tell(error)
+            print_message(error)
             return False
         if tracked is None:
             return False
@@ -145,13 +145,13 @@ class LiveViewer:
             self._session.settle_for_last(now_s)
         # An estimate that agrees with those before it is not printed again.
         if self._session.poll(now_s) is not None and self._session.watch.held.is_news:
-            say(light_line(self._session))
+            print_answer(light_line(self._session))
         screen = self._window.screen
         if screen.is_minimised:
             return
         if screen.size != self._renderer.size:
             self._renderer.resize(screen.size)
-        status = self._opening.said or self._source_error or self._pipeline.stall or self._pipeline.status
+        status = self._opening.progress or self._source_error or self._pipeline.stall or self._pipeline.status
         moment = self._playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality.shown, self._playback.pace_shown, recording)))
@@ -200,7 +200,7 @@ class LiveViewer:
             self._session.say("nothing to open: copy a file, or its path, and press Ctrl+V", now_s)
         model, source = first_of_each_kind(paths)
         if model is not None:
-            self._session.table.open(model)
+            self._session.table.shelf.add(model)
         if source is not None:
             self._opening.begin(Path(source))
 
@@ -209,7 +209,7 @@ class LiveViewer:
         try:
             opened = self._opening.take()
         except UserError as error:
-            self._tell(str(error), now_s)
+            self._announce(str(error), now_s)
             return False
         if opened is None:
             return False
@@ -243,7 +243,7 @@ class LiveViewer:
         else:
             self._quit = True
 
-    def _tell(self, text: str, now_s: float) -> None:
+    def _announce(self, text: str, now_s: float) -> None:
         """Shows a line in the window for a while, and prints it on the terminal."""
         self._session.say(text, now_s)
-        say(text)
+        print_answer(text)

@@ -1,4 +1,4 @@
-"""The line that tells the user what has just happened, for as long as it takes to read."""
+"""The line that says what has just happened, shown for as long as it takes to read."""
 
 NOTICE_S = 4.0  # the least that a line is shown
 READ_PER_S = 15.0  # letters a second that a slow reader takes in

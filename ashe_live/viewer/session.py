@@ -10,7 +10,6 @@ from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Draw, WorkerFailure
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.before_after import PARTS, WHOLE
 from ashe_live.viewer.estimates.easing import LightEasing
 from ashe_live.viewer.estimates.light_watch import LightWatch
 from ashe_live.viewer.estimates.policy import EstimatePolicy
@@ -18,6 +17,7 @@ from ashe_live.viewer.estimates.sharpening import Sharpening
 from ashe_live.viewer.hands.help import Help
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.notice import Notice
+from ashe_live.viewer.parts_shown import PARTS, WHOLE
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import SETS_LIGHT, Table
 
@@ -58,7 +58,7 @@ class Session:
         self.is_mirrored = False  # in the window only: what is saved is as the camera sees it
         self.help = Help()
         self.show_hud = True
-        self.parts_shown = PARTS[0]
+        self.parts_shown = WHOLE
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the followed marker is out of view
         # Until the first estimate, polished surfaces mirror the first frame that shows a marker.
         self._estimated = Illumination()
@@ -158,7 +158,7 @@ class Session:
         Returns a new estimate, once.
         """
         self.table.poll(now_s, is_quiet=self.notice.shown(now_s) is None)
-        outcome = self._accept(self.watch.poll(), now_s)
+        outcome = self._accept(self.watch.wait(0.0), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)

@@ -6,7 +6,7 @@ from ashe_live.core.transforms import angle_between, transform_points
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.framing import box_corners, framing
 from ashe_live.render.lights.light_view import sees
-from ashe_live.tracking.families.in_view import said_in_view
+from ashe_live.tracking.families.in_view import in_view_text
 from ashe_live.viewer.session import Session
 
 FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
@@ -39,7 +39,7 @@ def light_line(session: Session) -> str:
     else:
         text = f"{'light' if session.hand.light is None else 'light by hand'}: {light.summary()}"
         if session.hand.light is None:
-            text += views_said(session)
+            text += views_text(session)
         if (count := len(session.lit_by.lights)) > 1:
             text += f", first of {count}"
         if session.true_to_light_marker is not None:
@@ -48,7 +48,7 @@ def light_line(session: Session) -> str:
     return f"{text}, estimating…" if session.watch.is_awaited else text
 
 
-def views_said(session: Session) -> str:
+def views_text(session: Session) -> str:
     """How many views the estimate rests on, or what would make it sharper; empty where there is nothing to say."""
     estimate = session.estimate
     if estimate is None or estimate.light is None:
@@ -98,7 +98,7 @@ def status_lines(
     if seen is not None and seen.marker is not None:
         marker += "".join(f"; {spec}: not in view" for spec in session.arrangement.without_marker(seen))
     return [
-        "   ".join([*rate, model_name or session.table.in_hand_said, quality, *([] if fps is None else [KEYS])]),
+        "   ".join([*rate, model_name or session.table.in_hand_text, quality, *([] if fps is None else [KEYS])]),
         marker,
         *([] if camera is None else [camera]),
         light_line(session),
@@ -146,7 +146,7 @@ def guidance(session: Session) -> tuple[str, ...]:
         return (OUT_OF_PICTURE,)
     if session.markers_in_view:
         specs = session.markers_in_view
-        return (f"{said_in_view(specs)}: M follows {specs[0]}",)
+        return (f"{in_view_text(specs)}: M follows {specs[0]}",)
     if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
         return NO_MARKER
     if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:

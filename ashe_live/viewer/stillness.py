@@ -17,7 +17,7 @@ FPS_OVER_FRAMES = 30
 
 
 class Stillness:
-    """Is told of every picture, and counts those that are equal."""
+    """Compares every picture with the one before, and counts equal ones in a row."""
 
     def __init__(self) -> None:
         self._last: tuple[Scene, Size, RenderPreset] | None = None

@@ -61,7 +61,7 @@ def test_a_file_of_any_name_is_the_clip_that_it_is(name: str, clip: Path, listen
     path.parent.mkdir(parents=True, exist_ok=True)
     clip.rename(path)
     with open_source(path) as source:
-        assert len(list(iter(source.read, None))) == 60
+        assert len(list(source)) == 60
     assert listener.calls == 0
 
 

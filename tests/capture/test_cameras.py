@@ -45,7 +45,7 @@ class FakeCapture:
         FakeCapture.released += 1
 
 
-def test_cameras_come_by_number_and_with_what_tells_their_model() -> None:
+def test_cameras_come_by_number_and_with_what_identifies_their_model() -> None:
     assert connected(lambda backend: [C920, LAPTOP]) == DEVICES  # noqa: ARG005
     assert connected(lambda backend: []) == []  # noqa: ARG005
 

@@ -12,7 +12,7 @@ import pillow_heif
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
-from ashe_live.capture.heif import read_apart
+from ashe_live.capture.heif import read_isolated
 from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.core.arrays import Image
@@ -136,7 +136,7 @@ def test_longer_photo_than_any_camera_is_refused(tmp_path: Path, size: tuple[int
         open_source(path)
 
 
-def test_kind_is_told_by_content_and_only_then_by_name(tmp_path: Path, rgb: Image, clip: Path) -> None:
+def test_kind_is_recognised_by_content_and_only_then_by_name(tmp_path: Path, rgb: Image, clip: Path) -> None:
     PIL.Image.fromarray(rgb).save(tmp_path / "photo.mp4", "PNG")
     clip.rename(tmp_path / "clip.dat")
     assert isinstance(open_source(tmp_path / "photo.mp4"), PhotoSource)
@@ -206,7 +206,7 @@ def test_a_photo_that_crashes_its_decoder_is_refused(tmp_path: Path, rgb: Image)
     path = tmp_path / "a.heic"
     pillow_heif.from_pillow(PIL.Image.fromarray(rgb)).save(path)
     with pytest.raises(UserError, match=r"a\.heic is damaged"):
-        read_apart(path, crashing)
+        read_isolated(path, crashing)
 
 
 def with_exif(path: Path, rgb: Image, millimetres: object, taken: tuple[int, int] | None = None) -> Path:

@@ -106,7 +106,7 @@ def test_a_clip_gives_a_camera_file(run, board_clip: Path, tmp_path: Path) -> No
     assert "exists" in again.err[0]
 
 
-def test_the_figures_are_told_though_the_file_finds_no_room(
+def test_the_figures_are_printed_though_the_file_finds_no_room(
     run, board_clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:

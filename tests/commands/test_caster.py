@@ -84,7 +84,7 @@ def test_the_answer_says_which_body_it_is(run, film, schema):
     assert max(spheroid[2] for spheroid in record["caster"]["spheroids_marker"]) == pytest.approx(0.08)
 
 
-def test_a_wrong_one_is_told_also_before_a_clip_is_played(run, film):
+def test_a_wrong_one_is_reported_also_before_a_clip_is_played(run, film):
     outcome = run("play", film.path, "--headless", "--caster", "box:1x1", "--hfov", "55")
     assert outcome.status == 2
     assert "box:WxDxH" in outcome.err[-1]

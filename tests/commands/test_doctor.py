@@ -64,16 +64,16 @@ def test_with_a_display_the_window_decides(run, monkeypatch):
 
 @pytest.mark.usefixtures("no_display")
 def test_a_probe_answers_from_its_own_process():
-    assert doctor.apart(doctor.offscreen_probe).startswith("OpenGL")
+    assert doctor.isolated_probe(doctor.offscreen_probe).startswith("OpenGL")
     with pytest.raises(UserError, match="there is none") as caught:
-        doctor.apart(doctor._display)
+        doctor.isolated_probe(doctor._display)
     assert "ssh" in caught.value.remedy
 
 
 @pytest.mark.parametrize("death", [failing, os.abort])
 def test_a_probe_that_dies_is_reported_with_a_remedy(death):
     with pytest.raises(UserError, match="trying OpenGL failed") as caught:
-        doctor.apart(death)
+        doctor.isolated_probe(death)
     assert "driver" in caught.value.remedy
 
 

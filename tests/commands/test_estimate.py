@@ -45,7 +45,7 @@ def test_the_pose_is_the_true_one(run, files, film):
     assert record["camera"]["source"] == "file"
 
 
-def test_a_short_name_is_told_as_any_other(run, files, tmp_path, monkeypatch):
+def test_a_short_name_stands_before_its_answer_as_any_other(run, files, tmp_path, monkeypatch):
     """Though its letters are in what is said of it."""
     monkeypatch.chdir(tmp_path)
     shutil.copy(files["empty_table"], "n")
@@ -56,7 +56,7 @@ def test_a_short_name_is_told_as_any_other(run, files, tmp_path, monkeypatch):
     assert missing.startswith("there is no file x")
 
 
-def test_equal_markers_are_told(run, files, tmp_path):
+def test_equal_markers_are_reported(run, files, tmp_path):
     twice = tmp_path / "twice.png"
     cv2.imwrite(str(twice), np.tile(cv2.imread(str(files["photo"])), (1, 2, 1)))
     (said,) = (line for line in run("estimate", *KNOWN, twice).err if "equal markers" in line)

@@ -217,7 +217,7 @@ def test_a_clip_is_answered_for_the_scene_that_most_of_it_shows(run, picture_of_
     assert record["frame"] == 5
 
 
-def test_photos_of_an_unknown_camera_tell_it_together(run, table):
+def test_photos_of_an_unknown_camera_determine_it_together(run, table):
     (record,) = run("estimate", "--json", "--together", *table).records
     alone = [json.loads(line) for line in run("estimate", "--json", *table).out]
     focal = 320 / np.tan(np.radians(55 / 2))
@@ -226,7 +226,7 @@ def test_photos_of_an_unknown_camera_tell_it_together(run, table):
     assert record["camera"]["focal_sigma_px"] <= 1.05 * max(each["camera"]["focal_sigma_px"] for each in alone)
 
 
-def test_photos_tell_their_camera_together_by_whichever_marker_is_in_them(run, table, monkeypatch):
+def test_photos_determine_their_camera_together_by_whichever_marker_is_in_them(run, table, monkeypatch):
     monkeypatch.setattr(option_groups, "DEFAULT_MARKER", "aruco:4x4_50:17")
     spec = "aruco:4x4_50:0"
     named, unnamed = (run("estimate", "--json", "--together", *flags, *table) for flags in (("--marker", spec), ()))

@@ -70,7 +70,7 @@ class Endless:
 
 def frame_count(clip: Path) -> int:
     with ClipSource(clip) as source:
-        count = len(list(iter(source.read, None)))
+        count = len(list(source))
         assert source.note is None or "truncated" in source.note
     return count
 

@@ -283,7 +283,7 @@ def test_snapshot_and_recording_land_in_the_folder(estimated):
     estimated.press("v")
     await_that(lambda: estimated.files("*.mp4"), "a recording")
     with ClipSource(estimated.files("*.mp4")[0]) as recording:
-        frames = list(iter(recording.read, None))
+        frames = list(recording)
     assert recording.size == (640, 480)
     assert len(frames) > 1
     assert recording.note is None
@@ -344,7 +344,7 @@ def test_frames_ends_it_and_out_records_it(play):
     assert viewer.wait() == 0
     with ClipSource(viewer.folder / "o.mp4") as recording:
         # A crowded machine shows some of them so late that the next one takes their place.
-        assert len(list(iter(recording.read, None))) > 10
+        assert len(list(recording)) > 10
 
 
 def test_the_end_of_the_clip_stays_on_screen_also_in_a_small_window(play):

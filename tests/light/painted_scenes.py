@@ -233,7 +233,7 @@ def _lit_ground(camera: Camera, T_cam_marker: Float, ground: str) -> Float32:
     return _lit_ground_of(camera.size, camera.K.tobytes(), T_cam_marker.tobytes(), ground).copy()
 
 
-@lru_cache(maxsize=4)  # most tests see the same ground many times; 33 MB each
+@lru_cache(maxsize=8)  # most tests see the same ground many times; 33 MB each
 def _lit_ground_of(size: Size, K: bytes, T: bytes, ground: str) -> Float32:
     """By the bytes of the camera's K (3, 3) and of T_cam_marker (4, 4)."""
     width, height = size
@@ -254,7 +254,8 @@ def _fall_of_light(camera: Camera, T_cam_marker: Float, lamp_m: Float) -> Float3
     u, v = np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32)[:, None]
     x, y, nearness = (np.float32(corner[i]) + u * np.float32(right[i]) + v * np.float32(below[i]) for i in range(3))
     depth = np.where(nearness > 1e-4, nearness, 1)
-    squared = (x / depth - lamp_m[0]) ** 2 + (y / depth - lamp_m[1]) ** 2 + lamp_m[2] ** 2
+    lamp_x, lamp_y, lamp_z = map(float, lamp_m)  # Python's, by which single precision stays single
+    squared = (x / depth - lamp_x) ** 2 + (y / depth - lamp_y) ** 2 + lamp_z**2
     return np.asarray((squared / float(lamp_m @ lamp_m)) ** -1.5, np.float32)
 
 

@@ -35,11 +35,11 @@ def test_the_result_is_the_same_wherever_it_is_read(ball):
 def test_a_person_s_file_is_read_apart_however_small_and_a_shipped_one_here(ball, monkeypatch):
     asked = []
 
-    def called_apart(_function, arguments, *_others):
+    def isolated_call(_function, arguments, *_others):
         asked.append(arguments[0])
         return "there"
 
-    monkeypatch.setattr(reading, "called_apart", called_apart)
+    monkeypatch.setattr(reading, "isolated_call", isolated_call)
     assert read_model(ball, 0.08) == "there"
     assert read_model("cube", 0.08).model.name == "cube"
     assert asked == [ball]

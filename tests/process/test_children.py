@@ -14,9 +14,9 @@ import pytest
 
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
-from ashe_live.process import apart
-from ashe_live.process.apart import NoAnswerError, called_apart
+from ashe_live.process import isolated
 from ashe_live.process.children import Limits, safe_module_path, started
+from ashe_live.process.isolated import NoAnswerError, isolated_call
 from tests.checkout import CHECKOUT
 
 PATIENCE_S = 60.0
@@ -81,7 +81,7 @@ def test_a_childs_library_path_is_without_the_current_folder(monkeypatch, before
         monkeypatch.delenv("LD_LIBRARY_PATH", raising=False)
     else:
         monkeypatch.setenv("LD_LIBRARY_PATH", before)
-    assert called_apart(os.getenv, ("LD_LIBRARY_PATH",), "test", FREE, PATIENCE_S) == inside
+    assert isolated_call(os.getenv, ("LD_LIBRARY_PATH",), "test", FREE, PATIENCE_S) == inside
 
 
 def test_the_module_path_is_without_the_current_folder(tmp_path, monkeypatch):
@@ -102,14 +102,15 @@ def test_it_starts_where_the_current_folder_was_deleted(tmp_path, monkeypatch):
     (tmp_path / "gone").mkdir()
     monkeypatch.chdir(tmp_path / "gone")
     (tmp_path / "gone").rmdir()
-    assert called_apart(os.getpid, (), "test", FREE, PATIENCE_S) != os.getpid()
+    assert isolated_call(os.getpid, (), "test", FREE, PATIENCE_S) != os.getpid()
 
 
 def test_a_program_that_does_not_guard_its_main_script_can_start_one(tmp_path):
     script = tmp_path / "unguarded.py"
     script.write_text(
-        "import os\nfrom ashe_live.process.apart import called_apart\nfrom ashe_live.process.children import Limits\n"
-        f"print(called_apart(os.getpid, (), 'test', Limits(niceness=0), {PATIENCE_S}) != os.getpid())\n"
+        "import os\nfrom ashe_live.process.isolated import isolated_call\n"
+        "from ashe_live.process.children import Limits\n"
+        f"print(isolated_call(os.getpid, (), 'test', Limits(niceness=0), {PATIENCE_S}) != os.getpid())\n"
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("True\n", "")
@@ -117,7 +118,7 @@ def test_a_program_that_does_not_guard_its_main_script_can_start_one(tmp_path):
 
 def test_nothing_is_left_behind_in_the_parents_environment():
     before, path = dict(os.environ), list(sys.path)
-    called_apart(os.getpid, (), "test", FREE, PATIENCE_S)
+    isolated_call(os.getpid, (), "test", FREE, PATIENCE_S)
     assert dict(os.environ) == before
     assert sys.path == path
     assert not [child for child in multiprocessing.active_children() if child.name == "test"]
@@ -125,11 +126,11 @@ def test_nothing_is_left_behind_in_the_parents_environment():
 
 def test_what_is_wrong_is_said_from_there():
     with pytest.raises(UserError, match="it is broken: mend it"):
-        called_apart(_broken, (), "test", FREE, PATIENCE_S)
+        isolated_call(_broken, (), "test", FREE, PATIENCE_S)
     with pytest.raises(NoAnswerError, match=r"^ZeroDivisionError: "):
-        called_apart(divmod, (1, 0), "test", FREE, PATIENCE_S)
+        isolated_call(divmod, (1, 0), "test", FREE, PATIENCE_S)
     with pytest.raises(NoAnswerError, match="ended with status 9"):
-        called_apart(os._exit, (9,), "test", FREE, PATIENCE_S)
+        isolated_call(os._exit, (9,), "test", FREE, PATIENCE_S)
 
 
 def _broken() -> None:
@@ -138,13 +139,13 @@ def _broken() -> None:
 
 def test_one_that_does_not_answer_is_killed():
     with pytest.raises(NoAnswerError, match=r"within 0\.5 s"):
-        called_apart(time.sleep, (PATIENCE_S,), "test", FREE, 0.5)
+        isolated_call(time.sleep, (PATIENCE_S,), "test", FREE, 0.5)
     assert not [child for child in multiprocessing.active_children() if child.name == "test"]
 
 
 def test_one_that_stops_in_the_middle_of_its_answer_is_killed():
     with pytest.raises(NoAnswerError, match=r"within 4 s"):  # it begins to answer by then unless all is crowded
-        called_apart(_stop_while_answering, (), "test", FREE, 4)
+        isolated_call(_stop_while_answering, (), "test", FREE, 4)
     assert not [child for child in multiprocessing.active_children() if child.name == "test"]
 
 
@@ -153,26 +154,26 @@ def _stop_while_answering() -> None:
         connection.send((1, b"its one buffer never comes"))
         time.sleep(PATIENCE_S)
 
-    apart.send_value = send_half
+    isolated.send_value = send_half
 
 
 @POSIX_ONLY
 def test_it_takes_so_much_processor_time_and_no_more():
     with pytest.raises(NoAnswerError, match="more than 1 s of processor time"):
-        called_apart(sum, (range(10**12),), "test", Limits(niceness=0, processor_s=1), PATIENCE_S)
+        isolated_call(sum, (range(10**12),), "test", Limits(niceness=0, processor_s=1), PATIENCE_S)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not hold a process to it")
 def test_it_takes_so_much_memory_and_no_more():
     limits = Limits(niceness=0, memory_bytes=500_000_000)
-    assert len(called_apart(bytes, (100_000_000,), "test", limits, PATIENCE_S)) == 100_000_000
+    assert len(isolated_call(bytes, (100_000_000,), "test", limits, PATIENCE_S)) == 100_000_000
     with pytest.raises(NoAnswerError, match="out of memory"):
-        called_apart(bytes, (500_000_000,), "test", limits, PATIENCE_S)
+        isolated_call(bytes, (500_000_000,), "test", limits, PATIENCE_S)
 
 
 def test_what_it_prints_can_be_silenced(capfd):
-    called_apart(os.write, (2, b"seen"), "test", FREE, PATIENCE_S)
-    called_apart(os.write, (2, b"unseen"), "test", Limits(niceness=0, silent=True), PATIENCE_S)
+    isolated_call(os.write, (2, b"seen"), "test", FREE, PATIENCE_S)
+    isolated_call(os.write, (2, b"unseen"), "test", Limits(niceness=0, silent=True), PATIENCE_S)
     assert capfd.readouterr().err == "seen"
 
 

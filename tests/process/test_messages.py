@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ashe_live.process.messages import MOST_CHARACTERS, listed, printable, say, tell
+from ashe_live.process.messages import MOST_CHARACTERS, listed, print_answer, print_message, printable
 from tests.checkout import CHECKOUT
 
 ANY_TEXT = st.text(st.characters(exclude_categories=()))  # lone surrogates too
@@ -59,8 +59,11 @@ def test_what_is_too_long_keeps_its_beginning_and_its_end(letter: str) -> None:
     assert line.endswith(": copy it again")
 
 
-def test_a_reader_that_has_gone_is_told_of_and_no_error() -> None:
-    code = "import sys; from ashe_live.process.messages import say; sys.stdin.read(); sys.exit(say('a') + 2 * say('b'))"
+def test_a_reader_that_has_gone_is_reported_and_is_no_error() -> None:
+    code = (
+        "import sys; from ashe_live.process.messages import print_answer; sys.stdin.read(); "
+        "sys.exit(print_answer('a') + 2 * print_answer('b'))"
+    )
     with subprocess.Popen(
         [sys.executable, "-c", code],
         stdin=subprocess.PIPE,
@@ -76,8 +79,8 @@ def test_a_reader_that_has_gone_is_told_of_and_no_error() -> None:
 
 
 def test_errors_and_answers_take_one_line_each(capsys: pytest.CaptureFixture[str]) -> None:
-    tell("no\nmarker")
-    say("light\x1b from the left")
+    print_message("no\nmarker")
+    print_answer("light\x1b from the left")
     said = capsys.readouterr()
     assert said.err == "ashe-live: no marker\n"
     assert said.out == "light\\x1b from the left\n"

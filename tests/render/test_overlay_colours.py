@@ -58,7 +58,7 @@ def contrast(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("eyes", SEEN_BY)
 @pytest.mark.parametrize("together", TOGETHER)
-def test_colours_that_are_shown_together_are_told_apart(together: str, eyes: str) -> None:
+def test_colours_that_are_shown_together_can_be_distinguished(together: str, eyes: str) -> None:
     seen = [lab(SEEN_BY[eyes] @ linear(bgr)) for bgr in TOGETHER[together]]
     assert min(np.linalg.norm(one - other) for one, other in combinations(seen, 2)) > TOLD_APART
 

@@ -14,7 +14,7 @@ from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import ACCURATE, BALANCED, FAST
-from ashe_live.render.gl.offscreen import graphics_failures_told, live_gl_objects
+from ashe_live.render.gl.offscreen import graphics_failures_reported, live_gl_objects
 from ashe_live.render.passes.surface import supported_samples
 from ashe_live.render.scene import Overlay, Scene
 
@@ -239,11 +239,14 @@ def test_a_lamp_in_view_has_a_bulb_in_its_place(make_renderer, stage) -> None:
         assert np.hypot(*(expected_px - (columns.mean(), rows.mean()))) < 12
 
 
-def test_a_driver_without_memory_left_is_told_once_and_in_one_line(ctx, make_renderer, stage) -> None:
+def test_a_driver_without_memory_left_is_reported_once_and_in_one_line(ctx, make_renderer, stage) -> None:
     renderer = make_renderer()
     renderer.render(Scene(stage.tracked(90, None)))
     renderer.finish()
     ctx.buffer(reserve=2**62).release()  # a GPU's driver takes 64 TB for a promise that need not be kept
-    with pytest.raises(UserError, match=r"the graphics driver failed \(GL_OUT_OF_MEMORY\)"), graphics_failures_told():
+    with (
+        pytest.raises(UserError, match=r"the graphics driver failed \(GL_OUT_OF_MEMORY\)"),
+        graphics_failures_reported(),
+    ):
         renderer.finish()
     renderer.finish()

@@ -131,7 +131,7 @@ def test_the_answer_is_the_lights_that_shine_but_for_misleading_pictures(
                 assert scene["patches"] or any(each["role"] == "outside" for each in scene["objects"])
 
 
-def test_nothing_in_view_throws_the_shadow_of_a_light_that_is_not_to_be_told() -> None:
+def test_nothing_in_view_throws_a_shadow_where_no_light_is_to_be_answered() -> None:
     beside_a_shadow_from_outside = [specification("training", index) for index in (176, 270, 274)]
     for scene in beside_a_shadow_from_outside:
         assert scene["without_object"]

@@ -45,7 +45,7 @@ def frames(memory: FocalMemory) -> list[TrackedFrame]:
     return list(watched(tracker_with(memory)))
 
 
-def test_the_first_view_tells_much_and_the_last_one_ends_with_what_is_true(frames: list[TrackedFrame]) -> None:
+def test_the_first_view_determines_much_and_the_last_one_ends_with_what_is_true(frames: list[TrackedFrame]) -> None:
     assumed, truth_px = Camera.from_hfov(CLIP.camera.size, WRONG_HFOV_DEG, "assumed"), CLIP.camera.K[0, 0]
     first, last = frames[0].camera, frames[-1].camera
     for camera in (first, last):

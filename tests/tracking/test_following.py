@@ -177,7 +177,7 @@ def test_the_covariance_says_how_far_off_the_pose_is() -> None:
 
 @pytest.mark.parametrize("side_px", [60, 120])
 @pytest.mark.parametrize("tilt_deg", [-20, -45, 20, 45])
-def test_a_surface_that_leans_over_the_camera_is_told_from_one_below_it(side_px: int, tilt_deg: float) -> None:
+def test_a_surface_that_leans_over_the_camera_is_distinguished_from_one_below_it(side_px: int, tilt_deg: float) -> None:
     """Straight edges say that the paper is flat: then far smaller errors are decisive than of curled paper."""
     truth = pose(CAMERA.K[0, 0] * SIDE_M / side_px, tilt_deg, 15)
     truth[:2, 3] = 0

@@ -141,7 +141,7 @@ class FakeWorker:
         self.known.append(known)
         return True
 
-    def poll(self) -> Outcome | None:
+    def wait(self, _timeout_s: float) -> Outcome | None:
         if not self.busy or self.answer is None:
             return None
         self.busy = False
@@ -155,9 +155,6 @@ class FakeWorker:
 
     def give_up(self) -> None:
         self.busy, self.answer = False, None
-
-    def wait(self, _timeout_s: float) -> Outcome | None:
-        return self.poll()
 
 
 class FakeKeyViews:
@@ -225,7 +222,7 @@ class FakeShelf:
         self.turned += by
         return "yzx"[self.turned]
 
-    def take_words(self):
+    def take_notes(self):
         words, self.words = self.words, []
         return words
 

@@ -23,7 +23,7 @@ from ashe_live.light.live.key_views import KeyViews
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.quality import BALANCED, FAST
-from ashe_live.render.gl.offscreen import graphics_failures_told
+from ashe_live.render.gl.offscreen import graphics_failures_reported
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.policy import EstimatePolicy
@@ -121,7 +121,7 @@ def test_the_last_frame_is_drawn_again_and_again(stage):
     assert [scene.tracked.frame.index for scene in stage.renderer.scenes] == [3, 3, 3, 3]
 
 
-def test_a_source_that_fails_keeps_its_last_picture_and_is_told_once(stage, capfd):
+def test_a_source_that_fails_keeps_its_last_picture_and_is_reported_once(stage, capfd):
     stage.put(0)
     failure = UserError("the camera came back with another size", "start again")
     stage.run(lambda: stage.pipeline.frames.close(failure), None, None, None)
@@ -201,7 +201,7 @@ def test_recording_goes_on_while_paused_and_ends_by_the_same_key(stage, tmp_path
     stage.run(*steps)
     (path,) = tmp_path.glob("*.mp4")
     with ClipSource(path) as clip:
-        assert len(list(iter(clip.read, None))) > 2
+        assert len(list(clip)) > 2
     assert capfd.readouterr().out.startswith("saved ")
 
 
@@ -317,7 +317,10 @@ def test_a_graphics_driver_that_fails_ends_it_in_one_line_with_the_recording_fin
         stage.renderer.render = render
 
     steps = [lambda index=index: stage.put(index) for index in range(1, 9)]
-    with pytest.raises(UserError, match=r"the graphics driver failed \(GL_CONTEXT_LOST\)"), graphics_failures_told():
+    with (
+        pytest.raises(UserError, match=r"the graphics driver failed \(GL_CONTEXT_LOST\)"),
+        graphics_failures_reported(),
+    ):
         stage.run(Command.RECORD, *steps, lose_context, lambda: pytest.fail("still running"))
     (path,) = tmp_path.iterdir()
     with ClipSource(path) as clip:

@@ -98,7 +98,7 @@ def test_the_estimate_holds_wherever_the_clip_goes(make, fakes):
 
 
 @pytest.mark.parametrize("command", [Command.TOGGLE_LIGHT, Command.TOGGLE_MASKS])
-def test_nobody_who_waits_for_an_estimate_is_told_to_ask_for_one(make, fakes, command):
+def test_nobody_who_waits_for_an_estimate_is_advised_to_ask_for_one(make, fakes, command):
     session = make()
     session.take(fakes.tracked(0), 0.0)
     session.handle(Request(command), 0.0)
@@ -462,7 +462,7 @@ def test_after_no_light_it_says_what_to_change(make, fakes):
     assert guidance(session) == ()
 
 
-def test_the_light_line_tells_every_state(make, fakes):
+def test_the_light_line_names_every_state(make, fakes):
     session = make(truth=direction_from_angles(0.0, np.radians(45)))
     session.take(fakes.tracked(), 0.0)
     lines = [light_line(session)]
@@ -487,7 +487,7 @@ def test_while_it_waits_for_a_steady_marker_it_does_not_ask_for_a_key(make):
     assert "Space" not in light_line(make(EstimatePolicy(on_first_steady=True)))
 
 
-def test_the_marker_line_tells_found_from_lost(fakes):
+def test_the_marker_line_distinguishes_found_from_lost(fakes):
     lines = {marker_line(None), marker_line(fakes.tracked()), marker_line(fakes.tracked(has_marker=False))}
     assert len(lines) == 3
     assert "marker: in view, its corners fit to 0.25 px" in lines
@@ -643,7 +643,7 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
 
 def test_a_models_file_is_shown_by_its_name(make, tmp_path):
     session = make()
-    session.table.open(str(tmp_path / "chair.obj"))
+    session.table.shelf.add(str(tmp_path / "chair.obj"))
     assert session.table.model_name == "chair.obj"
 
 
@@ -683,7 +683,7 @@ def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
     assert session.watch._worker.is_awaited
 
 
-def test_what_is_left_out_of_a_model_is_told_in_the_window_and_the_terminal(make, capsys):
+def test_what_is_left_out_of_a_model_is_reported_in_the_window_and_the_terminal(make, capsys):
     session = make()
     session.table.shelf.words = ["duck.glb: points and lines are left out"]
     session.poll(1.0)
@@ -778,20 +778,20 @@ def test_each_model_stays_where_it_was_put(make, fakes):
     assert session.hand.placement == large
 
 
-def test_a_model_that_was_moved_out_of_the_picture_is_told(make, fakes, monkeypatch):
+def test_a_model_that_was_moved_out_of_the_picture_is_reported(make, fakes, monkeypatch):
     session = make()
     model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
     monkeypatch.setattr(session.table.shelf, "model", lambda: model)
     session.take(fakes.tracked(), 0.0)
-    for shift_m, told in (((0.0, 0.0), ()), ((0.01, 0.0), ()), ((90.0, 0.0), (OUT_OF_PICTURE,))):
+    for shift_m, said in (((0.0, 0.0), ()), ((0.01, 0.0), ()), ((90.0, 0.0), (OUT_OF_PICTURE,))):
         session.hand.placement = Placement(shift_m=shift_m)
-        assert guidance(session) == told
+        assert guidance(session) == said
     session.handle(Request(Command.RESET), 0.0)
     assert guidance(session) == ()
 
 
 @pytest.mark.parametrize(
-    ("place", "told"),
+    ("place", "said"),
     [
         ((0.0, 0.0, 0.02), LAMP_INSIDE),
         ((0.3, 0.0, -0.2), LAMP_BELOW),
@@ -799,12 +799,12 @@ def test_a_model_that_was_moved_out_of_the_picture_is_told(make, fakes, monkeypa
         ((0.1, 0.0, 0.05), None),
     ],
 )
-def test_a_lamp_where_no_light_can_come_from_is_told(make, fakes, monkeypatch, place, told):
+def test_a_lamp_where_no_light_can_come_from_is_reported(make, fakes, monkeypatch, place, said):
     session = make()
     model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
     monkeypatch.setattr(session.table.shelf, "model", lambda: model)
     session.take(fakes.tracked(), 0.0)
     lamp = Light(place, inverse_distance=1 / np.linalg.norm(place))
     session.hand.light = Illumination((lamp,))
-    assert guidance(session) == (() if told is None else (told,))
+    assert guidance(session) == (() if said is None else (said,))
     assert f"lamp, {100 * np.linalg.norm(place):.0f} cm, azimuth" in light_line(session)

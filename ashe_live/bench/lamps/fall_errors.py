@@ -28,19 +28,19 @@ WITHIN_SIGMA = 0.683  # of errors that are normal
 
 @dataclass(frozen=True, slots=True)
 class FallError:
-    """What the fall of light tells of one lamp's nearness, beside the truth."""
+    """What the fall of light says of one lamp's nearness, beside the truth."""
 
     deviance: float  # of even light, if unevenness is at its worst: how clearly the ground shows a lamp
     true: float  # nearness w / z (1/m)
-    told: float
-    sigma: float  # of `told`, by the ground's noise and unevenness
+    estimated: float
+    sigma: float  # of `estimated`, by the ground's noise and unevenness
     direction_deg: float  # error at the marker by the fall of light alone: the direction is not given
     squared_sigmas: float  # of the same: squared Mahalanobis distance
 
     @property
     def share(self) -> float:
         """The further sigma, as a fraction of the nearness, with which this error would be one sigma."""
-        return math.sqrt(max((self.told - self.true) ** 2 - self.sigma**2, 0.0)) / abs(self.told)
+        return math.sqrt(max((self.estimated - self.true) ** 2 - self.sigma**2, 0.0)) / abs(self.estimated)
 
 
 def fall_error(case: Case, preset: ProxyPreset) -> FallError | None:
@@ -94,7 +94,7 @@ def fitted_share(errors: Sequence[FallError]) -> float:
 
 def whole_share(errors: Sequence[FallError]) -> float:
     """The error of the nearness, as a fraction of the true one, within which 68 % lie."""
-    return float(np.quantile([abs(each.told / each.true - 1) for each in errors], WITHIN_SIGMA))
+    return float(np.quantile([abs(each.estimated / each.true - 1) for each in errors], WITHIN_SIGMA))
 
 
 def _at_object(lamp_m: Float, foot_m: Float) -> Place:

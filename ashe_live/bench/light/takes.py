@@ -50,7 +50,7 @@ class Take:
     def frames(self) -> list[TrackedFrame]:
         """The frames with a marker, in order; raises UserError when the clip cannot be read."""
         with ClipSource(self.case.image_path) as source:
-            read = [frame for frame in iter(source.read, None) if frame.index in self.poses]
+            read = [frame for frame in source if frame.index in self.poses]
         if self.is_tracked:
             return self._tracked(read)
         return [TrackedFrame(frame, self.case.camera, self.poses[frame.index]) for frame in read]

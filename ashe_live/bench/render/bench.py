@@ -183,10 +183,12 @@ def _pairs(ctx: Context, folder: Path) -> list[Json]:
             pair_error(ctx, pair, quality.render)
             for pair in track(pairs, f"photos of the same with the model, {quality.name}", transient=True)
         ]
-        told = forced_choice([each.virtual_features for each in errors], [each.real_features for each in errors])
+        separability = forced_choice(
+            [each.virtual_features for each in errors], [each.real_features for each in errors]
+        )
         for pair, error in zip(pairs, errors, strict=True):
             figures = {key: value for key, value in asdict(error).items() if not isinstance(value, np.ndarray)}
-            rows.append({"preset": quality.name, "scene": pair.name, **figures, "forced_choice": told})
+            rows.append({"preset": quality.name, "scene": pair.name, **figures, "forced_choice": separability})
     return rows
 
 

@@ -87,8 +87,8 @@ class BudgetBench(Bench):
 
 def _mean_cell(name: str, values: list[float]) -> str:
     """The mean over the scenes that have a value."""
-    told = [value for value in values if not np.isnan(value)]
-    return f"{np.mean(told):.{1 if name.startswith('dE') else 3}f}" if told else "-"
+    known = [value for value in values if not np.isnan(value)]
+    return f"{np.mean(known):.{1 if name.startswith('dE') else 3}f}" if known else "-"
 
 
 def budget(ctx: Context, pair: Pair, preset: RenderPreset) -> Iterator[tuple[str, Json]]:

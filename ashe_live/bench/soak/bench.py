@@ -43,6 +43,7 @@ AGE_FRAMES_AT_MOST = 900
 class SoakBench(Bench):
     """The soak bench: `frames` of `clip` at `quality`, with estimates by `estimator`."""
 
+    SCHEMA: ClassVar[int] = 2
     NEEDS_OPENGL: ClassVar[bool] = True
 
     clip: KnownClip

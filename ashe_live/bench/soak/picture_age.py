@@ -1,8 +1,8 @@
 """The age of pictures on the screen, and whether it stays within the bound that the design guarantees.
 
-The bound (the "law"): as there are no queues, a picture on the screen is never older than one display interval plus the
-time for its own tracking and drawing. When the display starts the next picture it takes the newest tracked frame; that
-one was handed over after the display had last checked, hence at most one interval ago.
+As there are no queues, a picture on the screen is never older than one display interval plus the time for its own
+tracking and drawing. When the display starts the next picture it takes the newest tracked frame; that one was handed
+over after the display had last checked, hence at most one interval ago.
 """
 
 import numpy as np
@@ -46,15 +46,15 @@ class PictureAges:
         self._over_ms.append((age_s - own_s - (picture.begun_s - last_begun_s)) * 1e3)
 
     def to_json(self) -> Json:
-        """Percentiles of the age, and of `over_law_ms`: the age less tracking, drawing and interval."""
+        """Percentiles of the age, and of `over_bound_ms`: the age less tracking, drawing and interval."""
         over_ms = np.array(self._over_ms)
         return {
             "pictures": len(self._age_ms),
             "unread": self._unread,
             "backwards": int(self._backwards),
             "age_ms": frame_time_percentiles(self._age_ms),
-            "over_law_ms": frame_time_percentiles(self._over_ms),
-            "longest_over_law_ms": float(over_ms.max()) if len(over_ms) else None,
-            "within_law_share": float(np.mean(over_ms <= 0)) if len(over_ms) else None,
+            "over_bound_ms": frame_time_percentiles(self._over_ms),
+            "longest_over_bound_ms": float(over_ms.max()) if len(over_ms) else None,
+            "within_bound_share": float(np.mean(over_ms <= 0)) if len(over_ms) else None,
             "within_hand_over_share": float(np.mean(over_ms <= HAND_OVER_MS)) if len(over_ms) else None,
         }

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import cv2
 import numpy as np
@@ -49,6 +50,8 @@ REFERENCE, UNREFINED, OURS = "OpenCV", "OpenCV, unrefined", "ours"
 @dataclass(frozen=True, slots=True)
 class TrackBench(Bench):
     """The tracking bench: the synthetic takes, and the real clips of the folder `real`."""
+
+    SCHEMA: ClassVar[int] = 2
 
     preset: TrackingPreset = BALANCED.tracking
     real: Path | None = None

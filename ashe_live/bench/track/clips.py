@@ -1,4 +1,4 @@
-"""Real clips without ground truth: how often the marker is found, whether its pose flips, and how much it trembles."""
+"""Real clips without ground truth: how often the marker is found, whether its pose flips, and how much it jitters."""
 
 import math
 from collections.abc import Sequence
@@ -31,8 +31,8 @@ class ClipFigures:
     found_share: float
     bridged: int  # frames
     largest_turn_deg: float  # of the surface's normal, from one frame to the next
-    trembling_px: float  # see trembling_px
-    unfiltered_trembling_px: float
+    jitter_in_motion_px: float  # see jitter_in_motion_px
+    unfiltered_jitter_in_motion_px: float
     median_ms: float
 
 
@@ -52,7 +52,7 @@ def follow_clips(folder: Path, preset: TrackingPreset) -> list[ClipFigures]:
         raise UserError(f"{path} is no list of clips ({error})", "it needs `marker` and `clips`") from error
 
 
-def trembling_px(poses: Sequence[Float | None], camera: Camera, side_m: float) -> float:
+def jitter_in_motion_px(poses: Sequence[Float | None], camera: Camera, side_m: float) -> float:
     """Median second difference of the corners projected by the `poses` (4, 4) of a clip's frames, over sqrt(6).
 
     A hand's motion is nearly linear over three frames, whereas white noise has a second difference of sqrt(6) sigma.
@@ -61,8 +61,8 @@ def trembling_px(poses: Sequence[Float | None], camera: Camera, side_m: float) -
     unseen = np.full((4, 2), np.nan)
     corners = np.array([unseen if T is None else project(camera, T, square_corners(side_m)) for T in poses])
     bends = np.linalg.norm(corners[2:] - 2 * corners[1:-1] + corners[:-2], axis=2) if len(corners) > 2 else np.empty(0)
-    told = bends[np.isfinite(bends)]
-    return float(np.median(told)) / math.sqrt(6) if len(told) else 0.0
+    measured = bends[np.isfinite(bends)]
+    return float(np.median(measured)) / math.sqrt(6) if len(measured) else 0.0
 
 
 def largest_turn_deg(markers: Sequence[MarkerPose | None]) -> float:
@@ -89,7 +89,9 @@ def _followed(path: Path, pattern: Path, side_m: float, focal_px: float, preset:
         len(found) / max(1, len(markers)),
         sum(marker.bridged for marker in found),
         largest_turn_deg(markers),
-        trembling_px([None if marker is None else marker.T_cam_marker for marker in markers], camera, side_m),
-        trembling_px([None if marker is None else marker.measured_T_cam_marker for marker in markers], camera, side_m),
+        jitter_in_motion_px([None if marker is None else marker.T_cam_marker for marker in markers], camera, side_m),
+        jitter_in_motion_px(
+            [None if marker is None else marker.measured_T_cam_marker for marker in markers], camera, side_m
+        ),
         float(np.median(times_ms)) if times_ms else 0.0,
     )

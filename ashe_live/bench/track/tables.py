@@ -42,7 +42,7 @@ def print_figures(console: Console, figures: Sequence[Figure]) -> None:
 
 def print_clips(console: Console, clips: Sequence[ClipFigures]) -> None:
     table = figures_table(
-        "real clips", "", "frames", "found", "bridged", "largest turn", "trembling, px", "unfiltered, px", "median ms"
+        "real clips", "", "frames", "found", "bridged", "largest turn", "jitter, px", "unfiltered, px", "median ms"
     )
     for clip in clips:
         table.add_row(
@@ -51,8 +51,8 @@ def print_clips(console: Console, clips: Sequence[ClipFigures]) -> None:
             f"{100 * clip.found_share:.1f} %",
             str(clip.bridged),
             f"{clip.largest_turn_deg:.1f}°",
-            f"{clip.trembling_px:.3f}",
-            f"{clip.unfiltered_trembling_px:.3f}",
+            f"{clip.jitter_in_motion_px:.3f}",
+            f"{clip.unfiltered_jitter_in_motion_px:.3f}",
             f"{clip.median_ms:.1f}",
         )
     console.print(table)

@@ -19,7 +19,7 @@ ERROR, JITTER, LAG = "median rotation error, 53 px at 45° (degrees)", "jitter a
 COST = "processor time a frame: 9 followed, 1 searched anew (ms)"
 SEARCHED_SHARE = 0.1  # of the frames, in what a frame costs
 ROAMING, RESTING, SLIDING, SCATTERED = 120, 90, 90, 30  # frames of each take
-SETTLED_FRAMES = 40  # at rest, before trembling is measured
+SETTLED_FRAMES = 40  # at rest, before jitter is measured
 
 B = BALANCED.tracking
 VARIATIONS: tuple[tuple[str, str, TrackingPreset], ...] = (

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import av
 
-from ashe_live.capture.recording.fragments import copy_whole_fragments, is_in_the_making, pictures_in, published
+from ashe_live.capture.recording.fragments import copy_whole_fragments, is_in_the_making, picture_count, published
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NO_LINK, NewFile, lock
 from ashe_live.files.writing import unused
@@ -51,7 +51,7 @@ def _rescued(partial: Path) -> Path | None:
         path = _name_for(partial)
         with NewFile(path) as fragments:
             copy_whole_fragments(stream, fragments.stream)
-            pictures = pictures_in(fragments.stream)
+            pictures = picture_count(fragments.stream)
             rescued = published(fragments, path, False, pictures) if pictures else None
         # Another file that has been put in its place meanwhile stays.
         if os.path.samestat(status, partial.lstat()):

@@ -58,14 +58,14 @@ def published(fragments: NewFile, path: Path, overwrite: bool, pictures: int) ->
     """
     with suppress(OSError, av.error.FFmpegError, UserError), NewFile(path, overwrite, beside=True) as clip:
         with_index_first(fragments.stream, clip.stream, pictures)
-        if pictures_in(clip.stream) == pictures:
+        if picture_count(clip.stream) == pictures:
             return clip.publish(beside=True)
-    if pictures_in(fragments.stream) < pictures:
+    if picture_count(fragments.stream) < pictures:
         raise OSError("not all of it could be written")
     return fragments.publish(beside=True)
 
 
-def pictures_in(stream: BinaryIO) -> int:
+def picture_count(stream: BinaryIO) -> int:
     """How many packets of pictures can be read; 0 when it is no clip, or the first one cannot be decoded.
 
     Raises OSError or FFmpegError when reading fails.
@@ -89,7 +89,7 @@ def made_playable(recording: BinaryIO) -> bool:
         with opened_container(recording) as clip:
             ends = [(packet.pos or 0) + packet.size for packet in _whole_packets(clip)]
         recording.truncate(max(ends, default=0))  # half a picture is worse than none to a decoder
-        return pictures_in(recording) > 0
+        return picture_count(recording) > 0
     except (OSError, av.error.FFmpegError):
         return False
 

@@ -27,8 +27,8 @@ from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import Estimator, TracingEstimator
 from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.light.live.same_scene import first_of_most, of_one_scene
-from ashe_live.process.messages import listed, printable, tell
-from ashe_live.process.unforeseen import fault, outer_cause, show_traceback
+from ashe_live.process.messages import listed, print_message, printable
+from ashe_live.process.unexpected_errors import fault, outer_cause, show_traceback
 from ashe_live.tracking.families.in_view import markers_in_view
 from ashe_live.tracking.tracker import MarkerTracker
 
@@ -105,7 +105,7 @@ class FileEstimator:
         try:
             refuse_folder(path)  # others have been replaced by the files in them
             with open_source(path) as source:
-                is_known = _tells_no_camera(source) and source.size in cameras
+                is_known = _states_no_camera(source) and source.size in cameras
                 camera_for = cameras.__getitem__ if is_known else self.camera_for
                 chosen = with_marker_in(source, options, self.followed)
                 tracker = make_tracker(chosen, camera_for, source=source)
@@ -116,7 +116,7 @@ class FileEstimator:
         tracked = seen.frozen
         record = dataclasses.replace(record, frame=tracked.frame.index, camera=tracked.camera, marker=tracked.marker)
         if tracked.note is not None:
-            tell(f"{path}: {tracked.note}")
+            print_message(f"{path}: {tracked.note}")
         if tracked.marker is not None:
             return _Looked(path, record, seen, tracker)
         in_view = markers_in_view(tracked.frame.image_bgr)
@@ -132,7 +132,7 @@ class FileEstimator:
         if not more and span_of([frozen, *others]) < LEAST_SPAN_RAD:
             others = []  # the camera stood still: they show hardly more than the frame alone
         if len(others) >= self.options.views:
-            tell(f"of {len(others) + 1} views the first {self.options.views} are used")
+            print_message(f"of {len(others) + 1} views the first {self.options.views} are used")
             others = others[: self.options.views - 1]
         estimate, timing_ms = self._timed(first.tracker, frozen, others)
         if self.options.debug is not None:
@@ -141,7 +141,7 @@ class FileEstimator:
                 estimate, trace = self.estimator.traced(frozen, others)
             self._keep_steps(first.path, debug_pictures(frozen, estimate, trace))
         if more and estimate.lights:
-            _tell_of_unused(
+            _report_unused(
                 [places[view.frame.index][0] for view in others], [places[view][0] for view in estimate.views]
             )
         record = dataclasses.replace(
@@ -155,10 +155,10 @@ class FileEstimator:
     def _keep_steps(self, file: Path, pictures: Sequence[DebugPicture]) -> None:
         """Writes them, and says where, or why not: the answer is worth more than they are, and is given anyway."""
         try:
-            tell(f"{file}: steps in {write_steps(self.options.debug, file, pictures)}")
+            print_message(f"{file}: steps in {write_steps(self.options.debug, file, pictures)}")
         except UserError as error:
             self.without_steps.add(file)
-            tell(f"{file}: without its steps: {error}")
+            print_message(f"{file}: without its steps: {error}")
 
     def _picture(self, tracked: TrackedFrame, estimate: LightEstimate | None) -> Image | None:
         return None if self.options.sheet is None else picture_of(tracked, estimate)
@@ -170,7 +170,7 @@ class FileEstimator:
         if places and len(of_it) < len(others):
             kept = {view.frame.index for view in of_it}
             gone = sorted({places[view.frame.index][0] for view in others if view.frame.index not in kept})
-            tell(f"{listed(gone)}: another light or arrangement than in {places[0][0]}, and left out")
+            print_message(f"{listed(gone)}: another light or arrangement than in {places[0][0]}, and left out")
         return of_it
 
     def _marker_of_all(self, paths: Sequence[Path]) -> argparse.Namespace:
@@ -188,7 +188,7 @@ class FileEstimator:
             return cameras
         trackers: dict[Size, MarkerTracker] = {}
         for source in openable(paths):
-            if not _tells_no_camera(source):
+            if not _states_no_camera(source):
                 continue
             tracker = trackers.setdefault(source.size, make_tracker(options, self.camera_for))
             with suppress(Exception):  # its own line says so
@@ -234,12 +234,12 @@ def _renumbered(looked: Sequence[_Looked], places: dict[int, tuple[str, int]]) -
     return views
 
 
-def _tell_of_unused(given: Sequence[str], used: Sequence[str]) -> None:
+def _report_unused(given: Sequence[str], used: Sequence[str]) -> None:
     """Says which files the estimator was given besides the first one, and has not used."""
     unused = [file for file in dict.fromkeys(given) if file not in used]
     if unused:
-        tell(f"{listed(unused)}: not used; the answer rests on {listed(dict.fromkeys(used))}")
+        print_message(f"{listed(unused)}: not used; the answer rests on {listed(dict.fromkeys(used))}")
 
 
-def _tells_no_camera(source: Source) -> bool:
+def _states_no_camera(source: Source) -> bool:
     return isinstance(source, PhotoSource) and source.focal_px is None

@@ -8,8 +8,8 @@ from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import without_model
 from ashe_live.commands.flags.setup import camera_chooser, make_tracker
 from ashe_live.core.camera import Camera
-from ashe_live.process.messages import tell
-from ashe_live.tracking.families.in_view import markers_in_view, said_in_view
+from ashe_live.process.messages import print_message
+from ashe_live.tracking.families.in_view import in_view_text, markers_in_view
 from ashe_live.tracking.families.layout import is_of_cube, parse_target
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
@@ -44,19 +44,21 @@ def tracker_maker(
     return tracker_for
 
 
-def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str] | None = None) -> argparse.Namespace:
+def with_marker_in(
+    source: Source, options: argparse.Namespace, announced: set[str] | None = None
+) -> argparse.Namespace:
     """`options` with `marker_in` a photo or clip. A marker that was named is kept.
 
     Files that are opened later may show another marker.
-    `told_of`: the markers of which the user has been told that they are followed, for many sources.
+    `announced`: markers of which a line has said before that they are followed, where there are many sources.
     """
     if source.is_live or not options.takes_any_marker:
         return options
-    found = marker_in(source, options, set() if told_of is None else told_of)
+    found = marker_in(source, options, set() if announced is None else announced)
     return options if found in (None, options.marker) else argparse.Namespace(**{**vars(options), "marker": found})
 
 
-def marker_in(source: Source, options: argparse.Namespace, told_of: set[str]) -> str | None:
+def marker_in(source: Source, options: argparse.Namespace, announced: set[str]) -> str | None:
     """The only marker in a photo, or at the beginning of a clip, unless the one in `options` is there; None: no marker.
 
     Of several, it is the only one that has no model of its own; where that leaves a choice, the user is told of it, and
@@ -73,22 +75,22 @@ def marker_in(source: Source, options: argparse.Namespace, told_of: set[str]) ->
                 return str(options.marker)
             free = in_view if len(in_view) == 1 else without_model(options, in_view)
             if len(free) == 1:
-                if free[0] not in told_of:
-                    tell(f"{source.name}: {free[0]} is in view and is followed, as no --marker was given")
-                told_of.add(free[0])
+                if free[0] not in announced:
+                    print_message(f"{source.name}: {free[0]} is in view and is followed, as no --marker was given")
+                announced.add(free[0])
                 return free[0]
             if in_view:
-                tell(f"{source.name}: {said_in_view(in_view)}: choose one with --marker")
+                print_message(f"{source.name}: {in_view_text(in_view)}: choose one with --marker")
                 return str(options.marker)
     finally:
         source.rewind()
     return None
 
 
-def others_said(in_view: tuple[str, ...], marker: str) -> str:
+def other_markers_hint(in_view: tuple[str, ...], marker: str) -> str:
     """A hint on the markers in view, if none that looks like `marker` was found through the camera."""
     if marker in in_view:
         fold = "fold it if it lies flat, or " if is_of_cube(marker) else ""
         camera = "check --hfov, --focal-px or --camera-file"
         return f"{marker} is in view, but not as this camera would see it: {fold}{camera}"
-    return f"{said_in_view(in_view)}: --marker {in_view[0]}"
+    return f"{in_view_text(in_view)}: --marker {in_view[0]}"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ashe_live.capture.folder import pictures_in
 from ashe_live.errors import UserError
-from ashe_live.process.messages import tell
+from ashe_live.process.messages import print_message
 
 
 def named_files(names: Iterable[Path]) -> list[Path]:
@@ -53,7 +53,7 @@ def _in_folder(folder: Path) -> list[Path]:
     except UserError:
         return []  # as the folder's own line will say
     if note is not None:
-        tell(note)
+        print_message(note)
     return pictures
 
 

@@ -17,7 +17,7 @@ from ashe_live.commands.flags.option_groups import (
     add_view_options,
 )
 from ashe_live.errors import ExitStatus
-from ashe_live.process.messages import say_exactly, tell
+from ashe_live.process.messages import print_exactly, print_message
 
 EPILOG = (
     "Without COMMAND your camera is opened, with the options of webcam; without a camera, the demo plays. "
@@ -174,7 +174,7 @@ class _Version(argparse.Action):
     """As argparse's own action, which says nothing if the text cannot be written."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        say_exactly(f"ashe-live {__version__}")
+        print_exactly(f"ashe-live {__version__}")
         parser.exit()
 
 
@@ -221,9 +221,9 @@ class CommandParser(argparse.ArgumentParser):
         return f": did you mean {near[0]}?" if near else ""
 
     def error(self, message: str) -> NoReturn:
-        tell(f"{message} (see {self.prog} --help)")
+        print_message(f"{message} (see {self.prog} --help)")
         self.exit(ExitStatus.WRONG_USE)
 
     def print_help(self, _file: object = None) -> None:
         # Argparse's own method says nothing if the text cannot be written.
-        say_exactly(self.format_help().rstrip("\n"))
+        print_exactly(self.format_help().rstrip("\n"))

@@ -11,7 +11,7 @@ from ashe_live.core.camera import Camera, Size, fitted, read_camera_file
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.models.caster import read_caster
-from ashe_live.process.messages import tell
+from ashe_live.process.messages import print_message
 from ashe_live.quality import BALANCED, QUALITIES, Quality
 from ashe_live.tracking.families.layout import Layout, is_of_cube, parse_target, usual_side_m
 from ashe_live.tracking.families.markers import Marker
@@ -65,7 +65,9 @@ class StatedFocal:
         if not self._is_said and sorted(size) != sorted(self._first):  # upright and across are the same camera
             self._is_said = True
             sizes = " as well as of ".join(f"{width}x{height}" for width, height in (size, self._first))
-            tell(f"--focal-px {self._focal_px:g} is taken for pictures of {sizes}: --hfov fits those of any size")
+            print_message(
+                f"--focal-px {self._focal_px:g} is taken for pictures of {sizes}: --hfov fits those of any size"
+            )
         return Camera.from_focal(size, self._focal_px)
 
 
@@ -79,7 +81,7 @@ class AssumedCamera:
         camera = Camera.assumed(size)
         if not self._is_said:
             self._is_said = True
-            tell(
+            print_message(
                 f"the camera's field of view is not known: {camera.hfov_deg:.0f} degrees are assumed until views of "
                 "the marker from several sides determine it; give it by --hfov, --focal-px or --camera-file"
             )
@@ -110,7 +112,7 @@ def make_tracker(
         else MarkerTracker(marker, camera_for, side_m, preset)
     )
     if isinstance(tracker, FocalTracker) and isinstance(source, PhotoSource) and source.focal_px is not None:
-        tracker.tell(Camera.from_focal(source.size, source.focal_px, "exif"))
+        tracker.use_stated(Camera.from_focal(source.size, source.focal_px, "exif"))
     tracker.filters = not options.no_filter
     tracker.others = PlaneMarkers(other_markers(options))
     return tracker

@@ -11,14 +11,14 @@ from typing import NamedTuple
 from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX, LastPicture
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.recording.transparent import TransparentRecorder
-from ashe_live.commands.flags.marker_choice import others_said
+from ashe_live.commands.flags.marker_choice import other_markers_hint
 from ashe_live.commands.flags.setup import quality_of
-from ashe_live.commands.viewing.setup import ViewerSetup, opened_session, tell_of_recordings_cut_short
+from ashe_live.commands.viewing.setup import ViewerSetup, opened_session, report_recordings_cut_short
 from ashe_live.core.arrays import Image
 from ashe_live.errors import ExitStatus, UserError
-from ashe_live.process.messages import say, tell
+from ashe_live.process.messages import print_answer, print_message
 from ashe_live.process.signals import ended_by_signals
-from ashe_live.render.gl.offscreen import graphics_failures_told, offscreen_context
+from ashe_live.render.gl.offscreen import graphics_failures_reported, offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.families.in_view import markers_in_view
@@ -42,10 +42,10 @@ def show_without_window(
 ) -> Played:
     """Plays every frame; `takers` get each picture (h, w, 3) uint8 BGR and its time in seconds."""
     options = setup.options
-    tell_of_recordings_cut_short(options.out)
+    report_recordings_cut_short(options.out)
     with contextlib.ExitStack() as stack:
         end_if_asked = stack.enter_context(ended_by_signals())
-        stack.enter_context(graphics_failures_told())
+        stack.enter_context(graphics_failures_reported())
         stack.enter_context(setup.source)
         renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
         stack.callback(renderer.release)
@@ -54,7 +54,7 @@ def show_without_window(
         recorder: Recorder | TransparentRecorder | LastPicture | None = None
         if options.out is not None:
             recorder = _recorder(setup)
-            stack.push(partial(_tell_if_cut_short, recorder))  # once it is closed
+            stack.push(partial(_report_if_cut_short, recorder))  # once it is closed
             stack.enter_context(recorder)
             takers = (*takers, recorder.write)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
@@ -69,7 +69,7 @@ def show_without_window(
         refusal = _report_refused(report, options)
     # Only now is it known what has become of the recording.
     if recorder is not None:
-        _tell_where(options.out, recorder.path)
+        _report_where(options.out, recorder.path)
     status = _summed_up(setup, session, report)
     if refusal is not None:
         raise refusal
@@ -80,7 +80,7 @@ def _report_refused(report: Report, options: argparse.Namespace) -> UserError | 
     """Writes the report if one is asked for. The error if it cannot be: the recording and the answer come first."""
     if options.report is not None:
         try:
-            _tell_where(options.report, report.write(options.report, options.overwrite))
+            _report_where(options.report, report.write(options.report, options.overwrite))
         except UserError as error:
             return error
     return None
@@ -94,13 +94,13 @@ def _recorder(setup: ViewerSetup) -> Recorder | TransparentRecorder | LastPictur
     return Recorder(*wanted) if options.layers is None else TransparentRecorder(*wanted)
 
 
-def _tell_if_cut_short(
+def _report_if_cut_short(
     recorder: Recorder | TransparentRecorder | LastPicture, kind: type[BaseException] | None, *_: object
 ) -> None:
     """Says where a recording is that a request to end the program has ended."""
     is_asked = kind is not None and issubclass(kind, KeyboardInterrupt | SystemExit)
     if is_asked and not isinstance(recorder, LastPicture) and recorder.frame_count:
-        tell(f"saved {recorder.path} ({recorder.frame_count} frames)")
+        print_message(f"saved {recorder.path} ({recorder.frame_count} frames)")
 
 
 def _layers(scene: Scene, wanted: str | None) -> Scene:
@@ -109,17 +109,17 @@ def _layers(scene: Scene, wanted: str | None) -> Scene:
     return cut_out(replace(scene, shows_model=wanted != "shadow", casts_shadow=wanted != "model"))
 
 
-def _tell_where(wanted: Path, path: Path) -> None:
+def _report_where(wanted: Path, path: Path) -> None:
     if path != wanted:
-        tell(f"{wanted} has appeared meanwhile and stays as it is: see {path}")
+        print_message(f"{wanted} has appeared meanwhile and stays as it is: see {path}")
 
 
 def _summed_up(setup: ViewerSetup, session: Session, report: Report) -> int:
     found = sum(frame["found"] for frame in report.frames)
     light = "light: not estimated" if session.estimate is None else light_line(session)
-    say(f"{setup.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
+    print_answer(f"{setup.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
     for notice in _notices(setup, session, {frame["index"] for frame in report.frames if frame["found"]}):
-        tell(notice)
+        print_message(notice)
     return ExitStatus.ANSWERED if found else ExitStatus.NO_MARKER
 
 
@@ -130,7 +130,9 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
         yield setup.source.note
     if not found:
         in_view = () if session.tracked is None else markers_in_view(session.tracked.frame.image_bgr)
-        named = others_said(in_view, options.marker) if in_view else "if another one is there, name it with --marker"
+        named = (
+            other_markers_hint(in_view, options.marker) if in_view else "if another one is there, name it with --marker"
+        )
         yield f"the marker {options.marker} is not found in {name}: {named}"
     elif options.estimate_at not in (None, *found):
         yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"

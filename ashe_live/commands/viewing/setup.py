@@ -20,7 +20,7 @@ from ashe_live.files import writing as files
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.models.catalogue import model_names
 from ashe_live.models.memory import ModelMemory
-from ashe_live.process.messages import tell
+from ashe_live.process.messages import print_message
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
@@ -107,13 +107,13 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
         session.is_mirrored = options.mirror
         session.watch.preset = preset
         if options.headless:
-            for line in shelf.take_words():
-                tell(line)
+            for line in shelf.take_notes():
+                print_message(line)
         yield session
 
 
-def tell_of_recordings_cut_short(out: Path | None) -> None:
+def report_recordings_cut_short(out: Path | None) -> None:
     """Tells of recordings that an earlier run, which was killed, has left behind, and that were saved."""
     for folder in {Path.cwd(), *([] if out is None else [out.absolute().parent])}:
         for path in rescue_recordings(folder):
-            tell(f"a recording that was cut short is now {path}")
+            print_message(f"a recording that was cut short is now {path}")

@@ -2,14 +2,14 @@
 
 import contextlib
 
-from ashe_live.commands.flags.given import flags_given
 from ashe_live.commands.flags.setup import quality_of
 from ashe_live.commands.viewing.headless import show_without_window
-from ashe_live.commands.viewing.setup import ViewerSetup, has_display, opened_session, tell_of_recordings_cut_short
+from ashe_live.commands.viewing.replay_flags import replay_flags
+from ashe_live.commands.viewing.setup import ViewerSetup, has_display, opened_session, report_recordings_cut_short
 from ashe_live.core.camera import drawn_size
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.signals import ended_by_signals
-from ashe_live.render.gl.offscreen import graphics_failures_told
+from ashe_live.render.gl.offscreen import graphics_failures_reported
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.viewer.display import bare_scene
 
@@ -22,7 +22,7 @@ def show(setup: ViewerSetup) -> int:
 def show_in_window(setup: ViewerSetup) -> int:
     """Runs the viewer until its window is closed; returns the exit status."""
     # Imported here, as playing without a display must not need GLFW.
-    from ashe_live.commands.flags.opening import LaterSources
+    from ashe_live.commands.viewing.later_sources import LaterSources
     from ashe_live.viewer.live import LiveViewer, ViewerOptions
     from ashe_live.viewer.output.recording import Recording
     from ashe_live.viewer.sources.pipeline import Pipeline
@@ -31,10 +31,10 @@ def show_in_window(setup: ViewerSetup) -> int:
     options = setup.options
     if not has_display():
         raise UserError("there is no display for a window", "give --headless --out VIDEO.mp4")
-    tell_of_recordings_cut_short(options.out)
+    report_recordings_cut_short(options.out)
     with contextlib.ExitStack() as stack:
         end_if_asked = stack.enter_context(ended_by_signals())
-        stack.enter_context(graphics_failures_told())
+        stack.enter_context(graphics_failures_reported())
         # Before the window, so that the light's process starts meanwhile, and no window opens for an unreadable model.
         session = stack.enter_context(opened_session(setup))
         window = stack.enter_context(GlfwWindow(f"ashe-live: {setup.source.name}", setup.size))
@@ -48,11 +48,11 @@ def show_in_window(setup: ViewerSetup) -> int:
             recording = Recording(options.out, drawn_size(setup.source.size), pipeline.fps, options.overwrite)
         asked = ViewerOptions(
             options.quality,
-            options.loop,
-            recording,
-            LaterSources(options),
-            options.takes_any_marker,
-            tuple(flags_given(options)),
+            loop=options.loop,
+            recording=recording,
+            opener=LaterSources(options),
+            takes_any_marker=options.takes_any_marker,
+            flags=tuple(replay_flags(options)),
         )
         LiveViewer(window, renderer, pipeline, session, asked).run(options.frames, end_if_asked)
     return ExitStatus.ANSWERED

@@ -81,12 +81,8 @@ class LightWorker:
         self._process.send((tracked, *others), preset, draw, is_awaited, known)
         return True
 
-    def poll(self) -> Outcome | None:
-        """The outcome of the request, returned once; None while there is none."""
-        return self.wait(0.0)
-
     def wait(self, timeout_s: float) -> Outcome | None:
-        """As `poll`, but waits for the outcome for up to `timeout_s`."""
+        """The outcome of the request, returned once, for which it waits up to `timeout_s`; None while there is none."""
         if self._process is None or self._asked_index is None:
             return None
         try:

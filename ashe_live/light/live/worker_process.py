@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from ashe_live.errors import UserError
 from ashe_live.process.pipes import receive_value, send_value
-from ashe_live.process.unforeseen import fault
+from ashe_live.process.unexpected_errors import fault
 
 if TYPE_CHECKING:
     from ashe_live.core.arrays import Image

@@ -34,9 +34,9 @@ def noise_levels(grey: Image) -> NoiseLevels:
     most = max(each.size for each in ranges)
     if not most:
         return SILENT
-    told = [each for each in range(LEVELS) if ranges[each].size >= min(FEWEST_PX, most)]
-    sigmas = {each: float(np.median(ranges[each])) / (0.6745 * 6 * 255) for each in told}
-    dark, dim, light, bright = (sigmas[min(told, key=lambda each: abs(each - wanted))] for wanted in range(LEVELS))
+    populated = [each for each in range(LEVELS) if ranges[each].size >= min(FEWEST_PX, most)]
+    sigmas = {each: float(np.median(ranges[each])) / (0.6745 * 6 * 255) for each in populated}
+    dark, dim, light, bright = (sigmas[min(populated, key=lambda each: abs(each - wanted))] for wanted in range(LEVELS))
     return dark, dim, light, bright
 
 

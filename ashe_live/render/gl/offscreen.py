@@ -50,7 +50,7 @@ def window_context() -> moderngl.Context:
 
 
 @contextlib.contextmanager
-def graphics_failures_told() -> Iterator[None]:
+def graphics_failures_reported() -> Iterator[None]:
     """Within this, what OpenGL fails at in mid-run (a lost context, no memory left) raises UserError."""
     try:
         yield

@@ -89,7 +89,7 @@ class Lighting:
 
     def level_at(self, ground: Float) -> Float:
         """(n, 3) the light on level ground at points (n, 2), which nothing shades, over that at the marker's centre."""
-        falloff = np.array([sun.ground_falloff(ground) for sun in self.suns]).reshape(-1, len(ground))
+        falloff = np.array([sun.ground_falloff(ground) for sun in self.suns]).reshape(len(self.suns), len(ground))
         return np.asarray(1 + (falloff - 1).T @ self.ground_shares.reshape(-1, 3))
 
     @property

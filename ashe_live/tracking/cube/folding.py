@@ -2,8 +2,8 @@
 
 The deviation ("fold") of a face has six small components, three of a rotation and three of a translation, with a prior
 of the accuracy of careful folding. Each frame is one step of an information filter: its pose is eliminated (by the
-Schur complement), and its information about the folds is added. A deviation that all faces share cannot be told from a
-change of the pose, and so makes the pose uncertain (docs/maths, "Folds").
+Schur complement), and its information about the folds is added. A deviation that all faces share cannot be
+distinguished from a change of the pose, and so makes the pose uncertain (docs/maths, "Folds").
 """
 
 import math
@@ -163,9 +163,9 @@ class Folding:
         """
         sigmas = self._prior**-0.5
         values, axes = np.linalg.eigh(sigmas[:, None] * self._information * sigmas)
-        told = values > LEAST_INFORMATION
-        noise = 1 / values[told]
-        squares = (axes[:, told].T @ (sigmas * self._vector) * noise) ** 2
+        informed = values > LEAST_INFORMATION
+        noise = 1 / values[informed]
+        squares = (axes[:, informed].T @ (sigmas * self._vector) * noise) ** 2
         variance = SCALES[:, None] ** 2 + noise
         log_likelihood = -0.5 * (np.log(variance) + squares / variance).sum(axis=1)
         posterior = np.exp(log_likelihood - log_likelihood.max())

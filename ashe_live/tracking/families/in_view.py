@@ -50,7 +50,7 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
     return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))
 
 
-def said_in_view(specs: Sequence[str]) -> str:
+def in_view_text(specs: Sequence[str]) -> str:
     """Such as "aruco:4x4_50:7 and apriltag:36h11:3 are in view": of a calibration board's 28 markers the first few."""
     return f"{listed(specs, NAMED)} {'is' if len(specs) == 1 else 'are'} in view"
 

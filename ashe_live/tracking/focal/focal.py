@@ -81,8 +81,10 @@ class _View:
 
 def _is_measured(marker: MarkerPose, camera: Camera) -> bool:
     """False if the corners follow from the pose, as for a marker half outside the picture, or one of several."""
-    told = source_from_ideal(camera, project(camera, marker.measured_T_cam_marker, square_corners(marker.side_m)))
-    return bool(np.abs(told - marker.corners_px).max() > LEAST_RESIDUAL_PX)
+    predicted_px = source_from_ideal(
+        camera, project(camera, marker.measured_T_cam_marker, square_corners(marker.side_m))
+    )
+    return bool(np.abs(predicted_px - marker.corners_px).max() > LEAST_RESIDUAL_PX)
 
 
 class FocalEstimator:

@@ -94,12 +94,8 @@ class LightWatch:
             known = replace(held, object_mask=None, shadow_mask=None)  # which nobody needs there
         return self.ask(steady, now_s, draw, held is None, known)
 
-    def poll(self) -> Outcome | None:
-        """The worker's outcome, returned once; None if there is none."""
-        return self.wait(0.0)
-
     def wait(self, timeout_s: float) -> Outcome | None:
-        """As `poll`, but waits for the outcome of what the worker does for up to `timeout_s`."""
+        """The worker's outcome, returned once, for which it waits up to `timeout_s`; None if there is none by then."""
         outcome = self._taken(self._worker.wait(timeout_s))
         if self._waiting is not None and not self._worker.busy:
             waiting, self._waiting = self._waiting, None

@@ -14,7 +14,7 @@ from ashe_live.files.reading import read_json
 from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS
 from ashe_live.models.placement import UNMOVED, Placement
-from ashe_live.viewer.before_after import PARTS, WHOLE
+from ashe_live.viewer.parts_shown import PARTS, WHOLE
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import Stand

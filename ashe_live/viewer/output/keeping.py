@@ -22,19 +22,26 @@ from ashe_live.viewer.output.as_shown import AsShown, shown_now
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.session import Session
 
-COVER_SAID = ", with the ground over the marker: C first leaves it out"
+COVER_NOTE = ", with the ground over the marker: C first leaves it out"
 
 
 class Keeper:
     """Takes snapshots and recordings; while neither is asked for, it renders nothing."""
 
     def __init__(
-        self, shown: SceneRenderer, session: Session, tell: Callable[[str, float], None], recording: Recording | None
+        self,
+        shown: SceneRenderer,
+        session: Session,
+        announce: Callable[[str, float], None],
+        recording: Recording | None,
     ) -> None:
-        """`shown`: the window's renderer. `tell` shows a line at a time in seconds. `recording`: one that has begun."""
+        """`shown`: the window's renderer. `recording`: one that has begun.
+
+        `announce` shows a line in the window, at a time in seconds, and prints it.
+        """
         self._shown = shown
         self._session = session
-        self._tell = tell
+        self._announce = announce
         self._recording = recording
         self._renderer: SceneRenderer | None = None
         self.clip_path: Path | None = None  # of the clip that is played, if it is one that can be played again
@@ -59,9 +66,9 @@ class Keeper:
         texts = {SNAPSHOT_KEYWORD: json.dumps(self._known(session.tracked))}
         try:
             path = write_png(_new_path(".png"), self._picture(preset, scene), texts=texts, beside=True)
-            self._tell(f"saved {path}{COVER_SAID if has_cover else ''}", now_s)
+            self._announce(f"saved {path}{COVER_NOTE if has_cover else ''}", now_s)
         except UserError as error:
-            self._tell(str(error), now_s)
+            self._announce(str(error), now_s)
 
     def light(self, now_s: float) -> None:
         """Writes the light as a radiance map, and what else is known of it as JSON, into the current folder."""
@@ -69,14 +76,14 @@ class Keeper:
         if session.tracked is None:
             return
         if session.lit_by.light is None:
-            self._tell(f"no light is known yet: {session.how_it_gets_known}, or drag in the picture", now_s)
+            self._announce(f"no light is known yet: {session.how_it_gets_known}, or drag in the picture", now_s)
             return
         try:
             path = write_light_map(_new_path(".hdr"), session.lit_by, beside=True)
             record = write_json(unused(path.with_suffix(".json")), self._known(session.tracked), beside=True)
-            self._tell(f"saved {path} and {record.name}", now_s)
+            self._announce(f"saved {path} and {record.name}", now_s)
         except UserError as error:
-            self._tell(str(error), now_s)
+            self._announce(str(error), now_s)
 
     def _known(self, tracked: TrackedFrame) -> Json:
         session, hand = self._session, self._session.hand
@@ -101,7 +108,7 @@ class Keeper:
             self._recording = Recording(path, drawn_size(self._session.tracked.frame.size), fps)
             self._session.say(f"recording {path}: V stops", now_s)
         except UserError as error:
-            self._tell(str(error), now_s)
+            self._announce(str(error), now_s)
 
     def take(self, preset: RenderPreset, is_new: bool, now_s: float) -> None:
         """Adds what is shown to the recording. `is_new`: it has a frame of the source that was not shown before."""
@@ -125,7 +132,7 @@ class Keeper:
             # A full disk, or a folder that has gone, would not take the command's file either.
             if self.clip_path is not None and recording.failure is None and recording.has_gaps:
                 said += f"; every frame: {self._command(self.clip_path, recording.path, as_shown)}"
-            self._tell(said, now_s)
+            self._announce(said, now_s)
 
     def _command(self, clip: Path, recorded: Path, as_shown: AsShown) -> str:
         """The command that plays the clip with models and light as they were; writes the file that it reads."""

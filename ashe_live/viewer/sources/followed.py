@@ -15,15 +15,19 @@ class Followed:
     """The marker and the field of view for the source that is played. Used by the main thread only."""
 
     def __init__(
-        self, pipeline: Pipeline, session: Session, tell: Callable[[str, float], None], takes_any_marker: bool = False
+        self,
+        pipeline: Pipeline,
+        session: Session,
+        announce: Callable[[str, float], None],
+        takes_any_marker: bool = False,
     ) -> None:
-        """`tell` shows a line, at a time in seconds, and prints it.
+        """`announce` shows a line in the window, at a time in seconds, and prints it.
 
         takes_any_marker: whether the only one in view is followed, as nobody has named another.
         """
         self._takes_any_marker = takes_any_marker
         self._session = session
-        self._tell = tell
+        self._announce = announce
         self.begin_anew(pipeline)
 
     def begin_anew(self, pipeline: Pipeline) -> None:
@@ -88,10 +92,10 @@ class Followed:
         self._pipeline.see_by(self._hfov_deg)
         self._begin_session_anew()
         if self._hfov_deg is None:
-            self._tell("the field of view is as it was at the start", now_s)
+            self._announce("the field of view is as it was at the start", now_s)
         else:
             said = f"--hfov {self._hfov_deg:g}"
-            self._tell(f"the camera's picture counts as {self._hfov_deg:g}° wide now: {said} says so", now_s)
+            self._announce(f"the camera's picture counts as {self._hfov_deg:g}° wide now: {said} says so", now_s)
 
     def _take_next(self, in_view: tuple[str, ...], now_s: float) -> None:
         """Follows the next marker in the order of their names, so that asking again and again goes round."""
@@ -108,7 +112,7 @@ class Followed:
         self._session.arrangement.followed = spec
         self._begin_session_anew()
         self._hunt = MarkerHunt()
-        self._tell(f"{spec} is followed now: --marker {spec} names it from the start", now_s)
+        self._announce(f"{spec} is followed now: --marker {spec} names it from the start", now_s)
 
     def _begin_session_anew(self) -> None:
         if self._session.has_seen_marker:

@@ -37,13 +37,13 @@ class Opening:
     def __init__(self, opener: Opener | None) -> None:
         """Without an opener nothing can be opened."""
         self._opener = opener
-        self._said = ""
+        self._progress = ""
         self._coming: Future[Opened] | None = None
 
     @property
-    def said(self) -> str | None:
-        """The line that tells what is being opened; None if nothing is."""
-        return None if self._coming is None else self._said
+    def progress(self) -> str | None:
+        """The line that says what is being opened; None if nothing is."""
+        return None if self._coming is None else self._progress
 
     def begin(self, path: Path | None) -> None:
         """Begins to open the file, or without one the next camera, where anything can be opened."""
@@ -53,7 +53,7 @@ class Opening:
         what = "another camera" if path is None else str(path)
         remedy = "plug it in again" if path is None else "convert it"
         self.close()
-        self._said = f"opening {what if path is None else path.name}"
+        self._progress = f"opening {what if path is None else path.name}"
         self._coming = begun(
             "opening",
             lambda: _opened(opener, path),

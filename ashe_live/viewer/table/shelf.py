@@ -39,8 +39,8 @@ class Shelf:
         self.marker_side_m = marker_side_m
         self._memory = memory
         self._ups: dict[str, str] = {} if up is None else {first_choice: up}
-        self._words: list[str] = []
-        self._told: set[str] = set()
+        self._notes: list[str] = []
+        self._noted: set[str] = set()
         shipped = model_names()
         self.names = [name for name in dict.fromkeys((first_choice, *others)) if name not in shipped] + list(shipped)
         self._loading: dict[str, Future[PlacedModel]] = {}
@@ -64,7 +64,7 @@ class Shelf:
         model = self._load(name).result()
         if name not in self.names:
             self.names.append(name)
-        self._tell_of(name, model)
+        self._note(name, model)
         return model
 
     def take_up(self, name: str, model: PlacedModel) -> None:
@@ -118,10 +118,10 @@ class Shelf:
         if self._memory is not None:
             self._memory.keep_placement(name, where, placement, self.marker_side_m)
 
-    def take_words(self) -> list[str]:
+    def take_notes(self) -> list[str]:
         """Notes on the models that were shown, each line once."""
-        words, self._words = self._words, []
-        return words
+        notes, self._notes = self._notes, []
+        return notes
 
     @property
     def chosen_name(self) -> str:
@@ -145,7 +145,7 @@ class Shelf:
                 shown, self._shown_name = loading.result(), self.chosen_name
                 if shown is not self._shown:
                     self._shown = shown
-                    self._tell_of(self.chosen_name, shown)
+                    self._note(self.chosen_name, shown)
                 self._untried.discard(self.chosen_name)
             except UserError as error:
                 # Forgotten, so that a mended file can be chosen again.
@@ -172,14 +172,15 @@ class Shelf:
         waited_s = now_s - self._waited_for[1]
         return None if waited_s < SILENT_S else f"loading {Path(self.chosen_name).name}: {waited_s:.0f} s"
 
-    def _tell_of(self, name: str, placed: PlacedModel) -> None:
+    def _note(self, name: str, placed: PlacedModel) -> None:
+        """Notes, the first time that a model is shown, what of its file is not drawn, and which axis is a guess."""
         model, file = placed.model, Path(name).name
         # Only a person's own models need words: what the shipped ones lack is documented (docs/models.md).
-        if model.notes and name not in self._told and name not in model_names():
-            self._words.append(f"{file}: {'; '.join(model.notes)}")
-        if model.is_up_guessed and name not in self._told:
-            self._words.append(f"{file} is taken to stand with {model.up} up: U, or --up, makes it another axis")
-        self._told.add(name)
+        if model.notes and name not in self._noted and name not in model_names():
+            self._notes.append(f"{file}: {'; '.join(model.notes)}")
+        if model.is_up_guessed and name not in self._noted:
+            self._notes.append(f"{file} is taken to stand with {model.up} up: U, or --up, makes it another axis")
+        self._noted.add(name)
 
     def take_error(self) -> UserError | None:
         error, self._error = self._error, None

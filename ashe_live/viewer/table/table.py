@@ -6,7 +6,7 @@ from pathlib import Path
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, PlacedModel
-from ashe_live.process.messages import tell
+from ashe_live.process.messages import print_message
 from ashe_live.viewer.hands.hand import Hand, HandContext
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.hands.undo import Undo
@@ -51,7 +51,7 @@ class Table:
         return Path(self.shelf.shown_name).name
 
     @property
-    def in_hand_said(self) -> str:
+    def in_hand_text(self) -> str:
         """The model that keys and mouse change, and which of several it is."""
         count = len(self.arrangement)
         return self.model_name if count == 1 else f"{self.model_name} ({self.arrangement.in_hand + 1} of {count})"
@@ -77,10 +77,6 @@ class Table:
         """The time in their motion at which the models are shown; 0 if none moves."""
         return self.motion.time_s if self.arrangement.moves else 0.0
 
-    def open(self, path: str) -> None:
-        """Shows the model in the file as soon as it is read."""
-        self.shelf.add(path)
-
     def begin_anew(self) -> None:
         """Resets what was done by hand, for another clip or photo."""
         self.arrangement.keep_places()
@@ -97,11 +93,11 @@ class Table:
             is_quiet = False
             self._say(str(error), now_s)
         self.motion.tick(now_s)
-        if words := self.shelf.take_words():
-            self._say("; ".join(words), now_s)
-            for line in words:
-                tell(line)
-        self._follow_shelf(now_s, is_quiet and not words)
+        if notes := self.shelf.take_notes():
+            self._say("; ".join(notes), now_s)
+            for line in notes:
+                print_message(line)
+        self._follow_shelf(now_s, is_quiet and not notes)
 
     def handle(self, request: Request, tracked: TrackedFrame | None, estimated: Illumination, now_s: float) -> bool:
         """Handles a request that concerns models or the light by hand; returns False for any other.
@@ -163,7 +159,7 @@ class Table:
         take_back = models.add() if command is Command.ADD_MODEL else models.remove()
         if take_back is not None:
             self._undo.note_change(take_back)
-            self._say(self.in_hand_said, now_s)
+            self._say(self.in_hand_text, now_s)
         elif command is Command.ADD_MODEL:
             self._say(f"{MOST_MODELS} models are the most: Delete takes the one in hand away", now_s)
         else:
@@ -172,7 +168,7 @@ class Table:
     def _note_other_taken_up(self, take_back: Callable[[], str | None] | None, now_s: float) -> None:
         if take_back is not None:
             self._undo.note_other_taken_up(take_back)
-            self._say(self.in_hand_said, now_s)
+            self._say(self.in_hand_text, now_s)
 
     def _obey_hand(self, request: Request, tracked: TrackedFrame | None, estimated: Illumination, now_s: float) -> None:
         match request:

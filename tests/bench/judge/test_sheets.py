@@ -28,7 +28,7 @@ def test_the_concentration_is_that_of_the_azimuths(truth: float, clear: float) -
     assert np.mean([each.gain(found) for each in several]) > 0.05
 
 
-def test_shadows_from_anywhere_tell_nothing() -> None:
+def test_shadows_from_anywhere_are_no_evidence() -> None:
     several = [*seen(0.0, 0.8), SeenSheet("", None, np.array([1.0, 0.0, 0.0]))]
     assert fitted_to(several) <= 0.25
     assert several[-1].gain(3.0) == 0.0

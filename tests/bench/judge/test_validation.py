@@ -68,7 +68,7 @@ def recalibrated_by(confidence: Float, bias: float) -> Float:
     return 1 / (1 + np.exp(bias) * (1 - confidence) / confidence)
 
 
-def test_risk_falls_with_coverage_where_confidence_tells_right_from_wrong() -> None:
+def test_risk_falls_with_coverage_where_confidence_separates_right_from_wrong() -> None:
     curve = risk_curve([answer(0.9), answer(0.8), answer(0.5, 40.0), answer(0.3)])
     assert [covered for _, covered, _ in curve] == [0.25, 0.5, 0.75, 1.0]
     assert [risk for *_, risk in curve] == pytest.approx([0, 0, 1 / 3, 1 / 4])

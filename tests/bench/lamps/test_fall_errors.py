@@ -65,16 +65,16 @@ def lamp_case(tmp_path_factory: pytest.TempPathFactory) -> Case:
     )
 
 
-def test_a_lamps_nearness_is_told_by_the_fall_of_light(lamp_case: Case) -> None:
+def test_a_lamps_nearness_is_estimated_by_the_fall_of_light(lamp_case: Case) -> None:
     found = fall_error(lamp_case, BALANCED)
     assert found is not None
     assert found.true == pytest.approx(1 / LAMP_M[2])
-    assert found.told == pytest.approx(found.true, rel=0.15)
+    assert found.estimated == pytest.approx(found.true, rel=0.15)
     assert found.deviance > 30
     assert found.squared_sigmas < WITHIN_99
 
 
-def test_suns_and_several_lights_tell_nothing(lamp_case: Case) -> None:
+def test_suns_and_several_lights_are_left_out(lamp_case: Case) -> None:
     assert fall_error(replace(lamp_case, lamp_m=None), BALANCED) is None
     two = np.vstack([LAMP_M / np.linalg.norm(LAMP_M), [0.0, 0.0, 1.0]])
     assert fall_error(replace(lamp_case, to_lights_marker=two), BALANCED) is None

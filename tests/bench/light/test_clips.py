@@ -60,7 +60,7 @@ def test_with_a_truth_the_bias_counts_too(clip):
     assert result.max_deg == pytest.approx(4)
 
 
-def test_one_answer_tells_no_spread(clip):
+def test_one_answer_has_no_spread(clip):
     assert estimate_clip(Wavering(), "fast", clip, frames(1)).rms_deg is None
 
 

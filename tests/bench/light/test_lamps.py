@@ -79,7 +79,7 @@ def test_the_ellipsoid_takes_in_direction_and_distance_together() -> None:
     assert summarise_lamps(found, [True, True]).within_ellipsoid_95 == pytest.approx(0.5)
 
 
-def test_an_error_of_the_radius_is_relative_where_it_is_told() -> None:
+def test_an_error_of_the_radius_is_relative_where_it_is_stated() -> None:
     told, untold = (lamp_figures(light, NEAR) for light in (replace(lamp(2.0), radius_m=0.03), lamp(2.0)))
     assert told is not None
     assert untold is not None

@@ -35,6 +35,6 @@ def test_other_noise_of_the_same_kind_does_not() -> None:
     assert 0.3 < forced_choice(virtual, real) < 0.7
 
 
-def test_one_scene_tells_nothing() -> None:
+def test_one_scene_gives_no_figure() -> None:
     features = crop_features(_photo(1, 2.0, 0.8), WHERE)
     assert np.isnan(forced_choice([features], [features]))

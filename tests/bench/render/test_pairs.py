@@ -40,7 +40,7 @@ def test_no_width_is_made_up_where_there_is_no_border() -> None:
     assert np.isnan(border_widths(image, places, np.repeat([(1.0, 0.0)], 40, axis=0))).all()
 
 
-def test_relief_of_half_the_contrast_is_half_of_it_and_that_of_little_ground_is_not_told() -> None:
+def test_relief_of_half_the_contrast_is_half_of_it_and_that_of_little_ground_is_not_measured() -> None:
     ripples = np.sin(np.arange(120)[None] * 1.5 + np.zeros((80, 1)))
     strong, weak = (
         np.repeat(np.round(120 * np.exp(amount * ripples))[..., None], 3, axis=2).astype(np.uint8)

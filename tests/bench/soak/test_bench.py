@@ -56,7 +56,7 @@ def test_it_runs_to_its_end_and_leaves_nothing_running(clip, tmp_path, monkeypat
     assert "left running at the end: nothing" in capsys.readouterr().out
 
 
-def test_interrupted_it_tells_of_the_frames_so_far(clip, monkeypatch):
+def test_interrupted_it_reports_the_frames_so_far(clip, monkeypatch):
     monkeypatch.setattr(soak, "CAMERA_HZ", ())
     whole = soak_run.SoakRun.add
 
@@ -116,7 +116,7 @@ def test_noise_and_a_single_jump_are_no_leak_but_a_few_hundred_bytes_a_frame_are
     assert found["per_1000_frames"] == pytest.approx(1000 * 300 / 2**20, rel=0.2)
 
 
-def test_too_few_samples_tell_nothing():
+def test_too_few_samples_give_no_verdict():
     assert growth([1, 2], [5.0, 5.0], 10)["is_flat"] is None
     assert growth([1, 2, 3, 4], [float("nan")] * 4, 0)["is_flat"] is None
 

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.clips import follow_clips, largest_turn_deg, trembling_px
+from ashe_live.bench.track.clips import follow_clips, jitter_in_motion_px, largest_turn_deg
 from ashe_live.bench.track.contenders import Answer, OpencvReference, Ours, answers, found_share
 from ashe_live.bench.track.frames import Flaws, PrintedMarker
 from ashe_live.bench.track.measures import corner_jitter_px, flipped_share, lag_ms, lasting_flips, rotation_errors_deg
@@ -88,13 +88,13 @@ def test_flips_last_or_do_not() -> None:
     assert np.max(rotation_errors_deg(given)) == pytest.approx(40)
 
 
-def test_trembling_sees_noise_and_no_motion() -> None:
+def test_jitter_in_motion_sees_noise_and_no_motion() -> None:
     rng = np.random.default_rng(0)
     smooth = [pose_at(0.5, 30, 0.5 * index, (0.002 * index, 0.0)) for index in range(60)]
     shaken = [rigid(T[:3, :3], T[:3, 3] + 1e-4 * np.append(rng.normal(size=2), 0)) for T in smooth]
-    assert trembling_px(smooth, SMALL, SIDE_M) < 0.02
-    assert 0.1 < trembling_px(shaken, SMALL, SIDE_M) < 0.4
-    assert trembling_px([T if index % 3 else None for index, T in enumerate(shaken)], SMALL, SIDE_M) == 0
+    assert jitter_in_motion_px(smooth, SMALL, SIDE_M) < 0.02
+    assert 0.1 < jitter_in_motion_px(shaken, SMALL, SIDE_M) < 0.4
+    assert jitter_in_motion_px([T if index % 3 else None for index, T in enumerate(shaken)], SMALL, SIDE_M) == 0
 
 
 def test_what_turns_while_it_is_not_seen_has_not_turned_from_one_frame_to_the_next() -> None:

@@ -21,7 +21,7 @@ REAL = SHARED / "real"
 
 
 def frames_of(source: ClipSource) -> list[Frame]:
-    return list(iter(source.read, None))
+    return list(source)
 
 
 def test_whole_clip_has_no_note_and_stays_at_its_end(clip: Path) -> None:
@@ -225,7 +225,7 @@ def test_squeezed_pixels_become_square(
 )
 def test_real_clips_are_read_to_their_last_frame(name: str, size: tuple[int, int], count: int, last_s: float) -> None:
     with ClipSource(REAL / f"{name}.mp4") as source:
-        shapes, times = zip(*((frame.size, frame.time_s) for frame in iter(source.read, None)), strict=True)
+        shapes, times = zip(*((frame.size, frame.time_s) for frame in source), strict=True)
         assert source.note is None
     assert set(shapes) == {size}
     assert len(times) == count

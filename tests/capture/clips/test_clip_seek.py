@@ -47,7 +47,7 @@ def film(tmp_path: Path, picture: Callable[[int], Image]) -> Callable[..., Path]
 
 def read_through(path: Path) -> list[Frame]:
     with ClipSource(path) as source:
-        return list(iter(source.read, None))
+        return list(source)
 
 
 def assert_same(frame: Frame | None, wanted: Frame) -> None:
@@ -148,7 +148,7 @@ def test_stepping_back_in_a_long_group_decodes_nothing_again(film, monkeypatch) 
 
 def test_damage_is_no_end_and_known_damage_is_counted_as_before(damaged_clip: Path) -> None:
     with ClipSource(damaged_clip) as source:
-        frames = list(iter(source.read, None))
+        frames = list(source)
         for place in (len(frames) - 1, 5, len(frames) // 2):
             source.seek_frame(place)
             assert_same(source.read(), frames[place])

@@ -58,7 +58,7 @@ def abandoned(nine_seconds: Path, tmp_path: Path) -> Path:
 
 def frames_in(path: Path) -> int:
     with ClipSource(path) as source:
-        return len(list(iter(source.read, None)))
+        return len(list(source))
 
 
 def test_it_gets_a_name_that_can_be_seen_at_once(abandoned: Path) -> None:

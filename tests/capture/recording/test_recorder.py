@@ -24,7 +24,7 @@ Draw = Callable[[int], Image]
 
 def frames_of(path: Path) -> list[Frame]:
     with ClipSource(path) as source:
-        return list(iter(source.read, None))
+        return list(source)
 
 
 def test_round_trip_keeps_count_size_order_and_times(clip: Path, picture: Draw) -> None:

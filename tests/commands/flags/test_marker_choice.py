@@ -37,7 +37,7 @@ def test_the_one_marker_in_view_is_followed(run, photo):
     assert f"{OTHER} is in view and is followed, as no --marker was given" in " ".join(outcome.err)
 
 
-def test_of_many_photos_with_that_marker_it_is_told_once(run, photo, tmp_path):
+def test_of_many_photos_with_that_marker_it_is_said_once(run, photo, tmp_path):
     first = Path(photo(OTHER))
     shutil.copy(first, tmp_path / "again.png")
     outcome = run("estimate", first, tmp_path / "again.png", "--hfov", "60", "--json")

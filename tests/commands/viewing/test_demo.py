@@ -9,7 +9,7 @@ import pytest
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.commands.demo import Thumbnails
-from ashe_live.viewer.before_after import VIDEO_ALONE, WHOLE
+from ashe_live.viewer.parts_shown import VIDEO_ALONE, WHOLE
 
 
 def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, instant, tmp_path, monkeypatch):  # noqa: ARG001
@@ -25,7 +25,7 @@ def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, ins
     assert str(sheet) in outcome.out[-1]
     assert "from the truth" in outcome.out[0]
     with ClipSource(video) as clip:
-        assert len(list(iter(clip.read, None))) == 20
+        assert len(list(clip)) == 20
     with PIL.Image.open(sheet) as picture:
         assert picture.width > 1000
 

@@ -24,7 +24,7 @@ HEADLESS = ("--headless", "--hfov", "55", "--quality", "fast", "--no-hide-marker
 
 def frames_of(path: Path) -> list[np.ndarray]:
     with ClipSource(path) as clip:
-        return [frame.image_bgr for frame in iter(clip.read, None)]
+        return [frame.image_bgr for frame in clip]
 
 
 def strongest_difference(a: np.ndarray, b: np.ndarray) -> int:
@@ -257,7 +257,7 @@ def test_a_display_that_is_not_there_is_one_line(film):
     assert "window" in line
 
 
-def test_what_is_left_out_of_a_model_is_told_once(play, tmp_path):
+def test_what_is_left_out_of_a_model_is_reported_once(play, tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\nl 1 2\n")
     outcome = play("--model", tmp_path / "a.obj", "--up", "-z", "--frames", "2")
     assert outcome.status == 0

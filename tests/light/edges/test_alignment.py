@@ -102,7 +102,7 @@ def test_a_step_of_another_depth_is_not_the_shadows() -> None:
     assert pale.shadow > true.shadow + 1
 
 
-def test_a_shadow_that_its_body_hides_tells_nothing() -> None:
+def test_a_shadow_that_its_body_hides_constrains_nothing() -> None:
     here = painted_region(BOX)
     overhead = LitBody(body_of(here, BOX).body, np.array([(0.0, 0.0, 1.0, 0.0)]))
     (costs,) = step_costs([overhead], [picture_of(here)], SHIFTS)
@@ -110,7 +110,7 @@ def test_a_shadow_that_its_body_hides_tells_nothing() -> None:
     assert costs.body < 3
 
 
-def test_a_picture_seen_twice_tells_twice_as_much_of_the_lights_and_the_same_place() -> None:
+def test_a_picture_seen_twice_has_twice_the_information_and_gives_the_same_place() -> None:
     here = painted_region(CYLINDER)
     start = moved(body_of(here, CYLINDER), 0, 0.05)
     once, twice = (aligned(here, start, views) for views in (1, 2))

@@ -39,7 +39,7 @@ def test_an_offset_that_is_usual_passes_for_no_sure_lamp() -> None:
         assert sigmas[1] < 1.0
 
 
-def test_without_steps_nothing_is_told() -> None:
+def test_without_steps_nothing_is_estimated() -> None:
     left, pull = without_offset(np.zeros((2, 3, 3)), np.zeros((2, 3)), POINTS_PER_SAMPLE)
     assert (left == 0).all()
     assert pull == pytest.approx(0)

@@ -35,7 +35,7 @@ def test_the_paler_shadow_of_another_light_is_also_left_out_of_the_object() -> N
 
 
 @pytest.mark.parametrize(("ground", "rgb"), [("striped", (0.16, 0.16, 0.2)), ("checkered", (0.3, 0.3, 0.35))])
-def test_an_object_that_looks_like_ground_in_shadow_is_told_by_its_colour(
+def test_an_object_that_looks_like_ground_in_shadow_is_recognised_by_its_colour(
     ground: str, rgb: tuple[float, float, float]
 ) -> None:
     here = painted_region(replace(CYLINDER, rgb=rgb), ground=ground)

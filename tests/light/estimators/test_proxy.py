@@ -138,7 +138,7 @@ def test_what_it_shows_is_what_was_painted() -> None:
     assert sum(stages.values()) <= total + 1e-6
 
 
-def test_looking_twice_in_the_same_way_tells_the_same() -> None:
+def test_looking_twice_in_the_same_way_gives_the_same() -> None:
     tracked = paint(CYLINDER, ground="checkered").tracked
     once, _ = ProxyEstimator(FAST).traced(tracked)
     twice, trace = ProxyEstimator(replace(FAST, second_look=FAST)).traced(tracked)
@@ -184,7 +184,7 @@ def test_the_whole_page_may_lie_on_the_table(at: tuple[float, float]) -> None:
     assert apart_deg(towards(scene.tracked), scene.to_light) < 2
 
 
-def test_a_grey_picture_can_tell_enough() -> None:
+def test_a_grey_picture_can_be_enough() -> None:
     scene = paint(CYLINDER)
     assert apart_deg(towards(grey(scene)), scene.to_light) < 4
 
@@ -344,7 +344,7 @@ def test_shadows_may_be_nearly_black_or_pale(shadow_ratios: float, monkeypatch: 
         ("box", 200, 16.0),
     ],
 )
-def test_a_shadow_that_leaves_the_picture_is_told_or_its_height_is_unsure(
+def test_a_shadow_that_leaves_the_picture_is_the_reason_or_its_height_is_unsure(
     name: str, azimuth_deg: float, elevation_deg: float
 ) -> None:
     scene = paint(CASTERS[name], azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)

@@ -48,7 +48,7 @@ def test_exposure_is_not_blamed_for_an_empty_table(exposure: float) -> None:
     assert reason(paint(size=SMALL, exposure=exposure)) == NOTHING_THERE
 
 
-def test_only_the_ground_and_its_brightest_channel_tell_the_exposure() -> None:
+def test_only_the_ground_and_its_brightest_channel_determine_the_exposure() -> None:
     blue = np.zeros((SMALL[1], SMALL[0], 3), np.uint8)
     blue[..., 0] = 200
     assert fault(blue) is None

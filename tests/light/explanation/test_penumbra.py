@@ -92,7 +92,7 @@ def test_shadows_move_with_the_light_as_they_are_cast(light: Float) -> None:
 
 
 @pytest.mark.parametrize("blur_px", [0.7, 1.2, 2.0])
-def test_a_small_one_is_not_told_from_blur(blur_px: float) -> None:
+def test_a_small_one_is_not_distinguished_from_blur(blur_px: float) -> None:
     found = size_of(share_of(math.radians(0.5), blur_px))
     assert found is None or math.degrees(found) < 1.5
 
@@ -122,7 +122,9 @@ def photo_of(diameter_deg: float, blur_px: float) -> TrackedFrame:
 
 @pytest.mark.parametrize("blur_px", [0.6, 1.0])
 @pytest.mark.parametrize("diameter_deg", [3.0, 5.0, 7.0])
-def test_a_soft_lights_size_is_told_by_the_width_of_its_shadows_border(diameter_deg: float, blur_px: float) -> None:
+def test_a_soft_lights_size_is_estimated_by_the_width_of_its_shadows_border(
+    diameter_deg: float, blur_px: float
+) -> None:
     found = soft_size(PROXY, SUN, photo_of(diameter_deg, blur_px))
     assert found is not None
     assert math.degrees(found) == pytest.approx(diameter_deg, rel=0.25)

@@ -52,7 +52,7 @@ def away_px(to_light: Float) -> Float:
 
 
 @pytest.mark.parametrize(("aside_deg", "elevation_deg"), [(0, 40), (-15, 50), (20, 55), (-8, 35)])
-def test_a_glint_tells_where_the_light_is(aside_deg: float, elevation_deg: float) -> None:
+def test_a_glint_shows_where_the_light_is(aside_deg: float, elevation_deg: float) -> None:
     to_light = direction(OPPOSITE_DEG + aside_deg, elevation_deg)
     away = away_px(to_light)
     image = picture(2.5 * np.exp(-0.5 * (away / 22) ** 2))

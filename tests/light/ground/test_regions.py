@@ -155,7 +155,7 @@ def test_any_unlit_mask_has_regions_within_the_frame() -> None:
             assert region.unlit.size > 0
 
 
-def test_what_other_views_tell_is_the_same_for_a_region_that_was_found_without_them() -> None:
+def test_evidence_of_other_views_is_the_same_for_a_region_that_was_found_without_them() -> None:
     here = painted_region(BOX)
     told = np.random.default_rng(3).normal(size=here.ground.colours.shape[:2]).astype(np.float32)
     ground = with_on_plane(here.ground, told)

@@ -96,7 +96,7 @@ def test_shifts_are_different_ones_and_make_darker() -> None:
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])
-def test_no_more_are_told_than_asked_for(count: int) -> None:
+def test_no_more_are_returned_than_asked_for(count: int) -> None:
     here = painted_region(BOX, ground="striped")
     assert len(shifts_of(here.ground, [here.region.colours[here.region.unlit]], count)) == count
 
@@ -142,14 +142,14 @@ def test_many_dark_pixels_elsewhere_do_not_outvote_a_small_shadow() -> None:
     lit, small, large = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, 0.15, 0.5))
     near, everywhere = scattered(small, 100), np.concatenate([scattered(large, 6000), scattered(small, 100)])
 
-    def is_told(votes: list[Float32]) -> bool:
+    def is_found(votes: list[Float32]) -> bool:
         return any(np.abs(shift - (small - lit)).max() < 0.1 for shift in shifts_of(ground_of(lit), votes, 3))
 
-    assert not is_told([everywhere])
-    assert is_told([near, everywhere])
+    assert not is_found([everywhere])
+    assert is_found([near, everywhere])
 
 
-def test_what_two_votes_agree_on_is_told_once() -> None:
+def test_what_two_votes_agree_on_is_returned_once() -> None:
     lit, shaded = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, 0.3))
     once = shifts_of(ground_of(lit), [scattered(shaded, 400)], 3)
     assert len(shifts_of(ground_of(lit), [scattered(shaded, 400)] * 2, 3)) == len(once)

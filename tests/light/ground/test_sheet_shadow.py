@@ -84,7 +84,7 @@ def test_it_is_as_wide_and_as_dark_as_it_is() -> None:
 
 
 @pytest.mark.parametrize("halo", [0.0, 0.3, 0.6])
-def test_what_lies_on_all_sides_tells_none(halo: float) -> None:
+def test_what_lies_on_all_sides_is_no_shadow(halo: float) -> None:
     assert found(view(None, halo=halo)).clear < 0.1
 
 
@@ -99,7 +99,7 @@ def test_a_light_overhead_has_no_azimuth() -> None:
     assert SheetShadow(np.zeros(2), 0.0).log_odds(direction(10.0, 45.0)) == 0.0
 
 
-def test_other_edges_than_a_sheets_tell_nothing() -> None:
+def test_other_edges_than_a_sheets_are_no_evidence() -> None:
     body = Proxy("box", np.array([[0.0, 0.0, 0.02, 0.02, 0.02]]))
     on_body = view(0.0)
     assert sheet_shadow_in(replace(on_body, body=body)) is None

@@ -56,7 +56,7 @@ def test_it_is_fitted_again_from_where_its_shadow_lies(seen: Seen, suns: list[Fo
     assert one.light[:2] == pytest.approx(suns[0].light[:2], abs=0.02)
 
 
-def test_a_lamp_is_told_beside_the_other_shadow(seen: Seen, suns: list[FoundLight]) -> None:
+def test_a_lamp_is_found_beside_the_other_shadow(seen: Seen, suns: list[FoundLight]) -> None:
     first, second = suns
     beside_it, beside_what_is_stated = (
         as_lamps(seen, [first, other], decided=1)[0] for other in (second, stated_elsewhere(second))
@@ -65,7 +65,7 @@ def test_a_lamp_is_told_beside_the_other_shadow(seen: Seen, suns: list[FoundLigh
     assert beside_what_is_stated.covariance == pytest.approx(beside_it.covariance, abs=1e-12)
 
 
-def test_the_open_sky_is_told_in_the_shadow_that_is_seen(seen: Seen, suns: list[FoundLight]) -> None:
+def test_the_open_sky_is_measured_in_the_shadow_that_is_seen(seen: Seen, suns: list[FoundLight]) -> None:
     dark = np.full((1, 3), suns[0].darkening)
     by_shadow, by_what_is_stated = (open_sky_rgb(seen, [one], dark) for one in (suns[0], stated_elsewhere(suns[0])))
     assert by_what_is_stated == pytest.approx(by_shadow, abs=1e-12)

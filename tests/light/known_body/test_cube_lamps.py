@@ -26,7 +26,7 @@ def found(light: PaintedLight) -> Light:
 
 @pytest.mark.parametrize("distance_m", [0.4, 0.5, 0.7])
 @pytest.mark.parametrize(("azimuth_deg", "elevation_deg"), [(200, 45), (120, 60), (300, 35)])
-def test_a_lamps_place_is_told(azimuth_deg: float, elevation_deg: float, distance_m: float) -> None:
+def test_a_lamps_place_is_estimated(azimuth_deg: float, elevation_deg: float, distance_m: float) -> None:
     true = lamp(sun(azimuth_deg, elevation_deg, size_deg=3.0), distance_m)
     light = found(true)
     assert light.kind == "lamp"

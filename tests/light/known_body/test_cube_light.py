@@ -185,7 +185,7 @@ def test_lights_that_come_within_the_maps_resolution_are_one() -> None:
     assert not are_apart([*apart, FoundLight(sun(35, 50).point, np.eye(2), None, 0.3)], EDGE_M)
 
 
-def test_a_crooked_cubes_light_is_told_better_by_how_its_folds_move_the_shadow() -> None:
+def test_a_crooked_cubes_light_is_estimated_better_by_how_its_folds_move_the_shadow() -> None:
     """Than by the shadow of the body as it was tracked, root mean square over suns; and its covariance holds."""
     crooked = next(each for each in SETS if each.name == "sun, crooked")
     squared, sigmas = [], []

@@ -59,7 +59,7 @@ def test_one_sun_is_where_it_is_and_takes_what_it_gives(darkening: float) -> Non
     assert found.scanned(lit(true)).darkenings[0, 0] == pytest.approx(darkening, rel=0.08)
 
 
-def test_two_suns_are_told_apart() -> None:
+def test_two_suns_are_distinguished() -> None:
     darkenings = {(200, 35): 0.4, (80, 60): 0.25}
     known = lit(*(sun(*angles).point for angles in darkenings))
     assert evidence(map_of(darkenings), known).darkenings == pytest.approx([0.4, 0.25], rel=0.1)

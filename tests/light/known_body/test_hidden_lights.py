@@ -33,7 +33,7 @@ def estimate(*lights: PaintedLight, tilt_deg: float = TILT_DEG, **scene: object)
 
 
 @pytest.mark.parametrize("elevation_deg", [40, 45])
-def test_a_sun_behind_the_camera_is_told_by_the_sides(elevation_deg: float) -> None:
+def test_a_sun_behind_the_camera_is_found_by_the_sides(elevation_deg: float) -> None:
     light = sun(FROM_DEG + 2, elevation_deg)
     answer = estimate(light)
     assert len(answer.lights) == 1
@@ -64,7 +64,7 @@ def test_a_leaning_sky_is_no_sun(slope: tuple[float, float]) -> None:
     assert not [light for light in answer.lights if light.confidence is None or light.confidence > 0.5]
 
 
-def test_a_second_light_too_weak_to_be_told_by_any_one_direction_is_told_by_all_together() -> None:
+def test_a_second_light_too_weak_to_be_found_in_any_one_direction_is_found_in_all_together() -> None:
     seen, hidden = sun(FROM_DEG + 75, 38, on_table=0.3), sun(FROM_DEG + 10, 58, on_table=0.4)
     answer = estimate(seen, hidden)
     assert len(answer.lights) == 2

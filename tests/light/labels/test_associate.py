@@ -72,7 +72,7 @@ def test_no_two_explanations_by_one_shift_are_alike() -> None:
         assert not any(one.is_like(other) for i, one in enumerate(found) for other in found[:i])
 
 
-def test_an_object_as_dark_as_its_shadow_is_told_apart_by_colour() -> None:
+def test_an_object_as_dark_as_its_shadow_is_separated_by_colour() -> None:
     here = painted_region(Caster(rgb=(0.16, 0.05, 0.02)))
     assert goodness(best_of(here), here.body, here.shadow) > 0.7
 

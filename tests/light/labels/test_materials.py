@@ -111,7 +111,7 @@ def test_a_shadow_on_a_dark_tile_is_no_lit_one() -> None:
     np.testing.assert_array_equal((materials.shaded < materials.lit)[4, 4::9], [False, False, True, True])
 
 
-def test_an_object_is_told_by_its_own_colours() -> None:
+def test_an_object_is_recognised_by_its_own_colours() -> None:
     here = painted_region(BOX)
     own = object_cost(here.region, here.body)
     assert np.median(own[here.body]) < np.median(own[here.shadow]) - 5

@@ -71,7 +71,7 @@ def test_clear_colours_leave_no_doubt() -> None:
     assert corrected(here, here.body, here.shadow).undecided is None
 
 
-def test_an_object_coloured_like_its_shadow_is_told_apart_by_the_fit_or_left_in_doubt() -> None:
+def test_an_object_coloured_like_its_shadow_is_separated_by_the_fit_or_left_in_doubt() -> None:
     """Its sides, some lit and some not, meet a shadow of the same colour; outline and doubt cover the whole."""
     here = painted_region(LIKE_SHADOW)
     split = corrected(here, here.body, here.shadow)

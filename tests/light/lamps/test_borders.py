@@ -51,7 +51,7 @@ def test_how_a_shadows_length_follows_from_its_light_near_or_far(nearness: float
 
 
 @pytest.mark.parametrize(("share", "least", "most"), [(0.02, 1.0, 1.02), (3.0, 100.0, np.inf)])
-def test_what_is_beyond_the_first_order_is_not_told(share: float, least: float, most: float) -> None:
+def test_what_is_beyond_the_first_order_is_not_estimated(share: float, least: float, most: float) -> None:
     """Borders may ask for any lamp: nearer than one over the body's height, it would be below the body's top."""
     explanation, _ = by_a_sun(painted_region(BOX))
     frame = explanation.alignment.placed.lit.body.frame

@@ -133,7 +133,7 @@ def test_a_darker_or_paler_floor_behind_a_table_is_no_fall_of_light(floor: float
 
 
 @pytest.mark.parametrize("floor", [0.4, 1.0, 1.5])
-def test_a_lamp_is_told_on_either_side_of_a_strip(floor: float) -> None:
+def test_a_lamp_is_located_on_either_side_of_a_strip(floor: float) -> None:
     lamp_m = LAMPS["beside"]
     at_foot = (np.array(lamp_m[:2]) - FOOT) / lamp_m[2]
     nearness = np.array([0.0, 0.5, 1, 2]) / lamp_m[2]
@@ -143,7 +143,7 @@ def test_a_lamp_is_told_on_either_side_of_a_strip(floor: float) -> None:
     assert costs[2] < costs[0] - UNEVEN_DEVIANCE
 
 
-def test_too_little_lit_ground_tells_nothing() -> None:
+def test_too_little_lit_ground_constrains_nothing() -> None:
     scene = paint()
     view = View.of(scene.tracked, BALANCED.coarse_width_px)
     lit = fit_lit_ground(view.image_bgr, view.is_ground, BALANCED.ground)
@@ -164,7 +164,7 @@ def displacements(towards_m: tuple[float, ...]) -> Float:
 
 
 @pytest.mark.parametrize("ground", ["plain", "bricks"])
-def test_the_fall_of_light_tells_where_a_lamp_is_not(ground: str) -> None:
+def test_the_fall_of_light_excludes_where_a_lamp_is_not(ground: str) -> None:
     x, y, z = LAMPS["beside"]
     directions = FallDirections(fall_off(ground, (x, y, z)))
     there, opposite = (directions.log_ratio(displacements(at)) for at in ((x, y, z), (-x, -y, z)))
@@ -172,5 +172,5 @@ def test_the_fall_of_light_tells_where_a_lamp_is_not(ground: str) -> None:
     assert opposite < -2
 
 
-def test_under_a_sun_the_fall_of_light_tells_no_direction() -> None:
+def test_under_a_sun_the_fall_of_light_constrains_no_direction() -> None:
     assert FallDirections(fall_off("bricks")).log_ratio(displacements(LAMPS["beside"])) == 0

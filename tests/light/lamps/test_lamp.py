@@ -98,7 +98,7 @@ def test_no_sun_is_believed_where_the_ground_is_lit_by_a_lamp_and_no_lamp_fits_t
     assert (sun.confidence or 0.0) > 0.5
 
 
-def test_an_object_that_was_found_again_tells_no_more_of_the_sun() -> None:
+def test_an_object_that_was_found_again_adds_no_information_on_the_sun() -> None:
     once, twice = (answer(0.9, lamp_m=None, kind=SUN, found_again=again).lights[0] for again in (False, True))
     assert (twice.to_light_marker == once.to_light_marker).all()
     assert twice.sigma_rad == once.sigma_rad

@@ -64,7 +64,7 @@ def seen_by_a_lamp() -> PlaceEvidence:
     )
 
 
-def test_the_ground_tells_where_a_lamp_is_whatever_a_wrong_shadow_told(seen: PlaceEvidence) -> None:
+def test_the_ground_locates_a_lamp_whatever_a_wrong_shadow_implied(seen: PlaceEvidence) -> None:
     lamp = np.array(LAMP_M)
     true = np.append(lamp[:2], 1.0) / lamp[2]
     found = []

@@ -37,7 +37,7 @@ def test_the_vaguer_object_counts_by_its_information() -> None:
     assert angle_between(light.to_light_marker, expected) < math.radians(0.02)
 
 
-def test_an_object_that_tells_only_the_azimuth_moves_only_that() -> None:
+def test_an_object_that_constrains_only_the_azimuth_moves_only_that() -> None:
     exact, vague = math.radians(0.5) ** 2, math.radians(40.0) ** 2
     of_azimuth = FittedLight(seen(33, 45, 1.0).light, np.diag([exact, vague]) + SHARED)
     first = seen(30, 40, 2.0)

@@ -26,7 +26,7 @@ def seen_at(foot: Float, sigma_rad: float = 0.01, held: float = 0.0) -> Place:
     return place_by_borders(fitted, LampBorders(0.0, 100.0, foot))
 
 
-def test_two_objects_tell_where_a_lamp_is() -> None:
+def test_two_objects_determine_where_a_lamp_is() -> None:
     one, other = seen_at(np.array([0.15, 0.0])), seen_at(np.array([-0.1, 0.12]))
     both = combined([one, other])
     np.testing.assert_allclose(both.mean, TRUE, rtol=1e-3)
@@ -38,7 +38,7 @@ def glint_at(place_m: tuple[float, float], lamp_m: Float = LAMP) -> Glint:
     return Glint(np.zeros((2, 2), np.bool_), normalised(lamp_m - (*place_m, 0.0)), np.array(place_m))
 
 
-def test_a_glint_tells_a_lamp_beside_an_object_and_two_glints_alone() -> None:
+def test_a_lamp_is_determined_by_a_glint_beside_an_object_and_by_two_glints_alone() -> None:
     beside = combined([seen_at(np.array([0.15, 0.0])), place_by_glint(glint_at((-0.2, 0.1)))])
     np.testing.assert_allclose(beside.mean, TRUE, rtol=1e-3)
     alone = combined([place_by_glint(glint_at(place_m)) for place_m in ((0.1, 0.1), (-0.2, 0.1))])
@@ -64,7 +64,7 @@ def test_mirror_images_of_other_lights_are_left_out() -> None:
     assert np.trace(first.information + second.information) < 2 * np.trace(kept.information)
 
 
-def test_one_object_tells_the_direction_at_itself_whatever_the_nearness() -> None:
+def test_one_object_determines_the_direction_at_itself_whatever_the_nearness() -> None:
     foot = np.array([0.15, -0.05])
     place = seen_at(foot)
     at_object = np.column_stack([np.eye(2), -foot])

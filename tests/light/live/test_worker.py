@@ -52,7 +52,7 @@ def without_marker(scene) -> TrackedFrame:
 
 
 def test_it_answers_as_a_direct_call_does(worker, scene):
-    assert worker.poll() is None
+    assert worker.wait(0.0) is None
     assert worker.request(scene.tracked)
     assert worker.busy
     assert not worker.request(scene.tracked)
@@ -65,7 +65,7 @@ def test_it_answers_as_a_direct_call_does(worker, scene):
     assert answer.frame_index == scene.tracked.frame.index
     assert not answer.light.to_light_marker.flags.writeable
     assert not worker.busy
-    assert worker.poll() is None
+    assert worker.wait(0.0) is None
 
 
 def test_what_led_to_the_answer_is_drawn_only_when_asked_for(scene):
@@ -105,7 +105,7 @@ def test_an_exception_comes_back_as_a_value_and_the_worker_goes_on(worker, scene
     assert isinstance(worker.wait(PATIENCE_S), Answer)
 
 
-def test_a_preset_that_the_estimator_cannot_use_is_told_in_words_and_the_worker_goes_on(scene):
+def test_a_preset_that_the_estimator_cannot_use_is_reported_in_words_and_the_worker_goes_on(scene):
     with LightWorker("paper") as worker:
         worker.request(scene.tracked, BALANCED.with_caster(parsed_caster("box:0.05x0.05x0.08")))
         failure = worker.wait(PATIENCE_S)
@@ -114,7 +114,7 @@ def test_a_preset_that_the_estimator_cannot_use_is_told_in_words_and_the_worker_
         assert len(children()) == 1
 
 
-def test_a_killed_process_is_told_once_and_replaced(scene, without_marker):
+def test_a_killed_process_is_reported_once_and_replaced(scene, without_marker):
     with LightWorker(endless) as worker:
         worker.request(without_marker)
         worker.wait(PATIENCE_S)
@@ -124,7 +124,7 @@ def test_a_killed_process_is_told_once_and_replaced(scene, without_marker):
         failure = worker.wait(PATIENCE_S)
         assert isinstance(failure, WorkerFailure)
         assert failure.frame_index == scene.tracked.frame.index
-        assert worker.poll() is None
+        assert worker.wait(0.0) is None
         assert not worker.busy
         assert worker.request(without_marker)
         assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
@@ -141,21 +141,21 @@ def test_a_process_killed_between_requests_is_replaced(worker, scene):
     assert isinstance(worker.wait(PATIENCE_S), Answer)
 
 
-def test_one_that_hangs_is_given_up_told_once_and_replaced(scene, without_marker, monkeypatch):
+def test_one_that_hangs_is_given_up_reported_once_and_replaced(scene, without_marker, monkeypatch):
     with LightWorker(endless) as worker:
         worker.request(without_marker)
         worker.wait(PATIENCE_S)
         (first,) = children()
         worker.request(scene.tracked)
-        assert worker.poll() is None
+        assert worker.wait(0.0) is None
         monkeypatch.setattr(worker_module, "LONGEST_ESTIMATE_S", 0.0)
-        failure = worker.poll()
+        failure = worker.wait(0.0)
         monkeypatch.undo()
         assert isinstance(failure, WorkerFailure)
         assert failure.frame_index == scene.tracked.frame.index
         assert "no answer" in failure.message
         assert first not in children()
-        assert worker.poll() is None
+        assert worker.wait(0.0) is None
         assert worker.request(without_marker)
         assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
 
@@ -165,7 +165,7 @@ def test_what_is_given_up_has_no_outcome_and_the_next_request_may_come_at_once(w
     assert worker.request(scene.tracked)
     worker.give_up()
     assert not worker.busy
-    assert worker.poll() is None
+    assert worker.wait(0.0) is None
     assert worker.request(without_marker)
     outcome = worker.wait(PATIENCE_S)
     assert isinstance(outcome, WorkerFailure)
@@ -248,7 +248,7 @@ def test_other_views_reach_the_estimator_and_those_of_another_scene_do_not():
         assert answer.outdated == (0, 1, 2)
 
 
-def test_views_from_one_side_are_left_out_as_they_tell_no_more():
+def test_views_from_one_side_are_left_out_as_they_add_no_information():
     with LightWorker(Telling) as worker:
         answer = answered(worker, view(0), [view(1, 0.5)])
     assert answer.estimate.views == (0,)

@@ -9,10 +9,7 @@ from hypothesis import strategies as st
 from ashe_live.core.camera import Camera
 from ashe_live.light.paper import masks
 from ashe_live.light.paper.geometry import cube_corners
-
-
-def overlap(a, b):
-    return np.count_nonzero(a & b) / np.count_nonzero(a | b)
+from tests.light.painted_scenes import overlap
 
 
 def disc(shape, centre, radius):

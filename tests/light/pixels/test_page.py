@@ -70,7 +70,7 @@ def test_a_page_is_found_where_a_tin_on_its_end_ends_the_paper_sooner(page_m: tu
 
 
 @pytest.mark.parametrize("page_m", [A4, LETTER])
-def test_a_few_lines_tell_an_end_where_pages_have_it(page_m: tuple[float, ...]) -> None:
+def test_a_few_lines_show_an_end_where_pages_have_it(page_m: tuple[float, ...]) -> None:
     hiding = [Caster(at=(x, 0.031 - page_m[3]), width_m=0.08, height_m=0.05) for x in (-0.055, 0.015)]
     page = page_in(paint(*hiding, azimuth_deg=80, T_cam_marker=FROM_ABOVE, page_m=page_m).tracked)
     assert page is not None

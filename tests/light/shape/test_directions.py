@@ -67,7 +67,7 @@ def test_with_half_of_the_end_in_view_a_quarter_of_the_way_down_and_half_of_the_
     assert deviations_deg(half)[1] == pytest.approx((3 + deviations_deg(none)[1]) / 2)
 
 
-def test_what_an_end_out_of_view_leaves_open_is_told_from_errors_of_outlines() -> None:
+def test_what_an_end_out_of_view_leaves_open_is_kept_apart_from_errors_of_outlines() -> None:
     here = light(40, 24, 3)
     assert corrected_for_cut_shadow(here, 1.0).unseen_end == pytest.approx(0)
     assert corrected_for_cut_shadow(here, 0.0).unseen_end == pytest.approx(1)
@@ -92,7 +92,7 @@ def test_a_lamp_that_is_lowered_stays_as_far_away() -> None:
     np.testing.assert_allclose(lower.to_light_marker, sun.to_light_marker)
 
 
-def test_a_shadow_of_which_nothing_else_tells_the_length_stands_for_all_lower_lights() -> None:
+def test_a_shadow_whose_length_nothing_else_constrains_stands_for_all_lower_lights() -> None:
     """Heights from 0 to h, the larger the likelier: 2/3 of h in the mean, h / sqrt(18) about it."""
     after = corrected_for_cut_shadow(light(40, 24, 1e6), 0.0)
     assert height_deg(after) == pytest.approx(16, abs=0.2)

@@ -32,7 +32,7 @@ def painted_from(
 
 
 @pytest.mark.parametrize("card_m", [CARD_M, 0.007])
-def test_texture_tells_how_far_the_ground_lies_below_the_marker(card_m: float) -> None:
+def test_texture_determines_how_far_the_ground_lies_below_the_marker(card_m: float) -> None:
     assert height_above_ground(painted_from(90, 75, 105, card_m=card_m)) == pytest.approx(card_m, abs=5e-4)
 
 
@@ -42,17 +42,17 @@ def test_a_sheet_that_lies_flat_is_not_said_to_be_on_card(headings_deg: tuple[fl
     assert height_above_ground(painted_from(*headings_deg, ground=ground)) == 0
 
 
-@pytest.mark.parametrize(("tilt_rad", "is_told"), [(1e-4, True), (3e-3, False)])
-def test_a_height_that_poses_may_feign_is_not_told(tilt_rad: float, is_told: bool) -> None:
+@pytest.mark.parametrize(("tilt_rad", "is_stated"), [(1e-4, True), (3e-3, False)])
+def test_a_height_that_poses_may_feign_is_not_stated(tilt_rad: float, is_stated: bool) -> None:
     noise = np.diag([tilt_rad, tilt_rad, tilt_rad, 1e-5, 1e-5, 1e-5]) ** 2
     frames = [
         replace(each, marker=each.marker and replace(each.marker, noise_covariance=noise))
         for each in painted_from(90, 75, 105, card_m=CARD_M)
     ]
-    assert (height_above_ground(frames) > 0) == is_told
+    assert (height_above_ground(frames) > 0) == is_stated
 
 
-def test_what_hardly_shows_is_not_told() -> None:
+def test_what_hardly_shows_is_not_stated() -> None:
     assert height_above_ground(painted_from(90, 89.5, card_m=CARD_M)) == 0
     assert height_above_ground(painted_from(90, 75, card_m=CARD_M, casters=(), ground="plain")) == 0
 

@@ -73,7 +73,7 @@ def test_a_shadow_stays_on_the_plane_and_a_box_does_not(ground: str) -> None:
 
 
 @pytest.mark.parametrize(("heading_deg", "border"), [(105, np.s_[100:170, :4]), (75, np.s_[100:170, -4:])])
-def test_plain_ground_tells_nothing_at_the_border_of_the_picture_either(heading_deg: float, border) -> None:
+def test_plain_ground_is_no_evidence_at_the_border_of_the_picture_either(heading_deg: float, border) -> None:
     """There, too, it looks the same wherever it is: what the other border of the picture shows is no neighbour."""
     first, other = (painted_from(heading, ground="plain") for heading in (90, heading_deg))
     ratio = np.abs(ratio_of(first.tracked, other.tracked))
@@ -97,18 +97,18 @@ def test_another_exposure_and_white_balance_change_nothing_on_the_plane() -> Non
     assert ratio[ground].mean() > 0 > ratio[small(first.body, 1)].mean()
 
 
-def test_from_one_place_nothing_can_be_told() -> None:
+def test_views_from_one_place_are_no_evidence() -> None:
     first, again = painted_from(90, BOX), painted_from(90, BOX, seed=1)
     np.testing.assert_array_equal(ratio_of(first.tracked, again.tracked), 0)
 
 
-def test_views_of_different_grounds_tell_nothing() -> None:
+def test_views_of_different_grounds_are_no_evidence() -> None:
     away = paint(size=(320, 240), T_cam_marker=camera_towards((5.0, 0.0), 0.5, 60.0))
     here, there = (View.of(painted.tracked, WIDTH) for painted in (painted_from(90, BOX), away))
     assert on_plane(here, log_opponent(here.image_bgr), there, log_opponent(there.image_bgr)) is None
 
 
-def test_a_strip_that_is_narrower_than_the_reduced_picture_resolves_tells_nothing() -> None:
+def test_a_strip_that_is_narrower_than_the_reduced_picture_resolves_is_no_evidence() -> None:
     here, there = (View.of(painted_from(heading).tracked, 160) for heading in (90, 95))
     strip = np.zeros_like(here.is_ground)
     strip[29:32] = here.is_ground[29:32]

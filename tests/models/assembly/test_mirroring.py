@@ -58,7 +58,7 @@ def test_a_map_says_what_is_metal(metal: int, told: bool) -> None:
     assert mirrors_itself([tray, _ball(PLASTIC)]) is told
 
 
-def test_the_sky_is_told_where_it_is_mirrored_clearly_from_above() -> None:
+def test_a_mirrored_sky_is_reported_where_it_is_seen_clearly_from_above() -> None:
     blurred = replace(METAL, roughness=0.5)
     for mesh in (_tray, _ball):
         assert words_on_mirrors([mesh(METAL)]) == SKY

@@ -18,7 +18,7 @@ def _square(material: Material, triangles: np.ndarray = ONE_DIAGONAL, offset: tu
     return Mesh(CORNERS + np.float32(offset), normals, triangles, uvs=CORNERS[:, :2], material=material)
 
 
-def test_two_colours_in_one_place_are_told_whichever_way_they_were_cut() -> None:
+def test_two_colours_in_one_place_are_reported_whichever_way_they_were_cut() -> None:
     for triangles in (ONE_DIAGONAL, OTHER_DIAGONAL, ONE_DIAGONAL[:, ::-1]):
         assert overlap_visibly([_square(RED), _square(BLUE, triangles)])
 

@@ -69,7 +69,7 @@ def test_what_cannot_lie_stands_wherever_its_origin_is(tmp_path: Path, suffix: s
 
 
 @pytest.mark.parametrize(("suffix", "up"), [(".obj", "y"), (".ply", "y"), (".stl", "z")])
-def test_a_shape_that_tells_nothing_is_as_most_of_its_format(tmp_path: Path, suffix: str, up: str) -> None:
+def test_a_shape_without_evidence_stands_as_most_of_its_format(tmp_path: Path, suffix: str, up: str) -> None:
     trimesh.creation.icosphere(subdivisions=2).export(tmp_path / f"ball{suffix}")
     assert load_model_file(tmp_path / f"ball{suffix}").up == up
 

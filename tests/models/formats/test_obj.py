@@ -157,7 +157,7 @@ def test_corners_are_named_in_every_way(tmp_path: Path, face: str) -> None:
     np.testing.assert_allclose(part.normals, [(0, 0, -1 if has_normals else 1)] * 3)
 
 
-def test_corners_of_several_kinds_in_one_face_are_told_apart(tmp_path: Path) -> None:
+def test_corners_of_several_kinds_in_one_face_are_distinguished(tmp_path: Path) -> None:
     """As many slashes in all as if every corner had one."""
     values = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n"
     part = read(tmp_path, f"{values}f 1/3 2/1/3 3\n").parts[0]

@@ -223,7 +223,7 @@ def test_what_is_drawn_without_is_said_once(tmp_path: Path) -> None:
         (("clearcoatNormalTexture",), 0.8, ("it is drawn without the relief of clear coats",)),
     ],
 )
-def test_clear_coats_are_read_and_what_maps_say_of_them_is_told(
+def test_clear_coats_are_read_and_what_maps_say_of_them_is_reported(
     tmp_path: Path, maps: tuple[str, ...], coat: float, notes: tuple[str, ...]
 ) -> None:
     document = Document()

@@ -39,7 +39,7 @@ def test_a_very_wide_blur_is_the_widest_that_is_tried() -> None:
     assert chroma_blur_px(_photo(picture)) == TRIED_PX[-1]
 
 
-def test_a_picture_without_colour_or_without_edges_tells_nothing() -> None:
+def test_a_picture_without_colour_or_without_edges_gives_no_measurement() -> None:
     grey = np.repeat(_photo(_tiles())[..., :1], 3, axis=2)
     assert chroma_blur_px(grey) is None
     assert chroma_blur_px(np.full((160, 160, 3), (40, 90, 160), np.uint8)) is None

@@ -80,7 +80,7 @@ def test_white_is_the_papers(stage, white: tuple[float, ...]) -> None:
     np.testing.assert_allclose(white_of(_sheet(stage, white)), white, rtol=0.02)
 
 
-def test_white_of_overexposed_paper_is_told_by_the_ink(stage) -> None:
+def test_white_of_overexposed_paper_is_measured_by_the_ink(stage) -> None:
     """Paper is at most 1 in the picture; ink goes on becoming brighter. It may be pale, so no more than half counts."""
     whites = [1.3, 1.6, 2.2]
     found = [white_of(_sheet(stage, (white,) * 3, ink=INK_RATIO * PAPER_ALBEDO * white))[1] for white in whites]
@@ -168,7 +168,7 @@ def test_a_brightness_that_does_not_occur_has_the_nearest_ones_noise() -> None:
     assert dark == dim == light == bright > 0
 
 
-def test_a_picture_of_nothing_but_edges_tells_no_noise() -> None:
+def test_in_a_picture_of_nothing_but_edges_no_noise_is_measured() -> None:
     ramp = np.tile(np.arange(0, 240, 8, dtype=np.uint8), (30, 1))
     assert noise_levels(ramp) == (0, 0, 0, 0)
 
@@ -196,7 +196,7 @@ def test_models_edges_are_as_soft_as_the_markers(make_renderer, stage) -> None:
 
 
 @pytest.mark.parametrize("repeats", [True, False])
-def test_coarse_chroma_is_told_from_colours_of_every_pixel(repeats: bool) -> None:
+def test_coarse_chroma_is_distinguished_from_colours_of_every_pixel(repeats: bool) -> None:
     rng = np.random.default_rng(3)
     ycrcb = rng.integers(90, 160, (80, 80, 3), dtype=np.uint8)
     coarse = np.ascontiguousarray(ycrcb[::2, ::2, 1:])
@@ -206,7 +206,7 @@ def test_coarse_chroma_is_told_from_colours_of_every_pixel(repeats: bool) -> Non
     assert has_coarse_chroma(cv2.cvtColor(ycrcb, cv2.COLOR_YCrCb2BGR))
 
 
-def test_a_picture_without_colour_tells_nothing_of_its_chroma() -> None:
+def test_in_a_picture_without_colour_no_chroma_blur_is_measured() -> None:
     grey = np.random.default_rng(3).integers(0, 255, (80, 80, 1), dtype=np.uint8)
     assert not has_coarse_chroma(np.repeat(grey, 3, axis=2))
 

@@ -1,6 +1,7 @@
 """The marker's sheet is covered by ground like that around it, which stays where it is and takes shadows."""
 
 import itertools
+import pickle
 from dataclasses import replace
 
 import cv2
@@ -26,6 +27,20 @@ from ashe_live.render.scene import Scene
 SIDE = 0.08
 PAPER_HALF = 0.62 * SIDE
 RATIO = (0.3, 0.4, 0.5)
+MADE: dict[bytes, GroundCover | None] = {}
+
+
+def known_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: bool = False) -> GroundCover | None:
+    """The cover of a picture that several tests show is made once: most are about what becomes of it."""
+    asked = pickle.dumps((tracked, replace(illumination, seen_in=None), is_draft))
+    if asked not in MADE:
+        MADE[asked] = ground_cover(tracked, illumination, is_draft)
+    return MADE[asked]
+
+
+@pytest.fixture(autouse=True)
+def _covers_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hidden_marker, "ground_cover", known_cover)
 
 
 def _ground(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -141,7 +156,7 @@ def test_ground_is_looked_up_where_the_lens_puts_it(stage) -> None:
 def test_exposure_is_compared_where_a_shadow_has_just_taken_half_of_the_ground(stage) -> None:
     """No point's change is then near the median of all."""
     tracked = _view(stage)
-    cover = ground_cover(tracked, Illumination())
+    cover = known_cover(tracked, Illumination())
     assert len(cover.around) <= MOST_AROUND
     count = 2 * (len(cover.around) // 2)
     factors = np.where(np.arange(count) % 2, 0.5, 1.5)[:, None]
@@ -156,7 +171,7 @@ def test_no_object_is_taken_for_ground(stage) -> None:
     tracked = _view(stage)
     image = tracked.frame.image_bgr.copy()
     image[60:200, 30:110] = (200, 60, 20)
-    cover = ground_cover(replace(tracked, frame=replace(tracked.frame, image_bgr=image)), Illumination())
+    cover = known_cover(replace(tracked, frame=replace(tracked.frame, image_bgr=image)), Illumination())
     red, _, blue, alpha = np.moveaxis(cover.image_rgba.astype(int), 2, 0)
     assert not ((blue > red) & (alpha > 0)).any()
 
@@ -243,7 +258,7 @@ def test_the_marker_stays_where_no_ground_is_seen(make_renderer, stage) -> None:
     image = np.full((360, 480, 3), 200, np.uint8)
     corners = project(stage.camera(), T, SIDE / 2 * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)], float))
     tracked = TrackedFrame(Frame(image, 0, 0.0), stage.camera(), MarkerPose(T, corners, SIDE, 0.0, None))
-    assert ground_cover(tracked, Illumination()) is None
+    assert known_cover(tracked, Illumination()) is None
     renderer = make_renderer(FAST.render)
     renderer.render(Scene(tracked, stage.placed(box((0.001, 0.001, 0.001))), hides_marker=True))
     assert (np.abs(renderer.read_bgr().astype(int) - 200).max(axis=2) > 1).mean() < 0.01
@@ -259,20 +274,20 @@ def test_another_thread_makes_the_cover_where_pictures_cannot_wait_and_a_draft_f
         hidden.follow(tracked, Illumination(), at_once=False)
         assert len(hidden.corners) == 4
         sizes.append(hidden._texture.size[0])
-    assert sizes == [round(2 * HALF_SIDES * DRAFT_SIDE_PX), len(ground_cover(tracked, Illumination()).image_rgba)]
+    assert sizes == [round(2 * HALF_SIDES * DRAFT_SIDE_PX), len(known_cover(tracked, Illumination()).image_rgba)]
     hidden.release()
 
 
 def test_what_is_small_in_the_picture_has_no_draft(stage) -> None:
     tracked = _view(stage, distance=1.0)
-    fine, draft = (ground_cover(tracked, Illumination(), is_draft) for is_draft in (False, True))
+    fine, draft = (known_cover(tracked, Illumination(), is_draft) for is_draft in (False, True))
     assert not draft.is_draft
     np.testing.assert_array_equal(fine.image_rgba, draft.image_rgba)
 
 
 def test_a_draft_covers_the_same_sheet_with_the_same_ground(stage) -> None:
     tracked = _view(stage, noise=0.7)
-    fine, draft = (ground_cover(tracked, Illumination(), is_draft) for is_draft in (False, True))
+    fine, draft = (known_cover(tracked, Illumination(), is_draft) for is_draft in (False, True))
     assert (fine.is_draft, draft.is_draft) == (False, True)
     np.testing.assert_allclose(draft.extent_m, fine.extent_m, atol=0.03 * SIDE)
     coarse = cv2.resize(fine.image_rgba, draft.image_rgba.shape[:2], interpolation=cv2.INTER_AREA)
@@ -327,7 +342,7 @@ def test_a_snapshot_waits_for_the_cover_that_the_window_has_begun(ctx, stage, mo
 
     def counted(*asked) -> GroundCover | None:
         made.append(asked)
-        return ground_cover(*asked)
+        return known_cover(*asked)
 
     monkeypatch.setattr(hidden_marker, "ground_cover", counted)
     window, saved, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)

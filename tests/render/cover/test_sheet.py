@@ -27,7 +27,7 @@ def test_paper_on_darker_ground_is_covered_and_hardly_more() -> None:
 
 
 @pytest.mark.parametrize("ground", [0.3, 0.72])
-def test_the_shadow_of_a_lifted_edge_is_covered_also_where_paper_is_not_told_from_ground(ground: float) -> None:
+def test_the_shadow_of_a_lifted_edge_is_covered_also_where_paper_looks_like_ground(ground: float) -> None:
     """As light as paper, the ground leaves the square and a margin, beyond which paper is seen before the shadow."""
     plane = _plane(ground)
     shadow = (np.abs(X) < 0.6) & (Y > 0.68) & (Y < 0.75)

@@ -17,6 +17,7 @@ from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.lights.light_view import view_of
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.scene import Scene
+from tests.render.green_model import split
 from tests.render.in_turns import in_turns
 from tests.render.inside import inside_px
 
@@ -27,7 +28,6 @@ POLE = (0.02, 0.03, 0.07)
 POLE_CORNERS = box_corners(np.array([(-POLE[0] / 2, -POLE[1] / 2, 0), (POLE[0] / 2, POLE[1] / 2, POLE[2])]))
 RATIO = (0.2, 0.2, 0.2)
 FAINT = (0.02, 0.02, 0.02)  # so little other light that shadows are dark far from the lamp as well
-SHADOW_BELOW = 150
 # From above and beside it, from 15 cm and from a metre, over another place than the marker.
 PLACES = ((-0.12, 0.1, 0.2), (0.05, -0.02, 0.16), (0.6, 0.5, 0.6), (-0.3, -0.1, 0.12), (0.0, 0.0, 0.4))
 
@@ -40,13 +40,6 @@ def lamp_at(place, ratio=RATIO, radius_m: float = 0.002) -> Light:
 def shadows(points: np.ndarray, light: np.ndarray) -> np.ndarray:
     """(n, 3) of points (n, 3) on the plane z = 0, from a lamp at (3,)."""
     return points + (points - light) * (points[:, 2:] / (light[2] - points[:, 2:]))
-
-
-def split(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Masks of the green model, and of shadowed ground."""
-    blue, green, red = np.moveaxis(picture.astype(int), 2, 0)
-    is_model = (green > red + 10) & (green > blue + 10)
-    return is_model, ~is_model & (green < SHADOW_BELOW)
 
 
 def linear(picture: np.ndarray) -> np.ndarray:

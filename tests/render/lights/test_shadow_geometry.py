@@ -13,6 +13,7 @@ from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.scene import Scene
+from tests.render.green_model import split
 from tests.render.in_turns import in_turns
 from tests.render.inside import inside_px
 from tests.shared_data import SHARED
@@ -21,17 +22,8 @@ SCENES = SHARED / "scenes"
 GROUND = 200
 POLE = (0.02, 0.03, 0.07)
 RATIO = (0.2, 0.2, 0.2)
-# Everything lit is brighter than this by far, everything in the shadow darker: the ratio is 0.2 in linear light.
-SHADOW_BELOW = 150
 # Half of the light of a white ground is left: where a shadow's border lies, whatever its double throws into it.
 HALF_LIT = 188
-
-
-def _split(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Masks of the green model, and of shadowed ground."""
-    blue, green, red = np.moveaxis(picture.astype(int), 2, 0)
-    is_model = (green > red + 10) & (green > blue + 10)
-    return is_model, ~is_model & (green < SHADOW_BELOW)
 
 
 def _shadows(points: np.ndarray, to_light: np.ndarray) -> np.ndarray:
@@ -55,7 +47,7 @@ def test_silhouette_and_shadow_fall_where_geometry_says(
     light = stage.light(light_azimuth_deg, light_elevation_deg, RATIO)
     tracked = stage.tracked(GROUND, stage.pose(azimuth_deg, elevation_deg))
     renderer.render(Scene(tracked, stage.placed(stage.glowing_green(box(POLE))), Illumination((light,))))
-    is_model, is_shadow = _split(renderer.read_bgr())
+    is_model, is_shadow = split(renderer.read_bgr())
 
     corners = box_corners(np.array([(-POLE[0] / 2, -POLE[1] / 2, 0), (POLE[0] / 2, POLE[1] / 2, POLE[2])]))
     T_cam_marker = tracked.marker.T_cam_marker
@@ -79,7 +71,7 @@ def test_shadow_is_joined_to_the_model_on_its_dark_side(make_renderer, stage) ->
         renderer.render(
             Scene(tracked, stage.placed(stage.glowing_green(box((0.04, 0.04, 0.06)))), Illumination((light,)))
         )
-        is_model, is_shadow = _split(renderer.read_bgr())
+        is_model, is_shadow = split(renderer.read_bgr())
         for x in np.linspace(-0.015, 0.015, 7):
             (column, row), *_ = project(tracked.camera, tracked.marker.T_cam_marker, [(x, -0.02, 0.0)])
             column, foot = round(column), round(row)

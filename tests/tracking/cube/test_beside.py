@@ -98,7 +98,7 @@ def test_its_sheet_is_no_ground(followed: tuple[MarkerTracker, list[TrackedFrame
     assert not view.is_ground[y - 3 : y + 4, x - 3 : x + 4].any()
 
 
-def test_while_the_cube_is_covered_it_tells_the_pose_alone() -> None:
+def test_while_the_cube_is_covered_it_determines_the_pose_alone() -> None:
     tracker = MarkerTracker(parse_target(f"cube+{FLAT}"), CAMERA, EDGE_M, BALANCED.tracking)
     count = PLACED_AFTER + 2
     for index in range(count):

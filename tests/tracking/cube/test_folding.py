@@ -42,7 +42,7 @@ def test_a_perfect_cube_stays_one() -> None:
     assert np.trace(folding.pose_covariance) < 0.2 * np.trace(Folding(EDGE_M).pose_covariance)
 
 
-def test_one_face_alone_tells_nothing_of_the_folds() -> None:
+def test_one_face_alone_has_no_information_on_the_folds() -> None:
     folding = Folding(EDGE_M)
     T = looking(0.35, 50, 40)
     assert not folding.add(seen(T, Folds.drawn(np.random.default_rng(1), EDGE_M), folding, [0]), T, CAMERA)

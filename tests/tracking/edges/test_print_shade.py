@@ -1,6 +1,7 @@
 """A shadow's edge across a print: its light is told from the print, and another print's ink is no shadow."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -31,6 +32,8 @@ def shot(marker: Marker, flaws: Flaws, seed: int) -> Image:
     return np.ascontiguousarray(image[:, :, 0])
 
 
+@cache  # those in even light are compared with several shadows
+@cache  # those in even light are compared with several shadows
 def samples_of(marker: Marker, flaws: Flaws, seed: int) -> Light:
     alignment = MARKER.alignment
     view = LightView(linear_light(shot(marker, flaws, seed)), SMALL, np.zeros(2))

@@ -140,7 +140,7 @@ def test_corners_of_no_square_are_never_sure() -> None:
     assert never_sure(estimator.estimate)
 
 
-def test_a_camera_at_rest_tells_nothing_and_costs_nothing() -> None:
+def test_a_camera_at_rest_adds_no_information_and_costs_nothing() -> None:
     camera = Camera.from_focal(SIZE, 620)
     estimator = estimated(camera, hand_held(620, 40, 12, 5)[:1] * 200, 0.05, SIDE_M * SQUARE)
     assert estimator.estimate is None

@@ -15,9 +15,9 @@ from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import Placement
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.before_after import PARTS, WHOLE
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.output.as_shown import AsShown, read_as_shown, shown_now
+from ashe_live.viewer.parts_shown import PARTS, WHOLE
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
 

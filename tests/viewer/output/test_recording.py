@@ -57,7 +57,7 @@ def test_the_recorded_clip_has_the_rate_and_every_picture_once(tmp_path):
     assert recording.finish() == recording.finish() == f"saved {tmp_path / 'a.mp4'} (48 frames)"
     with ClipSource(tmp_path / "a.mp4") as clip:
         assert clip.fps == pytest.approx(24)
-        frames = list(iter(clip.read, None))
+        frames = list(clip)
     assert [frame.time_s for frame in frames] == pytest.approx(np.arange(48) / 24, abs=1e-4)
     assert [frame.image_bgr[0, 0, 0] // 4 for frame in frames] == pytest.approx(list(range(48)), abs=1)
 

@@ -43,11 +43,11 @@ def awaited(opening: Opening):
 
 
 def test_a_clip_comes_with_its_first_frame(opening, film):
-    assert opening.said is None
+    assert opening.progress is None
     opening.begin(film.path)
-    assert opening.said == f"opening {film.path.name}"
+    assert opening.progress == f"opening {film.path.name}"
     opened = awaited(opening)
-    assert opening.said is None
+    assert opening.progress is None
     assert opened.name == film.path.name
     assert opened.first.frame.size == film.size
     assert opened.pipeline.is_clip

@@ -126,7 +126,7 @@ def test_a_loop_goes_round(run, fakes):
     assert pipeline.status is None
 
 
-def test_a_looped_clip_still_tells_that_it_is_damaged(run, fakes):
+def test_a_looped_clip_still_reports_that_it_is_damaged(run, fakes):
     source = fakes.Source(3)
     source.note = "the clip is truncated"
     pipeline = run(source, loop=True)
@@ -387,7 +387,7 @@ def test_a_machine_that_cannot_keep_up_at_all_still_shows_something(fakes, monke
     assert len(seen) > 30
 
 
-def test_a_lost_camera_is_told_and_comes_back(run, fakes, monkeypatch):
+def test_a_lost_camera_is_reported_and_comes_back(run, fakes, monkeypatch):
     monkeypatch.setattr(capture_loop, "RECONNECT_EVERY_S", 0.01)
     source, tracker = fakes.Source(10_000, is_live=True), fakes.Tracker()
     plugged_in = threading.Event()
@@ -444,7 +444,7 @@ def test_a_picture_of_another_size_is_an_error_that_names_both(run, fakes):
         pipeline.frames.take(0.0)
 
 
-def test_a_source_that_hangs_is_told_until_it_goes_on(run, fakes, monkeypatch):
+def test_a_source_that_hangs_is_reported_until_it_goes_on(run, fakes, monkeypatch):
     monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.02)
     source, goes_on = fakes.Source(10_000), threading.Event()
     source.hook = lambda index: index < 3 or goes_on.wait(PATIENCE_S)

@@ -104,11 +104,11 @@ def test_one_more_is_put_beside_and_taken_away_again(make, fakes):
     session.table.shelf.loaded(name)
     session.poll(0.0)
     assert names(session) == ["cube", name]
-    assert session.table.in_hand_said == f"{name} (2 of 2)"
+    assert session.table.in_hand_text == f"{name} (2 of 2)"
     assert places(session)[0] == UNMOVED
     assert places(session)[1].shift_m[0] == pytest.approx(BESIDE_SIDES * SIDE_M)
     asked(session, Command.REMOVE_MODEL)
-    assert (names(session), session.table.in_hand_said) == (["cube"], "cube")
+    assert (names(session), session.table.in_hand_text) == (["cube"], "cube")
     asked(session, *[Command.ADD_MODEL] * MOST_MODELS)
     assert len(names(session)) == MOST_MODELS
     assert len({place.shift_m for place in places(session)}) == MOST_MODELS
@@ -125,7 +125,7 @@ def test_a_model_that_was_added_or_taken_away_is_as_before_after_undo(make, fake
     asked(session, Request(Command.SCALE_MODEL, -1), Command.UNDO, Command.UNDO)
     assert (names(session), places(session)) == before
     assert "gone again" in session.notice.text
-    assert session.table.in_hand_said == "cube (1 of 2)"
+    assert session.table.in_hand_text == "cube (1 of 2)"
     asked(session, Command.REMOVE_MODEL, Request(Command.SCALE_MODEL, 4), Command.UNDO, Command.UNDO)
     assert (names(session), places(session)) == before
     assert "cube is back" in session.notice.text

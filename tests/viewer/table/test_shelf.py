@@ -59,7 +59,7 @@ def test_the_old_model_is_shown_until_the_new_one_is_there(monkeypatch):
     assert awaited(shelf) is not cube
 
 
-def test_who_waits_is_told_for_how_long(monkeypatch):
+def test_who_waits_sees_for_how_long(monkeypatch):
     go_on = threading.Event()
 
     def slowly(_name: str, _side_m: float, _up: str | None):
@@ -109,7 +109,7 @@ def test_a_mended_file_can_be_chosen_again(monkeypatch):
     assert awaited(shelf) is not cube
 
 
-def test_a_model_that_fails_is_told_once_and_the_last_good_one_stays(monkeypatch):
+def test_a_model_that_fails_is_reported_once_and_the_last_good_one_stays(monkeypatch):
     def failing(name: str, side_m: float, _up: str | None):
         if name == "mug":
             raise UserError("mug.glb is damaged", "export it again")
@@ -196,15 +196,15 @@ def test_a_model_stands_on_another_side_when_asked_and_the_next_time_too(tmp_pat
     assert [shelf.turn_up(-1) for _ in UPS[1:]] == turned[-2::-1]
 
 
-def test_what_should_be_known_of_a_model_is_told_once(tmp_path):
+def test_what_should_be_known_of_a_model_is_reported_once(tmp_path):
     (tmp_path / "tile.obj").write_text(TILE + "l 1 2\n")
     shelf = Shelf(str(tmp_path / "tile.obj"), 0.08)
-    left_out, up = shelf.take_words()
+    left_out, up = shelf.take_notes()
     assert left_out == "tile.obj: points and lines are left out"
     assert up.startswith("tile.obj is taken to stand with ")
     shelf.choose(1)
     awaited(shelf)
-    assert shelf.take_words() == []  # of a shipped model there is nothing to tell
+    assert shelf.take_notes() == []  # of a shipped model there is nothing to tell
     shelf.choose(0)
     awaited(shelf)
-    assert shelf.take_words() == []
+    assert shelf.take_notes() == []

@@ -123,7 +123,7 @@ def test_an_object_or_a_shadow_on_lit_ground_is_lit() -> None:
     assert evidence(aside)["lit"] > evidence(truth)["lit"] + 0.3
 
 
-def test_a_shift_of_another_hue_or_hardly_darker_tells() -> None:
+def test_a_shift_of_another_hue_or_hardly_darker_is_evidence() -> None:
     here = painted_region(BOX)
     green = materials_of(here.region, here.ground, here.true_shift + np.array([0, 0, 0.6]))
     assert seen(here, materials=green)["hue"] > seen(here)["hue"] + 0.3
@@ -194,7 +194,7 @@ def test_a_slab_is_flat_by_how_much_wider_than_high_it_is(height_m: float) -> No
     assert thin - thick == pytest.approx(np.log(3))
 
 
-def test_only_the_misfit_tells_how_far_outlines_are_from_borders() -> None:
+def test_only_the_misfit_measures_how_far_outlines_are_from_borders() -> None:
     here = painted_region(BOX)
     good, bad = (
         evidence(explanation_of(here, alignment=alignment_of(here, misfit_px=misfit_px))) for misfit_px in (0.3, 3.0)

@@ -169,7 +169,7 @@ def test_what_is_as_bright_all_over_is_not_lit_by_a_strong_light() -> None:
     assert shading_of(region, where, BALL, [sun(200.0, 40.0)], [LEFT_OVER]).contrast < 0
 
 
-def test_hardly_any_pixel_tells_nothing() -> None:
+def test_a_handful_of_pixels_is_no_evidence() -> None:
     here = painted_region(BOX)
     few = np.zeros_like(here.body)
     few[30:36, 30:36] = True

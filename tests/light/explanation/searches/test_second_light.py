@@ -52,7 +52,7 @@ def errors_deg(estimate: LightEstimate, *truths: Float) -> list[float]:
     [("plain", PALE), ("plain", STRONG), ("checkered", STRONG), ("bricks", STRONG)],
     ids=["pale", "strong", "strong on checks", "strong on bricks"],
 )
-def test_a_shadow_candidate_tells_direction_and_strength_of_the_second_light(ground: str, other: OtherLight) -> None:
+def test_a_shadow_candidate_gives_direction_and_strength_of_the_second_light(ground: str, other: OtherLight) -> None:
     painted = paint(CYLINDER, ground=ground, other=other)
     found = shadow_candidates(BODY, at_infinity(painted.to_light)[None], *seen(painted), 1)
     assert len(found) == 1

@@ -32,7 +32,7 @@ def slope_of(found: Illumination) -> Float:
 
 
 @pytest.mark.parametrize("sky", [0.2, 0.35, 0.6])
-def test_the_open_sky_is_told_from_what_the_cube_leaves_of_it(sky: float) -> None:
+def test_the_open_sky_is_estimated_from_what_the_cube_leaves_of_it(sky: float) -> None:
     found, true = seen(sky=sky)
     assert found.ambient_rgb_ratio == pytest.approx(true, rel=0.12)
 
@@ -49,7 +49,7 @@ def test_a_sky_is_brighter_where_it_is(slope: tuple[float, float]) -> None:
     np.testing.assert_allclose(told, along * true, atol=0.01)
 
 
-def test_sides_tell_which_way_a_sky_leans_beside_an_overexposed_top() -> None:
+def test_sides_determine_which_way_a_sky_leans_beside_an_overexposed_top() -> None:
     """By how they differ, and by what the print says of how bright the top is."""
     found, _ = seen((0.4, -0.4), exposure=1.6)
     toward_x, toward_y = slope_of(found).mean(axis=1)

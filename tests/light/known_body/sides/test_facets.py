@@ -70,7 +70,7 @@ def relative_light(exposure: float) -> tuple[Float, bool, float]:
 
 
 @pytest.mark.parametrize("exposure", [1.7, 2.0])
-def test_an_overexposed_top_is_told_by_its_ink(exposure: float) -> None:
+def test_an_overexposed_top_is_measured_by_its_ink(exposure: float) -> None:
     truth, is_clipped, sigma = relative_light(0.8)
     assert not is_clipped
     assert sigma == 0
@@ -82,7 +82,7 @@ def test_an_overexposed_top_is_told_by_its_ink(exposure: float) -> None:
     assert 0.1 < sigma < 0.4
 
 
-def test_black_ink_tells_no_more_of_an_overexposed_top_than_that_it_is_brighter() -> None:
+def test_black_ink_bounds_an_overexposed_top_from_below_and_no_more() -> None:
     """As of cameras whose tones sink into black."""
     view, body = cube_in_view(half_lit(2.0))
     crushed = view.image_bgr.copy()

@@ -73,7 +73,7 @@ def test_a_cameras_tones_bend_ratios_the_more_the_farther_they_are_from_one() ->
     assert sides.noise[1] > 2 * sides.noise[0]
 
 
-def test_a_level_facet_that_nobody_can_tell_leaves_what_the_sides_say_of_each_other() -> None:
+def test_a_level_facet_that_nobody_can_measure_leaves_what_the_sides_say_of_each_other() -> None:
     """All sides brighter by the same share are as likely as none, and one that is brighter than the other is not."""
     light_rgb = np.repeat(np.array([(1.0,), (0.5,), (0.5,)]), 3, axis=1)
     clipped, wide = np.array([True, False, False]), np.full(3, 90.0)
@@ -90,7 +90,7 @@ def test_a_level_facet_that_nobody_can_tell_leaves_what_the_sides_say_of_each_ot
     assert likelihood(brighter, open_) - likelihood(lopsided, open_) > 0.5
 
 
-def test_sides_say_nothing_beside_a_level_facet_of_which_nothing_is_told() -> None:
+def test_sides_constrain_nothing_beside_a_level_facet_of_which_nothing_is_known() -> None:
     seen = Facets(NORMALS, np.ones((3, 3)), CENTRES, np.array([True, False, False]), np.full(3, 90.0), np.inf)
     assert len(Sides.of(seen, np.zeros((3, 3)), WHITE).relative) == 0
 

@@ -69,7 +69,7 @@ def test_families_that_explain_alike_are_alike_likely_and_dearer_ones_less(expla
     assert probabilities_by_pixels([twice, dearer_by(100.0, twice)])[1] > c / (a + c)
 
 
-def test_steps_of_light_tell_families_apart_by_their_criteria(explanation: JointExplanation) -> None:
+def test_steps_of_light_distinguish_families_by_their_criteria(explanation: JointExplanation) -> None:
     a, b, c = probabilities_by_steps(
         [criterion(5.0, explanation), criterion(5.0, explanation), criterion(9.0, explanation)]
     )

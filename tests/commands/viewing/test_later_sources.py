@@ -11,10 +11,10 @@ import pytest
 from ashe_live.capture.cameras import Device
 from ashe_live.capture.opening import open_source
 from ashe_live.commands import demo
-from ashe_live.commands.flags import opening
 from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker, with_marker_in
-from ashe_live.commands.flags.opening import LaterSources
 from ashe_live.commands.flags.options import parsed
+from ashe_live.commands.viewing import later_sources
+from ashe_live.commands.viewing.later_sources import LaterSources
 from ashe_live.commands.viewing.setup import ViewerSetup
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -35,7 +35,7 @@ def opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[int]:
 
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(opening, "WebcamSource", camera)
+    monkeypatch.setattr(later_sources, "WebcamSource", camera)
     return numbers
 
 
@@ -44,7 +44,9 @@ def options_of(*arguments: str) -> argparse.Namespace:
 
 
 def attached(monkeypatch: pytest.MonkeyPatch, *numbers: int) -> None:
-    monkeypatch.setattr(opening, "connected", lambda: [Device(number, f"camera {number}", None) for number in numbers])
+    monkeypatch.setattr(
+        later_sources, "connected", lambda: [Device(number, f"camera {number}", None) for number in numbers]
+    )
 
 
 def test_cameras_go_round(monkeypatch: pytest.MonkeyPatch, opened: list[int]) -> None:
@@ -59,7 +61,7 @@ def test_a_camera_that_was_named_by_its_path_is_not_another_one(
     monkeypatch: pytest.MonkeyPatch, opened: list[int]
 ) -> None:
     devices = [Device(number, f"camera {number}", f"/dev/video{number}") for number in (0, 2)]
-    monkeypatch.setattr(opening, "connected", lambda: devices)
+    monkeypatch.setattr(later_sources, "connected", lambda: devices)
     later = LaterSources(options_of("webcam", "--camera", "/dev/video0", "--hfov", "60"))
     for _ in range(2):
         later(None).close()
@@ -76,7 +78,7 @@ def test_from_a_clip_the_first_camera_comes(monkeypatch: pytest.MonkeyPatch, ope
 def test_a_camera_that_cannot_be_followed_is_free_again(monkeypatch: pytest.MonkeyPatch) -> None:
     cameras = [FakeSource(is_live=True)]
     attached(monkeypatch, 0)
-    monkeypatch.setattr(opening, "WebcamSource", lambda *_: cameras[0])
+    monkeypatch.setattr(later_sources, "WebcamSource", lambda *_: cameras[0])
     missing = options_of("play", "clip.mp4", "--camera-file", "gone.json")
     with pytest.raises(UserError, match=r"gone\.json"):
         LaterSources(missing)(None)

@@ -2,8 +2,8 @@
 
 import pytest
 
-from ashe_live.commands.flags.given import flags_given
 from ashe_live.commands.flags.parser import build_parser
+from ashe_live.commands.viewing.replay_flags import replay_flags
 
 
 @pytest.mark.parametrize(
@@ -18,17 +18,17 @@ from ashe_live.commands.flags.parser import build_parser
 def test_flags_given_again_are_the_same_flags(flags: list[str]) -> None:
     parser = build_parser()
     options = parser.parse_args(["play", "clip.mp4", *flags])
-    assert parser.parse_args(["play", "clip.mp4", *flags_given(options)]) == options
+    assert parser.parse_args(["play", "clip.mp4", *replay_flags(options)]) == options
 
 
 def test_what_the_window_chooses_by_itself_is_no_flag() -> None:
     options = build_parser().parse_args(["play", "clip.mp4", "--quality", "auto", "--loop", "--out", "here.mp4"])
-    assert flags_given(options) == []
+    assert replay_flags(options) == []
 
 
 def test_the_demo_has_no_flags_for_what_is_known_of_its_clip() -> None:
     parser = build_parser()
     options = parser.parse_args(["demo", "--quality", "fast", "--light", "sun"])
     options.marker, options.marker_size = "aruco:4x4_50:0", 0.12
-    again = parser.parse_args(["demo", *flags_given(options)])
+    again = parser.parse_args(["demo", *replay_flags(options)])
     assert (again.quality, again.light) == ("fast", "sun")

@@ -39,7 +39,7 @@ class _Alarm:
         self._ring()
 
 
-def called_apart(
+def isolated_call(
     function: Callable[..., Result], arguments: tuple[object, ...], name: str, limits: Limits, longest_s: float
 ) -> Result:
     """What `function(*arguments)` returns, called in a process of that name; arrays in it are read-only.

@@ -1,4 +1,4 @@
-"""The flags that a command was given, to build a command that does the same again."""
+"""The flags of a command that plays the same clip or photo once more, as it is played now."""
 
 import argparse
 
@@ -19,7 +19,7 @@ KEPT = (
 )
 
 
-def flags_given(options: argparse.Namespace) -> list[str]:
+def replay_flags(options: argparse.Namespace) -> list[str]:
     """The flags of `play`, or of `demo` for its own clip, that differ from their defaults.
 
     The quality is left out if the window chooses it.
