@@ -44,19 +44,24 @@ def tracker_maker(
     return tracker_for
 
 
-def with_marker_in(source: Source, options: argparse.Namespace, told_of: set[str] | None = None) -> argparse.Namespace:
+def with_marker_in(
+    source: Source, options: argparse.Namespace, told_of: set[str] | None = None, say: Callable[[str], None] = tell
+) -> argparse.Namespace:
     """`options` with `marker_in` a photo or clip. A marker that was named is kept.
 
     Files that are opened later may show another marker.
-    `told_of`: the markers of which the user has been told that they are followed, for many sources.
+    `told_of`: the markers of which the user has been told that they are followed, for many sources. `say` gets what
+    the user is to be told.
     """
     if source.is_live or not options.takes_any_marker:
         return options
-    found = marker_in(source, options, set() if told_of is None else told_of)
+    found = marker_in(source, options, set() if told_of is None else told_of, say)
     return options if found in (None, options.marker) else argparse.Namespace(**{**vars(options), "marker": found})
 
 
-def marker_in(source: Source, options: argparse.Namespace, told_of: set[str]) -> str | None:
+def marker_in(
+    source: Source, options: argparse.Namespace, told_of: set[str], say: Callable[[str], None] = tell
+) -> str | None:
     """The only marker in a photo, or at the beginning of a clip, unless the one in `options` is there; None: no marker.
 
     Of several, it is the only one that has no model of its own; where that leaves a choice, the user is told of it, and
@@ -74,11 +79,11 @@ def marker_in(source: Source, options: argparse.Namespace, told_of: set[str]) ->
             free = in_view if len(in_view) == 1 else without_model(options, in_view)
             if len(free) == 1:
                 if free[0] not in told_of:
-                    tell(f"{source.name}: {free[0]} is in view and is followed, as no --marker was given")
+                    say(f"{source.name}: {free[0]} is in view and is followed, as no --marker was given")
                 told_of.add(free[0])
                 return free[0]
             if in_view:
-                tell(f"{source.name}: {said_in_view(in_view)}: choose one with --marker")
+                say(f"{source.name}: {said_in_view(in_view)}: choose one with --marker")
                 return str(options.marker)
     finally:
         source.rewind()

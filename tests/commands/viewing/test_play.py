@@ -327,6 +327,18 @@ def test_a_model_without_a_number_stands_on_the_marker_in_view_that_has_none(run
         assert change[top : top + side, left : left + side].mean() > 20
 
 
+@pytest.mark.parametrize("broken", ["model", "display"])
+def test_an_error_is_said_alone(run, tmp_path, monkeypatch, broken):
+    """And not after what was found in a picture that is then not shown."""
+    write_sheet(tmp_path / "sheet.png", {5: (185, 265)}, cv2.aruco.DICT_APRILTAG_36h11)
+    (tmp_path / "model.obj").write_text("no mesh")
+    monkeypatch.setattr("ashe_live.commands.viewing.window.has_display", lambda: False)
+    asked = (*HEADLESS, "--model", tmp_path / "model.obj") if broken == "model" else ()
+    outcome = run("play", tmp_path / "sheet.png", *asked)
+    assert outcome.status == 2
+    assert [broken in line for line in outcome.err] == [True]
+
+
 def test_a_model_stands_on_each_marker(run, tmp_path):
     """Two markers on a sheet seen from straight above: each model covers its own, and the one without a model stays."""
     tops = {0: (185, 60), 7: (185, 265), 9: (185, 470)}
