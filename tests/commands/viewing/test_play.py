@@ -123,10 +123,13 @@ def test_an_existing_file_is_refused_and_left_alone_until_overwrite(play, tmp_pa
 def test_what_a_flag_reads_is_not_replaced_by_an_output(play, tmp_path, flags):
     path = tmp_path / "mine"
     path.write_bytes(b"precious")
-    outcome = play(*(flag.format(path) for flag in flags), "--report", path, "--overwrite")
-    assert outcome.status == 2
-    assert "named twice" in outcome.err[0]
-    assert path.read_bytes() == b"precious"
+    other = tmp_path / "other"
+    other.hardlink_to(path)
+    for output in (path, other):
+        outcome = play(*(flag.format(path) for flag in flags), "--report", output, "--overwrite")
+        assert outcome.status == 2
+        assert "is also read" in outcome.err[0]
+    assert path.read_bytes() == other.read_bytes() == b"precious"
 
 
 @pytest.mark.parametrize(
