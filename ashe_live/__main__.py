@@ -8,8 +8,9 @@ try:
         current_folder = os.getcwd()  # noqa: PTH109 - pathlib would have to be imported
     except OSError:  # it has been deleted
         current_folder = ""
-    if sys.path[0] in ("", current_folder) and os.path.dirname(os.path.dirname(__file__)) != sys.path[0]:  # noqa: PTH120
-        del sys.path[0]  # where `python -m` looks for modules first
+    # `python -m`, and an empty entry of PYTHONPATH, look for modules there first; Python itself or this package may be.
+    ours = {os.path.dirname(os.path.dirname(__file__)), os.path.dirname(os.__file__)}  # noqa: PTH120
+    sys.path[:] = [entry for entry in sys.path if entry not in ("", current_folder) or entry in ours]
 
     import signal
 

@@ -12,7 +12,7 @@ from ashe_live.commands.flags.options import parsed, with_origin
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.ending import end_process
 from ashe_live.process.messages import print_message
-from ashe_live.process.module_path import safe_library_path, safe_module_path
+from ashe_live.process.module_path import safe_module_path, safe_search_paths
 from ashe_live.process.streams import flushed, open_streams
 from ashe_live.process.unexpected_errors import outer_cause
 
@@ -34,7 +34,7 @@ def main() -> None:
     open_streams()
     for name, value in ENVIRONMENT.items():
         os.environ.setdefault(name, value)
-    os.environ["LD_LIBRARY_PATH"] = safe_library_path()  # before OpenCV appends to it
+    os.environ.update(safe_search_paths())  # before OpenCV appends to it
     # As of OpenCV above. What is set for all of a person's Python programs is not meant for this one: pyrr cannot be
     # compiled where its warnings are errors.
     os.environ["PYTHONWARNINGS"] = "ignore"

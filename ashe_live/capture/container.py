@@ -4,10 +4,13 @@ A name could mean an address or a protocol to it (`http:`, `concat:`), and some 
 """
 
 import os
-from typing import Any, BinaryIO
+from collections.abc import Iterator
+from typing import Any, BinaryIO, TypeVar
 
 import av
 from av.container import InputContainer, OutputContainer
+
+Packet = TypeVar("Packet")
 
 # FFmpeg's names of what cameras, phones and editors write; none that names other files (HLS, DASH, concat, SDP).
 DEMUXERS = (
@@ -17,15 +20,55 @@ DEMUXERS = (
 # Of text that is not UTF-8; from PyAV 19 on there is no choice.
 ANY_METADATA: dict[str, Any] = {"metadata_errors": "replace"} if int(av.__version__.split(".")[0]) < 19 else {}
 ALLOWED = {"protocol_whitelist": "none", "format_whitelist": DEMUXERS}
+# A picture of 8K has fewer without compression: whoever reads so much and finds no packet will not find any.
+MOST_BYTES_TO_A_PACKET = 100_000_000
 
 
-def opened_container(stream: BinaryIO) -> InputContainer:
+class Searched:
+    """A file as FFmpeg reads it, which ends where nothing is found any more.
+
+    FFmpeg looks for the next packet to the end of the file: for minutes in gigabytes of holes, as in a download that
+    was not finished; and in a stream without a container it keeps in memory what it has looked through.
+    """
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+        self.go_on()
+
+    def go_on(self) -> None:
+        """Something was found: as much may be looked through for the next."""
+        self._left = MOST_BYTES_TO_A_PACKET
+
+    def following(self, packets: Iterator[Packet]) -> Iterator[Packet]:
+        """Packets that are read from this file."""
+        for packet in packets:
+            if self._left:  # else it is what was looked through in vain, as one packet
+                self.go_on()
+            yield packet
+
+    def read(self, most_bytes: int) -> bytes:
+        """For FFmpeg."""
+        content = self._stream.read(min(most_bytes, self._left))
+        self._left -= len(content)
+        return content
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """For FFmpeg."""
+        return self._stream.seek(offset, whence)
+
+    def tell(self) -> int:
+        """For FFmpeg."""
+        return self._stream.tell()
+
+
+def opened_container(file: Searched) -> InputContainer:
     """From the start of a file, which stays open for as long as the container is used.
 
     Raises FFmpegError or OSError when it is not a clip.
     """
-    stream.seek(0)
-    container: InputContainer = av.open(stream, "r", container_options=ALLOWED, **ANY_METADATA)
+    file.seek(0)
+    container: InputContainer = av.open(file, "r", container_options=ALLOWED, **ANY_METADATA)
+    file.go_on()
     return container
 
 

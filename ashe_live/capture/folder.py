@@ -27,7 +27,7 @@ def pictures_in(folder: Path, with_clips: bool) -> tuple[list[Path], str | None]
         remedy = "choose another one, or check its permissions"
         raise UserError(f"cannot read the folder {folder} ({error.strerror})", remedy) from None
     for path in files:
-        (pictures if _is_photo(path) or (with_clips and _is_named_as_clip(path)) else others).append(path)
+        (pictures if _is_photo(path) or (with_clips and _may_be_clip(path)) else others).append(path)
     wanted = "photos or clips" if with_clips else "photos"
     if not others:
         return pictures, None
@@ -62,6 +62,12 @@ def _is_photo(path: Path) -> bool:
         return False
 
 
-def _is_named_as_clip(path: Path) -> bool:
+def _may_be_clip(path: Path) -> bool:
     # A GIF is read as a clip, which it may be.
-    return path.suffix.lower() == ".gif" or (mimetypes.guess_type(path.name)[0] or "").startswith("video/")
+    return path.suffix.lower() == ".gif" or is_named_as_video(path)
+
+
+def is_named_as_video(path: Path) -> bool:
+    """Whether the suffix is one of videos."""
+    # Not by the whole name, which is taken for an address where it looks like one, and may be a wrong one.
+    return (mimetypes.guess_type(f"video{path.suffix}")[0] or "").startswith("video/")

@@ -1,6 +1,9 @@
 """A photo as a source of one frame."""
 
+import io
 import math
+import os
+import re
 import warnings
 from pathlib import Path
 from typing import BinaryIO
@@ -10,10 +13,11 @@ import numpy as np
 import PIL.ExifTags
 import PIL.Image
 from PIL import ImageOps
+from PIL.JpegImagePlugin import JpegImageFile
 from PIL.TiffImagePlugin import TiffImageFile
 
-from ashe_live.capture.heif import is_heif, read_isolated
-from ashe_live.capture.sources import Source, refuse_too_large, too_many_pixels
+from ashe_live.capture.isolated_photo import HEIF, is_heif, read_isolated
+from ashe_live.capture.sources import MAX_PIXELS, Source, refuse_too_large, too_many_pixels
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -24,6 +28,15 @@ FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 LEAST_FILM_MM, MOST_FILM_MM = 8.0, 600.0
 LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
 NEW_SUBFILE_TYPE = 254
+# As the largest picture has without compression, with transparency.
+MOST_FILE_BYTES = 4 * MAX_PIXELS
+# More than a camera's JPEGs and HEICs have. Larger ones are read apart, and known by what they begin with.
+LARGE_FILE_BYTES, FIRST_BYTES = 64_000_000, 65_536
+# A JPEG is decoded as often as it has scans; progressive ones have about ten.
+MOST_SCANS = 100
+# A segment's beginning, and not what the data of a scan or fill bytes look like: ITU-T T.81, B.1.1.
+SEGMENT = re.compile(rb"\xff+([\x02-\xcf\xd9-\xfe])")
+START_OF_SCAN, END_OF_IMAGE = b"\xda", b"\xd9"
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
 # Their content begins as a photo: they are pictures in JPEG one after the other.
@@ -67,7 +80,7 @@ def looks_like_photo(path: Path) -> bool:
         with opened(path) as file:
             if is_heif(file):
                 return True  # FFmpeg would show a corner, as iPhones store such photos in tiles
-            _open(file).close()
+            _open(io.BytesIO(file.read(FIRST_BYTES)) if _size_bytes(file) > LARGE_FILE_BYTES else file).close()
     except UserError:
         raise
     except PIL.UnidentifiedImageError:
@@ -85,6 +98,22 @@ def _open(file: BinaryIO) -> PIL.Image.Image:
         return PIL.Image.open(file, formats=FORMATS)
 
 
+def _size_bytes(file: BinaryIO) -> int:
+    return os.fstat(file.fileno()).st_size
+
+
+def _refuse_many_scans(path: Path, picture: JpegImageFile) -> None:
+    """Raises UserError for a JPEG whose kilobytes take minutes."""
+    assert picture.fp is not None
+    picture.fp.seek(0)
+    content, at, scans = picture.fp.read(), 2, 0
+    while (segment := SEGMENT.search(content, at)) is not None and segment[1] != END_OF_IMAGE:
+        scans += segment[1] == START_OF_SCAN
+        at = segment.end() + int.from_bytes(content[segment.end() : segment.end() + 2], "big")
+    if scans > MOST_SCANS:
+        raise UserError(f"{path} has its picture in {scans} scans, and photos have about ten", "save it again as JPEG")
+
+
 def _is_preview(picture: PIL.Image.Image) -> bool:
     """Whether it is what raw files (DNG, NEF, ARW) begin with: TIFF 6.0, NewSubfileType, bit 0."""
     return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
@@ -96,8 +125,17 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
     Pillow and not OpenCV decodes, as it refuses a truncated picture and OpenCV greys the rest.
     """
     try:
-        with opened(path) as file, _open(file) as picture:
-            return _decoded(path, picture)
+        with opened(path) as file:
+            file_bytes = _size_bytes(file)
+            if file_bytes > MOST_FILE_BYTES:
+                raise UserError(
+                    f"{path} has {file_bytes // 10**6:,} MB, and a photo may have {MOST_FILE_BYTES // 10**6} MB",
+                    "save it as JPEG, or copy it again if it should be smaller",
+                )
+            if file_bytes > LARGE_FILE_BYTES and not is_heif(file):
+                return read_isolated(path, FORMATS, _decoded)
+            with _open(file) as picture:
+                return _decoded(path, picture)
     except UserError:
         raise
     except PIL.Image.DecompressionBombError:
@@ -105,8 +143,11 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
     except PIL.UnidentifiedImageError:
         with opened(path) as file:
             if is_heif(file):
-                return read_isolated(path, _decoded)
-        raise UserError(f"{path} is not a photo of a known format", "convert it to JPEG or PNG") from None
+                return read_isolated(path, HEIF, _decoded)
+        raise UserError(
+            f"{path} does not begin as a photo of a known format",
+            "copy it again if it is damaged, or convert it to JPEG or PNG",
+        ) from None
     # A damaged file can fail anywhere in Pillow's decoders: SyntaxError, ValueError, struct.error, OSError...
     except Exception as error:
         raise UserError(f"{path} is damaged ({error})", "copy it again, or convert it to JPEG or PNG") from None
@@ -115,6 +156,8 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
 def _decoded(path: Path, picture: PIL.Image.Image) -> tuple[Image, float | None]:
     """As `_read_bgr`, of the photo opened from `path`. Raises UserError where it is too large or not read."""
     refuse_too_large(path, picture.size)
+    if isinstance(picture, JpegImageFile):
+        _refuse_many_scans(path, picture)
     if picture.mode == "F":
         raise UserError(f"{path} has floating-point pixels, which are not read", "convert it to JPEG or PNG")
     if _is_preview(picture):

@@ -21,7 +21,10 @@ def run(options: argparse.Namespace) -> int:
         )
     make_tracker(spelled)  # reports a wrong --marker before the file is opened
     source = open_source(options.file)
+    notes: list[str] = []
     # Numbers of models are of the followed marker's family, which the file may tell.
-    chosen = with_markers_spelled(with_marker_in(source, options if spelled.takes_any_marker else spelled))
+    asked = options if spelled.takes_any_marker else spelled
+    chosen = with_markers_spelled(with_marker_in(source, asked, announce=notes.append))
     tracker = make_tracker(chosen, source=source)
-    return show(ViewerSetup(source, tracker, chosen, tracker_for=tracker_maker(chosen, source=source)))
+    tracker_for = tracker_maker(chosen, source=source)
+    return show(ViewerSetup(source, tracker, chosen, tracker_for=tracker_for, notes=tuple(notes)))

@@ -25,8 +25,10 @@ def opened(path: Path, may_be_empty: bool = False) -> BinaryIO:
         number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
         stream = open(number, "rb")  # noqa: SIM115, PTH123
         try:
-            _check_kind(path, os.fstat(number).st_mode)
-            if not may_be_empty and not stream.peek(1):
+            status = os.fstat(number)
+            _check_kind(path, status.st_mode)
+            # Also what the system makes up as it is read (/proc), which has no size and may have no end, or block.
+            if not may_be_empty and not (status.st_size and stream.peek(1)):
                 raise UserError(f"{path} is empty", "copy or record it again")
         except BaseException:
             stream.close()
@@ -53,7 +55,8 @@ def read_bytes(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> bytes:
     with opened(path, may_be_empty=True) as stream:
         try:
             # Memory is reserved for the file's size, and not for all that is allowed.
-            content = stream.read(min(os.fstat(stream.fileno()).st_size, most_bytes) + 1)
+            size = os.fstat(stream.fileno()).st_size
+            content = stream.read(min(size, most_bytes) + 1) if size else b""
         except OSError as error:
             raise UserError(f"cannot read {path} ({error.strerror})", "copy it again") from error
     if len(content) > most_bytes:

@@ -56,13 +56,26 @@ def _exists(path: Path) -> bool:
 
 def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None], overwrite: bool) -> None:
     """Raises UserError when one of `outputs` cannot or must not be written, or is also another or one of `inputs`."""
-    taken = {os.path.realpath(path) for path in inputs if path is not None}
+    read = {name for path in inputs if path is not None for name in _names_of(path)}
+    written: set[object] = set()
     for path in outputs:
         if path is not None:
-            if os.path.realpath(path) in taken:
+            names = _names_of(path)
+            if names & read:
+                raise UserError(f"{path} is also read, and would be replaced", "give each output a file of its own")
+            if names & written:
                 raise UserError(f"{path} is named twice", "give each output a file of its own")
-            taken.add(os.path.realpath(path))
+            written |= names
             check_output(path, overwrite)
+
+
+def _names_of(path: Path) -> set[object]:
+    """What two paths to one file have in common, also by hard links and where capitals do not matter."""
+    names: set[object] = {os.path.realpath(path)}
+    with contextlib.suppress(OSError, ValueError):
+        status = path.stat()
+        names.add((status.st_dev, status.st_ino))
+    return names
 
 
 @contextlib.contextmanager

@@ -20,7 +20,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from typing import Any
 
-from ashe_live.process.module_path import safe_library_path, safe_module_path
+from ashe_live.process.module_path import safe_module_path, safe_search_paths
 
 CONTEXT = multiprocessing.get_context("spawn")
 # Read by the child's interpreter as it starts, and by its NumPy as it loads, whose threads would otherwise take the
@@ -102,9 +102,9 @@ def _preparation(name: str) -> dict[str, Any]:
 @contextmanager
 def _environment() -> Iterator[None]:
     """Sets ENVIRONMENT while a child is started only: other processes of an embedding program are its own affair."""
-    before = {name: os.environ.get(name) for name in (*ENVIRONMENT, "LD_LIBRARY_PATH")}
-    os.environ.update({name: value for name, value in ENVIRONMENT.items() if not before[name]})
-    os.environ["LD_LIBRARY_PATH"] = safe_library_path()
+    searched = safe_search_paths()
+    before = {name: os.environ.get(name) for name in (*ENVIRONMENT, *searched)}
+    os.environ.update({name: value for name, value in ENVIRONMENT.items() if not before[name]} | searched)
     try:
         yield
     finally:

@@ -12,9 +12,9 @@ import pillow_heif
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
-from ashe_live.capture.heif import read_isolated
+from ashe_live.capture.isolated_photo import HEIF, read_isolated
 from ashe_live.capture.opening import open_source
-from ashe_live.capture.photo import PhotoSource
+from ashe_live.capture.photo import LARGE_FILE_BYTES, PhotoSource
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 
@@ -128,6 +128,48 @@ def test_huge_photo_is_refused_by_its_header(tmp_path: Path) -> None:
         open_source(path)
 
 
+@pytest.mark.parametrize("kind", ["webp", "avif", "png", "tif"])
+def test_what_a_header_announces_is_not_read_to_the_end_of_a_huge_file(tmp_path: Path, rgb: Image, kind: str) -> None:
+    """Pillow keeps all of it in memory."""
+    path = tmp_path / f"a.{kind}"
+    PIL.Image.fromarray(rgb).save(path)
+    with path.open("r+b") as file:
+        if kind == "png":  # a text after the header, of 2 GB
+            file.seek(33)
+            file.write(b"\x7f\xff\xff\xfftEXt")
+        file.truncate(20 << 30)
+    with pytest.raises(UserError, match=r"has 21,474 MB, and a photo may have 440 MB"):
+        open_source(path)
+
+
+def test_a_large_file_is_read_isolated_to_the_same_picture(tmp_path: Path, rgb: Image) -> None:
+    plain = with_exif(tmp_path / "a.jpg", rgb, 26)
+    large = tmp_path / "b.jpg"
+    large.write_bytes(plain.read_bytes())
+    os.truncate(large, LARGE_FILE_BYTES + 1)
+    with PhotoSource(large) as source:
+        assert source.focal_px == pytest.approx(26 * 60 / 36)
+    np.testing.assert_array_equal(read(large), read(plain))
+    large.write_bytes(plain.read_bytes()[:60])
+    os.truncate(large, LARGE_FILE_BYTES + 1)
+    with pytest.raises(UserError, match=r"b\.jpg is damaged"):
+        open_source(large)
+
+
+def test_a_jpeg_of_very_many_scans_is_refused(tmp_path: Path) -> None:
+    """Each of a few bytes takes as long as the whole picture; what looks like one in a trailer counts for nothing."""
+    path = tmp_path / "a.jpg"
+    noise = np.random.default_rng(0).integers(0, 256, (80, 80, 3), np.uint8)
+    PIL.Image.fromarray(noise).save(path, progressive=True)
+    content = path.read_bytes()
+    path.write_bytes(content + b"\xff\xda" * 999)
+    assert read(path).shape == (80, 80, 3)
+    scan = content[content.rindex(b"\xff\xda") : -2]
+    path.write_bytes(content[:-2] + scan * 999 + content[-2:])
+    with pytest.raises(UserError, match=r"in 10\d\d scans"):
+        open_source(path)
+
+
 @pytest.mark.parametrize("size", [(16_385, 2), (2, 16_385)])
 def test_longer_photo_than_any_camera_is_refused(tmp_path: Path, size: tuple[int, int]) -> None:
     path = tmp_path / "panorama.png"
@@ -150,7 +192,7 @@ def test_kind_is_recognised_by_content_and_only_then_by_name(tmp_path: Path, rgb
         ("none.mp4", None, "there is no file"),
         (".", None, "is a folder"),
         ("empty.jpg", b"", "is empty"),
-        ("text.jpg", b"text" * 99, "not a photo of a known format"),
+        ("text.jpg", b"text" * 99, "does not begin as a photo of a known format"),
         ("phone.heic", HEIC, "is damaged"),
         ("phone.mov", HEIC, "is damaged"),
         ("phone", HEIC, "is damaged"),
@@ -206,7 +248,7 @@ def test_a_photo_that_crashes_its_decoder_is_refused(tmp_path: Path, rgb: Image)
     path = tmp_path / "a.heic"
     pillow_heif.from_pillow(PIL.Image.fromarray(rgb)).save(path)
     with pytest.raises(UserError, match=r"a\.heic is damaged"):
-        read_isolated(path, crashing)
+        read_isolated(path, HEIF, crashing)
 
 
 def with_exif(path: Path, rgb: Image, millimetres: object, taken: tuple[int, int] | None = None) -> Path:

@@ -95,6 +95,25 @@ def test_what_lies_in_the_current_folder_is_not_imported(tmp_path: Path) -> None
     assert not canary.exists(), canary.read_text()
 
 
+@pytest.mark.parametrize("variable", ["PYTHONPATH", "PATH"])
+@pytest.mark.parametrize("entry", ["", "."])
+def test_nor_is_what_the_environment_looks_for_there(tmp_path: Path, variable: str, entry: str) -> None:
+    """An empty entry means that folder, as `export PYTHONPATH=$PYTHONPATH:/lib` makes one; nor in child processes."""
+    canary = tmp_path / "canary"
+    for name in ("platformdirs", "numpy", "argparse", "tomllib", "multiprocessing", "pickle", "signal", "ctypes"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(canary)!r}, 'a').write('{name} ')")
+    for name in ("uname", "ldconfig", "gcc", "python"):
+        (tmp_path / name).write_text(f"#!/bin/sh\necho {name} >> {canary}\n")
+        (tmp_path / name).chmod(0o755)
+    (tmp_path / "triangle.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "dot.ppm").write_bytes(b"P6 1 1 255\n\0\0\0")
+    folders = {variable: f"{entry}:{os.environ.get(variable, os.devnull)}"}
+    shown = run_in_shell("$A play dot.ppm --model triangle.obj --headless --hfov 60", tmp_path, **folders)
+    assert shown.returncode == 3, shown.stderr  # a picture without a marker
+    assert "Traceback" not in run_in_shell("$A doctor", tmp_path, **folders).stderr
+    assert not canary.exists(), canary.read_text()
+
+
 def test_warnings_that_are_errors_elsewhere_are_none_here(tmp_path: Path) -> None:
     """Nor in a child process, which reads the model: libraries, compiled for the first time, warn of their own code."""
     (tmp_path / "triangle.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")

@@ -61,7 +61,7 @@ def test_a_picture_is_not_replaced_by_the_sheet_made_of_it(run, tmp_path):
     drawn = path.read_bytes()
     outcome = run("marker", "--marker", f"image:{path}", "--out", path, "--overwrite")
     assert outcome.status == 2
-    assert "named twice" in outcome.err[0]
+    assert "is also read" in outcome.err[0]
     assert path.read_bytes() == drawn
     assert run("marker", "--marker", f"image:{path}", "--out", tmp_path / "sheet.png").status == 0
 

@@ -196,9 +196,11 @@ def test_outputs_are_not_also_inputs_or_each_other(tmp_path: Path) -> None:
     clip.write_text("precious")
     (tmp_path / "link").symlink_to(tmp_path)
     check_outputs([report, None], [clip, None], overwrite=True)
-    for outputs in ([clip], [tmp_path / "link" / "clip.mp4"], [report, tmp_path / "." / "report.json"]):
-        with pytest.raises(UserError, match="named twice"):
-            check_outputs(outputs, [clip], overwrite=True)
+    for output in (clip, tmp_path / "link" / "clip.mp4"):
+        with pytest.raises(UserError, match="is also read"):
+            check_outputs([output], [clip], overwrite=True)
+    with pytest.raises(UserError, match="named twice"):
+        check_outputs([report, tmp_path / "." / "report.json"], [clip], overwrite=True)
 
 
 def test_json_is_written_whole_or_not_at_all(tmp_path: Path) -> None:

@@ -40,6 +40,16 @@ def test_what_is_no_file_with_something_in_it_is_said(tmp_path: Path, make, said
         opened(tmp_path / "a")
 
 
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="only Linux has it")
+def test_what_the_system_makes_up_as_it_is_read_is_empty() -> None:
+    """It counts as a regular file; of /proc/kmsg, one that root may read, nothing comes that has a length."""
+    path = Path("/proc/self/environ")
+    assert path.read_bytes()
+    with pytest.raises(UserError, match="is empty"):
+        opened(path)
+    assert read_bytes(path) == b""
+
+
 @pytest.mark.parametrize("name", ["a\0b", "a" * 300, "a/b"])
 def test_a_name_that_no_file_has_is_said(tmp_path: Path, name: str) -> None:
     (tmp_path / "a").write_bytes(b"x")

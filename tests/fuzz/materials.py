@@ -19,7 +19,10 @@ from ashe_live.viewer.parts_shown import WHOLE
 FPS = 30
 FRAMES = 6
 # As scanners, painting programs, editors and other cameras write them: each read as the plain one is, or refused.
-ODD_PHOTOS = ("inks.jpg", "palette.png", "deep.png", "moving.png", "progressive.jpg", "float.tif", "on-its-side.jpg")
+ODD_PHOTOS = (
+    *("inks.jpg", "palette.png", "deep.png", "moving.png", "progressive.jpg", "float.tif", "on-its-side.jpg"),
+    "photo.webp",
+)
 ODD_CLIPS = ("deep.mkv", "transparent.mov", "moving.gif", "uneven.mkv", "single.mkv", "swift.mkv")
 PICTURES = (
     *("clip.mp4", "blank.mp4", "jumps-back.ts", "grows.mkv", "cut.mp4", "foreign.mp4"),
@@ -134,6 +137,7 @@ def _write_odd_photos(materials: dict[str, Path], photo: PIL.Image.Image) -> Non
     whole = materials["progressive.jpg"].read_bytes()
     materials["progressive.jpg"].write_bytes(whole[: len(whole) * 3 // 4])
     photo.convert("F").save(materials["float.tif"])
+    photo.save(materials["photo.webp"])
     exif = photo.getexif()
     exif[0x112] = 6
     photo.save(materials["on-its-side.jpg"], exif=exif)

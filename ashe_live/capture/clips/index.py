@@ -7,7 +7,7 @@ from typing import BinaryIO, Self
 
 import av
 
-from ashe_live.capture.container import opened_container
+from ashe_live.capture.container import Searched, opened_container
 
 # Rounding error of a time that was computed from a frame's; no two frames are that close.
 ROUNDING_S = 1e-6
@@ -24,11 +24,13 @@ class ClipIndex:
     @classmethod
     def read(cls, file: BinaryIO) -> Self | None:
         """None where the packets do not tell one order of frames, as in streams without times."""
+        searched = Searched(file)
         try:
-            with opened_container(file) as container:
+            with opened_container(searched) as container:
                 stream = container.streams.video[0]
+                packets = searched.following(container.demux(stream))
                 # The last packet is empty: it only ends the decoding. Some are decoded for others and never shown.
-                shown = [packet for packet in container.demux(stream) if packet.size and not packet.is_discard]
+                shown = [packet for packet in packets if packet.size and not packet.is_discard]
                 keys = {packet.pts for packet in shown if packet.is_keyframe}
                 times = [packet.pts for packet in shown]
                 time_base = stream.time_base

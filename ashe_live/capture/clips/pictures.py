@@ -18,7 +18,7 @@ from av.video.stream import VideoStream
 from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.clips.wide_gamut import srgb_converter
-from ashe_live.capture.container import opened_container
+from ashe_live.capture.container import Searched, opened_container
 from ashe_live.capture.sources import refuse_too_large
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
@@ -52,8 +52,9 @@ class ClipPictures:
         self.has_other_shapes = False
         self._first_size: tuple[int, int] | None = None  # as decoded
         self.decoded = 0  # pictures, which gives the next one's index
+        self._searched = Searched(self._file)
         try:
-            self._container: InputContainer = opened_container(self._file)
+            self._container: InputContainer = opened_container(self._searched)
         except (av.error.FFmpegError, OSError):
             is_begun = _begins_as_mp4(self._file)
             self._file.close()
@@ -137,7 +138,7 @@ class ClipPictures:
         return Picture(video, self.decoded - 1, time_s)
 
     def _decoded(self, container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
-        packets = container.demux(stream)
+        packets = self._searched.following(container.demux(stream))
         while True:
             try:
                 # The packet after the last one is empty and fetches what the decoder still holds.

@@ -14,7 +14,7 @@ from av.container import InputContainer
 from av.packet import Packet
 from av.video.stream import VideoStream
 
-from ashe_live.capture.container import WrittenContainer, opened_container
+from ashe_live.capture.container import Searched, WrittenContainer, opened_container
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NewFile
 
@@ -41,10 +41,11 @@ def with_index_first(fragments: BinaryIO, clip: BinaryIO, pictures: int) -> None
     """
     room = INDEX_BYTES + pictures * INDEX_BYTES_PER_PICTURE
     target = WrittenContainer(clip, {"moov_size": str(room)})
-    with opened_container(fragments) as source, closing(target):
+    searched = Searched(fragments)
+    with opened_container(searched) as source, closing(target):
         template = source.streams.video[0]
         stream = target.container.add_stream_from_template(template)
-        for packet in _whole_packets(source):
+        for packet in _whole_packets(searched, source):
             packet.stream = stream
             target.container.mux(packet)
             target.check()
@@ -70,11 +71,12 @@ def picture_count(stream: BinaryIO) -> int:
 
     Raises OSError or FFmpegError when reading fails.
     """
+    searched = Searched(stream)
     try:
-        with opened_container(stream) as clip:
+        with opened_container(searched) as clip:
             next(clip.decode(video=0))
-        with opened_container(stream) as clip:
-            return sum(1 for _ in _whole_packets(clip))
+        with opened_container(searched) as clip:
+            return sum(1 for _ in _whole_packets(searched, clip))
     except (av.error.InvalidDataError, EOFError, StopIteration, IndexError):
         return 0
 
@@ -86,8 +88,9 @@ def made_playable(recording: BinaryIO) -> bool:
     """
     try:
         recording.truncate(_whole_bytes(recording))
-        with opened_container(recording) as clip:
-            ends = [(packet.pos or 0) + packet.size for packet in _whole_packets(clip)]
+        searched = Searched(recording)
+        with opened_container(searched) as clip:
+            ends = [(packet.pos or 0) + packet.size for packet in _whole_packets(searched, clip)]
         recording.truncate(max(ends, default=0))  # half a picture is worse than none to a decoder
         return picture_count(recording) > 0
     except (OSError, av.error.FFmpegError):
@@ -104,9 +107,9 @@ def copy_whole_fragments(broken: BinaryIO, copy: BinaryIO) -> None:
     copy.flush()
 
 
-def _whole_packets(clip: InputContainer) -> "Iterator[Packet[VideoStream]]":
+def _whole_packets(searched: Searched, clip: InputContainer) -> "Iterator[Packet[VideoStream]]":
     """The whole packets: where a file breaks off, the last may be cut, and an empty one follows it."""
-    for packet in clip.demux(video=0):
+    for packet in searched.following(clip.demux(video=0)):
         if packet.size and not packet.is_corrupt:
             yield packet
 

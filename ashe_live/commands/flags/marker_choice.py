@@ -45,20 +45,26 @@ def tracker_maker(
 
 
 def with_marker_in(
-    source: Source, options: argparse.Namespace, announced: set[str] | None = None
+    source: Source,
+    options: argparse.Namespace,
+    announced: set[str] | None = None,
+    announce: Callable[[str], None] = print_message,
 ) -> argparse.Namespace:
     """`options` with `marker_in` a photo or clip. A marker that was named is kept.
 
     Files that are opened later may show another marker.
     `announced`: markers of which a line has said before that they are followed, where there are many sources.
+    `announce` gets the lines.
     """
     if source.is_live or not options.takes_any_marker:
         return options
-    found = marker_in(source, options, set() if announced is None else announced)
+    found = marker_in(source, options, set() if announced is None else announced, announce)
     return options if found in (None, options.marker) else argparse.Namespace(**{**vars(options), "marker": found})
 
 
-def marker_in(source: Source, options: argparse.Namespace, announced: set[str]) -> str | None:
+def marker_in(
+    source: Source, options: argparse.Namespace, announced: set[str], announce: Callable[[str], None] = print_message
+) -> str | None:
     """The only marker in a photo, or at the beginning of a clip, unless the one in `options` is there; None: no marker.
 
     Of several, it is the only one that has no model of its own; where that leaves a choice, the user is told of it, and
@@ -76,11 +82,11 @@ def marker_in(source: Source, options: argparse.Namespace, announced: set[str]) 
             free = in_view if len(in_view) == 1 else without_model(options, in_view)
             if len(free) == 1:
                 if free[0] not in announced:
-                    print_message(f"{source.name}: {free[0]} is in view and is followed, as no --marker was given")
+                    announce(f"{source.name}: {free[0]} is in view and is followed, as no --marker was given")
                 announced.add(free[0])
                 return free[0]
             if in_view:
-                print_message(f"{source.name}: {in_view_text(in_view)}: choose one with --marker")
+                announce(f"{source.name}: {in_view_text(in_view)}: choose one with --marker")
                 return str(options.marker)
     finally:
         source.rewind()

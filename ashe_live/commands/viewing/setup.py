@@ -47,6 +47,7 @@ class ViewerSetup:
     shows_light: bool = False
     # Makes a tracker for another marker's spec, or another field of view in degrees; None: neither can be changed.
     tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None
+    notes: tuple[str, ...] = ()  # told once all can be shown: an error is said alone
 
     @property
     def size(self) -> Size:
@@ -106,9 +107,8 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
         session.covers_marker = options.hide_marker
         session.is_mirrored = options.mirror
         session.watch.preset = preset
-        if options.headless:
-            for line in shelf.take_notes():
-                print_message(line)
+        for line in (*setup.notes, *(shelf.take_notes() if options.headless else ())):
+            print_message(line)
         yield session
 
 

@@ -1,12 +1,12 @@
 """Opens a dropped file off the main thread; a file that cannot be shown changes nothing."""
 
-import mimetypes
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
+from ashe_live.capture.folder import is_named_as_video
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.loading import SUFFIXES
@@ -16,6 +16,7 @@ from ashe_live.viewer.sources.pipeline import Pipeline
 # Long enough for a disk that must spin up, or a network.
 LONGEST_S = 20.0
 FILE_URI = "file://"
+MOST_CHARACTERS = 300_000  # of copied text, which may be anything
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +95,7 @@ def _close_pipeline(coming: "Future[Opened]") -> None:
 
 def paths_in(text: str) -> tuple[str, ...]:
     """The files named in copied text, one a line, as file managers and shells write paths."""
-    lines = [line for raw in text.splitlines() if (line := raw.strip().strip("\"'"))]
+    lines = [line for raw in text[:MOST_CHARACTERS].splitlines() if (line := raw.strip().strip("\"'"))]
     # Beside addresses, some file managers copy words of their own ("copy", "x-special/nautilus-clipboard").
     uris = [line for line in lines if line.startswith(FILE_URI)]
     return tuple(map(_path_of_uri, uris) if uris else lines)
@@ -113,8 +114,9 @@ def first_of_each_kind(paths: Sequence[str]) -> tuple[str | None, str | None]:
 
     Beside a model only a video counts as a source: pictures and other files that lie beside a model belong to it.
     """
-    models = [path for path in paths if Path(path).suffix.lower() in SUFFIXES]
-    others = [path for path in paths if path not in models]
-    if models:
-        others = [path for path in others if (mimetypes.guess_type(path)[0] or "").startswith("video/")]
-    return next(iter(models), None), next(iter(others), None)
+    is_model = [Path(path).suffix.lower() in SUFFIXES for path in paths]
+    models = (path for path, is_one in zip(paths, is_model, strict=True) if is_one)
+    others = (path for path, is_one in zip(paths, is_model, strict=True) if not is_one)
+    if any(is_model):
+        others = (path for path in others if is_named_as_video(Path(path)))
+    return next(models, None), next(others, None)

@@ -1,5 +1,6 @@
 """Every readable frame of a clip, upright and at its own time; no clip at all is one clear line."""
 
+import os
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -82,6 +83,31 @@ def test_damage_in_the_middle_does_not_end_the_clip(damaged_clip: Path) -> None:
         assert source.note is not None
     assert 10 < len(frames) <= 60
     assert (np.diff([frame.time_s for frame in frames]) > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("container", "codec"),
+    [("avi", "mpeg4"), ("matroska", "mpeg4"), ("mpegts", "mpeg2video"), ("flv", "flv"), ("mjpeg", "mjpeg")],
+)
+def test_what_follows_a_clip_is_not_searched_to_the_end(tmp_path: Path, container: str, codec: str) -> None:
+    """1 TB of holes: FFmpeg would look for hours whether a picture is there."""
+    path = tmp_path / "clip"
+    with av.open(str(path), "w", format=container) as written:
+        stream = written.add_stream(codec, rate=30)
+        stream.width, stream.height = 64, 48
+        stream.pix_fmt = "yuvj420p" if codec == "mjpeg" else "yuv420p"
+        for grey in range(6):
+            written.mux(stream.encode(VideoFrame.from_ndarray(np.full((48, 64, 3), 40 * grey, np.uint8), "bgr24")))
+        written.mux(stream.encode(None))
+    os.truncate(path, 1 << 40)
+    with ClipSource(path) as source:
+        brightness = [frame.image_bgr.mean() for frame in frames_of(source)]
+        source.seek_frame(1)
+        again = source.read()
+        assert again is not None
+    assert 4 <= len(brightness) <= 6
+    np.testing.assert_allclose(brightness, 40 * np.arange(len(brightness)), atol=4)
+    assert again.image_bgr.mean() == brightness[1]
 
 
 @pytest.mark.parametrize(

@@ -123,10 +123,13 @@ def test_an_existing_file_is_refused_and_left_alone_until_overwrite(play, tmp_pa
 def test_what_a_flag_reads_is_not_replaced_by_an_output(play, tmp_path, flags):
     path = tmp_path / "mine"
     path.write_bytes(b"precious")
-    outcome = play(*(flag.format(path) for flag in flags), "--report", path, "--overwrite")
-    assert outcome.status == 2
-    assert "named twice" in outcome.err[0]
-    assert path.read_bytes() == b"precious"
+    other = tmp_path / "other"
+    other.hardlink_to(path)
+    for output in (path, other):
+        outcome = play(*(flag.format(path) for flag in flags), "--report", output, "--overwrite")
+        assert outcome.status == 2
+        assert "is also read" in outcome.err[0]
+    assert path.read_bytes() == other.read_bytes() == b"precious"
 
 
 @pytest.mark.parametrize(
@@ -325,6 +328,18 @@ def test_a_model_without_a_number_stands_on_the_marker_in_view_that_has_none(run
     change = np.abs(cv2.imread(str(out)).astype(int) - sheet).max(axis=2)
     for top, left in tops.values():
         assert change[top : top + side, left : left + side].mean() > 20
+
+
+@pytest.mark.parametrize("broken", ["model", "display"])
+def test_an_error_is_said_alone(run, tmp_path, monkeypatch, broken):
+    """And not after what was found in a picture that is then not shown."""
+    write_sheet(tmp_path / "sheet.png", {5: (185, 265)}, cv2.aruco.DICT_APRILTAG_36h11)
+    (tmp_path / "model.obj").write_text("no mesh")
+    monkeypatch.setattr("ashe_live.commands.viewing.window.has_display", lambda: False)
+    asked = (*HEADLESS, "--model", tmp_path / "model.obj") if broken == "model" else ()
+    outcome = run("play", tmp_path / "sheet.png", *asked)
+    assert outcome.status == 2
+    assert [broken in line for line in outcome.err] == [True]
 
 
 def test_a_model_stands_on_each_marker(run, tmp_path):

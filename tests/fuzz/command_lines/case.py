@@ -12,7 +12,7 @@ INNER = f"{WORK}/a"
 
 Start = Literal["forked", "script", "module"]
 Stream = Literal["file", "closed", "full", "broken pipe", "terminal", "null"]
-Kind = Literal["material", "text", "link", "fifo", "folder", "node", "sparse", "code"]
+Kind = Literal["material", "holes", "text", "link", "fifo", "folder", "node", "sparse", "code"]
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class Planted:
 
     path: str  # from the sandbox's folder on; file names with bytes that are no UTF-8 as Python has them (PEP 383)
     kind: Kind = "text"
-    # The text; the link's target; which material (materials.py); a sparse file's length; a node's minor number (3:
-    # null, 5: zero). Code needs none: it says that it ran.
+    # The text; the link's target; which material (materials.py), alone or with gigabytes of holes behind it; a sparse
+    # file's length; a node's minor number (3: null, 5: zero). Code needs none: it says that it ran.
     content: str = ""
     is_old: bool = False  # last written to in 1970
 

@@ -13,6 +13,7 @@ from tests.fuzz.command_lines.case import HOME, INNER, OUTSIDE, TEMPORARY, WORK,
 MARK = "ran.txt"  # where foreign code says that it ran
 CODE = "import os\nwith open({mark!r}, 'a') as mark:\n    mark.write(__file__ + '\\n')\n"
 HASHED_BYTES = 4 << 20
+HOLES_BYTES = 20 << 30  # more than a photo may have, and more than can be looked through
 THESIS = "the only copy of ten years' work\n"
 YEARS_AGO_NS = 86_400 * 10**9
 
@@ -81,6 +82,9 @@ class Sandbox:
         match planted.kind:
             case "material":
                 shutil.copyfile(self._materials[content], path)
+            case "holes":
+                shutil.copyfile(self._materials[content], path)
+                os.truncate(path, HOLES_BYTES)
             case "text":
                 self._write(path, content)
             case "link":

@@ -120,6 +120,7 @@ def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):
         (["/a/photo.jpg", "/a/other.jpg"], None, "/a/photo.jpg"),
         (["/a/wood.png", "/a/chair.obj", "/a/chair.mtl", "/a/chair.bin"], "/a/chair.obj", None),  # what belongs to it
         (["/a/clip.mp4", "/a/one.glb", "/a/two.glb", "/a/late.webm"], "/a/one.glb", "/a/clip.mp4"),
+        (["a.obj", "http://[a/b.mp4"], "a.obj", "http://[a/b.mp4"),  # no address at all, and no reason to end
         (["/a/notes.txt"], None, "/a/notes.txt"),  # which says that it is no clip
         ([], None, None),
     ],

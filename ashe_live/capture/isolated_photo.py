@@ -1,6 +1,7 @@
-"""Photos in HEIF (ISO/IEC 23008-12), as iPhones take them, decoded in a process of their own.
+"""Photos that are decoded in a process of their own: in HEIF (ISO/IEC 23008-12), as iPhones take them, and large files.
 
-Whatever a damaged one does to the decoder, which has crashed on such files, the viewer goes on.
+Whatever a damaged one does to its decoder, the viewer goes on: that of HEIF has crashed on such files, and the others
+believe what a header says as far as the file reaches.
 """
 
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from typing import BinaryIO, TypeVar
 
 import PIL.Image
 
+from ashe_live.capture.sources import too_many_pixels
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
 from ashe_live.process.children import Limits
@@ -16,6 +18,7 @@ from ashe_live.process.isolated import NoAnswerError, isolated_call
 
 Result = TypeVar("Result")
 
+HEIF = ("HEIF",)
 BRANDS = {b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1"}
 # A photo of 109 million pixels, nearly the most that sources.py lets pass, takes 1.7 GB and 6 s.
 LIMITS = Limits(niceness=0, memory_bytes=4_000_000_000, processor_s=60, silent=True)
@@ -31,24 +34,28 @@ def is_heif(file: BinaryIO) -> bool:
     return begin[4:8] == b"ftyp" and begin[8:] in BRANDS
 
 
-def read_isolated(path: Path, read: Callable[[Path, PIL.Image.Image], Result]) -> Result:
+def read_isolated(path: Path, formats: tuple[str, ...], read: Callable[[Path, PIL.Image.Image], Result]) -> Result:
     """The result of `read(path, picture)` for the photo, `read` as for `isolated_call`; arrays in it are read-only.
 
-    Raises the UserError that it raises, and one for a damaged file.
+    `formats` are Pillow's names of those that it may have. Raises the UserError that `read` raises, and one for a
+    damaged file.
     """
     try:
-        result: Result = isolated_call(_read, (path, read), "ashe-live photo", LIMITS, LONGEST_S)
+        result: Result = isolated_call(_read, (path, formats, read), "ashe-live photo", LIMITS, LONGEST_S)
     except NoAnswerError as failure:
         raise UserError(f"{path} is damaged ({failure})", ADVICE) from None
     return result
 
 
-def _read(path: Path, read: Callable[[Path, PIL.Image.Image], Result]) -> Result:
-    from pi_heif import register_heif_opener  # not in the parent, which needs no decoder
+def _read(path: Path, formats: tuple[str, ...], read: Callable[[Path, PIL.Image.Image], Result]) -> Result:
+    if formats == HEIF:
+        from pi_heif import register_heif_opener  # not in the parent, which needs no decoder
 
-    register_heif_opener()
+        register_heif_opener()
     try:
-        with opened(path) as file, PIL.Image.open(file, formats=("HEIF",)) as picture:
+        with opened(path) as file, PIL.Image.open(file, formats=formats) as picture:
             return read(path, picture)
+    except PIL.Image.DecompressionBombError:
+        raise too_many_pixels(path) from None
     except PIL.UnidentifiedImageError:
         raise UserError(f"{path} is damaged (no picture is found in it)", ADVICE) from None
