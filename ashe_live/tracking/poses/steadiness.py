@@ -7,6 +7,7 @@ from ashe_live.core.square import side_lengths_px
 from ashe_live.core.types import TrackedFrame
 
 MOST_SPEED = 1.8  # of a corner, in shortest sides a second: 0.06 sides between two frames at 30 frames a second
+MOST_MOTION = 0.15  # in sides, however far apart two frames are: in poor light they may be exposed for as long
 LEAST_APART_S = 1 / 60  # assumed of two frames: cameras deliver some in bursts
 
 
@@ -50,4 +51,4 @@ class Steadiness:
         if self._last_px is None:
             return False
         motion = np.linalg.norm(corners_px - self._last_px, axis=1).max() / side_lengths_px(self._last_px).min()
-        return bool(motion <= MOST_SPEED * max(time_s - self._last_s, LEAST_APART_S))
+        return bool(motion <= min(MOST_SPEED * max(time_s - self._last_s, LEAST_APART_S), MOST_MOTION))

@@ -45,12 +45,19 @@ def test_motion_counts_in_proportion_to_the_marker() -> None:
         assert steadiness.add(seen(shift_px=10, size=size, time_s=FRAME_S)) is is_steady
 
 
-@pytest.mark.parametrize("fps", [6.0, 15.0, 30.0, 60.0])
+@pytest.mark.parametrize("fps", [12.0, 15.0, 30.0, 60.0])
 @pytest.mark.parametrize(("sides_a_second", "is_steady"), [(1.5, True), (2.2, False)])
 def test_motion_counts_alike_at_all_frame_rates(fps: float, sides_a_second: float, is_steady: bool) -> None:
     steadiness = Steadiness(frames=3)
     step_px = 100 * sides_a_second / fps / np.sqrt(2)
     assert [steadiness.add(seen(k * step_px, time_s=k / fps)) for k in range(3)] == [False, False, is_steady]
+
+
+@pytest.mark.parametrize(("sides_a_frame", "is_steady"), [(0.13, True), (0.2, False)])
+def test_frames_far_apart_may_be_exposed_for_as_long(sides_a_frame: float, is_steady: bool) -> None:
+    steadiness = Steadiness(frames=2)
+    steadiness.add(seen())
+    assert steadiness.add(seen(100 * sides_a_frame / np.sqrt(2), time_s=0.5)) is is_steady
 
 
 def test_frames_that_come_in_a_burst_are_no_fast_motion() -> None:
