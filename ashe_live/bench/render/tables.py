@@ -86,7 +86,7 @@ def pairs_table(rows: list[Json]) -> Table:
         "dE hidden",
         "relief, of hidden",
         "seam px",
-        "told apart",
+        "classified",
     )
     for preset in dict.fromkeys(row["preset"] for row in rows):
         own = [row for row in rows if row["preset"] == preset]
