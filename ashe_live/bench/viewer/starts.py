@@ -20,10 +20,15 @@ class Start:
 
 
 def time_start(clip: KnownClip, quality: str, runs: int, *options: str) -> Start | None:
-    """Times playing one frame of `clip`, `runs` times; None when that fails, as in a window without a display."""
+    """Times playing one frame of `clip`, `runs` times; None when that fails, as in a window without a display.
+
+    Without an estimate of the light, which a window does not wait for: it is asked for in a frame that is not played.
+    """
     focal_px = str(clip.camera.K[0, 0])
-    command = [sys.executable, "-m", "ashe_live", "play", str(clip.path), "--frames", "1", "--quality", quality]
+    command = [sys.executable, "-m", "ashe_live", "play", str(clip.path), "--frames", "1", "--estimate-at", "1"]
     command += [
+        "--quality",
+        quality,
         "--marker",
         clip.marker_spec,
         "--marker-size",
