@@ -47,7 +47,7 @@ class ViewerSetup:
     shows_light: bool = False
     # Makes a tracker for another marker's spec, or another field of view in degrees; None: neither can be changed.
     tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None
-    notes: tuple[str, ...] = ()  # told once all can be shown: an error is said alone
+    notes: tuple[str, ...] = ()  # printed once all can be shown, as an error is printed alone
 
     @property
     def size(self) -> Size:
