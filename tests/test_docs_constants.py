@@ -99,7 +99,11 @@ STATED = {
         (PAPER_ALBEDO,),
     ),
     "blur and noise": ("docs/rendering.md", "Blur and noise are measured every {:g} s of the video", (LOOK_HELD_S,)),
-    "exposure without paper": ("docs/rendering.md", "Where no paper can be recognised, w is {:g}", (ASSUMED_WHITE,)),
+    "exposure without paper": (
+        "docs/rendering.md",
+        "w stays as it was last, and is {:g} at the start",
+        (ASSUMED_WHITE,),
+    ),
     "the real shadow's rim": (
         "docs/rendering.md",
         "Within {:g} pixels of the real shadow's outline",

@@ -11,7 +11,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2
 from ashe_live.render.camera.exposure import followed
 from ashe_live.render.camera.video_look import UNSEEN, VideoLook, chroma_blur_of, noise_of, sharpness_of
-from ashe_live.render.camera.white import LightOnPrint, light_on_print, white_of
+from ashe_live.render.camera.white import ASSUMED_RGB, LightOnPrint, light_on_print, measured_white
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.lighting import Lighting
 
@@ -45,7 +45,7 @@ class HeldLook:
         if any(_is_cut(seen, tracked) for seen in self._measured_in.values()):
             self._measured_in.clear()
         is_cut = not self._measured_in
-        self._expose(tracked, lighting, real_object, at_once=is_cut)
+        self._expose(tracked, lighting, real_object, is_cut)
         if is_cut:
             for part in _Part:
                 self._measure(part, tracked)
@@ -54,14 +54,16 @@ class HeldLook:
             self._measure(oldest, tracked)
         return self._look
 
-    def _expose(self, tracked: TrackedFrame, lighting: Lighting, real_object: Proxy | None, at_once: bool) -> None:
-        light = self._light
+    def _expose(self, tracked: TrackedFrame, lighting: Lighting, real_object: Proxy | None, is_cut: bool) -> None:
+        light, is_comparable = self._light, not is_cut
         if light is None or light.lighting is not lighting:
-            light, at_once = light_on_print(tracked, lighting, real_object), True
+            light, is_comparable = light_on_print(tracked, lighting, real_object), False
         elif tracked.frame is self._exposed_in:
             return
-        white = white_of(tracked, light)
-        if not at_once:
+        white = measured_white(tracked, light)
+        if white is None:  # as where a hand lies on the paper: the exposure of a moment before is nearer than grey
+            white = ASSUMED_RGB if is_cut else self._look.white_rgb
+        elif is_comparable:
             red, green, blue = np.exp(followed(np.log(self._look.white_rgb), np.log(white))).tolist()
             white = red, green, blue
         self._look, self._light, self._exposed_in = replace(self._look, white_rgb=white), light, tracked.frame

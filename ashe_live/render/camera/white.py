@@ -32,6 +32,7 @@ OVEREXPOSED = (0.88, 0.94)
 MOST_OVER = 1.4  # largest assumed overexposure of paper
 # Assumed where nothing can be measured: paper a little below the display's white, as in a well exposed photo.
 ASSUMED_WHITE = 0.8
+ASSUMED_RGB: RGB = (ASSUMED_WHITE, ASSUMED_WHITE, ASSUMED_WHITE)
 MIN_CONTRAST = 1.6  # least brightness of paper over that of black ink
 RING_SIDES = (0.57, 0.62)  # distances from the marker's centre, in sides, at which there is paper
 OVERSHOOT_PX = 3.0  # width of the rim beside the square in which sharpening makes paper brighter than it is
@@ -76,7 +77,12 @@ def light_on_print(tracked: TrackedFrame, lighting: Lighting, real_object: Proxy
 
 
 def white_of(tracked: TrackedFrame, light: LightOnPrint | None = None) -> RGB:
-    """Linear RGB that white, fully lit at the marker's centre, has in a frame with a marker; grey without any paper.
+    """As `measured_white`; grey without any paper."""
+    return measured_white(tracked, light) or ASSUMED_RGB
+
+
+def measured_white(tracked: TrackedFrame, light: LightOnPrint | None = None) -> RGB | None:
+    """Linear RGB that white, fully lit at the marker's centre, has in a frame with a marker; None without any paper.
 
     `light`: None while it is unknown, and even over the print.
     """
@@ -85,14 +91,13 @@ def white_of(tracked: TrackedFrame, light: LightOnPrint | None = None) -> RGB:
     side_px = mean_side_px(print_corners_px(tracked))
     nearest = float(np.clip(0.5 + OVERSHOOT_PX / max(side_px, 1.0), nearest, farthest))
     paper, ink = (_linear_at(tracked, side * places, light) for places in (_ring((nearest, farthest)), INK_PLACES))
-    grey = (ASSUMED_WHITE, ASSUMED_WHITE, ASSUMED_WHITE)
     if len(paper) < AROUND or len(ink) < AROUND:
-        return grey
+        return None
     brightness, darkness = paper @ REC709_LUMINANCE, ink @ REC709_LUMINANCE
     # Some of the paper may lie in a shadow.
     lit = paper[brightness >= np.quantile(brightness, 1 - LIT_SHARE)]
     if np.median(brightness) < max(MIN_CONTRAST * np.median(darkness), MIN_PAPER):
-        return grey
+        return None
     black = ink[darkness >= np.quantile(darkness, 1 - BLACK_SHARE)]
     mirrored = _mirrored(tracked, () if light is None else light.reaching)
     exposed = _as_exposed(lit.mean(axis=0), black.mean(axis=0), float(mirrored @ REC709_LUMINANCE))

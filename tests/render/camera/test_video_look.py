@@ -268,6 +268,18 @@ def test_of_a_cube_the_paper_on_its_top_is_white() -> None:
     assert sharpness_of(tracked)[0] == pytest.approx(0.9, abs=0.3)
 
 
+def test_exposure_stays_while_the_paper_is_covered(stage) -> None:
+    seen, covered = _sheet(stage, white=(0.5, 0.6, 0.7)), stage.tracked(120, stage.pose(-80, 50))
+    unlit, held = lighting_of((), None), HeldLook(BALANCED.render)
+    for time_s, scene in ((0.0, seen), (0.03, covered), (0.06, covered)):
+        frame = Frame(scene.frame.image_bgr, 0, time_s)
+        look = held.at(TrackedFrame(frame, seen.camera, seen.marker), unlit, None)
+        assert look.white_rgb == pytest.approx(white_of(seen), rel=1e-9)
+    # After a cut nothing is known of it.
+    frame = Frame(covered.frame.image_bgr, 0, CUT_S + 1.0)
+    assert held.at(TrackedFrame(frame, seen.camera, seen.marker), unlit, None).white_rgb == (ASSUMED_WHITE,) * 3
+
+
 def test_of_a_video_that_flows_on_the_exposure_follows_and_one_other_part_is_measured_a_frame(stage) -> None:
     before, after = _sheet(stage, noise=1.0), _sheet(stage, white=(0.5, 0.5, 0.5), blur=1.5, noise=6.0)
     unlit, held = lighting_of((), None), HeldLook(BALANCED.render)
