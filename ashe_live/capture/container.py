@@ -10,6 +10,8 @@ from typing import Any, BinaryIO, TypeVar
 import av
 from av.container import InputContainer, OutputContainer
 
+from ashe_live.process.signals import called_from_c
+
 Packet = TypeVar("Packet")
 
 # FFmpeg's names of what cameras, phones and editors write; none that names other files (HLS, DASH, concat, SDP).
@@ -46,16 +48,19 @@ class Searched:
                 self.go_on()
             yield packet
 
+    @called_from_c
     def read(self, most_bytes: int) -> bytes:
         """For FFmpeg."""
         content = self._stream.read(min(most_bytes, self._left))
         self._left -= len(content)
         return content
 
+    @called_from_c
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """For FFmpeg."""
         return self._stream.seek(offset, whence)
 
+    @called_from_c
     def tell(self) -> int:
         """For FFmpeg."""
         return self._stream.tell()

@@ -4,24 +4,39 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from types import FrameType
+from types import CodeType, FrameType
+from typing import TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+_callbacks: set[CodeType] = set()
+
+
+def called_from_c(function: Function) -> Function:
+    """Marks what C code calls that ignores exceptions, but for printing them: a request to end waits until it returns.
+
+    The interpreter runs handlers of signals at a function's very entry, where the function cannot catch them itself.
+    """
+    _callbacks.add(function.__code__)
+    return function
 
 
 @contextmanager
 def ended_by_signals() -> Iterator[Callable[[], None]]:
     """Within this, a request to end unwinds the stack like any error, so that a recording is finished.
 
-    The function that it yields must be called now and then: it raises the error again in case a callback from C, or a
-    destructor that the signal interrupted, has swallowed it.
+    The function that it yields must be called now and then: it raises the error in case the signal came during a
+    callback from C (`called_from_c`), or a destructor that it interrupted has swallowed it.
     """
     asked: BaseException | None = None
 
-    def end(number: int, _stack: FrameType | None) -> None:
+    def end(number: int, stack: FrameType | None) -> None:
         nonlocal asked
         # A second request must not interrupt what unwinding finishes.
         if asked is None:
             asked = KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)
-            raise asked
+            if not _is_in_callback(stack):
+                raise asked
 
     def end_if_asked() -> None:
         if asked is not None:
@@ -38,6 +53,14 @@ def ended_by_signals() -> Iterator[Callable[[], None]]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _is_in_callback(stack: FrameType | None) -> bool:
+    while stack is not None:
+        if stack.f_code in _callbacks:
+            return True
+        stack = stack.f_back
+    return False
 
 
 @contextmanager

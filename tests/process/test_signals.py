@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from ashe_live.process.signals import ended_by_signals, signals_held
+from ashe_live.process.signals import called_from_c, ended_by_signals, signals_held
 
 ENDS = {signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: SystemExit}
 
@@ -27,6 +27,24 @@ def test_a_signal_that_something_swallowed_is_heard_at_the_next_picture(number, 
         with pytest.raises(error) as raised:
             end_if_asked()
     assert error is KeyboardInterrupt or raised.value.code == 128 + number
+
+
+@pytest.mark.parametrize(("number", "error"), ENDS.items())
+def test_in_what_c_code_calls_a_signal_waits(number, error):
+    """C code prints what it is raised there, and takes it for a damaged file."""
+
+    @called_from_c
+    def read() -> bytes:
+        return within()
+
+    def within() -> bytes:
+        signal.raise_signal(number)
+        return b"all"
+
+    with ended_by_signals() as end_if_asked:
+        assert read() == b"all"
+        with pytest.raises(error):
+            end_if_asked()
 
 
 def test_impatience_does_not_cut_short_what_ends():
