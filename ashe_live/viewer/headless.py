@@ -76,7 +76,7 @@ def play_headless(
 def _estimate_ahead(source: Source, tracker: MarkerTracker, session: Session, run: HeadlessRun, report: Report) -> None:
     """Plays unseen to the frame that the light is estimated in; for the session it all happens at the time 0."""
     with suppress(UserError):  # of a damaged clip, what comes before the damage is played first
-        for frame in islice(iter(source.read, None), run.frame_limit):
+        for frame in islice(source, run.frame_limit):
             tracked = tracker.track(frame)
             session.watch.key_views.add(tracked)
             session.take(tracked, 0.0)
@@ -85,8 +85,8 @@ def _estimate_ahead(source: Source, tracker: MarkerTracker, session: Session, ru
                 break
         else:
             session.settle_for_last(0.0)
-        if session.watch.is_estimating:
-            _finish_estimate(session, report, 0.0)
+    if session.watch.is_estimating:
+        _finish_estimate(session, report, 0.0)
     source.rewind()
     tracker.reset()
 

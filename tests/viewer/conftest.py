@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
@@ -41,7 +42,7 @@ def tracked(index: int = 0, has_marker: bool = True, fps: float = 30.0, tilt_deg
     return TrackedFrame(frame, CAMERA, pose(tilt_deg) if has_marker else None, 1.0)
 
 
-class FakeSource:
+class FakeSource(Source):
     """`count` grey frames. `hook(index)` runs before each read and may wait or raise; `returns` answers reopen."""
 
     def __init__(self, count: int = 5, fps: float | None = 200.0, is_live: bool = False, is_photo: bool = False):

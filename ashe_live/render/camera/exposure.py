@@ -9,7 +9,8 @@ import numpy as np
 from ashe_live.core.arrays import Float
 
 # Standard deviation, of a logarithm, of an exposure that is measured in one frame by the paper or by ground beside it:
-# 0.002 to 0.005 in green, over a rendered clip and one by a phone (by second differences over the frames).
+# 0.002 to 0.005 in green, over a rendered clip and one by a phone (by second differences over the frames; a study
+# without a command).
 NOISE = 0.004
 
 

@@ -19,7 +19,7 @@ MIN_LEAD = 0.12
 # Largest probability that random cells count as any marker of a dictionary: 0.003 of the 50 of 16 cells, the shortest.
 CHANCE = 0.004
 # Least correlation where nobody said which marker it is: a print of another family, with cells of another size, has up
-# to 0.75 with the most similar of a thousand.
+# to 0.75 with the most similar of a thousand, in looked-at pictures of the generator (a study without a command).
 MIN_CORRELATION_OF_ANY = 0.8
 # Largest brightness of the border, from 0 (the cells' black) to 1 (their white).
 BORDER_LEVEL = 0.4
