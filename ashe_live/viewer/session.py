@@ -112,7 +112,7 @@ class Session:
             self._policy_is_done = True
             self.request_estimate(now_s)
         elif tracked.marker is not None and self.hand.light is None:
-            is_asked = self.watch.sharpen(now_s, self._draw)
+            is_asked = self.watch.sharpen(tracked, now_s, self._draw)
             if self.automatic and is_steady and not is_asked:
                 self.watch.look_again(tracked, now_s, self._draw)
 

@@ -133,12 +133,13 @@ class FakeWorker:
         is_awaited: bool,
         others: tuple[TrackedFrame, ...],
         known: LightEstimate | None,
+        doubted: TrackedFrame | None,
     ) -> bool:
         if self.busy:
             return False
         self.busy, self.draws, self.is_awaited = True, draw is not None, is_awaited
         self.requested.append(frozen)
-        self.others = others
+        self.others, self.doubted = others, doubted
         self.known.append(known)
         return True
 
@@ -150,6 +151,8 @@ class FakeWorker:
         if isinstance(answer, WorkerFailure):
             return answer
         outdated, self.outdated = self.outdated, ()
+        if self.others and len(outdated) == len(self.others) and not self.is_awaited and self.doubted is None:
+            return Answer(None, None, outdated)
         if self.known[-1] is not None and len(outdated) < len(self.others):
             return Answer(answer, None, outdated, is_followed=True) if self.follows else Answer(None)
         return Answer(answer, self.picture if self.draws else None, outdated)

@@ -309,9 +309,12 @@ def test_a_changed_scene_is_estimated_anew_and_its_views_are_dropped(make, fakes
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 10.0)
     assert session.watch.sharpening.is_settled
     lamp = fakes.estimate(7, towards=(0.0, -1.0, 1.0))
-    session.take(fakes.tracked(7), 30.0)
-    session.watch._worker.outdated, session.watch._worker.answer = (0,), lamp
-    assert session.poll(30.0) is lamp
+    before = session.estimate
+    for index, now_s in ((7, 30.0), (8, 31.0)):  # that it is no hand in passing is seen in a second frame
+        assert session.estimate is before
+        session.take(fakes.tracked(index), now_s)
+        session.watch._worker.outdated, session.watch._worker.answer = (0,), lamp
+        session.poll(now_s)
     assert session.estimate is lamp
     assert session.watch.key_views.views == ()
     assert not session.watch.sharpening.is_settled

@@ -53,11 +53,16 @@ class HeldAnswer:
     def offer(self, new: LightEstimate, is_of_changed_scene: bool = False) -> bool:
         """Takes `new` as the answer, or not; returns whether it is sharper than the answer known before.
 
-        `is_of_changed_scene`: whether the views show that the held answer belongs to another scene.
+        `is_of_changed_scene`: whether the views show that the held answer belongs to another scene. A light that is
+        seen there is believed at once, but not a doubtful one that contradicts a light which was not doubtful: what has
+        changed may be a hand that rests there.
         """
         held = self.estimate
         self.is_news = False
-        if held is None or (is_of_changed_scene and (new.lights or not held.lights)):
+        if held is None:
+            return self._take(new, is_news=True)
+        is_doubtful = _confidence(new) < DOUBTFUL <= _confidence(held) and not agree(held, new)
+        if is_of_changed_scene and (new.lights or not held.lights) and not is_doubtful:
             return self._take(new, is_news=True)
         if agree(held, new):
             self._dissent.clear()

@@ -76,13 +76,17 @@ def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
 
 
 def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
-    """Indices of the views `before` that show another scene than `now`: all, if more than half of the results say so.
+    """Indices of the views `before` that show another scene than `now`: all, if most of those compared do.
 
-    So a hand that passes through a single view makes only that view outdated.
+    So a hand that passes through a single view makes only that view outdated. All are as well if the two views from the
+    nearest directions are, as from farther aside a change may be taken for a thing above the plane.
     """
     results = [differs(now, each) for each in before]
     gone = [at for at, is_other in enumerate(results) if is_other]
-    return list(range(len(before))) if 2 * len(gone) > results.count(True) + results.count(False) else gone
+    compared = [at for at, is_other in enumerate(results) if is_other is not None]
+    nearest = sorted(compared, key=lambda at: _aside(now, before[at]))[:2]
+    has_changed = 2 * len(gone) > len(compared) or (len(nearest) == 2 and all(results[at] for at in nearest))
+    return list(range(len(before))) if has_changed else gone
 
 
 def outdated_with_far(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:

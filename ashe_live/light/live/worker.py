@@ -60,15 +60,17 @@ class LightWorker:
         is_awaited: bool = False,
         others: Sequence[TrackedFrame] = (),
         known: LightEstimate | None = None,
+        doubted: TrackedFrame | None = None,
     ) -> bool:
         """Requests an estimate of `tracked` with a preset; returns False, and does nothing, while busy.
 
         `draw`, a function of a module, draws what led to the estimate in the process, where the estimator keeps a trace
         of it; the picture comes with the answer. An estimate that `is_awaited` by a person is made at normal priority,
         any other at the lowest. `others` are views, with markers, that may be of the same scene; those that are not are
-        left out and named in the answer. With `known` an estimate is made only if the frame shows another scene than
-        the others, or not the light of that estimate; else the answer is that light as the frame shows it. A frame that
-        was in the request before is not sent again. Raises ValueError when closed.
+        left out and named in the answer. Where none of them is, an estimate that nobody awaits is made only if
+        `doubted`, an earlier frame of which this was so, shows the same scene. With `known` an estimate is made only if
+        the frame shows another scene than the others, or not the light of that estimate; else the answer is that light
+        as the frame shows it. A frame that was in the request before is not sent again. Raises ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -78,7 +80,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
-        self._process.send((tracked, *others), preset, draw, is_awaited, known)
+        self._process.send((tracked, *others), doubted, preset, draw, is_awaited, known)
         return True
 
     def wait(self, timeout_s: float) -> Outcome | None:
@@ -139,17 +141,18 @@ class _Process:
     def has_ended(self) -> bool:
         return self.outcomes.is_closed or not self._process.is_alive()
 
-    def send(self, views: Sequence[TrackedFrame], *how: Any) -> None:
+    def send(self, views: Sequence[TrackedFrame], doubted: TrackedFrame | None, *how: Any) -> None:
         """Sends a Request with the fields `how`, in a thread, as writing to the pipe blocks until the process reads."""
         numbers = {id(view): number for number, view in self._held.items()}
         before, self._held = self._held, {}
-        for view in views:
+        for view in views if doubted is None else (*views, doubted):
             if id(view) not in numbers:
                 numbers[id(view)] = self._next_number
                 self._next_number += 1
             self._held[numbers[id(view)]] = view
         new = {number: view for number, view in self._held.items() if number not in before}
-        request = Request(tuple(numbers[id(view)] for view in views), new, *how)
+        doubted_number = None if doubted is None else numbers[id(doubted)]
+        request = Request(tuple(numbers[id(view)] for view in views), doubted_number, new, *how)
         self._threads[1:] = [self._thread(_send, self._connection, request)]
 
     def kill(self) -> None:

@@ -34,6 +34,7 @@ class Request:
     """What the process is asked, with the frames that it has not been sent before."""
 
     numbers: tuple[int, ...]  # of the frozen frame, then of the other views, which are kept for the next request
+    doubted: int | None  # of a frame that showed a scene which none of the other views shows
     new: "Mapping[int, TrackedFrame]"
     preset: "ProxyPreset"
     draw: Draw | None = None  # what draws the trace
@@ -46,7 +47,7 @@ class Request:
 class Answer:
     """The answer to a request."""
 
-    estimate: "LightEstimate | None"  # None: what was known still holds
+    estimate: "LightEstimate | None"  # None: what was known still holds, or no other frame shows this scene
     picture_bgr: "Image | None" = None  # of the trace; None where none was asked for, or the estimator keeps no trace
     outdated: tuple[int, ...] = ()  # indices of the other views that show another scene, and were left out
     is_followed: bool = False  # whether the estimate is the known one with its lights moved to what the frame shows
@@ -85,12 +86,14 @@ class HeldViews:
         self._views: dict[int, TrackedFrame] = {}
         self._planes: dict[int, PlanePicture] = {}
         self._numbers: tuple[int, ...] = ()
+        self._doubted: int | None = None
 
     def take(self, request: Request) -> None:
         """Takes the new frames of a request and forgets those that it does not name."""
-        self._numbers = request.numbers
+        self._numbers, self._doubted = request.numbers, request.doubted
         known = {**self._views, **request.new}
-        self._views = {number: known[number] for number in request.numbers}
+        named = self._numbers if self._doubted is None else (*self._numbers, self._doubted)
+        self._views = {number: known[number] for number in named}
         self._planes = {number: plane for number, plane in self._planes.items() if number in self._views}
 
     @property
@@ -103,15 +106,27 @@ class HeldViews:
 
     def outdated(self) -> list[int]:
         """Indices of the others that show another scene than the frozen frame."""
-        from ashe_live.light.live.same_scene import PlanePicture, outdated
+        from ashe_live.light.live.same_scene import outdated
 
         if len(self._numbers) < 2:
             return []
-        for number, view in self._views.items():
-            if number not in self._planes:
-                self._planes[number] = PlanePicture.of(view)
-        now, *before = (self._planes[number] for number in self._numbers)
+        now, *before = map(self._plane, self._numbers)
         return outdated(now, before)
+
+    def doubted(self) -> "list[TrackedFrame]":
+        """The doubted frame, if it shows the frozen frame's scene."""
+        from ashe_live.light.live.same_scene import differs
+
+        if self._doubted is None or differs(self._plane(self._numbers[0]), self._plane(self._doubted)) is not False:
+            return []
+        return [self._views[self._doubted]]
+
+    def _plane(self, number: int) -> "PlanePicture":
+        from ashe_live.light.live.same_scene import PlanePicture
+
+        if number not in self._planes:
+            self._planes[number] = PlanePicture.of(self._views[number])
+        return self._planes[number]
 
 
 def _give_way() -> None:
@@ -132,14 +147,17 @@ def _answer(
     try:
         estimator = estimator_by(request.preset)
         gone = tuple(held.outdated())
-        if request.known is not None and len(gone) < len(others):
+        same: list[TrackedFrame] = [view for place, view in enumerate(others) if place not in gone]
+        if others and not same and not request.is_awaited:
+            same = held.doubted()
+            if not same:
+                return Answer(None, None, gone)  # something may be passing before the camera
+        elif request.known is not None and same:
             if request.known.illumination.real_object is None:  # without a body there is no shadow to look for
                 return Answer(None, None, gone)
             if (followed := follow(request.known, frozen)) is not None:
                 return Answer(followed, None, gone, is_followed=True)
-        others = [view for place, view in enumerate(others) if place not in gone]
-        if span_of([frozen, *others]) < LEAST_SPAN_RAD:
-            others = []
+        others = same if span_of([frozen, *same]) >= LEAST_SPAN_RAD else []
         if request.draw is not None and isinstance(estimator, TracingEstimator):
             estimate, trace = estimator.traced(frozen, others)
             return Answer(estimate, request.draw(frozen, estimate, trace), gone)

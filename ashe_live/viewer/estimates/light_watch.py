@@ -11,7 +11,7 @@ from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Answer, Draw
-from ashe_live.viewer.estimates.sharpening import Sharpening
+from ashe_live.viewer.estimates.sharpening import EVERY_S, Sharpening
 
 
 class LightWatch:
@@ -26,6 +26,9 @@ class LightWatch:
         self.asked_s = -math.inf
         self.frozen: TrackedFrame | None = None  # of the last request
         self._others: Sequence[TrackedFrame] = ()  # the other views of the last request
+        # A frame that shows another scene than the key views: the scene has changed if the frames after it show the
+        # same, and else something has passed before the camera.
+        self._doubted: TrackedFrame | None = None
         self._is_awaited = False
         # The user's request, and its time, while another estimate is in progress.
         self._waiting: tuple[TrackedFrame, float, Draw | None] | None = None
@@ -42,7 +45,7 @@ class LightWatch:
 
     def begin_anew(self) -> None:
         """Forgets the scene, and gives up an estimate in progress."""
-        self.frozen, self._others, self._waiting = None, (), None
+        self.frozen, self._others, self._doubted, self._waiting = None, (), None, None
         self.held, self.sharpening = HeldAnswer(), Sharpening()
         self.key_views.drop()
         self._worker.give_up()
@@ -66,7 +69,7 @@ class LightWatch:
             return True
         views = self.key_views.views
         others = tuple(view for view in views if view.frame.index != frozen.frame.index)
-        if not self._worker.request(frozen, self.preset, draw, is_awaited, others, known):
+        if not self._worker.request(frozen, self.preset, draw, is_awaited, others, known, self._doubted):
             return False
         self.frozen, self._others, self.asked_s, self._is_awaited = frozen, others, now_s, is_awaited
         if is_awaited:
@@ -74,12 +77,17 @@ class LightWatch:
         self.sharpening.asked(views, now_s)
         return True
 
-    def sharpen(self, now_s: float, draw: Draw | None) -> bool:
-        """Requests an estimate of the key views if there is an answer to refine and they show more; returns whether."""
+    def sharpen(self, seen: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
+        """Requests an estimate of the key views if there is an answer to refine and they show more; returns whether.
+
+        If the last request showed another scene, what is `seen` now shows whether the scene has changed.
+        """
         views = self.key_views.views
         held = self.held.estimate
         if held is None or held.estimator in OF_ONE_FRAME or self.is_estimating:
             return False
+        if self._doubted is not None and now_s - self.asked_s >= EVERY_S:
+            return self.ask(seen, now_s, draw, is_awaited=False)
         if not self.sharpening.is_due_for(views, now_s):
             return False
         return self.ask(views[-1], now_s, draw, is_awaited=False)
@@ -90,7 +98,7 @@ class LightWatch:
             return False
         held = self.held.estimate
         known = None
-        if held is not None and self.sharpening.is_up_to_date(now_s):
+        if held is not None and self._doubted is None and self.sharpening.is_up_to_date(now_s):
             known = replace(held, object_mask=None, shadow_mask=None)  # which nobody needs there
         return self.ask(steady, now_s, draw, held is None, known)
 
@@ -114,6 +122,10 @@ class LightWatch:
             self.sharpening.answered(False)
             return outcome
         has_changed = len(outcome.outdated) == len(self._others) > 0
+        if has_changed and outcome.estimate is None:
+            self._doubted = self.frozen
+            self.key_views.drop([view for view in self.key_views.views if view is self.frozen])
+            return outcome
         if has_changed:
             self.sharpening = Sharpening()
         if outcome.is_followed and outcome.estimate is not None:
@@ -126,5 +138,6 @@ class LightWatch:
             self.sharpening.answered(is_sharper or self.held.is_disputed)
         # While a hand is before the camera, no view shows what it shows; they are of use again when it has gone.
         if not has_changed or self.held.is_news:
+            self._doubted = None
             self.key_views.drop([self._others[place] for place in outcome.outdated])
         return outcome

@@ -126,6 +126,21 @@ def test_where_the_views_show_that_the_scene_has_changed_a_light_is_believed_at_
     assert error_deg(answer, LAMP) < 1e-6
 
 
+def test_a_doubtful_light_of_a_changed_scene_contradicts_a_sure_one_only_if_it_is_seen_again_and_again() -> None:
+    """A hand that rests before the camera."""
+    answer, other = held(estimate(light(SUN, confidence=0.9))), estimate(light(LAMP, confidence=0.45))
+    for left in reversed(range(CHANGED_AFTER)):
+        assert error_deg(answer, SUN) < 1e-6
+        assert answer.offer(other, is_of_changed_scene=True) is (left == 0)
+    assert error_deg(answer, LAMP) < 1e-6
+    doubted = held(estimate(light(SUN, confidence=0.45)))
+    assert doubted.offer(other, is_of_changed_scene=True)
+    same = held(estimate(light(SUN, confidence=0.9)))
+    elsewhere = estimate(light(SUN, confidence=0.45))
+    assert same.offer(elsewhere, is_of_changed_scene=True)
+    assert same.estimate is elsewhere, "the object has been moved"
+
+
 def test_outliers_that_contradict_each_other_are_never_believed() -> None:
     answer = held(estimate(light(SUN)))
     for azimuth in range(6):

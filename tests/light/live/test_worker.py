@@ -243,8 +243,21 @@ def test_other_views_reach_the_estimator_and_those_of_another_scene_do_not():
         answer = answered(worker, here[0], [here[1], other, *here[2:]])
         assert answer.estimate.views == (0, 1, 2, 3)
         assert answer.outdated == (1,)
-        answer = answered(worker, other, here[:3])
+        answer = answered(worker, other, here[:3], is_awaited=True)
         assert answer.estimate.views == (4,)
+        assert answer.outdated == (0, 1, 2)
+
+
+def test_a_scene_that_one_frame_shows_alone_is_estimated_only_for_a_person_who_waits():
+    with LightWorker(Telling) as worker:
+        here = [view(index, 4.0 * index) for index in range(3)]
+        other, again = view(4, 2.0, light_deg=20.0), view(5, 5.0, light_deg=20.0)
+        answer = answered(worker, other, here)
+        assert answer.estimate is None
+        assert answer.outdated == (0, 1, 2)
+        assert answered(worker, again, here, doubted=view(6, 3.0, light_deg=110.0)).estimate is None
+        answer = answered(worker, again, here, doubted=other)
+        assert answer.estimate.views == (5, 4)
         assert answer.outdated == (0, 1, 2)
 
 
@@ -261,7 +274,7 @@ def test_what_is_known_of_an_unchanged_scene_still_holds():
         here = [view(index, 4.0 * index) for index in range(3)]
         assert answered(worker, here[0], here[1:], known=known).estimate is None
         now = view(5, light_deg=20.0)
-        assert answered(worker, now, here, known=known).estimate.views == (5,)
+        assert answered(worker, now, here, known=known, is_awaited=True).estimate.views == (5,)
         assert answered(worker, now, (), known=known).estimate.views == (5,)
 
 

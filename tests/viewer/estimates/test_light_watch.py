@@ -67,13 +67,13 @@ def test_an_answer_is_sharpened_then_followed_and_a_changed_light_replaces_it(wa
     watch.wait(PATIENCE_S)
     alone = watch.held.estimate
     assert alone.views == (first.frame.index,)
-    assert not watch.sharpen(now_s + 10, None), "there is nothing new to look at"
+    assert not watch.sharpen(first, now_s + 10, None), "there is nothing new to look at"
 
     sharpened = 0
     for tracked in table[200.0][1:]:
         seen, now_s = clock.now(tracked)
         watch.key_views.add(seen)
-        if watch.sharpen(now_s, None):
+        if watch.sharpen(seen, now_s, None):
             watch.wait(PATIENCE_S)
             sharpened += 1
     assert sharpened >= 2
@@ -97,13 +97,20 @@ def test_an_answer_is_sharpened_then_followed_and_a_changed_light_replaces_it(wa
     for _ in range(5):
         seen, now_s = clock.now(table[60.0][0])
         watch.key_views.add(seen)
-        if watch.look_again(seen, now_s, None):
+        if watch.sharpen(seen, now_s, None) or watch.look_again(seen, now_s, None):
             watch.wait(PATIENCE_S)
     assert error_deg(watch, 60.0) < 10
     assert not any(view is old for view in watch.key_views.views for old in views_before)
 
 
-def test_a_hand_before_the_camera_costs_neither_the_light_nor_the_views(watch, table) -> None:
+def with_hand(seen: TrackedFrame, elbow: tuple[int, int] = (700, 500)) -> TrackedFrame:
+    """The frame with an arm in it."""
+    picture = np.array(seen.frame.image_bgr)
+    cv2.line(picture, elbow, (330, 130), (40, 50, 75), 170, cv2.LINE_AA)
+    return replace(seen, frame=Frame(picture, 0, 0.0))
+
+
+def test_a_hand_that_passes_costs_neither_the_light_nor_the_views(watch, table) -> None:
     clock = Clock()
     for tracked in table[200.0]:
         seen, now_s = clock.now(tracked)
@@ -113,16 +120,32 @@ def test_a_hand_before_the_camera_costs_neither_the_light_nor_the_views(watch, t
     light, views = watch.held.estimate, watch.key_views.views
     assert len(light.views) > 2
 
-    picture = np.array(seen.frame.image_bgr)
-    cv2.line(picture, (700, 500), (330, 130), (110, 140, 195), 170, cv2.LINE_AA)
-    hand = replace(seen, frame=Frame(picture, 0, 0.0))
-    for tracked in (hand, table[200.0][2]):
+    for tracked in (with_hand(seen), with_hand(seen, (0, 300)), table[200.0][2]):
         seen, now_s = clock.now(tracked)
-        assert watch.look_again(seen, now_s, None)
+        assert watch.sharpen(seen, now_s, None) or watch.look_again(seen, now_s, None)
         outcome = watch.wait(PATIENCE_S)
-        assert (len(outcome.outdated) > 0) == (tracked is hand)
+        assert (outcome.estimate is None) == (tracked is not table[200.0][2])
         assert watch.key_views.views == views
         assert error_deg(watch, 200.0) < 10
+    seen, now_s = clock.now(table[200.0][2])
+    assert not watch.sharpen(seen, now_s, None), "the hand has gone"
+
+
+def test_a_view_with_a_hand_is_dropped_once_the_hand_has_gone(watch, table) -> None:
+    clock = Clock()
+    first, now_s = clock.now(table[200.0][0])
+    watch.key_views.add(first)
+    assert watch.ask(first, now_s)
+    watch.wait(PATIENCE_S)
+    hand, now_s = clock.now(with_hand(table[200.0][2]))
+    assert watch.key_views.add(hand)
+    assert watch.sharpen(hand, now_s, None)
+    watch.wait(PATIENCE_S)
+    seen, now_s = clock.now(table[200.0][1])
+    assert watch.sharpen(seen, now_s, None), "to see what has become of it"
+    watch.wait(PATIENCE_S)
+    assert watch.key_views.views == (first,)
+    assert error_deg(watch, 200.0) < 10
 
 
 def test_what_the_user_asks_meanwhile_is_answered_after_the_estimate_in_progress(watch, table) -> None:
