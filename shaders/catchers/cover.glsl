@@ -8,16 +8,26 @@ uniform mat3 ground_from_pixel;  // of the pinhole camera's picture, to the mark
 // brightness changes over the plane beside, per metre, as sheen moves with the camera.
 uniform vec3 cover_gain;
 uniform vec2 cover_slope;
+// What has come over the sheet since: red, how much of it a thing hides; green, the log of the light on it over that before.
+uniform sampler2D over_sheet;
+uniform vec4 sheet_bounds;  // lower x, y and upper x, y of `over_sheet`; metres
+uniform vec3 sheet_shadow;  // by how much a shadow darkens each channel where it darkens brightness by 1
 
 // The alpha of covered pixels in the layer of added light. It differs from the model's 1, so that the model's outline is
 // found in front of the cover as it is in front of bare video. It also scales the added noise: the cover keeps some noise of
 // the frame that it was made from.
 const float COVER_ALPHA = 0.45;
 
+vec2 over_sheet_at(vec2 ground) {
+    return texture(over_sheet, (ground - sheet_bounds.xy) / (sheet_bounds.zw - sheet_bounds.xy)).rg;
+}
+
 // Linear RGB, straight alpha.
 vec4 cover_at(vec2 ground) {
     vec4 covering = texture(cover, 0.5 + 0.5 * ground / cover_half_m);
-    return vec4(linear_from_srgb(covering.rgb) * cover_gain * exp(dot(cover_slope, ground)), covering.a);
+    vec2 over = over_sheet_at(ground);
+    vec3 lit = linear_from_srgb(covering.rgb) * cover_gain * exp(dot(cover_slope, ground) + over.g * sheet_shadow);
+    return vec4(lit, covering.a * (1.0 - over.r));
 }
 
 // The same in a pixel of the pinhole camera's picture: empty above the horizon.

@@ -114,8 +114,12 @@ const float WALL = 0.4244;  // 4 / (3 pi)
 void main() {
     vec2 at = (ground_placed - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
     float covered = 0.0;
+    float reaching = 1.0;  // of the lights, what no shadow has taken that has come onto the sheet
 #ifdef COVERS
     covered = cover_at(ground).a;
+    float sky_share = dot(sky, LUMINANCE);
+    float level_now = exp(min(over_sheet_at(ground).g, 0.0));
+    reaching = mix(1.0, clamp((level_now - sky_share) / max(1.0 - sky_share, 1e-3), 0.0, 1.0), covered);
 #endif
     // What hides the sky on one side only is a wall; what hides it evenly hangs above. Most places are in between.
     vec4 contact_here = texture(contact, at);
@@ -145,8 +149,9 @@ void main() {
         float share = 1.0;
 #if CASTERS > 1
         share = lit_past_real(light, covered, max(hidden.x * contact_here.a, 1.0 - lit) > MATTERS);
-        seen *= share;
 #endif
+        share *= reaching;
+        seen *= share;
         before += seen;
         after += seen * lit;
         shaded = max(shaded, 1.0 - lit);

@@ -16,6 +16,7 @@ from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.cover.hidden_by_body import half_of_square, hidden_and_shaded
 from ashe_live.render.cover.inpainting import BESIDE_SIDES, BLEED_SIDES, filled, with_rim
 from ashe_live.render.cover.masked import distances_from
+from ashe_live.render.cover.over_sheet import SheetAsMade, sheet_as_made
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import sheet_mask
 
@@ -38,6 +39,7 @@ class GroundCover:
     extent_m: tuple[float, float, float, float]  # least x and y, largest x and y of what is covered
     around: Float  # (k, 2) metres: visible ground beside the sheet, by which exposures are compared
     around_rgb: Float  # (k, 3) linear, in the picture that it was made from
+    sheet: SheetAsMade | None  # by which what comes over it is noticed; None for a body
     is_draft: bool  # coarser than the frame that it was made from shows the ground
 
 
@@ -74,13 +76,14 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: bo
     rows, columns = (each[:: -(-len(rows) // MOST_AROUND)] for each in (rows, columns))
     alpha = np.clip(1 - far / FEATHER_PX, 0, 1)
     rgb = srgb_from_linear(np.clip(ground * shade, 0, 1))
-    size = len(hole)
+    size, extent_m = len(hole), _extent(alpha > 0, half_m)
     return GroundCover(
         np.round(np.dstack([rgb, alpha]) * 255).astype(np.uint8),
         half_m,
-        _extent(alpha > 0, half_m),
+        extent_m,
         np.column_stack([columns + 0.5 - size / 2, size / 2 - rows - 0.5]) * (2 * half_m / size),
         plane.linear[rows, columns].astype(np.float64),
+        sheet_as_made(plane, illumination, half_m, extent_m, side_m) if body is None else None,
         side_px < fine_px,
     )
 

@@ -12,8 +12,8 @@ import cv2
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask, same_objects
-from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.arrays import Float, Float32, Mask, same_objects
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Frame, Illumination, TrackedFrame
@@ -21,6 +21,7 @@ from ashe_live.render.camera.exposure import followed
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
+from ashe_live.render.cover.over_sheet import over_sheet
 from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 
@@ -50,6 +51,8 @@ class HiddenMarker:
         self._coming: Future[GroundCover | None] | None = None
         self._gain, self._slope = np.ones(3), np.zeros(2)
         self._exposed_in: Frame | None = None  # by which these were measured
+        self._over: moderngl.Texture | None = None  # what has come over the sheet since
+        self._compared_in: Frame | None = None  # by which this was found
         self._failed_s: float | None = None
 
     @property
@@ -75,7 +78,7 @@ class HiddenMarker:
         if self.shown is not None:
             self._take_shown(self.shown, tracked, illumination, at_once)
             if not at_once:
-                self._follow_exposure(tracked)
+                self._follow_frame(tracked)
                 return
         steady = self._seen_lit_by is not None and _same_scene(illumination, self._seen_lit_by)
         self._seen_lit_by = illumination
@@ -87,15 +90,23 @@ class HiddenMarker:
             else:
                 self._maker = self._maker or ThreadPoolExecutor(1, "ground cover")
                 self._coming = self._maker.submit(ground_cover, tracked, illumination, self._cover is None)
-        self._follow_exposure(tracked)
+        self._follow_frame(tracked)
 
     def bind(self, program: moderngl.Program) -> None:
         """For a program that was built with `covers`."""
         assert self._texture is not None
         assert self._cover is not None
+        assert self._over is not None
+        sheet = self._cover.sheet
         self._texture.use(UNIT_OF["cover"])
+        self._over.use(UNIT_OF["over_sheet"])
         set_uniforms(
-            program, cover_half_m=self._cover.half_m, cover_gain=tuple(self._gain), cover_slope=tuple(self._slope)
+            program,
+            cover_half_m=self._cover.half_m,
+            cover_gain=tuple(self._gain),
+            cover_slope=tuple(self._slope),
+            sheet_bounds=self._cover.extent_m if sheet is None else sheet.bounds_m,
+            sheet_shadow=(1.0, 1.0, 1.0) if sheet is None else tuple(sheet.shadow / (sheet.shadow @ REC709_LUMINANCE)),
         )
 
     def forget(self) -> None:
@@ -143,7 +154,8 @@ class HiddenMarker:
         self._texture = self._ctx.texture((size, size), 4, np.ascontiguousarray(cover.image_rgba[::-1]))
         self._texture.repeat_x = self._texture.repeat_y = False
         self._cover, self._made_from, self._failed_s = cover, self._asked_for, None
-        self._gain, self._slope, self._exposed_in = np.ones(3), np.zeros(2), None
+        self._gain, self._slope, self._exposed_in, self._compared_in = np.ones(3), np.zeros(2), None, None
+        self._show_over(None)
 
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
         if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
@@ -161,9 +173,17 @@ class HiddenMarker:
         turned = view_direction(was.T_cam_marker) @ view_direction(now.T_cam_marker) < least_cos
         return bool(is_nearer or turned)
 
-    def _follow_exposure(self, tracked: TrackedFrame) -> None:
-        if self._cover is None or tracked.frame is self._exposed_in:
+    def _follow_frame(self, tracked: TrackedFrame) -> None:
+        """The frame's exposure, and what has come over the sheet in it."""
+        if self._cover is None or tracked.frame is self._compared_in:
             return
+        self._compared_in = tracked.frame
+        self._follow_exposure(tracked)
+        sheet = self._cover.sheet
+        self._show_over(None if sheet is None else over_sheet(tracked, sheet, self._gain, self._slope))
+
+    def _follow_exposure(self, tracked: TrackedFrame) -> None:
+        assert self._cover is not None
         measured = gain_and_slope(tracked, self._cover)
         if measured is None:
             return
@@ -175,10 +195,22 @@ class HiddenMarker:
             gain, slope = np.exp(next_shown[:3]), next_shown[3:] / size
         self._gain, self._slope, self._exposed_in = gain, slope, tracked.frame
 
+    def _show_over(self, over: Float32 | None) -> None:
+        """(h, w, 2) as of `over_sheet`, or nothing."""
+        shown = np.zeros((1, 1, 2), np.float32) if over is None else over
+        height, width = shown.shape[:2]
+        if self._over is None or self._over.size != (width, height):
+            if self._over is not None:
+                self._over.release()
+            self._over = self._ctx.texture((width, height), 2, dtype="f4")
+            self._over.repeat_x = self._over.repeat_y = False
+        self._over.write(np.ascontiguousarray(shown[::-1]))
+
     def _release_texture(self) -> None:
-        if self._texture is not None:
-            self._texture.release()
-        self._texture = None
+        for texture in (self._texture, self._over):
+            if texture is not None:
+                texture.release()
+        self._texture = self._over = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

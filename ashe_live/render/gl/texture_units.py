@@ -13,6 +13,7 @@ UNIT_OF = {
     "occlusion_map": 3,
     "emissive_map": 4,
     "cover": 4,  # of ground and composite, which have no material
+    "over_sheet": 1,  # of the same
     # What surfaces look up besides.
     "shadow_maps": 5,
     "shadow_depths": 6,  # the same texture by another sampler object, which stays bound to this unit
