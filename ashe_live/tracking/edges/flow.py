@@ -18,6 +18,8 @@ WINDOW, LEVELS = (15, 15), 3
 MAX_RETURN_PX = 0.7
 # Least share of the points that agree on one motion. It is below a half, as a reflection may hide the rest.
 MIN_AGREEING = 0.25
+# Points that agree on an affine motion over those on a similarity, from which the former is taken.
+MORE_AGREEING = 1.2
 # Largest change of a side between two frames, as a logarithm.
 MAX_GROWTH = 0.15
 # Points on the paper around the square are used as well, up to this size over the square's.
@@ -47,8 +49,12 @@ def flowed_corners(before_bgr: Image, now_bgr: Image, corners_px: Float) -> Floa
     good = (is_there.ravel() > 0) & (is_back.ravel() > 0) & returns
     if good.sum() < max(MIN_POINTS, MIN_AGREEING * len(found)):
         return None
-    # Between two frames the change of perspective is smaller than the flow's own error: affine is enough.
-    motion, agreeing = cv2.estimateAffine2D(found[good], there[good], ransacReprojThreshold=1.0)
+    # Between two frames the change of perspective is smaller than the flow's own error: affine is enough, and where it
+    # explains hardly more points than a similarity does, these are some on a hand that moves before the marker.
+    motion, agreeing = cv2.estimateAffinePartial2D(found[good], there[good], ransacReprojThreshold=1.0)
+    sheared, more = cv2.estimateAffine2D(found[good], there[good], ransacReprojThreshold=1.0)
+    if sheared is not None and more.sum() > MORE_AGREEING * agreeing.sum():
+        motion, agreeing = sheared, more
     if motion is None or agreeing.sum() < MIN_AGREEING * len(found):
         return None
     moved = inside @ motion[:, :2].T + motion[:, 2]
