@@ -21,8 +21,8 @@ BLACKEST = 0.01  # linear light that is added before logarithms are taken: black
 USUAL_RATIO = 0.35  # of the light that a shadow leaves, where no light is known
 DEEPEST = 1.3  # times the logarithm of that ratio: what is darker is darker than a shadow
 SHIFT_TEXELS = 1  # by which the print shifts against the pose, and while the sheet curls
-# Least difference of the channels' logarithms of a thing that is not paper or ink; of a dark one, as ink mirrors the sky,
-# and noise is coloured; and largest one of paper and ink.
+# Least difference of the channels' logarithms of a thing that is not paper or ink; of a dark one, as ink mirrors the
+# sky, and noise is coloured; and largest one of paper and ink.
 HUE, DARK_HUE, NEUTRAL = 0.3, 0.6, 0.2
 PLAIN = 0.25  # largest difference of logarithms between the brightest and the darkest of a plain place
 DARK_SHARE = 0.15  # of paper's brightness: what is below is dark
