@@ -30,7 +30,7 @@ PAPER_SHARE = 0.3  # of paper's brightness: what is below is ink
 # Logarithms of light between which a change becomes a shadow: curled and glossy paper changes by less as the camera
 # moves.
 SHADED = 0.2, 0.4
-OPENED_TEXELS, CLOSED_TEXELS = 2, 5  # widths of the thinnest thing that is noticed, and of the gaps that are closed
+OPENED_TEXELS, CLOSED_TEXELS = 3, 5  # widths of the thinnest thing that is noticed, and of the gaps that are closed
 LEAST_AREA_SIDES = 0.01  # squared sides of the marker: the smallest thing that is noticed
 LOG_OF_8BIT: Float32 = np.log(LINEAR_FROM_SRGB_8BIT + BLACKEST).astype(np.float32)
 BRIGHTNESS: Float32 = REC709_LUMINANCE.astype(np.float32)
@@ -121,13 +121,14 @@ def _light(change: Float32, hides: Mask, sheet: SheetAsMade) -> Float32:
     on_paper = np.clip(change, DEEPEST * sheet.shadow.min(), sheet.relit)
     on_paper *= np.clip((np.abs(on_paper) - SHADED[0]) / (SHADED[1] - SHADED[0]), 0, 1)
     is_clear = sheet.is_plain & ~hides
-    is_shaded = is_clear & sheet.is_paper & (on_paper < 0)
-    if not is_shaded.any() and not (is_clear & (on_paper > 0)).any():
+    is_other = _without_specks(is_clear & sheet.is_paper & (on_paper != 0))
+    if not is_other.any():
         return np.zeros_like(change)
+    is_shaded = is_other & (on_paper < 0)
     depth = _around(on_paper, is_shaded, FAR_TEXELS)
     is_dark = cv2.medianBlur((change < -SHADED[0]).astype(np.uint8), 3) > 0
     on_ink = np.where(is_dark, depth, np.where(on_paper > 0, sheet.relit, 0))
-    light = np.where(sheet.is_paper, on_paper, on_ink)
+    light = np.where(sheet.is_paper, np.where(is_other | ~sheet.is_plain, on_paper, 0), on_ink)
     return np.where(is_clear, light, _around(light, is_clear, NEAR_TEXELS))
 
 
@@ -145,11 +146,14 @@ def _things(now: Float32, change: Float32, sheet: SheetAsMade) -> Mask:
     is_dark = now @ BRIGHTNESS < sheet.paper @ REC709_LUMINANCE + np.log(DARK_SHARE)
     is_other = _hue(now - sheet.paper.astype(np.float32), sheet.shadow) > np.where(is_dark, DARK_HUE, HUE)
     is_other &= ~sheet.is_coloured | (_hue(change, sheet.shadow) > HUE)
-    opened = cv2.morphologyEx(is_other.astype(np.uint8), cv2.MORPH_OPEN, np.ones((OPENED_TEXELS,) * 2))
-    if np.count_nonzero(opened) < LEAST_AREA_SIDES * TEXELS_A_SIDE**2:
-        return np.zeros(is_other.shape, np.bool_)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (CLOSED_TEXELS, CLOSED_TEXELS))
-    return np.asarray(cv2.morphologyEx(opened, cv2.MORPH_CLOSE, disc) > 0)
+    return np.asarray(cv2.morphologyEx(_without_specks(is_other).astype(np.uint8), cv2.MORPH_CLOSE, disc) > 0)
+
+
+def _without_specks(mask: Mask) -> Mask:
+    """(h, w) without what is narrow; nothing where little is left."""
+    opened = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, np.ones((OPENED_TEXELS,) * 2)) > 0
+    return opened if np.count_nonzero(opened) >= LEAST_AREA_SIDES * TEXELS_A_SIDE**2 else np.zeros_like(opened)
 
 
 def _hue(from_paper: Float32, shadow: Float) -> Float32:

@@ -91,7 +91,7 @@ def test_a_shadow_is_seen_on_paper_and_goes_on_across_the_ink(stage) -> None:
     x, y, over = compared(view(stage), view(stage, shaded=shade))
     within, beside = inside(x, y, shade, 0.012)
     assert over[..., 0].max() == 0
-    np.testing.assert_allclose(over[within, 1], np.log(RATIO) @ REC709_LUMINANCE, atol=0.12)
+    np.testing.assert_allclose(over[within, 1], np.log(RATIO) @ REC709_LUMINANCE, atol=0.15)
     assert np.abs(over[beside, 1]).max() < 0.02
 
 
