@@ -8,17 +8,15 @@ would show. Where pictures do not wait for it, a draft comes before the first.
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 
-import cv2
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask, same_objects
-from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
+from ashe_live.core.arrays import Float, Float32, same_objects
+from ashe_live.core.colour import REC709_LUMINANCE
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Frame, Illumination, TrackedFrame
-from ashe_live.render.camera.exposure import followed
-from ashe_live.render.camera.in_frame import project_distorted
+from ashe_live.render.camera.exposure import followed, gain_and_slope
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
 from ashe_live.render.cover.over_sheet import over_sheet
@@ -28,11 +26,6 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 NEARER = 1.5  # the cover is made anew once the marker appears this many times as large, as it then lacks detail
 TURNED_COS = np.cos(np.radians(30.0))  # and once the camera has turned by this, as the ground's relief looks different
 RETRIED_S = 1.0  # time of the video after which another attempt follows one that failed
-GAIN_RANGE = 0.4, 2.5  # limits of the exposure of one frame over that of another
-RIDGE = 0.03  # on the slope of brightness over the plane, times the points' mean squared distance from the marker
-ROUNDS = 3  # of the least-squares fit, each without the outliers of the one before
-OUTLIER = 0.3  # points whose brightness changed by more than this beside the median (a logarithm) are left out
-FEWEST_POINTS = 30  # least number of points of the ground by which exposures are compared
 
 
 class HiddenMarker:
@@ -184,7 +177,7 @@ class HiddenMarker:
 
     def _follow_exposure(self, tracked: TrackedFrame) -> None:
         assert self._cover is not None
-        measured = gain_and_slope(tracked, self._cover)
+        measured = gain_and_slope(tracked, self._cover.around, self._cover.around_rgb)
         if measured is None:
             return
         gain, slope = measured
@@ -224,43 +217,6 @@ class SeenCover:
         """For programs that were built with `covers`."""
         self.hidden.bind(program)
         set_uniforms(program, ground_from_pixel=self.ground_from_pixel)
-
-
-def gain_and_slope(tracked: TrackedFrame, cover: GroundCover) -> tuple[Float, Float] | None:
-    """(3,) brightness of the ground over that in the picture of the cover, linear RGB at the marker's centre; and (2,)
-    how its logarithm changes over the plane (1/m), as a table's sheen moves with the camera.
-
-    By the ground beside the sheet; None where too little of it is seen.
-    """
-    assert tracked.marker is not None
-    T = tracked.marker.T_cam_marker
-    points = np.column_stack([cover.around, np.zeros(len(cover.around))])
-    ahead = points @ T[2, :3] + T[2, 3] > 1e-6
-    if ahead.sum() < FEWEST_POINTS:
-        return None
-    at = project_distorted(tracked.camera, T, points[ahead])
-    inside = ((at > 1) & (at < np.array(tracked.frame.size) - 2)).all(axis=1)
-    if inside.sum() < FEWEST_POINTS:
-        return None
-    x, y = at[inside].astype(np.float32).T
-    seen = cv2.remap(tracked.frame.image_bgr, x, y, cv2.INTER_LINEAR).reshape(-1, 3)
-    now, then = LINEAR_FROM_SRGB_8BIT[seen[:, ::-1]], cover.around_rgb[ahead][inside]
-    logs = np.log(now.sum(axis=1) + 1e-3) - np.log(then.sum(axis=1) + 1e-3)
-    around, slope = cover.around[ahead][inside], np.zeros(2)
-    ridge = RIDGE * np.square(cover.around).sum(axis=1).mean() * np.eye(2)
-    same = _near_middle(logs)
-    for _ in range(ROUNDS):
-        places = around[same] - around[same].mean(axis=0)
-        slope = np.linalg.solve(places.T @ places + len(places) * ridge, places.T @ logs[same])
-        same = _near_middle(logs - around @ slope)
-    gain = now[same].mean(axis=0) / np.maximum(then[same].mean(axis=0), 1e-4)
-    return np.asarray(np.clip(gain * np.exp(-slope @ around[same].mean(axis=0)), *GAIN_RANGE)), np.asarray(slope)
-
-
-def _near_middle(logs: Float) -> Mask:
-    """(n,) which logarithms are no outliers: never none, as the lower of two middle ones counts, and not their mean."""
-    middle = (len(logs) - 1) // 2
-    return np.asarray(np.abs(logs - np.partition(logs, middle)[middle]) < OUTLIER)
 
 
 def _same_scene(one: Illumination, other: Illumination) -> bool:

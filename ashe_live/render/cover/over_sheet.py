@@ -57,7 +57,9 @@ class SheetAsMade:
 def sheet_as_made(
     plane: Rectified, illumination: Illumination, half_m: float, extent_m: tuple[float, ...], side_m: float
 ) -> SheetAsMade:
-    """Of the plane, seen from -half_m to half_m in x and y, what lies within `extent_m`; side_m: the marker's."""
+    """The part of a rectified plane, which spans -half_m to half_m in x and y, that lies within `extent_m`: least x and
+    y, largest x and y, metres, marker frame. `side_m`: the side of the marker.
+    """
     texel_m = 2 * half_m / len(plane.linear)
     left, bottom, right, top = (round(each / texel_m + len(plane.linear) / 2) for each in extent_m)
     part = slice(len(plane.linear) - top, len(plane.linear) - bottom), slice(left, right)
@@ -93,8 +95,8 @@ def sheet_as_made(
 
 
 def over_sheet(tracked: TrackedFrame, sheet: SheetAsMade, gain: Float, slope: Float) -> Float32 | None:
-    """(h, w, 2) how much of the sheet a thing hides now, and the logarithm of the light on it over that when its cover
-    was made; None where nothing has changed.
+    """(h, w, 2) the share of the sheet that a thing hides now, 0 to 1, and the natural logarithm of the light on it
+    over that when its cover was made; None where nothing has changed, or part of the sheet is behind the camera.
 
     gain: (3,) exposure over that of the cover's frame, linear RGB; slope: (2,) 1/m, of its logarithm over the plane.
     """

@@ -65,6 +65,14 @@ def test_a_hand_in_one_view_makes_that_one_of_no_use_and_a_new_light_all_of_them
     assert outdated(now, []) == []
 
 
+def test_the_nearest_views_say_whether_a_low_thing_is_new() -> None:
+    """From farther aside it may have stood there before: its shadow shears as a thing above the plane does."""
+    now = seen(BOX, Caster(at=(-0.1, -0.1), width_m=0.06, height_m=0.02))
+    before = [seen(BOX, azimuth_deg=angle, seed=angle) for angle in (13, 1, 9, 3, 11)]
+    assert [differs(now, each) for each in before] == [False, True, False, True, False]
+    assert outdated(now, before) == [0, 1, 2, 3, 4]
+
+
 def test_what_is_too_far_aside_is_compared_with_what_is_between() -> None:
     now = seen(BOX)
     angles = range(3, 36, 3)

@@ -16,10 +16,11 @@ from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
+from ashe_live.render.camera.exposure import gain_and_slope
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover import hidden_marker
 from ashe_live.render.cover.ground_cover import DRAFT_SIDE_PX, HALF_SIDES, MOST_AROUND, GroundCover, ground_cover
-from ashe_live.render.cover.hidden_marker import HiddenMarker, gain_and_slope
+from ashe_live.render.cover.hidden_marker import HiddenMarker
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
 from ashe_live.render.scene import Scene
@@ -161,7 +162,7 @@ def test_exposure_is_compared_where_a_shadow_has_just_taken_half_of_the_ground(s
     count = 2 * (len(cover.around) // 2)
     factors = np.where(np.arange(count) % 2, 0.5, 1.5)[:, None]
     halved = replace(cover, around=cover.around[:count], around_rgb=cover.around_rgb[:count] / factors)
-    gain, slope = gain_and_slope(tracked, halved)
+    gain, slope = gain_and_slope(tracked, halved.around, halved.around_rgb)
     assert np.isfinite([*gain, *slope]).all()
     assert gain == pytest.approx(np.full(3, 0.5), rel=0.05)
 

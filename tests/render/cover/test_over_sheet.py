@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.colour import REC709_LUMINANCE, srgb_from_linear
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE, srgb_from_linear
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED
+from ashe_live.render.camera.exposure import gain_and_slope
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover.ground_cover import ground_cover
-from ashe_live.render.cover.hidden_marker import gain_and_slope
 from ashe_live.render.cover.over_sheet import over_sheet
 from ashe_live.render.scene import Scene
 
@@ -65,7 +65,7 @@ def compared(before: TrackedFrame, now: TrackedFrame, illumination: Illumination
     cover = ground_cover(before, illumination, is_draft=True)
     assert cover is not None
     assert cover.sheet is not None
-    gain, slope = gain_and_slope(now, cover)
+    gain, slope = gain_and_slope(now, cover.around, cover.around_rgb)
     x, y = np.moveaxis(cover.sheet.places, 2, 0)
     return x, y, over_sheet(now, cover.sheet, gain, slope)
 
@@ -133,3 +133,22 @@ def test_a_hand_is_drawn_before_the_cover_and_the_rest_stays_covered(make_render
     as_covered = np.abs(pictures[1] - pictures[0]).max(axis=2)[row, column]
     assert np.quantile(as_seen[within], 0.95) < 12
     assert np.quantile(as_covered[beside], 0.95) < 12
+
+
+def test_the_models_shadow_takes_no_light_that_another_shadow_has_taken(make_renderer, stage) -> None:
+    light = stage.light(-60, 35, tuple(RATIO))
+    model, illumination = stage.placed(box((0.012, 0.012, 0.06))), Illumination((light,))
+    renderer = make_renderer(BALANCED.render)
+    pictures = []
+    for tracked in (view(stage), view(stage, shaded=lambda x, y: np.hypot(x, y) < 0.9 * SIDE)):
+        renderer.render(Scene(tracked, model, illumination, hides_marker=True))
+        pictures.append(LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[..., ::-1]])
+    way = light.to_light_marker[:2] / light.to_light_marker[2]
+    aside = 0.02 * np.array((-way[1], way[0])) / np.linalg.norm(way)
+    spots = [(*(-0.036 * way), 0.0), (*(-0.036 * way + aside), 0.0)]  # in the model's shadow, and beside it
+    at = np.round(project_distorted(tracked.camera, tracked.marker.T_cam_marker, np.array(spots))).astype(int)
+    lit, shaded = (
+        [each[row - 1 : row + 2, column - 1 : column + 2].mean(axis=(0, 1)) for column, row in at] for each in pictures
+    )
+    np.testing.assert_allclose(shaded[0], lit[0], rtol=0.12)
+    np.testing.assert_allclose(shaded[1], RATIO * lit[1], rtol=0.15)
