@@ -15,6 +15,7 @@ from ashe_live.core.transforms import image_from_plane
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover.rectified import LEAST_RATIO, Rectified
+from ashe_live.render.cover.sheet import LEAST_HALF_SIDES
 
 TEXELS_A_SIDE = 48  # of the marker, in what is compared
 BLACKEST = 0.01  # linear light that is added before logarithms are taken: black ink is not told from noise below it
@@ -26,6 +27,7 @@ SHIFT_TEXELS = 1  # by which the print shifts against the pose, and while the sh
 HUE, DARK_HUE, NEUTRAL = 0.3, 0.6, 0.2
 PLAIN = 0.25  # largest difference of logarithms between the brightest and the darkest of a plain place
 DARK_SHARE = 0.15  # of paper's brightness: what is below is dark
+LIT_SHARE = 0.25  # of paper, its brightest: the rest may be hidden or in shadow
 PAPER_SHARE = 0.3  # of paper's brightness: what is below is ink
 # Logarithms of light between which a change becomes a shadow: curled and glossy paper changes by less as the camera
 # moves.
@@ -33,6 +35,7 @@ SHADED = 0.2, 0.4
 OPENED_TEXELS, CLOSED_TEXELS = 3, 5  # widths of the thinnest thing that is noticed, and of the gaps that are closed
 LEAST_AREA_SIDES = 0.01  # squared sides of the marker: the smallest thing that is noticed
 LOG_OF_8BIT: Float32 = np.log(LINEAR_FROM_SRGB_8BIT + BLACKEST).astype(np.float32)
+OVEREXPOSED = float(LOG_OF_8BIT[250])
 BRIGHTNESS: Float32 = REC709_LUMINANCE.astype(np.float32)
 # Widths within which the depth of a shadow on ink is sought on paper, and the light at an edge of the print beside it.
 FAR_TEXELS, NEAR_TEXELS = 33, 5
@@ -48,8 +51,8 @@ class SheetAsMade:
     most: Float32
     is_coloured: Mask  # (h, w) with something of another hue than paper and ink within SHIFT_TEXELS: ground, or print
     is_plain: Mask  # (h, w) of one brightness within SHIFT_TEXELS, so that light is not mistaken for a shifted edge
-    is_paper: Mask  # (h, w)
-    paper: Float  # (3,) logarithm of unshaded paper
+    is_paper: Mask  # (h, w) bright, as paper is
+    is_white: Mask  # (h, w) paper for sure: within the square and its margin
     relit: Float32  # (h, w) logarithm by which the place would be brighter without the real object's shadow
     shadow: Float  # (3,) logarithm of the light that a shadow leaves
 
@@ -72,23 +75,24 @@ def sheet_as_made(
     kernel = np.ones((2 * SHIFT_TEXELS + 1,) * 2)
     least, most = cv2.erode(logs, kernel), cv2.dilate(logs, kernel)
     relit = -np.log(np.maximum(shade, LEAST_RATIO)).mean(axis=2).astype(np.float32)
-    brightness = logs @ REC709_LUMINANCE + relit
-    paper_level = np.quantile(brightness, 0.9)
-    is_paper = brightness > paper_level + np.log(PAPER_SHARE)
-    is_white = brightness >= np.quantile(brightness[is_paper], 0.5)
+    places = _places(bounds_m, size)
+    is_own = np.abs(places).max(axis=2) < LEAST_HALF_SIDES * side_m
+    brightness = logs @ BRIGHTNESS + relit
+    is_paper = brightness > np.quantile(brightness[is_own], 0.9) + np.log(PAPER_SHARE)
+    is_plain = np.asarray((most - least).max(axis=2) < PLAIN)
     ratios = [light.shadow_rgb_ratio for light in illumination.lights if light.shadow_rgb_ratio is not None]
     shadow = np.log(np.clip(ratios[0], LEAST_RATIO, 0.9) if ratios else np.full(3, USUAL_RATIO))
-    paper = np.median((logs + relit[..., None])[is_white], axis=0)
-    hue = cv2.dilate(_hue(logs - paper.astype(np.float32), shadow), kernel)
+    is_white = np.asarray(is_own & is_paper & is_plain)
+    hue = np.zeros_like(brightness) if not is_white.any() else _hue(logs - _paper(logs, is_white), shadow)
     return SheetAsMade(
         bounds_m,
-        _places(bounds_m, size),
+        places,
         np.asarray(least, np.float32),
         np.asarray(most, np.float32),
-        np.asarray(hue > NEUTRAL),
-        np.asarray((most - least).max(axis=2) < PLAIN),
+        np.asarray(cv2.dilate(hue, kernel) > NEUTRAL),
+        is_plain,
         np.asarray(is_paper),
-        np.asarray(paper),
+        is_white,
         np.asarray(relit, np.float32),
         shadow,
     )
@@ -103,8 +107,10 @@ def over_sheet(tracked: TrackedFrame, sheet: SheetAsMade, gain: Float, slope: Fl
     now = _seen(tracked, sheet)
     if now is None:
         return None
-    now -= np.log(gain).astype(np.float32) + (sheet.places @ slope.astype(np.float32))[..., None]
-    change = now - np.clip(now, sheet.least, sheet.most)
+    exposed = now - np.log(gain).astype(np.float32) - (sheet.places @ slope.astype(np.float32))[..., None]
+    change = exposed - np.clip(exposed, sheet.least, sheet.most)
+    # Overexposed paper is as bright as the picture can be, in whatever light, and no darker than it was.
+    change[(now >= OVEREXPOSED).any(axis=2) & (change < 0).any(axis=2)] = 0
     if np.count_nonzero(np.abs(change) > SHADED[0]) < LEAST_AREA_SIDES * TEXELS_A_SIDE**2:
         return None
     hides = _things(now, change, sheet)
@@ -143,10 +149,14 @@ def _around(values: Float32, is_known: Mask, width: int) -> Float32:
 def _things(now: Float32, change: Float32, sheet: SheetAsMade) -> Mask:
     """(h, w) what is of another hue than paper in light or shadow, ink, and their mixtures, and was not so before.
 
-    Ink and paper have one hue, so that nothing depends on where exactly the one ends.
+    Ink and paper have one hue, so that nothing depends on where exactly the one ends; paper's is that of now, as a
+    coloured ground tells little of the white balance, and overexposed paper follows no exposure.
     """
-    is_dark = now @ BRIGHTNESS < sheet.paper @ REC709_LUMINANCE + np.log(DARK_SHARE)
-    is_other = _hue(now - sheet.paper.astype(np.float32), sheet.shadow) > np.where(is_dark, DARK_HUE, HUE)
+    if not sheet.is_white.any():
+        return np.zeros(sheet.is_white.shape, np.bool_)
+    from_paper = now - _paper(now, sheet.is_white)
+    is_dark = from_paper @ BRIGHTNESS < np.log(DARK_SHARE)
+    is_other = _hue(from_paper, sheet.shadow) > np.where(is_dark, DARK_HUE, HUE)
     is_other &= ~sheet.is_coloured | (_hue(change, sheet.shadow) > HUE)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (CLOSED_TEXELS, CLOSED_TEXELS))
     return np.asarray(cv2.morphologyEx(_without_specks(is_other).astype(np.uint8), cv2.MORPH_CLOSE, disc) > 0)
@@ -156,6 +166,13 @@ def _without_specks(mask: Mask) -> Mask:
     """(h, w) without what is narrow; nothing where little is left."""
     opened = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, np.ones((OPENED_TEXELS,) * 2)) > 0
     return opened if np.count_nonzero(opened) >= LEAST_AREA_SIDES * TEXELS_A_SIDE**2 else np.zeros_like(opened)
+
+
+def _paper(logs: Float32, is_white: Mask) -> Float32:
+    """(3,) logarithm of lit paper: of the brightest of what is paper, as things and shadows before it are darker."""
+    white = logs[is_white]
+    brightness = white @ BRIGHTNESS
+    return np.asarray(np.median(white[brightness >= np.quantile(brightness, 1 - LIT_SHARE)], axis=0), np.float32)
 
 
 def _hue(from_paper: Float32, shadow: Float) -> Float32:
@@ -176,7 +193,7 @@ def _places(bounds_m: tuple[float, float, float, float], size: tuple[int, int]) 
 
 
 def _seen(tracked: TrackedFrame, sheet: SheetAsMade) -> Float32 | None:
-    """(h, w, 3) logarithm of linear RGB; None where part of the sheet is behind the camera."""
+    """(h, w, 3) logarithm of linear RGB, as exposed; None where part of the sheet is behind the camera."""
     assert tracked.marker is not None
     T, image = tracked.marker.T_cam_marker, tracked.frame.image_bgr
     height, width = sheet.relit.shape
