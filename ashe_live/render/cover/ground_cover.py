@@ -14,8 +14,8 @@ from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.cover.hidden_by_body import half_of_square, hidden_and_shaded
-from ashe_live.render.cover.inpainting import BESIDE_SIDES, BLEED_SIDES, filled, with_rim
-from ashe_live.render.cover.masked import distances_from
+from ashe_live.render.cover.inpainting.filling import BESIDE_SIDES, BLEED_SIDES, filled, with_rim
+from ashe_live.render.cover.inpainting.masked import distances_from
 from ashe_live.render.cover.over_sheet import SheetAsMade, sheet_as_made
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import sheet_mask

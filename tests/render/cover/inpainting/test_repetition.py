@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.render.cover.inpainting import filled
-from ashe_live.render.cover.repetition import pattern_of
+from ashe_live.render.cover.inpainting.filling import filled
+from ashe_live.render.cover.inpainting.repetition import pattern_of
 
 SIZE, SIDE_PX = 352, 64.0
 AXIS = np.arange(SIZE) - (SIZE - 1) / 2

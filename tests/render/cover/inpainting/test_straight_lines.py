@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.render.cover.straight_lines import straight_lines
+from ashe_live.render.cover.inpainting.straight_lines import straight_lines
 
 SIZE, SIDE_PX = 352, 64.0
 CONTRAST = 0.12

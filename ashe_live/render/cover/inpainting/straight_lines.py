@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked import blurred_within
-from ashe_live.render.cover.turned_rows import Ground, TurnedRows
+from ashe_live.render.cover.inpainting.masked import blurred_within
+from ashe_live.render.cover.inpainting.turned_rows import Ground, TurnedRows
 
 # "Sides" below is the length of a side of the marker.
 SIDE_PX, FINE_SIDE_PX = 26.0, 256.0  # length of a side in the pictures in which lines are found, and drawn

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked import Box, blurred_within, box_around, distances_from
+from ashe_live.render.cover.inpainting.masked import Box, blurred_within, box_around, distances_from
 
 PATCH = 15  # side of a patch, in coarse pixels
 STEP = 7  # distance between the patches of the hole, which overlap, in coarse pixels

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.render.cover.inpainting import BLEED_SIDES, filled
+from ashe_live.render.cover.inpainting.filling import BLEED_SIDES, filled
 
 SIZE, SIDE_PX = 352, 64.0
 AXIS = np.arange(SIZE) - (SIZE - 1) / 2

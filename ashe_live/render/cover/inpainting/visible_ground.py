@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float32, Mask
-from ashe_live.render.cover.masked import HOLE_FROM, KNOWN_FROM, distances_from, mean_around, reduced
-from ashe_live.render.cover.patches import PATCH
+from ashe_live.render.cover.inpainting.masked import HOLE_FROM, KNOWN_FROM, distances_from, mean_around, reduced
+from ashe_live.render.cover.inpainting.patches import PATCH
 
 # "Sides" below is the length of a side of the marker; "roots" are square roots of linear RGB.
 COARSE_SIDE_PX = 26.0  # length of a side in the coarse picture, in which patches are chosen

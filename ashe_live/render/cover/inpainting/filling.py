@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked import blurred_within, distances_from, mean_around, reduced
-from ashe_live.render.cover.patches import CoarseGround, CopiedPatches, chosen_patches, standing_out
-from ashe_live.render.cover.repetition import Pattern, pattern_of
-from ashe_live.render.cover.straight_lines import straight_lines
-from ashe_live.render.cover.visible_ground import AROUND_SIDES, SHADING_SIDES, Ground
+from ashe_live.render.cover.inpainting.masked import blurred_within, distances_from, mean_around, reduced
+from ashe_live.render.cover.inpainting.patches import CoarseGround, CopiedPatches, chosen_patches, standing_out
+from ashe_live.render.cover.inpainting.repetition import Pattern, pattern_of
+from ashe_live.render.cover.inpainting.straight_lines import straight_lines
+from ashe_live.render.cover.inpainting.visible_ground import AROUND_SIDES, SHADING_SIDES, Ground
 
 # "Sides" below is the length of a side of the marker; "roots" are square roots of linear RGB.
 OVER_TEXTURE = 0.5, 1.5  # contrast of a line over the ground's, from which it is drawn faintly, and fully

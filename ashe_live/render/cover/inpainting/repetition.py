@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.render.cover.masked import HOLE_FROM, KNOWN_FROM, Box, blurred_within, box_around, reduced
+from ashe_live.render.cover.inpainting.masked import HOLE_FROM, KNOWN_FROM, Box, blurred_within, box_around, reduced
 
 Indices = NDArray[np.intp]
 # Of the lattice.
