@@ -15,6 +15,9 @@ from ashe_live.core.camera import Camera
 # OpenCV's camera looks along +z with y down, OpenGL's along -z with y up.
 T_gl_cam: Float = np.diag([1.0, -1.0, -1.0, 1.0])
 T_gl_cam.flags.writeable = False
+# A marker that is turned by more than this, or shifted by more than this share of its side, lies elsewhere.
+ELSEWHERE_COS = math.cos(math.radians(1.0))
+ELSEWHERE_SIDES = 0.03
 
 
 def rigid(R: ArrayLike, t: ArrayLike) -> Float:
@@ -90,6 +93,25 @@ def angle_between(a: ArrayLike, b: ArrayLike) -> float:
     """Radians between two directions, exact also where arccos is not (nearly parallel, nearly opposite)."""
     unit_a, unit_b = normalised(a), normalised(b)
     return 2 * math.atan2(float(np.linalg.norm(unit_a - unit_b)), float(np.linalg.norm(unit_a + unit_b)))
+
+
+def motion_between(T_room_old: Float | None, T_room_new: Float | None) -> Float | None:
+    """(4, 4) from the marker's frame where it lay to that where it lies; None if it has not been moved.
+
+    Both as `TrackedFrame.T_room_marker`.
+    """
+    if T_room_old is None or T_room_new is None or T_room_old is T_room_new:
+        return None
+    return np.asarray(inverse_rigid(T_room_new) @ T_room_old)
+
+
+def lies_elsewhere(T_room_old: Float | None, T_room_new: Float | None, side_m: float) -> bool:
+    """Whether the marker has been moved by so much that what was seen on its plane no longer lies there."""
+    motion = motion_between(T_room_old, T_room_new)
+    if motion is None:
+        return False
+    is_turned = np.trace(motion[:3, :3]) < 1 + 2 * ELSEWHERE_COS
+    return bool(is_turned or np.linalg.norm(motion[:3, 3]) > ELSEWHERE_SIDES * side_m)
 
 
 def project(camera: Camera, T_cam_marker: Float, points_marker: ArrayLike) -> Float:

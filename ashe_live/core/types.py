@@ -80,12 +80,16 @@ class TrackedFrame:
     detect_ms: float = 0.0
     note: str | None = None  # a message for the user, e.g. that two equal markers are in view
     others: tuple[PlaneMarker, ...] = ()  # further markers on the same plane: those asked for that are in this frame
+    # (4, 4) rigid, metres, from the marker's frame to the room's, which is that of the marker where it lay at first. It
+    # is the same array until the marker itself is moved. None: nobody has followed it, and it counts as unmoved.
+    T_room_marker: Float | None = None
 
     def __post_init__(self) -> None:
         arguments.instance(self.frame, Frame, "frame")
         arguments.instance(self.camera, Camera, "camera")
         if self.marker is not None:
             arguments.instance(self.marker, MarkerPose, "marker")
+        set_given_frozen(self, T_room_marker=(4, 4))
         if self.camera.size != self.frame.size:
             raise ValueError(f"a camera for {self.camera.size} cannot explain a frame of {self.frame.size}")
 

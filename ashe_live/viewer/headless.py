@@ -15,6 +15,7 @@ from ashe_live.errors import UserError
 from ashe_live.light.live.worker import LONGEST_ESTIMATE_S
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
+from ashe_live.tracking.placement import Placement
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.session import Session
@@ -37,6 +38,7 @@ def play_headless(
     """Plays `source` to its end or the limit and fills `report`. Raises UserError as the source does."""
     period_s = 1 / (source.fps or 1.0)
     begin_s = shown_s = 0.0
+    placement = Placement()
     if not (source.is_live or source.is_photo):
         _estimate_ahead(source, tracker, session, run, report)
     while run.frame_limit is None or len(report.frames) < run.frame_limit:
@@ -49,10 +51,11 @@ def play_headless(
                 break
             source.rewind()
             tracker.reset()
+            placement.rewind()
             session.watch.key_views.drop()
             begin_s = shown_s + period_s
             continue
-        tracked = tracker.track(frame)
+        tracked = placement.add(tracker.track(frame))
         measured_ms = (time.perf_counter() - started) * 1e3
         shown_s = begin_s + frame.time_s
 

@@ -10,9 +10,9 @@ from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Draw, WorkerFailure
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.estimates.easing import LightEasing
 from ashe_live.viewer.estimates.light_watch import LightWatch
 from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.room_light import RoomLight
 from ashe_live.viewer.estimates.sharpening import Sharpening
 from ashe_live.viewer.hands.help import Help
 from ashe_live.viewer.hands.requests import Command, Request
@@ -61,17 +61,16 @@ class Session:
         self.parts_shown = WHOLE
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the followed marker is out of view
         # Until the first estimate, polished surfaces mirror the first frame that shows a marker.
-        self._estimated = Illumination()
+        self._light = RoomLight()
         self._policy = policy
         self._policy_is_done = False
         self._steadiness = steadiness
-        self._easing = LightEasing()
         self._by_hand_s = -math.inf
 
     @property
     def lit_by(self) -> Illumination:
         """The illumination that was set by hand, or else the estimated one."""
-        return self._estimated if self.hand.light is None else self.hand.light
+        return self._light.now(self.tracked) if self.hand.light is None else self.hand.light
 
     @property
     def hides_marker(self) -> bool:
@@ -82,7 +81,7 @@ class Session:
     @property
     def has_seen_marker(self) -> bool:
         """Whether the marker has been in any frame of this source."""
-        return self._estimated.seen_in is not None
+        return self._light.estimated.seen_in is not None
 
     @property
     def awaits_steady(self) -> bool:
@@ -101,10 +100,10 @@ class Session:
         # A looped clip has no last frame: if none was steady in a round, as on a slow machine, this one has to do.
         has_gone_round = self.tracked is not None and tracked.frame.index < self.tracked.frame.index
         self.tracked = tracked
-        if self._estimated.seen_in is None and tracked.marker is not None:
-            self._estimated = Illumination(seen_in=tracked)
+        if self._light.estimated.seen_in is None and tracked.marker is not None:
+            self._light.take(Illumination(seen_in=tracked), tracked)
         self.table.motion.tick(now_s)
-        self.arrangement.stand_clear(tracked, self._estimated.light, self.hides_marker)
+        self.arrangement.stand_clear(tracked, self._light.now(tracked).light, self.hides_marker)
         is_steady = self._steadiness.add(tracked)
         if has_gone_round and self.settle_for_last(now_s):
             return
@@ -127,8 +126,8 @@ class Session:
         """Resets everything for another clip or photo, which has another light and another marker."""
         self.tracked = self.estimate = self.estimated_from = self.steps_bgr = None
         self.true_to_light_marker = None
-        self._estimated = Illumination()
-        self.shown = self._easing.jump(self._estimated)
+        self._light = RoomLight()
+        self.shown = self._light.jump(None)
         self.table.begin_anew()
         self.watch.begin_anew()
         self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
@@ -161,13 +160,14 @@ class Session:
         outcome = self._accept(self.watch.wait(0.0), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
-        self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
+        self.shown = self._light.shown(self.tracked, now_s) if by_hand is None else self._light.show_by_hand(by_hand)
         return outcome
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
         outcome = self._accept(self.watch.wait(timeout_s), now_s)
-        self.shown = self._easing.jump(self.lit_by)
+        by_hand = self.hand.light
+        self.shown = self._light.jump(self.tracked) if by_hand is None else self._light.show_by_hand(by_hand)
         return outcome
 
     def handle(self, request: Request, now_s: float) -> bool:
@@ -191,7 +191,7 @@ class Session:
                     self.say(ANSWER_ALONE, now_s)
             case Command.HIDE_MARKER:
                 self.covers_marker = not self.hides_marker
-                self.arrangement.stand_clear_again(self.tracked, self._estimated.light, self.hides_marker)
+                self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.hides_marker)
             case Command.MIRROR:
                 self.is_mirrored = not self.is_mirrored
             case Command.BEFORE_AFTER:
@@ -207,7 +207,7 @@ class Session:
 
     def _handle_by_hand(self, request: Request, now_s: float) -> bool:
         before = self.hand.light
-        if not self.table.handle(request, self.tracked, self._estimated, now_s):
+        if not self.table.handle(request, self.tracked, self._light.now(self.tracked), now_s):
             return False
         if request.command is Command.RESET:
             self.parts_shown = WHOLE
@@ -226,8 +226,8 @@ class Session:
         if outcome is None or outcome.estimate is None or not self.watch.stands(outcome.estimate):
             return None
         new, frozen = outcome.estimate, self.watch.frozen
-        self._estimated = new.illumination.as_seen_in(frozen)
-        self.arrangement.stand_clear_again(self.tracked, new.illumination.light, self.hides_marker)
+        self._light.take(new.illumination.as_seen_in(frozen), frozen)
+        self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.hides_marker)
         self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)

@@ -11,8 +11,9 @@ from itertools import permutations
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import angle_between, tangent_basis
-from ashe_live.core.types import Light, LightEstimate
+from ashe_live.core.transforms import angle_between, motion_between, tangent_basis
+from ashe_live.core.types import Light, LightEstimate, TrackedFrame
+from ashe_live.light.live.moved_marker import moved_estimate
 
 CHANGED_AFTER = 3  # consecutive answers that contradict the one held, and agree among themselves, to replace it
 # 99th percentile of the chi-squared distribution with two degrees of freedom.
@@ -42,6 +43,7 @@ class HeldAnswer:
     def __init__(self) -> None:
         self.estimate: LightEstimate | None = None
         self.is_news = False  # whether the last estimate offered was taken as a new light, or as the first answer
+        self._T_room_marker: Float | None = None  # where the marker lies by whose frame all of them are
         self._dissent: list[LightEstimate] = []
         self._surest = 0.0  # largest confidence of the answers that agreed with the held one
 
@@ -49,6 +51,17 @@ class HeldAnswer:
     def is_disputed(self) -> bool:
         """Whether the latest answers contradict the held one."""
         return bool(self._dissent)
+
+    def move_to(self, seen: TrackedFrame) -> None:
+        """Takes the frame of the marker as it lies in `seen`, by which the next answer is: its light stays in the room.
+
+        Moving the marker changes nothing else: the answer stays as sure as it was.
+        """
+        motion, self._T_room_marker = motion_between(self._T_room_marker, seen.T_room_marker), seen.T_room_marker
+        if motion is not None and self.estimate is not None and seen.marker is not None:
+            side_m = seen.marker.side_m
+            self.estimate = moved_estimate(self.estimate, motion, side_m)
+            self._dissent = [moved_estimate(other, motion, side_m) for other in self._dissent]
 
     def offer(self, new: LightEstimate, is_of_changed_scene: bool = False) -> bool:
         """Takes `new` as the answer, or not; returns whether it is sharper than the answer known before.

@@ -16,8 +16,9 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.ranges import VIEWS
-from ashe_live.core.transforms import transform_points, view_direction
+from ashe_live.core.transforms import lies_elsewhere, transform_points, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.light.live.moved_marker import seen_before_move
 from ashe_live.light.views.selection import span_rad
 
 MOST_VIEWS = int(VIEWS.high)
@@ -51,6 +52,12 @@ def span_of(views: Sequence[TrackedFrame]) -> float:
     return span_rad(_directions(views)) or 0.0
 
 
+def lies_as_in(view: TrackedFrame, other: TrackedFrame) -> bool:
+    """Whether the marker lies in the room of both where it lies in the other; both must have one."""
+    assert view.marker is not None
+    return not lies_elsewhere(view.T_room_marker, other.T_room_marker, view.marker.side_m)
+
+
 class KeyViews:
     """A few frames, spread over the directions from which the scene has been seen.
 
@@ -64,6 +71,7 @@ class KeyViews:
         self._most = most
         self._set = _ViewSet(())
         self._camera: Camera | None = None  # of the frames as they came
+        self._T_room_marker: Float | None = None  # of the last frame
         self._changing = threading.Lock()  # held for a few comparisons, never while a picture is processed
 
     @property
@@ -85,6 +93,8 @@ class KeyViews:
             # Poses depend on the focal length, so that those of two cameras do not fit each other.
             self.drop()
             self._camera = tracked.camera
+        if self._is_being_moved(tracked):
+            return False
         time_s = tracked.frame.time_s
         given_way = self._set.given_way(view_direction(marker.T_cam_marker), time_s, self._most)
         if given_way is None:
@@ -97,6 +107,18 @@ class KeyViews:
             stay = [each for each in _without(self.views, given_way) if _age_s(each, time_s) <= OLDEST_S]
             self._set = _ViewSet((*stay, view))
         return True
+
+    def _is_being_moved(self, tracked: TrackedFrame) -> bool:
+        """Whether the marker moves in the room. Once it lies still, the views are by its frame where it lies."""
+        before, self._T_room_marker = self._T_room_marker, tracked.T_room_marker
+        if before is not None and before is not tracked.T_room_marker:
+            return True
+        lies = tracked.T_room_marker
+        if lies is not None and not all(lies_as_in(view, tracked) for view in self.views):
+            with self._changing:
+                kept = [v if lies_as_in(v, tracked) else seen_before_move(v, lies) for v in self.views]
+                self._set = _ViewSet(tuple(view for view in kept if view is not None))
+        return False
 
     def drop(self, views: Sequence[TrackedFrame] | None = None) -> None:
         """Forgets these views, or all of them."""

@@ -14,7 +14,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, same_objects
 from ashe_live.core.colour import REC709_LUMINANCE
 from ashe_live.core.square import side_lengths_px
-from ashe_live.core.transforms import view_direction
+from ashe_live.core.transforms import lies_elsewhere, view_direction
 from ashe_live.core.types import Frame, Illumination, TrackedFrame
 from ashe_live.render.camera.exposure import followed, gain_and_slope
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
@@ -25,6 +25,7 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 
 NEARER = 1.5  # the cover is made anew once the marker appears this many times as large, as it then lacks detail
 TURNED_COS = np.cos(np.radians(30.0))  # and once the camera has turned by this, as the ground's relief looks different
+MOST_HIDDEN = 0.02  # share of the sheet that things may hide in a frame from which a cover is made
 RETRIED_S = 1.0  # time of the video after which another attempt follows one that failed
 
 
@@ -46,6 +47,7 @@ class HiddenMarker:
         self._exposed_in: Frame | None = None  # by which these were measured
         self._over: moderngl.Texture | None = None  # what has come over the sheet since
         self._compared_in: Frame | None = None  # by which this was found
+        self._hidden_share = 0.0  # of the sheet, by things before it
         self._failed_s: float | None = None
 
     @property
@@ -82,7 +84,8 @@ class HiddenMarker:
                 self._accept(ground_cover(tracked, illumination))
             else:
                 self._maker = self._maker or ThreadPoolExecutor(1, "ground cover")
-                self._coming = self._maker.submit(ground_cover, tracked, illumination, self._cover is None)
+                is_draft = self._cover is None or self._is_elsewhere(tracked)
+                self._coming = self._maker.submit(ground_cover, tracked, illumination, is_draft)
         self._follow_frame(tracked)
 
     def bind(self, program: moderngl.Program) -> None:
@@ -150,7 +153,17 @@ class HiddenMarker:
         self._gain, self._slope, self._exposed_in, self._compared_in = np.ones(3), np.zeros(2), None, None
         self._show_over(None)
 
+    def _is_elsewhere(self, tracked: TrackedFrame) -> bool:
+        """Whether the sheet has been moved since the cover was made, so that other ground is around it."""
+        if self._made_from is None:
+            return False
+        was, now = self._made_from[0], tracked
+        assert now.marker is not None
+        return lies_elsewhere(was.T_room_marker, now.T_room_marker, now.marker.side_m)
+
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
+        if self._cover is not None and self._hidden_share > MOST_HIDDEN:
+            return False  # by a hand, say, which would become a part of the next cover
         if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
             return False
         if self._made_from is None or self._cover is None or self._cover.is_draft:
@@ -171,7 +184,8 @@ class HiddenMarker:
         if self._cover is None or tracked.frame is self._compared_in:
             return
         self._compared_in = tracked.frame
-        self._follow_exposure(tracked)
+        if not self._is_elsewhere(tracked):
+            self._follow_exposure(tracked)
         sheet = self._cover.sheet
         self._show_over(None if sheet is None else over_sheet(tracked, sheet, self._gain, self._slope))
 
@@ -191,6 +205,7 @@ class HiddenMarker:
     def _show_over(self, over: Float32 | None) -> None:
         """(h, w, 2) as of `over_sheet`, or nothing."""
         shown = np.zeros((1, 1, 2), np.float32) if over is None else over
+        self._hidden_share = float(shown[..., 0].mean())
         height, width = shown.shape[:2]
         if self._over is None or self._over.size != (width, height):
             if self._over is not None:

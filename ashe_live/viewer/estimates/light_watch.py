@@ -8,7 +8,7 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import OF_ONE_FRAME
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.live.held_answer import HeldAnswer
-from ashe_live.light.live.key_views import KeyViews
+from ashe_live.light.live.key_views import KeyViews, lies_as_in
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Answer, Draw
 from ashe_live.viewer.estimates.sharpening import EVERY_S, Sharpening
@@ -68,7 +68,7 @@ class LightWatch:
             self._waiting = frozen, now_s, draw
             return True
         views = self.key_views.views
-        others = tuple(view for view in views if view.frame.index != frozen.frame.index)
+        others = tuple(view for view in views if view.frame.index != frozen.frame.index and lies_as_in(view, frozen))
         if not self._worker.request(frozen, self.preset, draw, is_awaited, others, known, self._doubted):
             return False
         self.frozen, self._others, self.asked_s, self._is_awaited = frozen, others, now_s, is_awaited
@@ -96,8 +96,8 @@ class LightWatch:
         """Requests an estimate of a steady frame, or only to follow the light if the last estimate is recent."""
         if self.is_estimating or not self.sharpening.is_due_again(now_s):
             return False
-        held = self.held.estimate
-        known = None
+        self.held.move_to(steady)
+        held, known = self.held.estimate, None
         if held is not None and self._doubted is None and self.sharpening.is_up_to_date(now_s):
             known = replace(held, object_mask=None, shadow_mask=None)  # which nobody needs there
         return self.ask(steady, now_s, draw, held is None, known)
@@ -121,6 +121,8 @@ class LightWatch:
         if not isinstance(outcome, Answer):
             self.sharpening.answered(False)
             return outcome
+        frozen = self.frozen
+        assert frozen is not None
         has_changed = len(outcome.outdated) == len(self._others) > 0
         if has_changed and outcome.estimate is None:
             self._doubted = self.frozen
@@ -129,11 +131,13 @@ class LightWatch:
         if has_changed:
             self.sharpening = Sharpening()
         if outcome.is_followed and outcome.estimate is not None:
+            self.held.move_to(frozen)
             self.held.follow(outcome.estimate)
             self.sharpening.verified()
         elif outcome.estimate is not None:
             if self._is_awaited:
                 self.held = HeldAnswer()
+            self.held.move_to(frozen)
             is_sharper = self.held.offer(outcome.estimate, has_changed)
             self.sharpening.answered(is_sharper or self.held.is_disputed)
         # While a hand is before the camera, no view shows what it shows; they are of use again when it has gone.

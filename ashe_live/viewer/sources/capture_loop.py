@@ -14,6 +14,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.process.mailbox import Closed, LatestMailbox
+from ashe_live.tracking.placement import Placement
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.sources.pace import Pace
@@ -97,6 +98,7 @@ class CaptureLoop:
         self._tracker_for = tracker_for
         self._frames = exchange.frames
         self._key_views = exchange.key_views
+        self._placement = Placement()
         self._period_s = 1 / (source.fps or PHOTO_FPS)
         self._pace = Pace()
         self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated
@@ -151,7 +153,7 @@ class CaptureLoop:
         if is_other and self._tracker_for is not None:
             before, self._tracker = self._tracker, self._tracker_for(wish.marker, wish.hfov_deg)
             self._tracker.preset = before.preset
-            self._key_views.drop()
+            self._forget_scene()
         self._wish = wish
         self._pace.speed = wish.speed
         if wish.tracking is not None:
@@ -172,7 +174,7 @@ class CaptureLoop:
         place = Place(frame.time_s, frame.index)
         self._publish(shown=place, at=place)
         self._shown = frame
-        tracked = self._tracker.track(frame)
+        tracked = self._placement.add(self._tracker.track(frame))
         self._frames.put(tracked)
         # After handing over, so that the display does not wait for it.
         self._key_views.add(tracked)
@@ -210,7 +212,7 @@ class CaptureLoop:
                 self._publish(obeyed=self._wish.jump)
                 self._wait(lambda: False, RECONNECT_EVERY_S)
             self._tracker.reset()
-            self._key_views.drop()
+            self._forget_scene()
             return None
         finally:
             self._publish(asked_s=None)
@@ -238,10 +240,16 @@ class CaptureLoop:
                 self._clip.seek_frame(index)
             if index is None or before.index is None or index != before.index + 1:
                 self._tracker.jump()
-                self._key_views.drop()
+                self._forget_scene()
         self._pace.begin_anew()
 
     def _rewind(self) -> None:
         self._source.rewind()
         self._tracker.reset()
         self._key_views.drop()
+        self._placement.rewind()
+
+    def _forget_scene(self) -> None:
+        """What has been seen cannot be compared with what comes next."""
+        self._key_views.drop()
+        self._placement.forget()

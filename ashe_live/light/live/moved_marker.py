@@ -1,0 +1,117 @@
+"""The light of a room by the frame of a marker that is moved in it, turned on the table or taken into the hand."""
+
+import math
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Mesh, Proxy
+from ashe_live.core.ranges import INVERSE_DISTANCE
+from ashe_live.core.square import PlaneMarker, square_corners
+from ashe_live.core.transforms import inverse_rigid, motion_between, tangent_basis, transform_points
+from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+
+# A marker that is tilted by more than this, or lifted by more than this share of its side, is no longer on the table.
+LEVEL_COS = math.cos(math.radians(5.0))
+LIFTED_SIDES = 0.15
+
+
+def stays_on_plane(T_new_old: Float, side_m: float) -> bool:
+    """Whether a marker that was moved by `T_new_old` (4, 4) lies on the plane on which it lay before."""
+    return bool(T_new_old[2, 2] > LEVEL_COS and abs(T_new_old[2, 3]) < LIFTED_SIDES * side_m)
+
+
+def moved_estimate(estimate: LightEstimate, T_new_old: Float, side_m: float) -> LightEstimate:
+    """As `moved_illumination`; masks, views and all else stay those of the frames that the answer rests on."""
+    return replace(estimate, illumination=moved_illumination(estimate.illumination, T_new_old, side_m))
+
+
+def moved_illumination(illumination: Illumination, T_new_old: Float, side_m: float) -> Illumination:
+    """The same light, by the marker's new frame.
+
+    T_new_old (4, 4): rigid, metres, from the marker's frame before it was moved to that after. `side_m`: of the marker.
+    Where it no longer lies on its plane, the real object is left out, as bodies stand upright on the plane.
+    """
+    body, slope = illumination.real_object, illumination.sky_slope_rgb
+    is_level = stays_on_plane(T_new_old, side_m)
+    return replace(
+        illumination,
+        lights=tuple(_moved_light(light, T_new_old) for light in illumination.lights),
+        real_object=_moved_body(body, T_new_old) if body is not None and is_level else None,
+        seen_in=illumination.seen_in and _seen_by(illumination.seen_in, T_new_old),
+        sky_slope_rgb=None if slope is None else T_new_old[:2, :2] @ slope,
+    )
+
+
+def _moved_light(light: Light, T_new_old: Float) -> Light:
+    """Brightness and covariance of a lamp stay those at the marker's old place, a few centimetres away."""
+    there = T_new_old @ light.homogeneous  # (x, y, z, w)
+    distance = float(np.linalg.norm(there[:3]))
+    if there[3] > INVERSE_DISTANCE.high * distance:  # the marker was moved into the lamp
+        there, distance = np.array([*T_new_old[:3, :3] @ light.to_light_marker, light.inverse_distance]), 1.0
+    to_light = there[:3] / distance
+    turn = tangent_basis(to_light) @ T_new_old[:3, :3] @ tangent_basis(light.to_light_marker).T
+    covariance, lamp_covariance = light.covariance_rad2, light.lamp_covariance
+    if covariance is not None:
+        covariance = turn @ covariance @ turn.T
+    if lamp_covariance is not None:
+        with_nearness = np.eye(3)
+        with_nearness[:2, :2] = turn
+        lamp_covariance = with_nearness @ lamp_covariance @ with_nearness.T
+    return replace(
+        light,
+        to_light_marker=to_light,
+        inverse_distance=float(there[3]) / distance,
+        covariance_rad2=covariance,
+        lamp_covariance=lamp_covariance,
+    )
+
+
+def _moved_body(body: Proxy, T_new_old: Float) -> Proxy:
+    spheroids = body.spheroids_marker.copy()
+    spheroids[:, :3] = transform_points(T_new_old, spheroids[:, :3])
+    mesh = body.mesh and Mesh(transform_points(T_new_old, body.mesh.points_marker), body.mesh.triangles)
+    return Proxy(body.family, spheroids, mesh)
+
+
+def _seen_by(tracked: TrackedFrame, T_new_old: Float) -> TrackedFrame:
+    """The frame with the pose that the marker would have had in it where it is now."""
+    assert tracked.marker is not None
+    T_cam_new = tracked.marker.T_cam_marker @ inverse_rigid(T_new_old)
+    return replace(tracked, marker=replace(tracked.marker, T_cam_marker=T_cam_new))
+
+
+def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFrame | None:
+    """A frame from before the marker's sheet was moved, by the frame of the marker as it lies now: `T_room_marker`.
+
+    Where the sheet lay, there is another printed sheet. None where it no longer lies on that plane, or where the
+    marker is printed on a body, which has moved itself.
+    """
+    marker = tracked.marker
+    assert marker is not None
+    motion = motion_between(tracked.T_room_marker, T_room_marker)
+    if motion is None or marker.body is not None or not stays_on_plane(motion, marker.side_m):
+        return None
+    seen = _seen_by(tracked, motion)
+    assert seen.marker is not None
+    T_cam_marker, camera = seen.marker.T_cam_marker, tracked.camera
+    corners = square_corners(marker.side_m)
+    if (transform_points(T_cam_marker, corners)[:, 2] <= 0).any():
+        return None
+    corners_px, _ = cv2.projectPoints(
+        corners, cv2.Rodrigues(T_cam_marker[:3, :3])[0], T_cam_marker[:3, 3], camera.K, camera.dist
+    )
+    turn_rad = math.atan2(motion[1, 0], motion[0, 0])
+    was = PlaneMarker("where it lay", motion[:2, 3], turn_rad, marker.side_m)
+    others = tuple(
+        replace(each, centre_m=was.on_plane(np.append(each.centre_m, 0.0))[:2], turn_rad=each.turn_rad + turn_rad)
+        for each in tracked.others
+    )
+    return replace(
+        seen,
+        marker=replace(seen.marker, corners_px=np.asarray(corners_px[:, 0], np.float64), unfiltered_T_cam_marker=None),
+        others=(*others, was),
+        T_room_marker=T_room_marker,
+    )

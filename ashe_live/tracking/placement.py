@@ -1,0 +1,75 @@
+"""Follows where the marker lies in the room, so that a marker that is moved is told from a camera that is.
+
+Light belongs to the room: where somebody turns the marker's sheet, it turns the other way in the marker's frame.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, frozen_floats
+from ashe_live.core.types import TrackedFrame
+from ashe_live.tracking.still_frame import UNMOVED, StillFrame
+
+LEAST_MOTION_PX = 2.5  # of the marker in the compared picture, from which on it is asked what has moved
+AT_REST_PX = 0.3  # what counts as no motion of the marker from frame to frame, in the same picture
+COMPARED_EVERY_S = 0.1  # while the marker is not moved
+# A frame is taken for the next ones to be compared with after this long, if the camera has moved since.
+RENEWED_S = 0.4
+LOST_S = 2.0  # after which a frame that cannot be compared begins anew, and the marker counts as unmoved since
+
+
+class Placement:
+    """Where the marker lies in the room, frame by frame. For use by one thread."""
+
+    def __init__(self) -> None:
+        self.rewind()
+
+    def rewind(self) -> None:
+        """The next frame is the first one again."""
+        self._T_room_marker: Float = UNMOVED
+        self.forget()
+
+    def forget(self) -> None:
+        """The next frame cannot be compared with the ones before, as after a cut: the marker counts as unmoved."""
+        self._before: StillFrame | None = None
+        self._last_px: Float | None = None
+        self._known_s = self._compared_s = -math.inf
+        self._is_moving = False
+
+    def add(self, tracked: TrackedFrame) -> TrackedFrame:
+        """The frame with `T_room_marker`; frames must come in the order of time."""
+        if tracked.marker is None:
+            self._last_px = None
+        elif self._before is None or not self._before.is_comparable(tracked):
+            self._begin(tracked)
+        elif not tracked.marker.bridged:
+            self._compare(tracked, self._before)
+        return replace(tracked, T_room_marker=self._T_room_marker)
+
+    def _compare(self, tracked: TrackedFrame, before: "StillFrame") -> None:
+        assert tracked.marker is not None
+        corners_px, time_s = tracked.marker.corners_px * before.scale, tracked.frame.time_s
+        is_at_rest = self._last_px is not None and np.abs(corners_px - self._last_px).max() < AT_REST_PX
+        self._last_px = corners_px
+        is_due = self._is_moving or time_s - self._compared_s >= COMPARED_EVERY_S
+        if not is_due or np.abs(corners_px - before.corners_px).max() < LEAST_MOTION_PX:
+            return
+        self._compared_s = time_s
+        T_old_new = before.motion(tracked)
+        self._is_moving = T_old_new is not UNMOVED
+        if T_old_new is None:
+            is_over = time_s - self._known_s > LOST_S
+        elif self._is_moving:
+            self._known_s, is_over = time_s, is_at_rest
+            self._T_room_marker = frozen_floats(before.T_room_marker @ T_old_new, (4, 4), "T_room_marker")
+        else:
+            self._known_s, is_over = time_s, time_s - before.time_s > RENEWED_S
+            self._T_room_marker = before.T_room_marker
+        if is_over:
+            self._begin(tracked)
+
+    def _begin(self, tracked: TrackedFrame) -> None:
+        self._before = StillFrame.of(tracked, self._T_room_marker)
+        self._known_s, self._is_moving = tracked.frame.time_s, False

@@ -1,0 +1,54 @@
+"""The estimated light, which stays in the room while the marker is moved in it."""
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import motion_between
+from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.light.live.moved_marker import moved_illumination
+from ashe_live.viewer.estimates.easing import LightEasing
+
+
+class RoomLight:
+    """Where the light of the last estimate is, seen from the marker as it lies now, and on its way there."""
+
+    def __init__(self) -> None:
+        self.estimated = Illumination()  # in the marker's frame as it lay in the estimate's frame
+        self._T_room_marker: Float | None = None  # as it lay there
+        self._easing = LightEasing()
+        # The last result, and of what: nothing that follows is made anew while nothing changes.
+        self._moved: tuple[Illumination, Float, Illumination] | None = None
+
+    def take(self, estimated: Illumination, seen_in: TrackedFrame | None) -> None:
+        """A new estimate, made in the frame `seen_in`; what is shown goes on from where it is in the room."""
+        T_room_marker = None if seen_in is None else seen_in.T_room_marker
+        motion = motion_between(self._T_room_marker, T_room_marker)
+        if motion is not None and seen_in is not None and seen_in.marker is not None:
+            self._easing.move(motion, seen_in.marker.side_m)
+        self.estimated, self._T_room_marker = estimated, T_room_marker
+
+    def now(self, tracked: TrackedFrame | None) -> Illumination:
+        """The estimated light by the marker's frame in `tracked`."""
+        return self._seen_from(tracked, self.estimated)
+
+    def shown(self, tracked: TrackedFrame | None, now_s: float) -> Illumination:
+        """As `now`, on its way from the estimate before."""
+        return self._seen_from(tracked, self._easing.at(self.estimated, now_s))
+
+    def jump(self, tracked: TrackedFrame | None) -> Illumination:
+        """As `now`, which is shown at once."""
+        return self._seen_from(tracked, self._easing.jump(self.estimated))
+
+    def show_by_hand(self, by_hand: Illumination) -> Illumination:
+        """Shows a light that was set by hand, in the marker's frame, at once."""
+        return self._easing.jump(by_hand)
+
+    def _seen_from(self, tracked: TrackedFrame | None, illumination: Illumination) -> Illumination:
+        if tracked is None or tracked.marker is None:
+            return illumination
+        motion = motion_between(self._T_room_marker, tracked.T_room_marker)
+        if motion is None:
+            return illumination
+        assert tracked.T_room_marker is not None
+        if self._moved is None or self._moved[0] is not illumination or self._moved[1] is not tracked.T_room_marker:
+            moved = moved_illumination(illumination, motion, tracked.marker.side_m)
+            self._moved = illumination, tracked.T_room_marker, moved
+        return self._moved[2]
