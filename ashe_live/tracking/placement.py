@@ -6,9 +6,11 @@ Light belongs to the room: where somebody turns the marker's sheet, it turns the
 import math
 from dataclasses import replace
 
+import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, frozen_floats
+from ashe_live.core.transforms import rigid
 from ashe_live.core.types import TrackedFrame
 from ashe_live.tracking.still_frame import UNMOVED, StillFrame
 
@@ -17,6 +19,7 @@ AT_REST_PX = 0.3  # what counts as no motion of the marker from frame to frame, 
 COMPARED_EVERY_S = 0.1  # while the marker is not moved
 # A frame is taken for the next ones to be compared with after this long, if the camera has moved since.
 RENEWED_S = 0.4
+FLAT, FLAT_SIDES = math.sin(math.radians(2.5)), 0.08  # tilt, and height in sides, that count as those of the table
 LOST_S = 2.0  # after which a frame that cannot be compared begins anew, and the marker counts as unmoved since
 
 
@@ -63,7 +66,8 @@ class Placement:
             is_over = time_s - self._known_s > LOST_S
         elif self._is_moving:
             self._known_s, is_over = time_s, is_at_rest
-            self._T_room_marker = frozen_floats(before.T_room_marker @ T_old_new, (4, 4), "T_room_marker")
+            lies = _laid_flat(before.T_room_marker @ T_old_new, before.side_m)
+            self._T_room_marker = frozen_floats(lies, (4, 4), "T_room_marker")
         else:
             self._known_s, is_over = time_s, time_s - before.time_s > RENEWED_S
             self._T_room_marker = before.T_room_marker
@@ -73,3 +77,12 @@ class Placement:
     def _begin(self, tracked: TrackedFrame) -> None:
         self._before = StillFrame.of(tracked, self._T_room_marker)
         self._known_s, self._is_moving = tracked.frame.time_s, False
+
+
+def _laid_flat(T_room_marker: Float, side_m: float) -> Float:
+    """The same (4, 4), without a tilt or height that is as small as the pose's errors, as of a sheet on a table."""
+    tilt, height = T_room_marker[2, :2], T_room_marker[2, 3]
+    if np.linalg.norm(tilt) > FLAT or abs(height) > FLAT_SIDES * side_m or T_room_marker[2, 2] < 0:
+        return T_room_marker
+    turn = math.atan2(T_room_marker[1, 0] - T_room_marker[0, 1], T_room_marker[0, 0] + T_room_marker[1, 1])
+    return rigid(cv2.Rodrigues(np.array([0.0, 0.0, turn]))[0], [*T_room_marker[:2, 3], 0.0])

@@ -40,7 +40,7 @@ def play_headless(
     begin_s = shown_s = 0.0
     placement = Placement()
     if not (source.is_live or source.is_photo):
-        _estimate_ahead(source, tracker, session, run, report)
+        _estimate_ahead(source, tracker, placement, session, run, report)
     while run.frame_limit is None or len(report.frames) < run.frame_limit:
         started = time.perf_counter()
         frame = source.read()
@@ -76,11 +76,18 @@ def play_headless(
                 take(picture, shown_s)
 
 
-def _estimate_ahead(source: Source, tracker: MarkerTracker, session: Session, run: HeadlessRun, report: Report) -> None:
+def _estimate_ahead(
+    source: Source,
+    tracker: MarkerTracker,
+    placement: Placement,
+    session: Session,
+    run: HeadlessRun,
+    report: Report,
+) -> None:
     """Plays unseen to the frame that the light is estimated in; for the session it all happens at the time 0."""
     with suppress(UserError):  # of a damaged clip, what comes before the damage is played first
         for frame in islice(source, run.frame_limit):
-            tracked = tracker.track(frame)
+            tracked = placement.add(tracker.track(frame))
             session.watch.key_views.add(tracked)
             session.take(tracked, 0.0)
             run.scene(session)
@@ -92,6 +99,7 @@ def _estimate_ahead(source: Source, tracker: MarkerTracker, session: Session, ru
         _finish_estimate(session, report, 0.0)
     source.rewind()
     tracker.reset()
+    placement.rewind()
 
 
 def _finish_estimate(session: Session, report: Report, shown_s: float) -> None:

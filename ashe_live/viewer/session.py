@@ -99,6 +99,8 @@ class Session:
             self.say(tracked.note, now_s)
         # A looped clip has no last frame: if none was steady in a round, as on a slow machine, this one has to do.
         has_gone_round = self.tracked is not None and tracked.frame.index < self.tracked.frame.index
+        # By a hand, which would be estimated with the scene.
+        is_being_moved = self.tracked is not None and tracked.T_room_marker is not self.tracked.T_room_marker
         self.tracked = tracked
         if self._light.estimated.seen_in is None and tracked.marker is not None:
             self._light.take(Illumination(seen_in=tracked), tracked)
@@ -110,7 +112,7 @@ class Session:
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
             self.request_estimate(now_s)
-        elif tracked.marker is not None and self.hand.light is None:
+        elif tracked.marker is not None and self.hand.light is None and not is_being_moved:
             is_asked = self.watch.sharpen(tracked, now_s, self._draw)
             if self.automatic and is_steady and not is_asked:
                 self.watch.look_again(tracked, now_s, self._draw)

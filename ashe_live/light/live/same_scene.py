@@ -21,14 +21,16 @@ from ashe_live.light.pixels.view import View
 CELLS_A_SIDE = 10  # on the plane, of the marker's side
 HALF_SIDES = 5  # from the marker's centre to the border of what is compared, in the marker's sides
 VIEW_WIDTH_PX = 160  # of the pictures that are compared: a cell is then about one or two pixels wide
-# Least difference of log brightness at one exposure: that of lit ground to a shadow which leaves three quarters.
-LEAST_DIFFERENCE = 0.3
+# Least difference at one exposure: of log brightness, that of lit ground to a shadow which leaves three quarters; of
+# log red over blue, and of red and blue over green, more than that of a shadow under a blue sky.
+LEAST_DIFFERENCES = np.array([0.3, 0.6, 0.4], np.float32)
 # Brighter pixels may be saturated, and are not compared.
 SATURATED = 250
 # Things up to this height, in the marker's sides, may stand there: what they shear by is not a change. Views between
 # which they shear by more than the second number cannot be compared.
 HIGHEST_SIDES = 3.0
 MOST_SHEAR_SIDES = 0.8
+MOST_NEARNESS = 0.4  # of such a thing: its height over the camera's
 REGISTRATION_CELLS = 4  # misregistration by poses, the picture's scale and its blur
 LEAST_AREA_SIDES = 0.2  # squared sides: the smallest change that is noticed
 LEAST_COMPARED_SIDES = 2.0  # squared sides: the least common ground for a comparison
@@ -38,9 +40,10 @@ LEAST_COMPARED_SIDES = 2.0  # squared sides: the least common ground for a compa
 class PlanePicture:
     """A view drawn onto the marker's plane."""
 
-    brightness: Float32  # (n, n) log of linear light
+    colours: Float32  # (n, n, 3) log-opponent: brightness, and two of chroma
     is_seen: Mask  # (n, n) ground in the picture, neither the printed sheet nor saturated
     slope: Float  # (2,) towards the camera: metres along the plane for each metre of height
+    height_sides: float  # of the camera above the plane, in the marker's sides
 
     @staticmethod
     def of(tracked: TrackedFrame) -> "PlanePicture":
@@ -56,8 +59,9 @@ class PlanePicture:
 
         is_usable = view.is_ground & (view.image_bgr.max(axis=2) < SATURATED)
         camera = camera_centre(view.T_cam_marker)
-        slope = camera[:2] / max(abs(camera[2]), 1e-9)
-        return PlanePicture(drawn(log_opponent(view.image_bgr)[..., 0]), drawn(is_usable) > 0.99, slope)
+        height_m = max(abs(float(camera[2])), 1e-9)
+        is_seen, colours = drawn(is_usable) > 0.99, drawn(log_opponent(view.image_bgr))
+        return PlanePicture(colours, is_seen, camera[:2] / height_m, height_m / view.side_m)
 
 
 def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
@@ -66,10 +70,12 @@ def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
     is_compared = a.is_seen & b.is_seen
     if shear_sides > MOST_SHEAR_SIDES or np.count_nonzero(is_compared) < LEAST_COMPARED_SIDES * CELLS_A_SIDE**2:
         return None
-    difference = a.brightness - b.brightness
-    difference -= np.median(difference[is_compared])
-    is_changed = (np.abs(difference) > LEAST_DIFFERENCE) & is_compared
-    width = REGISTRATION_CELLS + round(shear_sides * CELLS_A_SIDE)
+    difference = a.colours - b.colours
+    difference -= np.median(difference[is_compared], axis=0)
+    is_changed = (np.abs(difference) > LEAST_DIFFERENCES).any(axis=2) & is_compared
+    # Seen by a camera near by, high things shear more than their height says.
+    nearness = min(HIGHEST_SIDES / min(a.height_sides, b.height_sides), MOST_NEARNESS)
+    width = REGISTRATION_CELLS + round(shear_sides / (1 - nearness) * CELLS_A_SIDE)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
     left = cv2.morphologyEx(is_changed.astype(np.uint8), cv2.MORPH_OPEN, kernel)
     return bool(np.count_nonzero(left) > LEAST_AREA_SIDES * CELLS_A_SIDE**2)

@@ -92,14 +92,22 @@ def _lowered(T_cam_marker: Float, height_m: float) -> Float:
 
 
 def _moved_px_per_metre(one: _Textured, other: _Textured) -> float:
-    """By how many pixels, root mean square, the other view shows the ground elsewhere, for each metre it is lower."""
+    """By how many pixels, root mean square, the other view shows the ground elsewhere, for each metre it is lower.
+
+    Of the ground that is in its picture at either height: beyond, towards the horizon, any height moves it by any way.
+    """
     height = HIGHEST * one.view.side_m
     rows, columns = np.nonzero(one.view.is_ground[::8, ::8])
     pixels = np.stack([8.0 * columns, 8.0 * rows, np.ones(len(rows))])
     if not pixels.size:
         return 0.0
-    there, lower = (_homography(one.view, other.view, each) @ pixels for each in (0.0, height))
-    moved = lower[:2] / lower[2] - there[:2] / there[2]
+    projected = np.stack([_homography(one.view, other.view, each) @ pixels for each in (0.0, height)])
+    projected = projected[:, :, (projected[:, 2] > 0).all(axis=0)]
+    there = projected[:, :2] / projected[:, 2:]
+    inside = ((there >= 0) & (there < np.array(other.view.size)[:, None])).all(axis=(0, 1))
+    if not inside.any():
+        return 0.0
+    moved = (there[1] - there[0])[:, inside]
     return float(np.sqrt((moved**2).sum(axis=0).mean())) / height
 
 

@@ -4,14 +4,16 @@ import math
 from dataclasses import replace
 from functools import cache
 
+import cv2
 import numpy as np
 import pytest
 
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import angle_between
+from ashe_live.core.transforms import angle_between, rigid
 from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.views import ground_height
 from ashe_live.light.views.ground_height import height_above_ground, seen_from_ground, seen_from_marker
 from tests.light.painted_scenes import BOX, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
@@ -87,3 +89,19 @@ def test_a_lamp_stays_where_it_is() -> None:
 def test_a_frame_without_a_marker_stays_as_it_is() -> None:
     frame = replace(painted_from(90)[0], marker=None)
     assert seen_from_ground(frame, CARD_M) is frame
+
+
+@pytest.mark.parametrize("off_deg", [0.0, -60.0, -70.0])
+def test_heights_are_tried_in_steps_of_what_the_pictures_can_show(off_deg: float, monkeypatch) -> None:
+    """Also where a pose is so wrong that ground lies on the other view's horizon, where any height moves it by any way.
+
+    (Millions of heights took all memory.)
+    """
+    tried = []
+    monkeypatch.setattr(ground_height, "_misfits", lambda one, other, heights: tried.append(heights) or 0 * heights)
+    first, other = painted(90, (), "checkered"), painted(60, (), "checkered")
+    off = rigid(cv2.Rodrigues(np.radians([0.0, off_deg, 0.0]))[0], np.zeros(3))
+    wrong = replace(other.marker, T_cam_marker=off @ other.marker.T_cam_marker)
+    height_above_ground([first, replace(other, marker=wrong)])
+    diagonal_px = float(np.hypot(*first.camera.size))
+    assert all(len(heights) <= diagonal_px / ground_height.STEP_PX + 2 for heights in tried)

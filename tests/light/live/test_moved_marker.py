@@ -1,0 +1,118 @@
+"""A light, a body and what was seen stay where they are in the room when the marker is moved in it."""
+
+import math
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Mesh, Proxy
+from ashe_live.core.square import PlaneMarker, square_corners
+from ashe_live.core.transforms import (
+    inverse_rigid,
+    lies_elsewhere,
+    motion_between,
+    project,
+    rigid,
+    tangent_basis,
+    transform_points,
+)
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.light.live.moved_marker import moved_illumination, seen_before_move
+from tests.light.synthetic_masks import camera_towards
+
+SIDE_M = 0.08
+CAMERA = Camera.from_hfov((640, 480), 60)
+TURNED = rigid(cv2.Rodrigues(np.radians([0.0, 0.0, -70.0]))[0], [0.03, -0.02, 0.0])  # T_new_old
+TILTED = rigid(cv2.Rodrigues(np.radians([20.0, -10.0, 30.0]))[0], [0.03, -0.02, 0.05])
+COVARIANCE = np.array([[4e-3, 1e-3], [1e-3, 1e-3]])
+
+
+def seen(T_cam_marker=None, **kwargs) -> TrackedFrame:
+    T_cam_marker = camera_towards((0.0, 0.0), 0.5, 50.0) if T_cam_marker is None else T_cam_marker
+    corners_px = project(CAMERA, T_cam_marker, square_corners(SIDE_M))
+    frame = Frame(np.zeros((480, 640, 3), np.uint8), 0, 0.0)
+    return TrackedFrame(frame, CAMERA, MarkerPose(T_cam_marker, corners_px, SIDE_M, 0.1, None), **kwargs)
+
+
+@pytest.mark.parametrize("motion", [TURNED, TILTED], ids=["turned", "tilted"])
+@pytest.mark.parametrize("inverse_distance", [0.0, 2.0], ids=["sun", "lamp"])
+def test_a_light_stays_in_the_room(motion, inverse_distance) -> None:
+    light = Light(np.array([0.5, 0.3, 0.8]), COVARIANCE, inverse_distance=inverse_distance)
+    (moved,) = moved_illumination(Illumination((light,)), motion, SIDE_M).lights
+    if inverse_distance:
+        assert moved.position_marker_m == pytest.approx(transform_points(motion, [light.position_marker_m])[0])
+    else:
+        assert moved.to_light_marker == pytest.approx(motion[:3, :3] @ light.to_light_marker)
+        assert moved.inverse_distance == 0
+        before, after = (basis.T @ each.covariance_rad2 @ basis for each in (light, moved)
+                         for basis in [tangent_basis(each.to_light_marker)])  # fmt: skip
+        assert after == pytest.approx(motion[:3, :3] @ before @ motion[:3, :3].T)
+    assert np.linalg.eigvalsh(moved.covariance_rad2).min() > 0
+
+
+def test_a_lamp_that_the_marker_is_moved_into_keeps_a_direction() -> None:
+    lamp = Light(np.array([0.0, 0.0, 1.0]), inverse_distance=10.0)
+    into = rigid(np.eye(3), [0.0, 0.0, -0.1])
+    (moved,) = moved_illumination(Illumination((lamp,)), into, SIDE_M).lights
+    assert moved.to_light_marker == pytest.approx([0, 0, 1])
+
+
+def test_bodies_stand_where_they_stood_as_long_as_the_marker_lies_on_their_plane() -> None:
+    mesh = Mesh(np.eye(3), np.array([[0, 1, 2]]))
+    body = Proxy("cylinder", np.array([[0.1, 0.0, 0.0, 0.03, 0.0], [0.1, 0.0, 0.1, 0.03, 0.0]]), mesh)
+    lit = Illumination((), real_object=body)
+    moved = moved_illumination(lit, TURNED, SIDE_M).real_object
+    assert moved.foot_marker == pytest.approx(transform_points(TURNED, [body.foot_marker])[0])
+    assert moved.height_m == pytest.approx(body.height_m)
+    assert moved.mesh.points_marker == pytest.approx(transform_points(TURNED, np.eye(3)))
+    assert moved_illumination(lit, TILTED, SIDE_M).real_object is None
+
+
+def test_the_sky_leans_the_same_way_in_the_room() -> None:
+    slope = np.array([[0.2, 0.2, 0.3], [0.0, 0.1, 0.0]])
+    moved = moved_illumination(Illumination((), sky_slope_rgb=slope), TURNED, SIDE_M).sky_slope_rgb
+    normal = np.array([0.6, -0.8, 0.0])
+    assert (TURNED[:3, :3] @ normal)[:2] @ moved == pytest.approx(normal[:2] @ slope)
+
+
+def test_what_polished_surfaces_mirror_stays_in_its_picture() -> None:
+    frame = seen()
+    moved = moved_illumination(Illumination((), seen_in=frame), TURNED, SIDE_M).seen_in
+    points = np.array([[0.1, 0.2, 0.0], [0.0, 0.1, 0.05]])
+    now = project(CAMERA, moved.marker.T_cam_marker, transform_points(TURNED, points))
+    assert now == pytest.approx(project(CAMERA, frame.marker.T_cam_marker, points))
+
+
+def test_a_view_from_before_shows_the_sheet_where_it_lay() -> None:
+    beside = PlaneMarker("aruco:4x4_50:3", np.array([0.2, 0.1]), 0.5, 0.06)
+    before = seen(T_room_marker=np.eye(4), others=(beside,))
+    now = seen_before_move(before, inverse_rigid(TURNED))
+    pose = now.marker.T_cam_marker
+    assert now.marker.corners_px == pytest.approx(project(CAMERA, pose, square_corners(SIDE_M)), abs=1e-3)
+    other, lay = now.others
+    for one, points in ((lay, square_corners(SIDE_M)), (other, square_corners(0.06))):
+        where = points if one is lay else beside.on_plane(points)
+        assert project(CAMERA, pose, one.on_plane(points)) == pytest.approx(
+            project(CAMERA, before.marker.T_cam_marker, where), abs=1e-6
+        )
+    assert now.frame is before.frame
+
+
+def test_no_view_is_kept_of_a_marker_that_was_lifted_or_of_a_cube() -> None:
+    assert seen_before_move(seen(T_room_marker=np.eye(4)), inverse_rigid(TILTED)) is None
+    cube = seen(T_room_marker=np.eye(4))
+    cube = replace(cube, marker=replace(cube.marker, body=Proxy("box", np.array([[0, 0, 0.03, 0.0, 0.0]]))))
+    assert seen_before_move(cube, inverse_rigid(TURNED)) is None
+
+
+def test_what_counts_as_moved() -> None:
+    lies = np.eye(4)
+    assert motion_between(lies, lies) is None
+    assert motion_between(None, lies) is None
+    assert motion_between(lies, inverse_rigid(TURNED)) == pytest.approx(TURNED)
+    for degrees, metres, is_elsewhere in ((0.5, 0.0, False), (2.0, 0.0, True), (0.0, 0.001, False), (0, 0.01, True)):
+        slight = rigid(cv2.Rodrigues(np.array([0, 0, math.radians(degrees)]))[0], [metres, 0, 0])
+        assert lies_elsewhere(lies, slight, SIDE_M) is is_elsewhere

@@ -1,0 +1,171 @@
+"""Whether the marker was moved or the camera: on a painted table, where both are known."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import cache
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
+from ashe_live.core.transforms import angle_between, image_from_plane, inverse_rigid, project, rigid
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.tracking.placement import LOST_S, Placement
+from tests.light.painted_scenes import BOX, SIDE_M, paint
+from tests.light.synthetic_masks import camera_towards
+
+FPS = 30
+CAMERA = Camera.from_hfov((640, 480), 60)
+TABLE_M, CELLS = 1.2, 1200
+
+
+@cache
+def table(grain: float) -> np.ndarray:
+    """A table's top, (n, n, 3): noise of several sizes, `grain` grey levels deep."""
+    rng = np.random.default_rng(3)
+    noise = sum(cv2.GaussianBlur(rng.normal(0, 1, (CELLS, CELLS)), (0, 0), size) * size for size in (3, 6, 12))
+    return np.clip(130 + grain * noise / noise.std(), 0, 255).astype(np.uint8)[..., None].repeat(3, axis=2)
+
+
+def seen(T_cam_room: Float, T_room_marker: Float, time_s: float, grain: float = 20.0, exposure: float = 1.0):
+    """The table with the marker's sheet on it, wherever that was put; noise of two grey levels."""
+    cells = TABLE_M / CELLS
+    plane = np.array([[cells, 0, -TABLE_M / 2], [0, cells, -TABLE_M / 2], [0, 0, 1]])
+    image = cv2.warpPerspective(table(grain), image_from_plane(CAMERA, T_cam_room) @ plane, CAMERA.size, borderValue=90)
+    T_cam_marker = T_cam_room @ T_room_marker
+    for side, level in ((1.3 * SIDE_M, 225), (SIDE_M, 25), (0.4 * SIDE_M, 225)):
+        corners = np.round(16 * project(CAMERA, T_cam_marker, square_corners(side))).astype(np.int32)
+        cv2.fillConvexPoly(image, corners, (level,) * 3, cv2.LINE_AA, 4)
+    rng = np.random.default_rng(int(1e3 * time_s))
+    image = np.clip(exposure * image + rng.normal(0, 2, image.shape), 0, 255).astype(np.uint8)
+    corners_px = project(CAMERA, T_cam_marker, square_corners(SIDE_M))
+    pose = MarkerPose(T_cam_marker, corners_px, SIDE_M, 0.1, None)
+    return TrackedFrame(Frame(image, round(time_s * FPS), time_s), CAMERA, pose)
+
+
+def lying(turn_deg: float, x: float = 0.0, y: float = 0.0) -> Float:
+    """T_room_marker of a sheet on the table."""
+    cosine, sine = math.cos(math.radians(turn_deg)), math.sin(math.radians(turn_deg))
+    return rigid([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]], [x, y, 0])
+
+
+def view(azimuth_deg: float = 0.0, pitch_deg: float = 45.0) -> Float:
+    return camera_towards((0.02, 0.0), 0.5, pitch_deg, 90 + azimuth_deg)
+
+
+def followed(frames: Iterable[TrackedFrame], placement: Placement | None = None) -> list[Float]:
+    placement = placement or Placement()
+    return [np.asarray(placement.add(frame).T_room_marker) for frame in frames]
+
+
+def assert_near(found: Float, true: Float, degrees: float, mm: float) -> None:
+    between = inverse_rigid(true) @ found
+    assert math.degrees(float(np.linalg.norm(cv2.Rodrigues(between[:3, :3])[0]))) < degrees
+    assert 1e3 * float(np.linalg.norm(between[:3, 3])) < mm
+
+
+TURNED = [lying(3.0 * k, 0.001 * k, -0.0005 * k) for k in range(31)]
+
+
+@pytest.mark.parametrize("exposure", [1.0, 0.75])
+def test_a_marker_that_is_turned_before_a_still_camera(exposure) -> None:
+    gains = np.linspace(1, exposure, len(TURNED))
+    places = followed(seen(view(), place, k / FPS, exposure=gains[k]) for k, place in enumerate(TURNED))
+    for place, true in zip(places[3:], TURNED[3:], strict=True):
+        assert_near(place, true, 3.5, 2.5)  # of a frame before, while nothing has been compared yet
+    assert_near(places[-1], TURNED[-1], 0.5, 1)
+
+
+def test_a_camera_that_moves_round_a_marker_moves_no_marker() -> None:
+    frames = (seen(view(k - 30), lying(0), k / FPS) for k in range(61))
+    assert len({id(place) for place in followed(frames)}) == 1
+
+
+def test_nor_does_one_that_comes_nearer_and_turns() -> None:
+    poses = [camera_towards((0.02 + 0.002 * k, 0), 0.6 - 0.008 * k, 35 + 0.8 * k, 90 + 0.5 * k) for k in range(31)]
+    places = followed(seen(pose, lying(0), k / FPS) for k, pose in enumerate(poses))
+    assert len({id(place) for place in places}) == 1
+
+
+def test_nor_does_one_that_moves_round_a_thing_that_stands_there() -> None:
+    sides = [paint(BOX, T_cam_marker=view(k), seed=k + 9).tracked for k in range(0, 24, 2)]
+    frames = [replace(side, frame=Frame(side.frame.image_bgr, k, k / 10)) for k, side in enumerate(sides)]
+    assert len({id(place) for place in followed(frames)}) == 1
+
+
+@pytest.mark.parametrize("tremble_deg", [0.0, 0.3])
+def test_both_may_move_at_once(tremble_deg) -> None:
+    """The camera around the table, or in a hand that trembles."""
+    rng = np.random.default_rng(1)
+    round_deg = 0.0 if tremble_deg else 0.4
+    places = []
+    placement = Placement()
+    for k, true in enumerate(TURNED):
+        tremble = cv2.Rodrigues(np.radians(tremble_deg * rng.normal(size=3)))[0]
+        T_cam_room = rigid(tremble, np.zeros(3)) @ view(round_deg * k)
+        places += followed([seen(T_cam_room, true, k / FPS)], placement)
+    assert_near(places[-1], TURNED[-1], 2.0, 8)
+
+
+def test_on_plain_ground_nothing_shows_that_the_marker_is_moved() -> None:
+    places = followed(seen(view(), place, k / FPS, grain=0.0) for k, place in enumerate(TURNED))
+    assert len({id(place) for place in places}) == 1
+
+
+def test_a_marker_that_was_out_of_view_may_lie_elsewhere() -> None:
+    first, last = seen(view(), lying(0), 0.0), seen(view(), lying(140, 0.06, -0.03), 1.5)
+    away = replace(seen(view(), lying(0), 0.5), marker=None)
+    before, meanwhile, after = followed([first, away, last])
+    assert meanwhile is before
+    assert_near(after, lying(140, 0.06, -0.03), 0.5, 1)
+
+
+def test_a_marker_in_the_hand_is_tilted() -> None:
+    tilted = [rigid(cv2.Rodrigues(np.radians([1.5 * k, 0.0, 0]))[0], [0, 0, 0.001 * k]) for k in range(21)]
+    places = followed(seen(view(), place, k / FPS) for k, place in enumerate(tilted))
+    assert_near(places[-1], tilted[-1], 0.5, 1)
+
+
+def test_a_sheet_on_the_table_is_not_tilted_by_the_errors_of_its_poses() -> None:
+    """The light would lean by them."""
+    first, last = seen(view(), lying(0), 0.0), seen(view(), lying(60), 0.5)
+    error = rigid(cv2.Rodrigues(np.radians([1.2, -0.8, 0]))[0], [0, 0, 0.002])
+    off = replace(last.marker, T_cam_marker=last.marker.T_cam_marker @ error)
+    place = followed([first, replace(last, marker=off)])[-1]
+    assert np.array_equal(place[2], (0, 0, 1, 0))
+    assert_near(place, lying(60), 0.5, 1.5)
+
+
+def test_a_marker_that_lies_still_again_has_one_place() -> None:
+    """So that nothing is computed anew while nothing moves."""
+    frames = [seen(view(), place, k / FPS) for k, place in enumerate([*TURNED, *[TURNED[-1]] * 10])]
+    assert len({id(place) for place in followed(frames)[-6:]}) == 1
+
+
+def test_what_cannot_be_compared_counts_as_unmoved() -> None:
+    first, other = seen(view(), lying(0), 0.0), seen(view(), lying(0), LOST_S + 1.0, grain=0.0)
+    back = seen(view(), lying(90), 2 * LOST_S + 2.0)
+    before, after, later = followed([first, replace(other, marker=seen(view(30), lying(0), 0.0).marker), back])
+    assert before is after is later
+
+
+@pytest.mark.parametrize("ends", ["rewind", "forget"])
+def test_a_cut_begins_anew(ends) -> None:
+    placement = Placement()
+    turned = followed((seen(view(), place, k / FPS) for k, place in enumerate(TURNED)), placement)[-1]
+    getattr(placement, ends)()
+    (next_one,) = followed([seen(view(50), lying(0), 0.0)], placement)
+    assert np.array_equal(next_one, np.eye(4)) if ends == "rewind" else next_one is turned
+
+
+def test_light_from_the_room_is_where_it_was() -> None:
+    """The convention: what T_room_marker takes from the marker's frame to the room's stays there."""
+    true = lying(60, 0.03, 0.01)
+    first, last = followed([seen(view(), lying(0), 0.0), seen(view(), true, 0.5)])
+    to_light_room = np.array([0.6, 0.0, 0.8])
+    now, truth = last[:3, :3].T @ first[:3, :3] @ to_light_room, true[:3, :3].T @ to_light_room
+    assert math.degrees(angle_between(now, truth)) < 0.5
