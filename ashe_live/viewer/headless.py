@@ -15,7 +15,7 @@ from ashe_live.errors import UserError
 from ashe_live.light.live.worker import LONGEST_ESTIMATE_S
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.placement import Placement
+from ashe_live.tracking.marker_place import MarkerPlace
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.session import Session
@@ -38,9 +38,9 @@ def play_headless(
     """Plays `source` to its end or the limit and fills `report`. Raises UserError as the source does."""
     period_s = 1 / (source.fps or 1.0)
     begin_s = shown_s = 0.0
-    placement = Placement()
+    marker_place = MarkerPlace()
     if not (source.is_live or source.is_photo):
-        _estimate_ahead(source, tracker, placement, session, run, report)
+        _estimate_ahead(source, tracker, marker_place, session, run, report)
     while run.frame_limit is None or len(report.frames) < run.frame_limit:
         started = time.perf_counter()
         frame = source.read()
@@ -51,11 +51,11 @@ def play_headless(
                 break
             source.rewind()
             tracker.reset()
-            placement.rewind()
+            marker_place.rewind()
             session.watch.key_views.drop()
             begin_s = shown_s + period_s
             continue
-        tracked = placement.add(tracker.track(frame))
+        tracked = marker_place.add(tracker.track(frame))
         measured_ms = (time.perf_counter() - started) * 1e3
         shown_s = begin_s + frame.time_s
 
@@ -79,7 +79,7 @@ def play_headless(
 def _estimate_ahead(
     source: Source,
     tracker: MarkerTracker,
-    placement: Placement,
+    marker_place: MarkerPlace,
     session: Session,
     run: HeadlessRun,
     report: Report,
@@ -87,7 +87,7 @@ def _estimate_ahead(
     """Plays unseen to the frame that the light is estimated in; for the session it all happens at the time 0."""
     with suppress(UserError):  # of a damaged clip, what comes before the damage is played first
         for frame in islice(source, run.frame_limit):
-            tracked = placement.add(tracker.track(frame))
+            tracked = marker_place.add(tracker.track(frame))
             session.watch.key_views.add(tracked)
             session.take(tracked, 0.0)
             run.scene(session)
@@ -99,7 +99,7 @@ def _estimate_ahead(
         _finish_estimate(session, report, 0.0)
     source.rewind()
     tracker.reset()
-    placement.rewind()
+    marker_place.rewind()
 
 
 def _finish_estimate(session: Session, report: Report, shown_s: float) -> None:

@@ -73,6 +73,11 @@ class Session:
         return self._light.now(self.tracked) if self.hand.light is None else self.hand.light
 
     @property
+    def estimate_now(self) -> LightEstimate | None:
+        """The last estimate by the marker's frame as it lies now, and not as it lay then."""
+        return None if self.estimate is None else self._light.seen_by(self.tracked, self.estimate)
+
+    @property
     def hides_marker(self) -> bool:
         """Whether ground is painted over the marker: as chosen; if nobody chose, over a sheet and not over a body."""
         marker = None if self.tracked is None else self.tracked.marker

@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import direction_from_angles
+from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.light.live.worker_process import WorkerFailure
@@ -811,3 +811,53 @@ def test_a_lamp_where_no_light_can_come_from_is_reported(make, fakes, monkeypatc
     session.hand.light = Illumination((lamp,))
     assert guidance(session) == (() if said is None else (said,))
     assert f"lamp, {100 * np.linalg.norm(place):.0f} cm, azimuth" in light_line(session)
+
+
+def lying(turn_deg: float) -> np.ndarray:
+    """T_room_marker of a sheet that is turned on its table."""
+    cosine, sine = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
+    return rigid([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]], (0, 0, 0))
+
+
+def test_the_light_stays_in_the_room_while_the_marker_is_turned(make, fakes):
+    session = make()
+    session.take(dataclasses.replace(fakes.tracked(0), T_room_marker=lying(0)), 0.0)
+    session.request_estimate(0.0)
+    session.watch._worker.answer = fakes.estimate(0)
+    session.poll(0.0)
+    session.poll(10.0)
+    room = session.shown.light.to_light_marker
+    for index, turn_deg in enumerate((20, 200, 40), 1):
+        place = lying(turn_deg)
+        session.take(dataclasses.replace(fakes.tracked(index), T_room_marker=place), 10.0 + index)
+        session.poll(10.0 + index)
+        assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
+        assert session.lit_by is session.shown
+        assert session.estimate_now.light.to_light_marker == pytest.approx(session.shown.light.to_light_marker)
+        before = session.shown
+        session.take(
+            dataclasses.replace(fakes.tracked(index + 9), T_room_marker=session.tracked.T_room_marker), 10.1 + index
+        )
+        session.poll(10.1 + index)
+        assert session.shown is before  # so that nothing is drawn anew
+    # A new answer is by the marker as it lies now, and is reached from where the light was in the room.
+    session.request_estimate(20.0)
+    session.watch._worker.answer = fakes.estimate(13)
+    session.poll(20.0)
+    assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
+    session.poll(30.0)
+    assert session.shown.light.to_light_marker == pytest.approx(room)
+
+
+def test_nobody_asks_about_a_picture_in_which_the_marker_is_being_moved(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    session._steadiness = Steadiness(1)
+    session.take(dataclasses.replace(fakes.tracked(0), T_room_marker=lying(0)), 0.0)
+    assert len(session.watch._worker.requested) == 1
+    session.watch._worker.answer = fakes.estimate(0)
+    session.poll(0.0)
+    for index in range(1, 60):
+        session.take(dataclasses.replace(fakes.tracked(index), T_room_marker=lying(index)), float(index))
+    assert len(session.watch._worker.requested) == 1
+    session.take(dataclasses.replace(fakes.tracked(60), T_room_marker=session.tracked.T_room_marker), 60.0)
+    assert len(session.watch._worker.requested) == 2

@@ -68,6 +68,7 @@ class HiddenMarker:
         `at_once`: waits for it, as a picture without a window does; else another thread makes it. Beside a window that
         one's covers are taken, whether they fit or not; `at_once` only those that do.
         """
+        lies_still = self._followed is None or self._followed.T_room_marker is tracked.T_room_marker
         self._followed = tracked
         self._take()
         if self.shown is not None:
@@ -77,8 +78,9 @@ class HiddenMarker:
                 return
         steady = self._seen_lit_by is not None and _same_scene(illumination, self._seen_lit_by)
         self._seen_lit_by = illumination
-        # While a light eases to another one, each frame has one of its own.
-        if self._coming is None and (steady or at_once or self._cover is None) and self._is_due(tracked, illumination):
+        # While a light eases to another one, or the sheet is moved, each frame has one of its own.
+        is_time = self._cover is None or (lies_still and (steady or at_once))
+        if self._coming is None and is_time and self._is_due(tracked, illumination):
             self._asked_for = tracked, illumination
             if at_once:
                 self._accept(ground_cover(tracked, illumination))
@@ -172,7 +174,7 @@ class HiddenMarker:
         was, now = made_from.marker, tracked.marker
         assert was is not None
         assert now is not None
-        if was.side_m != now.side_m or not _same_scene(illumination, lit_by):
+        if was.side_m != now.side_m or self._is_elsewhere(tracked) or not _same_scene(illumination, lit_by):
             return True
         is_nearer = side_lengths_px(now.corners_px).max() > NEARER * side_lengths_px(was.corners_px).max()
         least_cos = TURNED_COS if now.body is None else np.cos(TURNED_RAD)

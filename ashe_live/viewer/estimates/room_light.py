@@ -1,8 +1,10 @@
 """The estimated light, which stays in the room while the marker is moved in it."""
 
+from dataclasses import replace
+
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import motion_between
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.live.moved_marker import moved_illumination
 from ashe_live.viewer.estimates.easing import LightEasing
 
@@ -28,6 +30,10 @@ class RoomLight:
     def now(self, tracked: TrackedFrame | None) -> Illumination:
         """The estimated light by the marker's frame in `tracked`."""
         return self._seen_from(tracked, self.estimated)
+
+    def seen_by(self, tracked: TrackedFrame | None, estimate: LightEstimate) -> LightEstimate:
+        """The last estimate by the marker's frame in `tracked`."""
+        return replace(estimate, illumination=self._seen_from(tracked, estimate.illumination))
 
     def shown(self, tracked: TrackedFrame | None, now_s: float) -> Illumination:
         """As `now`, on its way from the estimate before."""

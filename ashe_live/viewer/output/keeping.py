@@ -87,7 +87,7 @@ class Keeper:
 
     def _known(self, tracked: TrackedFrame) -> Json:
         session, hand = self._session, self._session.hand
-        light = None if session.estimate is None else estimated_light_json(session.estimate)
+        light = None if session.estimate_now is None else estimated_light_json(session.estimate_now)
         if hand.light is not None:
             light = light_by_hand_json(hand.light, hand.frame_index)
         models = [

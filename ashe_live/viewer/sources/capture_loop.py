@@ -14,7 +14,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.process.mailbox import Closed, LatestMailbox
-from ashe_live.tracking.placement import Placement
+from ashe_live.tracking.marker_place import MarkerPlace
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.sources.pace import Pace
@@ -98,7 +98,7 @@ class CaptureLoop:
         self._tracker_for = tracker_for
         self._frames = exchange.frames
         self._key_views = exchange.key_views
-        self._placement = Placement()
+        self._marker_place = MarkerPlace()
         self._period_s = 1 / (source.fps or PHOTO_FPS)
         self._pace = Pace()
         self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated
@@ -174,7 +174,7 @@ class CaptureLoop:
         place = Place(frame.time_s, frame.index)
         self._publish(shown=place, at=place)
         self._shown = frame
-        tracked = self._placement.add(self._tracker.track(frame))
+        tracked = self._marker_place.add(self._tracker.track(frame))
         self._frames.put(tracked)
         # After handing over, so that the display does not wait for it.
         self._key_views.add(tracked)
@@ -247,9 +247,9 @@ class CaptureLoop:
         self._source.rewind()
         self._tracker.reset()
         self._key_views.drop()
-        self._placement.rewind()
+        self._marker_place.rewind()
 
     def _forget_scene(self) -> None:
         """What has been seen cannot be compared with what comes next."""
         self._key_views.drop()
-        self._placement.forget()
+        self._marker_place.forget()

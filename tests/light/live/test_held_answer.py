@@ -2,11 +2,13 @@
 
 import math
 
+import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, tangent_basis
-from ashe_live.core.types import Illumination, Light, LightEstimate
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, rigid, tangent_basis
+from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.live.held_answer import AS_SURE, CHANGED_AFTER, HeldAnswer, agree
 
 SUN = direction_from_angles(0.7, 0.8)
@@ -164,3 +166,29 @@ def test_a_slow_sun_is_followed() -> None:
         now = direction_from_angles(0.7 + math.radians(step), 0.8)
         answer.offer(estimate(light(now)))
         assert error_deg(answer, now) < 4
+
+
+@pytest.mark.parametrize("turn_deg", [30.0, 170.0])
+def test_a_light_is_the_same_after_the_marker_was_turned(turn_deg: float) -> None:
+    """It is compared with later answers by the marker's frame as it lies then; what disagreed before still does."""
+    answer, lies = HeldAnswer(), np.eye(4)
+    answer.move_to(seen(lies))
+    answer.offer(estimate(light(SUN, 1.0, 0.9)))
+    answer.offer(estimate(light(LAMP, 1.0, 0.9)))
+    turned_by = rigid(cv2.Rodrigues(np.radians([0, 0, turn_deg]))[0], [0.02, 0.0, 0.0])
+    answer.move_to(seen(turned_by))
+    sun, lamp = (turned_by[:3, :3].T @ each for each in (SUN, LAMP))
+    assert error_deg(answer, sun) < 1e-6
+    assert answer.estimate.light.confidence == 0.9
+    for _ in range(CHANGED_AFTER - 1):
+        assert not answer.is_news
+        answer.offer(estimate(light(lamp, 1.0, 0.9)))
+    assert answer.is_news
+    assert error_deg(answer, lamp) < 1e-6
+
+
+def seen(T_room_marker) -> TrackedFrame:
+    camera = Camera.from_hfov((64, 48), 60)
+    pose = MarkerPose(rigid(np.diag([1, -1, -1]), [0, 0, 0.4]), np.zeros((4, 2)), 0.08, 0.1, None)
+    frame = Frame(np.zeros((48, 64, 3), np.uint8), 0, 0.0)
+    return TrackedFrame(frame, camera, pose, T_room_marker=T_room_marker)

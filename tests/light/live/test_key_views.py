@@ -10,7 +10,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import angle_between, project, rigid, view_direction
+from ashe_live.core.transforms import angle_between, inverse_rigid, project, rigid, transform_points, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.live.key_views import (
     GAIN,
@@ -23,6 +23,7 @@ from ashe_live.light.live.key_views import (
     KeyViews,
     blur_px,
     kept_size,
+    lies_as_in,
     scaled,
     span_of,
 )
@@ -228,3 +229,44 @@ def test_views_are_dropped_some_or_all() -> None:
     kept.drop()
     assert kept.views == ()
     assert kept.add(view(0))
+
+
+def turned(degrees: float) -> np.ndarray:
+    """T_room_marker of a sheet that is turned on its table."""
+    return rigid(cv2.Rodrigues(np.radians([0.0, 0.0, degrees]))[0], [0.01, 0.0, 0.0])
+
+
+def test_views_stay_when_the_marker_is_moved() -> None:
+    """By its frame where it lies then; none is added while it moves."""
+    lies, kept = np.eye(4), KeyViews()
+    for frame in orbit(range(0, 40, 4)):
+        kept.add(dataclasses.replace(frame, T_room_marker=lies))
+    before = kept.views
+    for degrees in range(2, 60, 2):
+        assert not kept.add(dataclasses.replace(view(80.0, degrees), T_room_marker=turned(degrees)))
+    assert kept.views == before
+    last = dataclasses.replace(view(80.0, 99), T_room_marker=turned(60))
+    kept.add(last)
+    assert kept.add(dataclasses.replace(last, frame=Frame(last.frame.image_bgr, 100, 4.0)))
+    *moved, new = kept.views
+    assert new.frame.index == 100
+    assert [each.frame.index for each in moved] == [each.frame.index for each in before]
+    point_room = np.array([[0.1, 0.05, 0.03]])
+    for one, other in zip(before, moved, strict=True):
+        assert all(lies_as_in(each, new) for each in moved)
+        was, now = (
+            project(CAMERA, each.marker.T_cam_marker, transform_points(inverse_rigid(each.T_room_marker), point_room))
+            for each in (one, other)
+        )
+        assert now == pytest.approx(was)
+
+
+def test_a_marker_that_is_lifted_from_its_table_shows_another_scene() -> None:
+    kept = KeyViews()
+    for frame in orbit(range(0, 40, 4)):
+        kept.add(dataclasses.replace(frame, T_room_marker=np.eye(4)))
+    lifted = rigid(cv2.Rodrigues(np.radians([30.0, 0.0, 0.0]))[0], [0.0, 0.0, 0.1])
+    held = dataclasses.replace(view(0.0, 99), T_room_marker=lifted)
+    kept.add(held)
+    kept.add(held)
+    assert [each.frame.index for each in kept.views] == [99]

@@ -13,7 +13,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, raycast_to_plane
-from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.exposure import gain_and_slope
@@ -371,6 +371,45 @@ def test_a_recording_is_covered_also_while_the_window_draws_nothing(ctx, stage) 
     assert len(recorded.corners) == 4
     for hidden in (recorded, window):
         hidden.release()
+
+
+def _settled(hidden: HiddenMarker, tracked: TrackedFrame, lit: Illumination) -> list[GroundCover | None]:
+    """The covers that are shown until no other is being made."""
+    shown = []
+    for _ in range(2):  # the first time the light may be another one
+        hidden.follow(tracked, lit, at_once=False)
+    while not hidden.is_settled:
+        hidden._coming.result()
+        hidden.follow(tracked, lit, at_once=False)
+        shown.append(hidden._cover)
+    return shown
+
+
+def test_a_sheet_that_was_moved_is_covered_by_the_ground_where_it_lies_a_draft_first(ctx, stage) -> None:
+    hidden = HiddenMarker(ctx)
+    lies, moved = (replace(_view(stage), T_room_marker=place) for place in (np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])))
+    _settled(hidden, lies, Illumination())
+    assert _settled(hidden, lies, Illumination()) == []
+    # The ground beside it is another one, by which no exposure can be compared.
+    brighter = replace(_view(stage, gain=1.5, index=1), T_room_marker=moved.T_room_marker)
+    hidden.follow(brighter, Illumination((Light(np.array([0.0, 0.6, 0.8])),)), at_once=False)
+    assert hidden._gain == pytest.approx(1, abs=0.05)
+    covers = _settled(hidden, moved, Illumination())
+    assert [cover.is_draft for cover in covers] == [True, False]
+    hidden.release()
+
+
+def test_a_hand_on_the_sheet_becomes_no_part_of_the_next_cover(ctx, stage) -> None:
+    hidden = HiddenMarker(ctx)
+    lies, moved = (replace(_view(stage), T_room_marker=place) for place in (np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])))
+    _settled(hidden, lies, Illumination())
+    picture = moved.frame.image_bgr.copy()
+    left = np.arange(picture.shape[1]) < moved.marker.corners_px[:, 0].mean()
+    picture[_on_sheet(moved) & left] = (80, 110, 190)
+    touched = replace(moved, frame=Frame(picture, 1, 0.1))
+    assert _settled(hidden, touched, Illumination()) == []
+    assert _settled(hidden, replace(moved, frame=replace(moved.frame, index=2, time_s=0.2)), Illumination())
+    hidden.release()
 
 
 def test_a_cover_that_was_given_up_meanwhile_is_not_taken(ctx, stage) -> None:

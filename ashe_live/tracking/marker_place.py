@@ -23,7 +23,7 @@ FLAT, FLAT_SIDES = math.sin(math.radians(2.5)), 0.08  # tilt, and height in side
 LOST_S = 2.0  # after which a frame that cannot be compared begins anew, and the marker counts as unmoved since
 
 
-class Placement:
+class MarkerPlace:
     """Where the marker lies in the room, frame by frame. For use by one thread."""
 
     def __init__(self) -> None:

@@ -14,7 +14,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, image_from_plane, inverse_rigid, project, rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.tracking.placement import LOST_S, Placement
+from ashe_live.tracking.marker_place import LOST_S, MarkerPlace
 from tests.light.painted_scenes import BOX, SIDE_M, paint
 from tests.light.synthetic_masks import camera_towards
 
@@ -57,9 +57,9 @@ def view(azimuth_deg: float = 0.0, pitch_deg: float = 45.0) -> Float:
     return camera_towards((0.02, 0.0), 0.5, pitch_deg, 90 + azimuth_deg)
 
 
-def followed(frames: Iterable[TrackedFrame], placement: Placement | None = None) -> list[Float]:
-    placement = placement or Placement()
-    return [np.asarray(placement.add(frame).T_room_marker) for frame in frames]
+def followed(frames: Iterable[TrackedFrame], marker_place: MarkerPlace | None = None) -> list[Float]:
+    marker_place = marker_place or MarkerPlace()
+    return [np.asarray(marker_place.add(frame).T_room_marker) for frame in frames]
 
 
 def assert_near(found: Float, true: Float, degrees: float, mm: float) -> None:
@@ -103,11 +103,11 @@ def test_both_may_move_at_once(tremble_deg) -> None:
     rng = np.random.default_rng(1)
     round_deg = 0.0 if tremble_deg else 0.4
     places = []
-    placement = Placement()
+    marker_place = MarkerPlace()
     for k, true in enumerate(TURNED):
         tremble = cv2.Rodrigues(np.radians(tremble_deg * rng.normal(size=3)))[0]
         T_cam_room = rigid(tremble, np.zeros(3)) @ view(round_deg * k)
-        places += followed([seen(T_cam_room, true, k / FPS)], placement)
+        places += followed([seen(T_cam_room, true, k / FPS)], marker_place)
     assert_near(places[-1], TURNED[-1], 2.0, 8)
 
 
@@ -155,10 +155,10 @@ def test_what_cannot_be_compared_counts_as_unmoved() -> None:
 
 @pytest.mark.parametrize("ends", ["rewind", "forget"])
 def test_a_cut_begins_anew(ends) -> None:
-    placement = Placement()
-    turned = followed((seen(view(), place, k / FPS) for k, place in enumerate(TURNED)), placement)[-1]
-    getattr(placement, ends)()
-    (next_one,) = followed([seen(view(50), lying(0), 0.0)], placement)
+    marker_place = MarkerPlace()
+    turned = followed((seen(view(), place, k / FPS) for k, place in enumerate(TURNED)), marker_place)[-1]
+    getattr(marker_place, ends)()
+    (next_one,) = followed([seen(view(50), lying(0), 0.0)], marker_place)
     assert np.array_equal(next_one, np.eye(4)) if ends == "rewind" else next_one is turned
 
 
