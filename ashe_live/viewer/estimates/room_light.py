@@ -1,11 +1,9 @@
 """The estimated light, which stays in the room while the marker is moved in it."""
 
-from dataclasses import replace
-
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import motion_between
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
-from ashe_live.light.live.moved_marker import moved_illumination
+from ashe_live.light.live.moved_marker import moved_estimate, moved_illumination
 from ashe_live.viewer.estimates.easing import LightEasing
 
 
@@ -33,7 +31,10 @@ class RoomLight:
 
     def seen_by(self, tracked: TrackedFrame | None, estimate: LightEstimate) -> LightEstimate:
         """The last estimate by the marker's frame in `tracked`."""
-        return replace(estimate, illumination=self._seen_from(tracked, estimate.illumination))
+        motion = None if tracked is None else motion_between(self._T_room_marker, tracked.T_room_marker)
+        if motion is None or tracked is None or tracked.marker is None:
+            return estimate
+        return moved_estimate(estimate, motion, tracked.marker.side_m)
 
     def shown(self, tracked: TrackedFrame | None, now_s: float) -> Illumination:
         """As `now`, on its way from the estimate before."""
