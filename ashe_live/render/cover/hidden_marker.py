@@ -5,6 +5,7 @@ anew for another scene or light, and once the camera has come so much nearer, or
 would show. Where pictures do not wait for it, a draft comes before the first.
 """
 
+import math
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 
@@ -26,6 +27,7 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 NEARER = 1.5  # the cover is made anew once the marker appears this many times as large, as it then lacks detail
 TURNED_COS = np.cos(np.radians(30.0))  # and once the camera has turned by this, as the ground's relief looks different
 MOST_HIDDEN = 0.02  # share of the sheet that things may hide in a frame from which a cover is made
+LEFT_ALONE_S = 0.6  # time of the video after which the hand that has moved the sheet has let it go
 RETRIED_S = 1.0  # time of the video after which another attempt follows one that failed
 
 
@@ -49,6 +51,7 @@ class HiddenMarker:
         self._compared_in: Frame | None = None  # by which this was found
         self._hidden_share = 0.0  # of the sheet, by things before it
         self._failed_s: float | None = None
+        self._moved_s = -math.inf  # time of the video at which the sheet was moved last
 
     @property
     def is_settled(self) -> bool:
@@ -68,27 +71,29 @@ class HiddenMarker:
         `at_once`: waits for it, as a picture without a window does; else another thread makes it. Beside a window that
         one's covers are taken, whether they fit or not; `at_once` only those that do.
         """
-        lies_still = self._followed is None or self._followed.T_room_marker is tracked.T_room_marker
+        if self._followed is not None and self._followed.T_room_marker is not tracked.T_room_marker:
+            self._moved_s = tracked.frame.time_s
         self._followed = tracked
         self._take()
         if self.shown is not None:
             self._take_shown(self.shown, tracked, illumination, at_once)
-            if not at_once:
-                self._follow_frame(tracked)
-                return
+        self._follow_frame(tracked)
+        if self.shown is not None and not at_once:
+            return
         steady = self._seen_lit_by is not None and _same_scene(illumination, self._seen_lit_by)
         self._seen_lit_by = illumination
         # While a light eases to another one, or the sheet is moved, each frame has one of its own.
+        lies_still = abs(tracked.frame.time_s - self._moved_s) >= LEFT_ALONE_S
         is_time = self._cover is None or (lies_still and (steady or at_once))
         if self._coming is None and is_time and self._is_due(tracked, illumination):
             self._asked_for = tracked, illumination
             if at_once:
                 self._accept(ground_cover(tracked, illumination))
+                self._follow_frame(tracked)
             else:
                 self._maker = self._maker or ThreadPoolExecutor(1, "ground cover")
                 is_draft = self._cover is None or self._is_elsewhere(tracked)
                 self._coming = self._maker.submit(ground_cover, tracked, illumination, is_draft)
-        self._follow_frame(tracked)
 
     def bind(self, program: moderngl.Program) -> None:
         """For a program that was built with `covers`."""
