@@ -197,6 +197,9 @@ class Illumination:
     # (2, 3) linear RGB, the lean of the sky: beyond the light of an even sky, a surface of normal n gets n_x times the
     # first row plus n_y times the second, relative to all light on level ground. None: an even sky.
     sky_slope_rgb: Float | None = None
+    # The same by the marker's frame as it lay in `seen_in`, where the marker has been moved since: what is read in that
+    # picture, as the white of its paper, is where it was then. None: it lies there still.
+    as_it_lay: "Illumination | None" = None
 
     def __post_init__(self) -> None:
         for light in arguments.instance(self.lights, tuple, "lights"):

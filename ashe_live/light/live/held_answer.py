@@ -59,9 +59,8 @@ class HeldAnswer:
         """
         motion, self._T_room_marker = motion_between(self._T_room_marker, seen.T_room_marker), seen.T_room_marker
         if motion is not None and self.estimate is not None and seen.marker is not None:
-            side_m = seen.marker.side_m
-            self.estimate = moved_estimate(self.estimate, motion, side_m)
-            self._dissent = [moved_estimate(other, motion, side_m) for other in self._dissent]
+            self.estimate = moved_estimate(self.estimate, motion, seen.marker)
+            self._dissent = [moved_estimate(other, motion, seen.marker) for other in self._dissent]
 
     def offer(self, new: LightEstimate, is_of_changed_scene: bool = False) -> bool:
         """Takes `new` as the answer, or not; returns whether it is sharper than the answer known before.

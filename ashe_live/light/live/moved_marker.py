@@ -11,11 +11,12 @@ from ashe_live.core.proxy import Mesh, Proxy
 from ashe_live.core.ranges import INVERSE_DISTANCE
 from ashe_live.core.square import PlaneMarker, square_corners
 from ashe_live.core.transforms import inverse_rigid, motion_between, tangent_basis, transform_points
-from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 
 # A marker that is tilted by more than this, or lifted by more than this share of its side, is no longer on the table.
 LEVEL_COS = math.cos(math.radians(5.0))
 LIFTED_SIDES = 0.15
+GRAZING, DARKEST = 0.05, 1e-3  # least sine of a light's elevation, and least light, by which anything is divided
 
 
 def stays_on_plane(T_new_old: Float, side_m: float) -> bool:
@@ -23,26 +24,56 @@ def stays_on_plane(T_new_old: Float, side_m: float) -> bool:
     return bool(T_new_old[2, 2] > LEVEL_COS and abs(T_new_old[2, 3]) < LIFTED_SIDES * side_m)
 
 
-def moved_estimate(estimate: LightEstimate, T_new_old: Float, side_m: float) -> LightEstimate:
+def moved_estimate(estimate: LightEstimate, T_new_old: Float, marker: MarkerPose) -> LightEstimate:
     """As `moved_illumination`; masks, views and all else stay those of the frames that the answer rests on."""
-    return replace(estimate, illumination=moved_illumination(estimate.illumination, T_new_old, side_m))
+    return replace(estimate, illumination=moved_illumination(estimate.illumination, T_new_old, marker))
 
 
-def moved_illumination(illumination: Illumination, T_new_old: Float, side_m: float) -> Illumination:
+def moved_illumination(illumination: Illumination, T_new_old: Float, marker: MarkerPose) -> Illumination:
     """The same light, by the marker's new frame.
 
-    T_new_old (4, 4): rigid, metres, from the marker's frame before it was moved to that after. `side_m`: of the marker.
-    Where it no longer lies on its plane, the real object is left out, as bodies stand upright on the plane.
+    T_new_old (4, 4): rigid, metres, from the marker's frame before it was moved to that after. The real object stays
+    where it is, but for one that the marker is printed on. Where a sheet no longer lies on its plane, the object is
+    left out, as bodies stand upright on the plane.
     """
-    body, slope = illumination.real_object, illumination.sky_slope_rgb
-    is_level = stays_on_plane(T_new_old, side_m)
+    body, slope, seen_in = illumination.real_object, illumination.sky_slope_rgb, illumination.seen_in
+    lights, ambient = (
+        tuple(_moved_light(light, T_new_old) for light in illumination.lights),
+        illumination.ambient_rgb_ratio,
+    )
+    if not stays_on_plane(T_new_old, marker.side_m):
+        lights, ambient = _shared_on_tilted(lights, illumination)
+    if body is not None and marker.body is None:
+        body = _moved_body(body, T_new_old) if stays_on_plane(T_new_old, marker.side_m) else None
     return replace(
         illumination,
-        lights=tuple(_moved_light(light, T_new_old) for light in illumination.lights),
-        real_object=_moved_body(body, T_new_old) if body is not None and is_level else None,
-        seen_in=illumination.seen_in and _seen_by(illumination.seen_in, T_new_old),
+        lights=lights,
+        ambient_rgb_ratio=ambient,
+        real_object=body,
+        seen_in=seen_in and _seen_by(seen_in, T_new_old),
         sky_slope_rgb=None if slope is None else T_new_old[:2, :2] @ slope,
+        as_it_lay=None if seen_in is None else illumination.as_it_lay or illumination,
     )
+
+
+def _shared_on_tilted(lights: tuple[Light, ...], before: Illumination) -> tuple[tuple[Light, ...], Float | None]:
+    """The moved lights and the ambient light with their shares of what a sheet receives that is tilted.
+
+    A light gives it as much as the cosine to its normal says, which was the sine of the light's elevation; the sky
+    gives it about as much as before.
+    """
+    lost = [light.shadow_rgb_ratio for light in lights]
+    if not lights or any(ratio is None for ratio in lost):
+        return lights, before.ambient_rgb_ratio
+    shares = np.array([1 - ratio for ratio in lost if ratio is not None])
+    sky = np.clip(1 - shares.sum(axis=0), 0, 1) if before.ambient_rgb_ratio is None else before.ambient_rgb_ratio
+    heights = np.array(
+        [[now.to_light_marker[2], was.to_light_marker[2]] for now, was in zip(lights, before.lights, strict=True)]
+    )
+    received = shares * (np.maximum(heights[:, 0], 0) / np.maximum(heights[:, 1], GRAZING))[:, None]
+    total = np.maximum(sky + received.sum(axis=0), DARKEST)
+    shared = (replace(light, shadow_rgb_ratio=1 - one / total) for light, one in zip(lights, received, strict=True))
+    return tuple(shared), None if before.ambient_rgb_ratio is None else np.asarray(sky / total)
 
 
 def _moved_light(light: Light, T_new_old: Float) -> Light:

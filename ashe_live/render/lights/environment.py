@@ -29,6 +29,7 @@ class Environment:
         self._shares = share_texture(ctx)
         self._half_radius_m = 1.0
         self._shown: tuple[TrackedFrame | None, Float | None, bytes] | None = None
+        self._asked_for: TrackedFrame | None = None
         self._white_rgb: RGB = (1.0, 1.0, 1.0)  # while the maps were filled
 
     def show(self, illumination: Illumination, white_rgb: RGB, covered: Float) -> None:
@@ -41,7 +42,13 @@ class Environment:
         wanted = seen_in, ground_rgb, covered.tobytes()
         is_as_white = seen_in is not None or np.allclose(white_rgb, self._white_rgb, rtol=LEAST_CHANGE, atol=0.0)
         is_same = self._shown is not None and same_objects(self._shown[:2], wanted[:2]) and self._shown[2] == wanted[2]
-        if is_same and is_as_white:
+        is_asked_again, self._asked_for = seen_in is self._asked_for, seen_in
+        shown = None if self._shown is None else self._shown[0]
+        # While the marker is moved, each frame has the same picture from another place: filled once the marker rests.
+        is_on_its_way = (
+            shown is not None and seen_in is not None and shown.frame is seen_in.frame and not is_asked_again
+        )
+        if (is_same and is_as_white) or is_on_its_way:
             return
         if seen_in is not None:
             surroundings = surroundings_of(seen_in, self._size, ground_rgb, covered)

@@ -1,8 +1,10 @@
 """The scene's irradiances and the video's exposure, blur and noise, measured again only when they may have changed."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from ashe_live.core.arrays import same_objects
+from ashe_live.core.arrays import Float, same_objects
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.camera.held_look import HeldLook
 from ashe_live.render.camera.relief import Relief, relief_of
@@ -15,6 +17,15 @@ from ashe_live.render.lights.open_sky import open_sky
 from ashe_live.render.lights.shadow_colour import steadied
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Read:
+    """What the picture shows that an illumination was seen in."""
+
+    lighting: Lighting
+    ambient: Float | None  # (3,) as Illumination.ambient_rgb_ratio, of the open sky
+    albedo: Float | None  # (3,) of the ground
+
+
 class Photometry:
     """A cache of all of these; every frame must have a marker."""
 
@@ -22,14 +33,30 @@ class Photometry:
         self._preset = preset
         self._look = HeldLook(preset)
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
+        self._read: tuple[tuple[object, ...], _Read] | None = None
         self._border: tuple[Lighting, float] | None = None
         self._relief: tuple[tuple[object, ...], Lighting, Relief | None] | None = None
         self._relief_asked_by: Lighting | None = None
 
     def lighting(self, of: Illumination) -> Lighting:
         """The irradiances; the same object for the same illumination."""
-        known = (*of.lights, of.ambient_rgb_ratio, of.sky_slope_rgb, of.ground_rgb, of.seen_in, of.real_object)
+        if of.as_it_lay is None:
+            return self._as_it_lay(of).lighting
+        known = _known(of)
         if self._lighting is None or not same_objects(self._lighting[0], known):
+            read, before = self._as_it_lay(of.as_it_lay), of.as_it_lay.ambient_rgb_ratio
+            lights, ambient = steadied(of)
+            if read.ambient is not None and before is not None and of.ambient_rgb_ratio is not None:
+                ambient = (
+                    read.ambient * of.ambient_rgb_ratio / np.maximum(before, 1e-6)
+                )  # less of all on a tilted sheet
+            self._lighting = known, lighting_of(lights, ambient, read.albedo, of.sky_slope_rgb)
+        return self._lighting[1]
+
+    def _as_it_lay(self, of: Illumination) -> "_Read":
+        """What is read in the picture, by the marker's frame as it lay there."""
+        known = _known(of)
+        if self._read is None or not same_objects(self._read[0], known):
             lights, ambient = steadied(of)
             albedo = None
             if of.ground_rgb is not None and of.seen_in is not None:
@@ -38,12 +65,13 @@ class Photometry:
                 albedo = of.ground_rgb / white_rgb
                 if of.real_object is not None and _was_seen_in_shadow(of):
                     ambient = open_sky(of.seen_in, of.real_object, lighting_of(lights, ambient, albedo), white_rgb)
-            self._lighting = known, lighting_of(lights, ambient, albedo, of.sky_slope_rgb)
-        return self._lighting[1]
+            self._read = known, _Read(lighting_of(lights, ambient, albedo, of.sky_slope_rgb), ambient, albedo)
+        return self._read[1]
 
     def border_share(self, of: Illumination) -> float:
         """Standard deviation of the real shadow's border beyond what lens and sun explain, over the picture's width."""
-        lighting = self.lighting(of)
+        of = of.as_it_lay or of
+        lighting = self._as_it_lay(of).lighting
         if self._border is None or self._border[0] is not lighting:
             share = 0.0
             if self._preset.matches_blur and of.seen_in is not None and of.real_object is not None and lighting.suns:
@@ -58,7 +86,8 @@ class Photometry:
         It belongs to the frame in which the light was estimated: it stays while the light is turned by hand to where no
         real shadow is, and while one light eases to another it is not measured anew for each picture.
         """
-        lighting = self.lighting(of)
+        of = of.as_it_lay or of
+        lighting = self._as_it_lay(of).lighting
         is_steady, self._relief_asked_by = lighting is self._relief_asked_by, lighting
         if of.seen_in is None or of.real_object is None or not lighting.suns:
             return None
@@ -72,6 +101,11 @@ class Photometry:
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
         """The look that the preset matches of the video."""
         return self._look.at(tracked, self.lighting(of), of.real_object)
+
+
+def _known(of: Illumination) -> tuple[object, ...]:
+    """What the irradiances depend on."""
+    return *of.lights, of.ambient_rgb_ratio, of.sky_slope_rgb, of.ground_rgb, of.seen_in, of.real_object
 
 
 def _was_seen_in_shadow(of: Illumination) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.types import Illumination, Light, MarkerPose
 from ashe_live.light.live.moved_marker import moved_illumination
 from ashe_live.render.lights.lighting import angular_size, ground_ratio
 
@@ -38,9 +38,9 @@ class LightEasing:
         self._begun_s = -math.inf
         return target
 
-    def move(self, T_new_old: Float, side_m: float) -> None:
+    def move(self, T_new_old: Float, marker: MarkerPose) -> None:
         """What is shown goes on in another frame of the marker, as `moved_illumination`."""
-        self._target = self._shown = moved_illumination(self._shown, T_new_old, side_m)
+        self._target = self._shown = moved_illumination(self._shown, T_new_old, marker)
         self._begun_s = -math.inf
 
 

@@ -22,7 +22,7 @@ class RoomLight:
         T_room_marker = None if seen_in is None else seen_in.T_room_marker
         motion = motion_between(self._T_room_marker, T_room_marker)
         if motion is not None and seen_in is not None and seen_in.marker is not None:
-            self._easing.move(motion, seen_in.marker.side_m)
+            self._easing.move(motion, seen_in.marker)
         self.estimated, self._T_room_marker = estimated, T_room_marker
 
     def now(self, tracked: TrackedFrame | None) -> Illumination:
@@ -34,7 +34,7 @@ class RoomLight:
         motion = None if tracked is None else motion_between(self._T_room_marker, tracked.T_room_marker)
         if motion is None or tracked is None or tracked.marker is None:
             return estimate
-        return moved_estimate(estimate, motion, tracked.marker.side_m)
+        return moved_estimate(estimate, motion, tracked.marker)
 
     def shown(self, tracked: TrackedFrame | None, now_s: float) -> Illumination:
         """As `now`, on its way from the estimate before."""
@@ -56,6 +56,6 @@ class RoomLight:
             return illumination
         assert tracked.T_room_marker is not None
         if self._moved is None or self._moved[0] is not illumination or self._moved[1] is not tracked.T_room_marker:
-            moved = moved_illumination(illumination, motion, tracked.marker.side_m)
+            moved = moved_illumination(illumination, motion, tracked.marker)
             self._moved = illumination, tracked.T_room_marker, moved
         return self._moved[2]

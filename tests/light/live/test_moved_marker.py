@@ -37,11 +37,14 @@ def seen(T_cam_marker=None, **kwargs) -> TrackedFrame:
     return TrackedFrame(frame, CAMERA, MarkerPose(T_cam_marker, corners_px, SIDE_M, 0.1, None), **kwargs)
 
 
+PRINT = seen().marker
+
+
 @pytest.mark.parametrize("motion", [TURNED, TILTED], ids=["turned", "tilted"])
 @pytest.mark.parametrize("inverse_distance", [0.0, 2.0], ids=["sun", "lamp"])
 def test_a_light_stays_in_the_room(motion, inverse_distance) -> None:
     light = Light(np.array([0.5, 0.3, 0.8]), COVARIANCE, inverse_distance=inverse_distance)
-    (moved,) = moved_illumination(Illumination((light,)), motion, SIDE_M).lights
+    (moved,) = moved_illumination(Illumination((light,)), motion, PRINT).lights
     if inverse_distance:
         assert moved.position_marker_m == pytest.approx(transform_points(motion, [light.position_marker_m])[0])
     else:
@@ -56,7 +59,7 @@ def test_a_light_stays_in_the_room(motion, inverse_distance) -> None:
 def test_a_lamp_that_the_marker_is_moved_into_keeps_a_direction() -> None:
     lamp = Light(np.array([0.0, 0.0, 1.0]), inverse_distance=10.0)
     into = rigid(np.eye(3), [0.0, 0.0, -0.1])
-    (moved,) = moved_illumination(Illumination((lamp,)), into, SIDE_M).lights
+    (moved,) = moved_illumination(Illumination((lamp,)), into, PRINT).lights
     assert moved.to_light_marker == pytest.approx([0, 0, 1])
 
 
@@ -64,23 +67,23 @@ def test_bodies_stand_where_they_stood_as_long_as_the_marker_lies_on_their_plane
     mesh = Mesh(np.eye(3), np.array([[0, 1, 2]]))
     body = Proxy("cylinder", np.array([[0.1, 0.0, 0.0, 0.03, 0.0], [0.1, 0.0, 0.1, 0.03, 0.0]]), mesh)
     lit = Illumination((), real_object=body)
-    moved = moved_illumination(lit, TURNED, SIDE_M).real_object
+    moved = moved_illumination(lit, TURNED, PRINT).real_object
     assert moved.foot_marker == pytest.approx(transform_points(TURNED, [body.foot_marker])[0])
     assert moved.height_m == pytest.approx(body.height_m)
     assert moved.mesh.points_marker == pytest.approx(transform_points(TURNED, np.eye(3)))
-    assert moved_illumination(lit, TILTED, SIDE_M).real_object is None
+    assert moved_illumination(lit, TILTED, PRINT).real_object is None
 
 
 def test_the_sky_leans_the_same_way_in_the_room() -> None:
     slope = np.array([[0.2, 0.2, 0.3], [0.0, 0.1, 0.0]])
-    moved = moved_illumination(Illumination((), sky_slope_rgb=slope), TURNED, SIDE_M).sky_slope_rgb
+    moved = moved_illumination(Illumination((), sky_slope_rgb=slope), TURNED, PRINT).sky_slope_rgb
     normal = np.array([0.6, -0.8, 0.0])
     assert (TURNED[:3, :3] @ normal)[:2] @ moved == pytest.approx(normal[:2] @ slope)
 
 
 def test_what_polished_surfaces_mirror_stays_in_its_picture() -> None:
     frame = seen()
-    moved = moved_illumination(Illumination((), seen_in=frame), TURNED, SIDE_M).seen_in
+    moved = moved_illumination(Illumination((), seen_in=frame), TURNED, PRINT).seen_in
     points = np.array([[0.1, 0.2, 0.0], [0.0, 0.1, 0.05]])
     now = project(CAMERA, moved.marker.T_cam_marker, transform_points(TURNED, points))
     assert now == pytest.approx(project(CAMERA, frame.marker.T_cam_marker, points))
@@ -116,3 +119,31 @@ def test_what_counts_as_moved() -> None:
     for degrees, metres, is_elsewhere in ((0.5, 0.0, False), (2.0, 0.0, True), (0.0, 0.001, False), (0, 0.01, True)):
         slight = rigid(cv2.Rodrigues(np.array([0, 0, math.radians(degrees)]))[0], [metres, 0, 0])
         assert lies_elsewhere(lies, slight, SIDE_M) is is_elsewhere
+
+
+def test_the_cube_goes_with_its_prints() -> None:
+    cube = Proxy("box", np.array([[0, 0, 0.03, 0.0, 0.0]]))
+    moved = moved_illumination(Illumination((), real_object=cube), TURNED, replace(PRINT, body=cube))
+    assert moved.real_object is cube
+
+
+def test_what_was_read_in_the_picture_is_known_by_the_marker_as_it_lay_there() -> None:
+    lit = Illumination((Light(np.array([0.5, 0.3, 0.8])),), seen_in=seen())
+    once = moved_illumination(lit, TURNED, PRINT)
+    assert once.as_it_lay is lit
+    assert moved_illumination(once, TURNED, PRINT).as_it_lay is lit
+
+
+def test_a_light_gives_a_tilted_sheet_as_much_as_its_cosine_says() -> None:
+    light = Light(np.array([0.6, 0.0, 0.8]), shadow_rgb_ratio=np.full(3, 0.4))
+    lit = Illumination((light,), np.full(3, 0.4))
+    for motion in (TURNED, TILTED):
+        moved = moved_illumination(lit, motion, PRINT)
+        (now,) = moved.lights
+        sun_over_sky = (1 - now.shadow_rgb_ratio) / moved.ambient_rgb_ratio
+        assert sun_over_sky == pytest.approx(0.6 / 0.4 * now.to_light_marker[2] / 0.8)
+        assert 1 - now.shadow_rgb_ratio + moved.ambient_rgb_ratio == pytest.approx(1)
+    away = rigid(cv2.Rodrigues(np.radians([0.0, 80.0, 0.0]))[0], [0.0, 0.0, 0.1])
+    (behind,) = moved_illumination(lit, away, PRINT).lights
+    assert behind.to_light_marker[2] < 0
+    assert behind.shadow_rgb_ratio == pytest.approx(1)

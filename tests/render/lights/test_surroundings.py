@@ -1,10 +1,14 @@
 """What polished surfaces mirror: the ground where it is, a sky of the measured strength."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.core.transforms import project
+from ashe_live.core.types import Illumination
+from ashe_live.render.lights import environment
 from ashe_live.render.lights.surroundings import HALF_RADIUS_SIDES, blurred_levels, level_count, surroundings_of
 
 SIZE = 64
@@ -72,3 +76,21 @@ def test_covered_ground_has_the_colour_of_what_lies_around_it(stage) -> None:
     ground = surroundings_of(stage.tracked(220, stage.pose(-90, 60)), SIZE, given, sheet).ground
     np.testing.assert_allclose(ground[_texel((0.0, 0.0))], given, atol=1e-5)
     np.testing.assert_allclose(ground[_texel((0.08, 0.0))], float(linear_from_srgb(220 / 255)), atol=1e-4)
+
+
+def test_while_the_marker_is_moved_the_maps_wait_until_it_rests(ctx, stage, monkeypatch) -> None:
+    """To fill them takes as long as to draw a picture."""
+    filled = []
+
+    def counted(tracked, *asked):
+        filled.append(tracked)
+        return surroundings_of(tracked, *asked)
+
+    monkeypatch.setattr(environment, "surroundings_of", counted)
+    seen = stage.tracked(stage.noise(), stage.pose(10, 40))
+    moved = [replace(seen, marker=replace(seen.marker, T_cam_marker=stage.pose(10 + k, 40))) for k in range(5)]
+    maps = environment.Environment(ctx, SIZE)
+    for each in (seen, seen, *moved, moved[-1], moved[-1]):
+        maps.show(Illumination(seen_in=each), (1.0, 1.0, 1.0), np.zeros((0, 2)))
+    assert [id(each) for each in filled] == [id(seen), id(moved[-1])]
+    maps.release()
