@@ -109,6 +109,8 @@ class Session:
         self.tracked = tracked
         if self._light.estimated.seen_in is None and tracked.marker is not None:
             self._light.take(Illumination(seen_in=tracked), tracked)
+        if is_being_moved and self.hand.light is None:
+            self.shown = self._light.shown(tracked, now_s)
         self.table.motion.tick(now_s)
         self.arrangement.stand_clear(tracked, self._light.now(tracked).light, self.hides_marker)
         is_steady = self._steadiness.add(tracked)

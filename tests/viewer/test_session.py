@@ -830,6 +830,9 @@ def test_the_light_stays_in_the_room_while_the_marker_is_turned(make, fakes):
     for index, turn_deg in enumerate((20, 200, 40), 1):
         place = lying(turn_deg)
         session.take(dataclasses.replace(fakes.tracked(index), T_room_marker=place), 10.0 + index)
+        assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(
+            room
+        )  # without a window nobody polls
         session.poll(10.0 + index)
         assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
         assert session.lit_by is session.shown

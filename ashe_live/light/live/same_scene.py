@@ -72,13 +72,21 @@ def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
         return None
     difference = a.colours - b.colours
     difference -= np.median(difference[is_compared], axis=0)
-    is_changed = (np.abs(difference) > LEAST_DIFFERENCES).any(axis=2) & is_compared
-    # Seen by a camera near by, high things shear more than their height says.
+    is_other = np.abs(difference) > LEAST_DIFFERENCES
+    # Seen by a camera near by, high things shear more than their height says. As a changed light may show in shadows
+    # that are as narrow, only colours pay for it.
     nearness = min(HIGHEST_SIDES / min(a.height_sides, b.height_sides), MOST_NEARNESS)
-    width = REGISTRATION_CELLS + round(shear_sides / (1 - nearness) * CELLS_A_SIDE)
+    by_brightness = _area_sides(is_other[..., 0] & is_compared, shear_sides)
+    by_colours = _area_sides(is_other[..., 1:].any(axis=2) & is_compared, shear_sides / (1 - nearness))
+    return bool(max(by_brightness, by_colours) > LEAST_AREA_SIDES)
+
+
+def _area_sides(is_changed: Mask, shear_sides: float) -> float:
+    """Squared sides of what has changed (n, n) beyond what a thing shears by."""
+    width = REGISTRATION_CELLS + round(shear_sides * CELLS_A_SIDE)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
     left = cv2.morphologyEx(is_changed.astype(np.uint8), cv2.MORPH_OPEN, kernel)
-    return bool(np.count_nonzero(left) > LEAST_AREA_SIDES * CELLS_A_SIDE**2)
+    return np.count_nonzero(left) / CELLS_A_SIDE**2
 
 
 def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:

@@ -2,10 +2,12 @@
 
 from functools import cache
 
+import numpy as np
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
+from ashe_live.light.live import same_scene
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.same_scene import PlanePicture, differs, outdated, outdated_with_far
 from ashe_live.tracking.families.markers import parse_marker
@@ -97,3 +99,11 @@ def test_the_shipped_clip_shows_one_scene() -> None:
     told = [differs(a, b) for at, a in enumerate(pictures) for b in pictures[:at]]
     assert not any(told)
     assert told.count(False) >= len(pictures)
+
+
+def test_a_thing_as_bright_as_the_ground_is_noticed_by_its_colour(monkeypatch) -> None:
+    hand = Caster(at=(-0.1, -0.1), width_m=0.12, height_m=0.004, rgb=(0.75, 0.36, 0.25))
+    now, before = (seen(BOX, *things, ground="plain", azimuth_deg=3 * len(things)) for things in ((hand,), ()))
+    assert differs(now, before) is True
+    monkeypatch.setattr(same_scene, "LEAST_DIFFERENCES", np.array([0.3, np.inf, np.inf]))
+    assert differs(now, before) is False
