@@ -838,6 +838,8 @@ def test_the_light_stays_in_the_room_while_the_marker_is_turned(make, fakes):
         assert session.lit_by is session.shown
         assert session.estimate_now.light.to_light_marker == pytest.approx(session.shown.light.to_light_marker)
         before = session.shown
+        session.take(dataclasses.replace(session.tracked, marker=None), 10.05 + index)
+        assert session.lit_by is before
         session.take(
             dataclasses.replace(fakes.tracked(index + 9), T_room_marker=session.tracked.T_room_marker), 10.1 + index
         )

@@ -40,10 +40,11 @@ AS_SHARP, AS_SURE = 1.1, 0.06
 class HeldAnswer:
     """The answer for one scene. Every estimate is offered to it, in the order of time."""
 
-    def __init__(self) -> None:
+    def __init__(self, seen: TrackedFrame | None = None) -> None:
+        """`seen`: the frame of the first answer, by which all are until `move_to` names another one."""
         self.estimate: LightEstimate | None = None
         self.is_news = False  # whether the last estimate offered was taken as a new light, or as the first answer
-        self._T_room_marker: Float | None = None  # where the marker lies by whose frame all of them are
+        self._T_room_marker = None if seen is None else seen.T_room_marker
         self._dissent: list[LightEstimate] = []
         self._surest = 0.0  # largest confidence of the answers that agreed with the held one
 

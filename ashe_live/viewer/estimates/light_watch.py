@@ -121,8 +121,8 @@ class LightWatch:
         if not isinstance(outcome, Answer):
             self.sharpening.answered(False)
             return outcome
-        frozen = self.frozen
-        assert frozen is not None
+        if self.frozen is not None and outcome.estimate is not None:
+            self.held.move_to(self.frozen)
         has_changed = len(outcome.outdated) == len(self._others) > 0
         if has_changed and outcome.estimate is None:
             self._doubted = self.frozen
@@ -131,13 +131,11 @@ class LightWatch:
         if has_changed:
             self.sharpening = Sharpening()
         if outcome.is_followed and outcome.estimate is not None:
-            self.held.move_to(frozen)
             self.held.follow(outcome.estimate)
             self.sharpening.verified()
         elif outcome.estimate is not None:
             if self._is_awaited:
-                self.held = HeldAnswer()
-            self.held.move_to(frozen)
+                self.held = HeldAnswer(self.frozen)
             is_sharper = self.held.offer(outcome.estimate, has_changed)
             self.sharpening.answered(is_sharper or self.held.is_disputed)
         # While a hand is before the camera, no view shows what it shows; they are of use again when it has gone.

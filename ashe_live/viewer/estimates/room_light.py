@@ -50,7 +50,7 @@ class RoomLight:
 
     def _seen_from(self, tracked: TrackedFrame | None, illumination: Illumination) -> Illumination:
         if tracked is None or tracked.marker is None:
-            return illumination
+            return self._moved[2] if self._moved is not None and self._moved[0] is illumination else illumination
         motion = motion_between(self._T_room_marker, tracked.T_room_marker)
         if motion is None:
             return illumination
