@@ -51,7 +51,7 @@ class MarkerPlace:
             self._compare(tracked, self._before)
         return replace(tracked, T_room_marker=self._T_room_marker)
 
-    def _compare(self, tracked: TrackedFrame, before: "StillFrame") -> None:
+    def _compare(self, tracked: TrackedFrame, before: StillFrame) -> None:
         assert tracked.marker is not None
         corners_px, time_s = tracked.marker.corners_px * before.scale, tracked.frame.time_s
         is_at_rest = self._last_px is not None and np.abs(corners_px - self._last_px).max() < AT_REST_PX

@@ -46,16 +46,16 @@ UNMOVED: Float = frozen_floats(np.eye(4), (4, 4), "UNMOVED")
 class StillFrame:
     """A frame that later ones are compared with."""
 
-    fine: Image  # (h, w) the scaled picture
-    points_px: Float  # (n, 2) near the marker, none on its sheet
-    corners_px: Float  # (4, 2) of the marker
-    T_cam_marker: Float
-    T_room_marker: Float
-    camera: Camera
-    scaled: Camera
-    scale: float
-    side_m: float
-    time_s: float
+    fine: Image  # (h, w) the picture, scaled, without what is coarse in it
+    points_px: Float  # (n, 2) in it, near the marker, none on its sheet
+    corners_px: Float  # (4, 2) in it, of the marker
+    T_cam_marker: Float  # (4, 4)
+    T_room_marker: Float  # (4, 4) as TrackedFrame's
+    camera: Camera  # of the frame
+    scaled: Camera  # of the scaled picture
+    scale: float  # of the scaled picture over the frame
+    side_m: float  # of the marker
+    time_s: float  # of the frame
 
     def is_comparable(self, tracked: TrackedFrame) -> bool:
         """Whether the frame, which must have a marker, shows the same marker by the same camera."""
@@ -64,6 +64,7 @@ class StillFrame:
 
     @staticmethod
     def of(tracked: TrackedFrame, T_room_marker: Float) -> "StillFrame":
+        """The frame, which must have a marker, with the points by which later ones are compared with it."""
         marker = tracked.marker
         assert marker is not None
         fine, scaled = _scaled(tracked)
