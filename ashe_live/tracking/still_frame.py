@@ -127,7 +127,12 @@ class StillFrame:
         T_cam_old = self._by_tremble(before, after)
         if T_cam_old is None:
             T_cam_old = self._by_ground(before, after)
-        return None if T_cam_old is None else np.asarray(inverse_rigid(T_cam_old) @ now)
+        # A homography of few points may be degenerate, and its pose no number.
+        return (
+            np.asarray(inverse_rigid(T_cam_old) @ now)
+            if T_cam_old is not None and np.isfinite(T_cam_old).all()
+            else None
+        )
 
     def _by_tremble(self, before: Float, after: Float) -> Float | None:
         """(4, 4) the old marker seen by a camera that has only turned a little, by points (n, 2) in both pictures."""
@@ -151,6 +156,8 @@ class StillFrame:
             return None
         chosen = agreeing.ravel() > 0
         on_plane = raycast_to_plane(self.scaled, self.T_cam_marker, before[chosen])
+        if not np.isfinite(on_plane).all():
+            return None
         is_solved, turn, shift = cv2.solvePnP(on_plane, after[chosen], self.scaled.K, None, flags=cv2.SOLVEPNP_IPPE)
         return rigid(cv2.Rodrigues(turn)[0], shift[:, 0]) if is_solved else None
 

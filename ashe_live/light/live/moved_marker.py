@@ -37,14 +37,13 @@ def moved_illumination(illumination: Illumination, T_new_old: Float, marker: Mar
     left out, as bodies stand upright on the plane.
     """
     body, slope, seen_in = illumination.real_object, illumination.sky_slope_rgb, illumination.seen_in
-    lights, ambient = (
-        tuple(_moved_light(light, T_new_old) for light in illumination.lights),
-        illumination.ambient_rgb_ratio,
-    )
-    if not stays_on_plane(T_new_old, marker.side_m):
+    is_level = stays_on_plane(T_new_old, marker.side_m)
+    lights = tuple(_moved_light(light, T_new_old) for light in illumination.lights)
+    ambient = illumination.ambient_rgb_ratio
+    if not is_level:
         lights, ambient = _shared_on_tilted(lights, illumination)
     if body is not None and marker.body is None:
-        body = _moved_body(body, T_new_old) if stays_on_plane(T_new_old, marker.side_m) else None
+        body = _moved_body(body, T_new_old) if is_level else None
     return replace(
         illumination,
         lights=lights,

@@ -47,9 +47,8 @@ class Photometry:
             read, before = self._as_it_lay(of.as_it_lay), of.as_it_lay.ambient_rgb_ratio
             lights, ambient = steadied(of)
             if read.ambient is not None and before is not None and of.ambient_rgb_ratio is not None:
-                ambient = (
-                    read.ambient * of.ambient_rgb_ratio / np.maximum(before, 1e-6)
-                )  # less of all on a tilted sheet
+                # On a tilted sheet it is another share of all light.
+                ambient = read.ambient * of.ambient_rgb_ratio / np.maximum(before, 1e-6)
             self._lighting = known, lighting_of(lights, ambient, read.albedo, of.sky_slope_rgb)
         return self._lighting[1]
 
