@@ -107,10 +107,11 @@ class Session:
         # By a hand, which would be estimated with the scene.
         is_being_moved = self.tracked is not None and tracked.T_room_marker is not self.tracked.T_room_marker
         self.tracked = tracked
+        self.hand.see(tracked)
         if self._light.estimated.seen_in is None and tracked.marker is not None:
             self._light.take(Illumination(seen_in=tracked), tracked)
-        if is_being_moved and self.hand.light is None:
-            self.shown = self._light.shown(tracked, now_s)
+        if is_being_moved:
+            self._show(now_s)
         self.table.motion.tick(now_s)
         self.arrangement.stand_clear(tracked, self._light.now(tracked).light, self.hides_marker)
         is_steady = self._steadiness.add(tracked)
@@ -167,10 +168,13 @@ class Session:
         """
         self.table.poll(now_s, is_quiet=self.notice.shown(now_s) is None)
         outcome = self._accept(self.watch.wait(0.0), now_s)
+        self._show(now_s)
+        return outcome
+
+    def _show(self, now_s: float) -> None:
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._light.shown(self.tracked, now_s) if by_hand is None else self._light.show_by_hand(by_hand)
-        return outcome
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""

@@ -854,6 +854,26 @@ def test_the_light_stays_in_the_room_while_the_marker_is_turned(make, fakes):
     assert session.shown.light.to_light_marker == pytest.approx(room)
 
 
+def test_a_light_by_hand_stays_in_the_room_while_the_marker_is_turned(make, fakes):
+    session = make()
+    session.take(dataclasses.replace(fakes.tracked(0), T_room_marker=lying(30)), 0.0)
+    session.handle(Request(Command.MOVE_LIGHT, (3, 2)), 0.0)
+    room = lying(30)[:3, :3] @ session.hand.light.light.to_light_marker
+    for index, turn_deg in enumerate((50, 130), 1):
+        place = lying(turn_deg)
+        session.take(dataclasses.replace(fakes.tracked(index), T_room_marker=place), float(index))
+        assert session.shown is session.lit_by is session.hand.light
+        assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
+    # A key press goes on from there, and undoing it gives the light back to where it was in the room.
+    session.handle(Request(Command.MOVE_LIGHT, (0, -5)), 10.0)
+    assert place[2, :3] @ session.lit_by.light.to_light_marker < room[2] - 0.05
+    place = lying(200)
+    session.take(dataclasses.replace(fakes.tracked(3), T_room_marker=place), 11.0)
+    session.handle(Request(Command.UNDO), 12.0)
+    session.poll(12.0)
+    assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
+
+
 def test_nobody_asks_about_a_picture_in_which_the_marker_is_being_moved(make, fakes):
     session = make(EstimatePolicy(automatic=True))
     session._steadiness = Steadiness(1)

@@ -19,6 +19,27 @@ LIFTED_SIDES = 0.15
 GRAZING, DARKEST = 0.05, 1e-3  # least sine of a light's elevation, and least light, by which anything is divided
 
 
+class FixedInRoom:
+    """An illumination that stays in the room while the marker is moved in it."""
+
+    def __init__(self, illumination: Illumination, T_room_marker: Float | None) -> None:
+        """`illumination` by the marker's frame as it lay at `T_room_marker` (4, 4); None: unknown, it never moves."""
+        self.illumination, self._T_room_marker = illumination, T_room_marker
+        # By the marker's last place: nothing that follows is made anew while the marker lies still.
+        self._seen_at, self._seen = T_room_marker, illumination
+
+    def seen_by(self, tracked: TrackedFrame | None) -> Illumination:
+        """By the marker's frame in `tracked`; as it was seen last where there is no marker in it."""
+        if tracked is None or tracked.marker is None:
+            return self._seen
+        if self._seen_at is not tracked.T_room_marker:
+            motion = motion_between(self._T_room_marker, tracked.T_room_marker)
+            still = self.illumination
+            self._seen_at = tracked.T_room_marker
+            self._seen = still if motion is None else moved_illumination(still, motion, tracked.marker)
+        return self._seen
+
+
 def stays_on_plane(T_new_old: Float, side_m: float) -> bool:
     """Whether a marker that was moved by `T_new_old` (4, 4) lies on the plane on which it lay before."""
     return bool(T_new_old[2, 2] > LEVEL_COS and abs(T_new_old[2, 3]) < LIFTED_SIDES * side_m)

@@ -3,7 +3,7 @@
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import motion_between
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
-from ashe_live.light.live.moved_marker import moved_estimate, moved_illumination
+from ashe_live.light.live.moved_marker import FixedInRoom, moved_estimate
 from ashe_live.viewer.estimates.easing import LightEasing
 
 
@@ -14,8 +14,7 @@ class RoomLight:
         self.estimated = Illumination()  # in the marker's frame as it lay in the estimate's frame
         self._T_room_marker: Float | None = None  # as it lay there
         self._easing = LightEasing()
-        # The last result, and of what: nothing that follows is made anew while nothing changes.
-        self._moved: tuple[Illumination, Float, Illumination] | None = None
+        self._fixed = FixedInRoom(self.estimated, None)  # what was asked for last
 
     def take(self, estimated: Illumination, seen_in: TrackedFrame | None) -> None:
         """A new estimate, made in the frame `seen_in`; what is shown goes on from where it is in the room."""
@@ -24,6 +23,7 @@ class RoomLight:
         if motion is not None and seen_in is not None and seen_in.marker is not None:
             self._easing.move(motion, seen_in.marker)
         self.estimated, self._T_room_marker = estimated, T_room_marker
+        self._fixed = FixedInRoom(estimated, T_room_marker)
 
     def now(self, tracked: TrackedFrame | None) -> Illumination:
         """The estimated light by the marker's frame in `tracked`."""
@@ -49,13 +49,6 @@ class RoomLight:
         return self._easing.jump(by_hand)
 
     def _seen_from(self, tracked: TrackedFrame | None, illumination: Illumination) -> Illumination:
-        if tracked is None or tracked.marker is None:
-            return self._moved[2] if self._moved is not None and self._moved[0] is illumination else illumination
-        motion = motion_between(self._T_room_marker, tracked.T_room_marker)
-        if motion is None:
-            return illumination
-        assert tracked.T_room_marker is not None
-        if self._moved is None or self._moved[0] is not illumination or self._moved[1] is not tracked.T_room_marker:
-            moved = moved_illumination(illumination, motion, tracked.marker)
-            self._moved = illumination, tracked.T_room_marker, moved
-        return self._moved[2]
+        if self._fixed.illumination is not illumination:
+            self._fixed = FixedInRoom(illumination, self._T_room_marker)
+        return self._fixed.seen_by(tracked)

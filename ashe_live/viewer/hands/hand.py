@@ -8,6 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles
 from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.light.live.moved_marker import FixedInRoom
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.render.lights.lighting import angular_size, ground_ratio
 from ashe_live.viewer.hands.pointing import Pixel, ground_at, picture_axes, pixel_of
@@ -56,14 +57,29 @@ class Hand:
     """The state that drags and keys change; `light` is None while the estimate is in force."""
 
     def __init__(self) -> None:
-        self.light: Illumination | None = None
+        self.set_light: FixedInRoom | None = None  # as it was set, which undoing gives back
         self.frame_index = 0  # the frame in which `light` was last set
         self.placement = UNMOVED
+        self._tracked: TrackedFrame | None = None  # the frame that is shown
         self._shadow_end_px: Pixel = (0.0, 0.0)  # in the video, when the drag of the light began
         self._held: tuple[Float, Float] | None = None  # the plane's point that a drag grabbed, and the shift then
 
+    @property
+    def light(self) -> Illumination | None:
+        """The illumination that was set, which stays in the room; by the marker's frame in the frame that is shown."""
+        return None if self.set_light is None else self.set_light.seen_by(self._tracked)
+
+    @light.setter
+    def light(self, light: Illumination | None) -> None:
+        T_room_marker = None if self._tracked is None else self._tracked.T_room_marker
+        self.set_light = None if light is None else FixedInRoom(light, T_room_marker)
+
+    def see(self, tracked: TrackedFrame) -> None:
+        """The frame that is shown from now on."""
+        self._tracked = tracked
+
     def reset(self) -> None:
-        self.light, self.placement, self._held = None, UNMOVED, None
+        self.set_light, self.placement, self._held = None, UNMOVED, None
 
     def obey(self, request: Request, context: HandContext) -> str | None:
         """Changes light or model as the request asks; returns a message when that is not possible."""

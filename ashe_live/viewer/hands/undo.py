@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ashe_live.core.types import Illumination
+from ashe_live.light.live.moved_marker import FixedInRoom
 from ashe_live.models.placement import Placement
 from ashe_live.process.messages import listed
 from ashe_live.viewer.hands.hand import Hand
@@ -18,7 +18,7 @@ ONE_GESTURE_S = 0.8
 
 @dataclass(frozen=True, slots=True)
 class _State:
-    light: Illumination | None
+    light: FixedInRoom | None
     placement: Placement
 
 
@@ -47,7 +47,7 @@ class Undo:
         if isinstance(request.argument, Drag):
             continues = not request.argument.is_first
         if not continues:
-            self._before.append(_State(hand.light, hand.placement))
+            self._before.append(_State(hand.set_light, hand.placement))
 
     def note_change(self, take_back: Callable[[], str]) -> None:
         """Keeps that there is one model more, or one fewer; `take_back` ends that, and says so."""
@@ -84,9 +84,9 @@ class Undo:
                 return last.take_back()
             if not isinstance(last, _State):
                 return last()
-            changed = {"light": last.light is not hand.light, "model": last.placement != hand.placement}
+            changed = {"light": last.light is not hand.set_light, "model": last.placement != hand.placement}
             if any(changed.values()):
-                hand.light, hand.placement = last.light, last.placement
+                hand.set_light, hand.placement = last.light, last.placement
                 return f"undone: {listed(name for name, is_other in changed.items() if is_other)} as before"
         return None
 
