@@ -35,7 +35,8 @@ SHADED = 0.2, 0.4
 OPENED_TEXELS, CLOSED_TEXELS = 3, 5  # widths of the thinnest thing that is noticed, and of the gaps that are closed
 LEAST_AREA_SIDES = 0.01  # squared sides of the marker: the smallest thing that is noticed
 LOG_OF_8BIT: Float32 = np.log(LINEAR_FROM_SRGB_8BIT + BLACKEST).astype(np.float32)
-OVEREXPOSED = float(LOG_OF_8BIT[250])
+# Mean logarithm of paper from which on a camera's tone curve may compress it, so that it follows the exposure no more.
+COMPRESSED = float(LOG_OF_8BIT[200])
 BRIGHTNESS: Float32 = REC709_LUMINANCE.astype(np.float32)
 # Widths within which the depth of a shadow on ink is sought on paper, and the light at an edge of the print beside it.
 FAR_TEXELS, NEAR_TEXELS = 33, 5
@@ -107,10 +108,11 @@ def over_sheet(tracked: TrackedFrame, sheet: SheetAsMade, gain: Float, slope: Fl
     now = _seen(tracked, sheet)
     if now is None:
         return None
-    exposed = now - np.log(gain).astype(np.float32) - (sheet.places @ slope.astype(np.float32))[..., None]
-    change = exposed - np.clip(exposed, sheet.least, sheet.most)
-    # Overexposed paper is as bright as the picture can be, in whatever light, and no darker than it was.
-    change[(now >= OVEREXPOSED).any(axis=2) & (change < 0).any(axis=2)] = 0
+    exposure = np.log(gain).astype(np.float32) + (sheet.places @ slope.astype(np.float32))[..., None]
+    least, most = sheet.least + exposure, sheet.most + exposure
+    if sheet.is_white.any() and (paper := _paper(now, sheet.is_white)) @ BRIGHTNESS > COMPRESSED:
+        least = np.minimum(least, paper)
+    change = now - np.clip(now, least, most)
     if np.count_nonzero(np.abs(change) > SHADED[0]) < LEAST_AREA_SIDES * TEXELS_A_SIDE**2:
         return None
     hides = _things(now, change, sheet)

@@ -35,7 +35,21 @@ def shade(x, y):
     return np.abs(x + 0.3 * y - 0.015) < 0.022
 
 
-def view(stage, hand=None, shaded=None, azimuth: float = -80.0, gain=1.0, noise: float = 0.7, dist=(0.0,) * 5):
+def compressed(linear):
+    """A tone curve with a shoulder from half of full scale on."""
+    return np.where(linear < 0.5, linear, 0.5 + 0.35 * np.log1p(np.maximum(linear - 0.5, 0) / 0.35))
+
+
+def view(
+    stage,
+    hand=None,
+    shaded=None,
+    azimuth: float = -80.0,
+    gain=1.0,
+    noise: float = 0.7,
+    dist=(0.0,) * 5,
+    toned=lambda linear: linear,
+):
     """A table with a printed sheet; `hand` and `shaded` ((n,), (n,)) metres -> (n,) where these are."""
     T, plain = stage.pose(azimuth, 55, 0.36), stage.camera()
     camera = Camera(plain.size, plain.K, np.array(dist), "file")
@@ -52,7 +66,7 @@ def view(stage, hand=None, shaded=None, azimuth: float = -80.0, gain=1.0, noise:
         linear[shaded(x, y)] *= RATIO
     if hand is not None:
         linear[hand(x, y)] = SKIN
-    picture = 255 * srgb_from_linear(np.clip(gain * linear, 0, 1)).reshape(360, 480, 3)[..., ::-1]
+    picture = 255 * srgb_from_linear(np.clip(toned(gain * linear), 0, 1)).reshape(360, 480, 3)[..., ::-1]
     picture = cv2.GaussianBlur(picture, (0, 0), 0.6)
     picture += np.random.default_rng(round(-1000 * azimuth)).normal(0, 1, picture.shape) * noise
     frame = Frame(np.ascontiguousarray(np.clip(np.round(picture), 0, 255).astype(np.uint8)), 1, 0.0)
@@ -108,6 +122,15 @@ def test_what_comes_with_its_own_shadow_is_told_from_it(stage) -> None:
 @pytest.mark.parametrize("gain", [1.0, 0.6, (0.9, 1.0, 1.1)])
 def test_nothing_is_seen_where_only_camera_and_exposure_have_changed(stage, azimuth, gain) -> None:
     assert compared(view(stage), view(stage, azimuth=azimuth, gain=gain))[2] is None
+
+
+def test_paper_that_the_tone_curve_compresses_as_the_light_grows_is_in_no_shadow(stage) -> None:
+    """As when the sun comes out, and the exposure follows only later."""
+    assert compared(view(stage), view(stage, gain=1.7, toned=compressed))[2] is None
+    x, y, over = compared(view(stage), view(stage, shaded=shade, gain=1.7, toned=compressed))
+    within, beside = inside(x, y, shade, 0.012)
+    assert np.abs(over[beside, 1]).max() < 1e-6
+    assert over[within, 1].max() < -0.5
 
 
 def test_a_sheet_that_a_hand_was_on_is_covered_once_it_has_gone(stage) -> None:
