@@ -32,6 +32,8 @@ HIGHEST_SIDES, DEEPEST_SIDES, MOST_OF_WAY = 2.0, 1.5, 0.7
 NEAR_PX, POSE_ERROR = 1.2, 0.02
 FEWEST_POINTS = 8  # that must agree, and their least share of all
 LEAST_SHARE = 0.3
+# Or as many as these, and their least shares of all and of those that are found: a hand may have hidden the others.
+MANY_POINTS, SHARE_OF_ALL, SHARE_OF_FOUND = 16, 0.2, 0.45
 SURER = 3.0  # as many points must say so for each that says the opposite
 EXPLAINED = 0.5  # share of the points found from which an unmoved marker explains what is seen, if nothing else does
 # Least share of all points that a motion of both explains: of a camera that trembles, or of any.
@@ -100,7 +102,8 @@ class StillFrame:
         near_path, stays = _beside(there, low, high) < near_px, np.linalg.norm(there - self.points_px, axis=1) < NEAR_PX
         is_clear = is_there & (_beside(self.points_px, low, high) > NEAR_PX + near_px)
         with_camera, with_marker = int((near_path & is_clear).sum()), int((stays & is_clear).sum())
-        least = max(FEWEST_POINTS, LEAST_SHARE * len(points))
+        of_found = max(MANY_POINTS, SHARE_OF_ALL * len(points), SHARE_OF_FOUND * is_there.sum())
+        least = min(max(FEWEST_POINTS, LEAST_SHARE * len(points)), of_found)
         if with_camera >= least and with_camera > SURER * with_marker:
             return UNMOVED
         if with_marker >= least and with_marker > SURER * with_camera:

@@ -124,6 +124,18 @@ def test_a_marker_that_was_out_of_view_may_lie_elsewhere() -> None:
     assert_near(after, lying(140, 0.06, -0.03), 0.5, 1)
 
 
+def test_it_may_lie_elsewhere_although_the_hand_that_moved_it_hid_most_of_the_table_before() -> None:
+    first, last = seen(view(), lying(0), 0.0), seen(view(), lying(70, 0.05, -0.03), 1.5 * LOST_S)
+    corners = first.marker.corners_px
+    image, lowest = first.frame.image_bgr.copy(), round(corners[:, 1].max() + 0.3 * np.ptp(corners[:, 1]))
+    cloth = cv2.GaussianBlur(np.random.default_rng(8).normal(0, 1, image.shape[:2]), (0, 0), 3)
+    sleeve = np.clip(110 + 17 * cloth / cloth.std(), 0, 255).astype(np.uint8)[..., None]
+    image[lowest:], image[:, 360:] = sleeve[lowest:], sleeve[:, 360:]
+    before, after = followed([replace(first, frame=Frame(image, 0, 0.0)), last])
+    assert after is not before
+    assert_near(after, lying(70, 0.05, -0.03), 0.5, 1)
+
+
 def test_a_marker_in_the_hand_is_tilted() -> None:
     tilted = [rigid(cv2.Rodrigues(np.radians([1.5 * k, 0.0, 0]))[0], [0, 0, 0.001 * k]) for k in range(21)]
     places = followed(seen(view(), place, k / FPS) for k, place in enumerate(tilted))
