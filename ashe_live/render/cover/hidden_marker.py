@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, same_objects
+from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.colour import REC709_LUMINANCE
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import lies_elsewhere, view_direction
@@ -20,6 +20,7 @@ from ashe_live.core.types import Frame, Illumination, TrackedFrame
 from ashe_live.render.camera.exposure import followed, gain_and_slope
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
+from ashe_live.render.cover.lit_alike import is_other_light, is_same_scene
 from ashe_live.render.cover.over_sheet import over_sheet
 from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
@@ -80,7 +81,7 @@ class HiddenMarker:
         self._follow_frame(tracked)
         if self.shown is not None and not at_once:
             return
-        steady = self._seen_lit_by is not None and _same_scene(illumination, self._seen_lit_by)
+        steady = self._seen_lit_by is not None and is_same_scene(illumination, self._seen_lit_by)
         self._seen_lit_by = illumination
         # While a light eases to another one, or the sheet is moved, each frame has one of its own.
         lies_still = abs(tracked.frame.time_s - self._moved_s) >= LEFT_ALONE_S
@@ -136,7 +137,7 @@ class HiddenMarker:
         if shown._followed is not tracked:  # the window is minimised
             shown.follow(tracked, illumination, at_once=False)
         asked_for = shown._asked_for
-        if at_once and shown._coming and asked_for and _same_scene(illumination, asked_for[1]):
+        if at_once and shown._coming and asked_for and is_same_scene(illumination, asked_for[1]):
             wait([shown._coming])  # it is there sooner than another one would be
             shown._take()
         if at_once and (shown._is_due(tracked, illumination) or not self._is_due(tracked, illumination)):
@@ -168,8 +169,13 @@ class HiddenMarker:
         assert now.marker is not None
         return lies_elsewhere(was.T_room_marker, now.T_room_marker, now.marker.side_m)
 
+    def _is_in_other_light(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
+        """Whether the sheet lies in another light than the cover's, which is not told from things before it."""
+        is_elsewhere = self._is_elsewhere(tracked)
+        return self._made_from is not None and not is_elsewhere and is_other_light(illumination, self._made_from[1])
+
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
-        if self._cover is not None and self._hidden_share > MOST_HIDDEN:
+        if self._hidden_share > MOST_HIDDEN and not self._is_in_other_light(tracked, illumination):
             return False  # by a hand, say, which would become a part of the next cover
         if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
             return False
@@ -179,7 +185,7 @@ class HiddenMarker:
         was, now = made_from.marker, tracked.marker
         assert was is not None
         assert now is not None
-        if was.side_m != now.side_m or self._is_elsewhere(tracked) or not _same_scene(illumination, lit_by):
+        if was.side_m != now.side_m or self._is_elsewhere(tracked) or not is_same_scene(illumination, lit_by):
             return True
         is_nearer = side_lengths_px(now.corners_px).max() > NEARER * side_lengths_px(was.corners_px).max()
         least_cos = TURNED_COS if now.body is None else np.cos(TURNED_RAD)
@@ -239,10 +245,3 @@ class SeenCover:
         """For programs that were built with `covers`."""
         self.hidden.bind(program)
         set_uniforms(program, ground_from_pixel=self.ground_from_pixel)
-
-
-def _same_scene(one: Illumination, other: Illumination) -> bool:
-    """Whether one cover serves both: the same light on the same things, seen in the same frame, hence of one source."""
-    if one.seen_in is not other.seen_in or one.real_object is not other.real_object:
-        return False
-    return same_objects(one.lights, other.lights)

@@ -131,7 +131,7 @@ def _light(change: Float32, hides: Mask, sheet: SheetAsMade) -> Float32:
     on_paper = np.clip(change, DEEPEST * sheet.shadow.min(), sheet.relit)
     on_paper *= np.clip((np.abs(on_paper) - SHADED[0]) / (SHADED[1] - SHADED[0]), 0, 1)
     is_clear = sheet.is_plain & ~hides
-    is_other = _without_specks(is_clear & sheet.is_paper & (on_paper != 0))
+    is_other = _without_specks(is_clear & ((sheet.is_paper & (on_paper != 0)) | (on_paper > 0)))
     if not is_other.any():
         return np.zeros_like(change)
     is_shaded = is_other & (on_paper < 0)
@@ -159,7 +159,8 @@ def _things(now: Float32, change: Float32, sheet: SheetAsMade) -> Mask:
     from_paper = now - _paper(now, sheet.is_white)
     is_dark = from_paper @ BRIGHTNESS < np.log(DARK_SHARE)
     is_other = _hue(from_paper, sheet.shadow) > np.where(is_dark, DARK_HUE, HUE)
-    is_other &= ~sheet.is_coloured | (_hue(change, sheet.shadow) > HUE)
+    # What was coloured is the same if its shadow has gone.
+    is_other &= ~sheet.is_coloured | (_hue(change, sheet.shadow, -DEEPEST) > HUE)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (CLOSED_TEXELS, CLOSED_TEXELS))
     return np.asarray(cv2.morphologyEx(_without_specks(is_other).astype(np.uint8), cv2.MORPH_CLOSE, disc) > 0)
 
@@ -177,12 +178,15 @@ def _paper(logs: Float32, is_white: Mask) -> Float32:
     return np.asarray(np.median(white[brightness >= np.quantile(brightness, 1 - LIT_SHARE)], axis=0), np.float32)
 
 
-def _hue(from_paper: Float32, shadow: Float) -> Float32:
-    """(h, w) largest difference between the channels (h, w, 3) beyond that of a shadow of any depth."""
+def _hue(from_paper: Float32, shadow: Float, least: float = 0.0) -> Float32:
+    """(h, w) largest difference between the channels (h, w, 3) beyond that of a shadow of any depth.
+
+    least: of that depth, in shadows; below 0, a shadow may have gone.
+    """
     left = from_paper - from_paper.mean(axis=2, keepdims=True)
     tint = (shadow - shadow.mean()).astype(np.float32)
     if tint.any():
-        left -= np.clip(left @ (tint / (tint @ tint)), 0, DEEPEST)[..., None] * tint
+        left -= np.clip(left @ (tint / (tint @ tint)), least, DEEPEST)[..., None] * tint
     return np.asarray(left.max(axis=2) - left.min(axis=2))
 
 

@@ -415,6 +415,23 @@ def test_a_hand_on_the_sheet_becomes_no_part_of_the_next_cover(ctx, stage) -> No
     hidden.release()
 
 
+def test_in_another_light_the_sheet_is_covered_anew_also_where_something_seems_to_lie_on_it(ctx, stage) -> None:
+    """What a light that has gone out leaves is not told from a thing, and would stay for ever."""
+    hidden, tracked = HiddenMarker(ctx), _view(stage)
+    low, near, high = (
+        Illumination((Light(np.array(towards)),)) for towards in ((0, 0.6, 0.8), (0, 0.65, 0.76), (0, 0, 1))
+    )
+    _settled(hidden, tracked, low)
+    picture = tracked.frame.image_bgr.copy()
+    left = np.arange(picture.shape[1]) < tracked.marker.corners_px[:, 0].mean()
+    picture[_on_sheet(tracked) & left] = (80, 110, 190)
+    touched = replace(tracked, frame=Frame(picture, 30, 1.0))
+    assert _settled(hidden, touched, near) == []
+    assert _settled(hidden, touched, high)
+    assert _settled(hidden, touched, Illumination())
+    hidden.release()
+
+
 def test_a_cover_that_was_given_up_meanwhile_is_not_taken(ctx, stage) -> None:
     hidden = HiddenMarker(ctx)
     tracked = _view(stage)
