@@ -121,7 +121,7 @@ class FakeWorker:
         self.answer: LightEstimate | WorkerFailure | None = None
         self.picture: Image | None = None  # goes with an answer that it was asked for with
         self.outdated: tuple[int, ...] = ()  # goes with the next answer
-        self.known: list[LightEstimate | None] = []  # of the requests
+        self.known: list[LightEstimate | None] = []  # of the requests: what is only to be followed
         self.follows = False  # what is known is answered with `answer`
         self.busy = self.draws = False
 
@@ -132,7 +132,8 @@ class FakeWorker:
         draw: Draw | None,
         is_awaited: bool,
         others: tuple[TrackedFrame, ...],
-        known: LightEstimate | None,
+        held: LightEstimate | None,
+        follows: bool,
         doubted: TrackedFrame | None,
     ) -> bool:
         if self.busy:
@@ -140,7 +141,7 @@ class FakeWorker:
         self.busy, self.draws, self.is_awaited = True, draw is not None, is_awaited
         self.requested.append(frozen)
         self.others, self.doubted = others, doubted
-        self.known.append(known)
+        self.known.append(held if follows else None)
         return True
 
     def wait(self, _timeout_s: float) -> Outcome | None:

@@ -23,6 +23,7 @@ from ashe_live.light.estimators.scene_views import contradicting, span_of
 from ashe_live.light.estimators.stating import Choice, chosen, illumination_of
 from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.hidden_sky import depths_beyond_sky, is_of_sky_alone
 from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
 from ashe_live.light.explanation.known_size import is_as_given
 from ashe_live.light.explanation.no_answer import (
@@ -30,6 +31,7 @@ from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
     NOTHING_THERE,
     OTHER_SIZE,
+    SKY_ALONE,
     TOO_LITTLE_GROUND,
     fault_of_distance,
     fault_of_exposure,
@@ -127,12 +129,24 @@ def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, preset: P
         return NO_SHADOW if first.trace.regions else NOTHING_THERE
     if choice.confidence < judge.least_confidence:
         return fault_of_scene(choice.explanation, choice.confidence)
+    if _shows_sky_alone(choice):
+        return SKY_ALONE
     look = choice.look
     view, ground = look.trace.view, look.views[0].ground
     if preset.light != SUN and is_under_low_lamp(choice.explanation, choice.confidence, view, ground, look.unlit):
         return LOW_LAMP
     sharpener = Sharpener.of([view.fine for view in look.views])
     return None if is_as_given(choice.explanation, preset.first_fit, sharpener) else OTHER_SIZE
+
+
+def _shows_sky_alone(choice: Choice) -> bool:
+    """Whether the choice's shadows are only where its body hides the sky, in the first view that shows it."""
+    best = choice.explanation
+    lights = np.array([light.light for light in best.lights])
+    seeming = [-float(shift[0]) for shift in best.materials.shifts[: len(lights)]]
+    each_view = (depths_beyond_sky(view.fine, best.proxy, lights) for view in choice.look.views)
+    depths = next((depths for depths in each_view if any(depth is not None for depth in depths)), None)
+    return depths is not None and is_of_sky_alone(depths, seeming)
 
 
 def _likeliest(trace: Trace) -> Explanation:

@@ -16,6 +16,8 @@ from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.light.live.moved_marker import moved_estimate
 
 CHANGED_AFTER = 3  # consecutive answers that contradict the one held, and agree among themselves, to replace it
+# As many for what contradicts it in a changed scene, but may be a hand that rests there: some four seconds.
+RESTS_NO_LONGER = 10
 # 99th percentile of the chi-squared distribution with two degrees of freedom.
 GATE = 9.21
 # Masks change abruptly from frame to frame, and with them the light, even where each fit's covariance is small.
@@ -63,19 +65,21 @@ class HeldAnswer:
             self.estimate = moved_estimate(self.estimate, motion, seen.marker)
             self._dissent = [moved_estimate(other, motion, seen.marker) for other in self._dissent]
 
-    def offer(self, new: LightEstimate, is_of_changed_scene: bool = False) -> bool:
+    def offer(self, new: LightEstimate, is_of_changed_scene: bool = False, has_lost_shadows: bool = False) -> bool:
         """Takes `new` as the answer, or not; returns whether it is sharper than the answer known before.
 
         `is_of_changed_scene`: whether the views show that the held answer belongs to another scene. A light that is
-        seen there is believed at once, but not a doubtful one that contradicts a light which was not doubtful: what has
-        changed may be a hand that rests there.
+        seen there is believed at once, and that there is none where the held answer's shadows are gone from it
+        (`has_lost_shadows`), but not a doubtful one that contradicts a light which was not doubtful: what has changed
+        may be a hand that rests there.
         """
         held = self.estimate
         self.is_news = False
         if held is None:
             return self._take(new, is_news=True)
         is_doubtful = _confidence(new) < DOUBTFUL <= _confidence(held) and not agree(held, new)
-        if is_of_changed_scene and (new.lights or not held.lights) and not is_doubtful:
+        is_clear = (new.lights or not held.lights) and not is_doubtful
+        if is_of_changed_scene and (is_clear or has_lost_shadows):
             return self._take(new, is_news=True)
         if agree(held, new):
             self._dissent.clear()
@@ -87,7 +91,11 @@ class HeldAnswer:
             self._take(new, is_news=False)
             return is_surer or _sigma(new) < SHARPER * _sigma(held)
         self._dissent = [*(other for other in self._dissent if agree(other, new)), new]
-        if len(self._dissent) < CHANGED_AFTER and not _outweighs(new, held):
+        if is_of_changed_scene:
+            is_believed = len(self._dissent) >= RESTS_NO_LONGER
+        else:
+            is_believed = len(self._dissent) >= CHANGED_AFTER or _outweighs(new, held)
+        if not is_believed:
             return False
         return self._take(new, is_news=True)
 

@@ -59,7 +59,8 @@ class LightWorker:
         draw: Draw | None = None,
         is_awaited: bool = False,
         others: Sequence[TrackedFrame] = (),
-        known: LightEstimate | None = None,
+        held: LightEstimate | None = None,
+        follows: bool = False,
         doubted: TrackedFrame | None = None,
     ) -> bool:
         """Requests an estimate of `tracked` with a preset; returns False, and does nothing, while busy.
@@ -68,9 +69,10 @@ class LightWorker:
         of it; the picture comes with the answer. An estimate that `is_awaited` by a person is made at normal priority,
         any other at the lowest. `others` are views, with markers, that may be of the same scene; those that are not are
         left out and named in the answer. Where none of them is, an estimate that nobody awaits is made only if
-        `doubted`, an earlier frame of which this was so, shows the same scene. With `known` an estimate is made only if
-        the frame shows another scene than the others, or not the light of that estimate; else the answer is that light
-        as the frame shows it. A frame that was in the request before is not sent again. Raises ValueError when closed.
+        `doubted`, an earlier frame of which this was so, shows the same scene. `held` is the estimate that is shown: if
+        it is only followed (`follows`), another one is made only if the frame shows another scene than the others, or
+        not its light; else the answer is that light as the frame shows it. A frame that was in the request before is
+        not sent again. Raises ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -80,7 +82,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
-        self._process.send((tracked, *others), doubted, preset, draw, is_awaited, known)
+        self._process.send((tracked, *others), doubted, preset, draw, is_awaited, held, follows)
         return True
 
     def wait(self, timeout_s: float) -> Outcome | None:

@@ -39,18 +39,20 @@ class Request:
     preset: "ProxyPreset"
     draw: Draw | None = None  # what draws the trace
     is_awaited: bool = False  # by a person
-    # In a scene that is watched, nothing is estimated if the frame shows the other views' scene in this light.
-    known: "LightEstimate | None" = None
+    held: "LightEstimate | None" = None  # the answer that is shown
+    # Whether nothing is to be estimated if the frame shows the other views' scene in the light of that answer.
+    follows: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
     """The answer to a request."""
 
-    estimate: "LightEstimate | None"  # None: what was known still holds, or no other frame shows this scene
+    estimate: "LightEstimate | None"  # None: what is shown still holds, or no other frame shows this scene
     picture_bgr: "Image | None" = None  # of the trace; None where none was asked for, or the estimator keeps no trace
     outdated: tuple[int, ...] = ()  # indices of the other views that show another scene, and were left out
-    is_followed: bool = False  # whether the estimate is the known one with its lights moved to what the frame shows
+    is_followed: bool = False  # whether the estimate is the held one with its lights moved to what the frame shows
+    has_lost_shadows: bool = False  # whether there is no light, and the shadows of the held one's lights are gone
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +143,7 @@ def _answer(
     """The estimate, or a failure for any exception, so that the process goes on."""
     from ashe_live.light.estimators.estimator import TracingEstimator
     from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
-    from ashe_live.light.views.following import follow
+    from ashe_live.light.views.following import follow, has_lost_shadows
 
     frozen, others = held.frozen, held.others
     try:
@@ -152,16 +154,20 @@ def _answer(
             same = held.doubted()
             if not same:
                 return Answer(None, None, gone)  # something may be passing before the camera
-        elif request.known is not None and same:
-            if request.known.illumination.real_object is None:  # without a body there is no shadow to look for
+        elif request.held is not None and request.follows and same:
+            if request.held.illumination.real_object is None:  # without a body there is no shadow to look for
                 return Answer(None, None, gone)
-            if (followed := follow(request.known, frozen)) is not None:
+            if (followed := follow(request.held, frozen)) is not None:
                 return Answer(followed, None, gone, is_followed=True)
         others = same if span_of([frozen, *same]) >= LEAST_SPAN_RAD else []
+        picture = None
         if request.draw is not None and isinstance(estimator, TracingEstimator):
             estimate, trace = estimator.traced(frozen, others)
-            return Answer(estimate, request.draw(frozen, estimate, trace), gone)
-        return Answer(estimator.estimate(frozen, others), None, gone)
+            picture = request.draw(frozen, estimate, trace)
+        else:
+            estimate = estimator.estimate(frozen, others)
+        is_dark = request.held is not None and estimate.light is None and has_lost_shadows(request.held, frozen)
+        return Answer(estimate, picture, gone, has_lost_shadows=is_dark)
     except UserError as error:
         return WorkerFailure(frozen.frame.index, str(error))
     except Exception as error:

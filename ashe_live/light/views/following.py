@@ -1,5 +1,6 @@
 """Following: a known body's light, verified and followed in a single frame by alignment alone."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +9,12 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.alignment import SEARCH_RANGES, Alignment, Start, aligned
+from ashe_live.light.explanation.judgement.hidden_sky import depths_beyond_sky, is_of_sky_alone
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.ground.preset import GroundPreset
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
+from ashe_live.light.pixels.log_colour import DARKEST
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import Body, BodyFrame, LitBody
 from ashe_live.light.shape.family import Family, Parts
@@ -47,10 +50,39 @@ def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | No
     return found and replace(found, illumination=seen_from_marker(found.illumination, height_m))
 
 
+def has_lost_shadows(estimate: LightEstimate, tracked: TrackedFrame) -> bool:
+    """Whether the frame `tracked` shows that the lights of `estimate` are out, or behind a cloud: its body still stands
+    there, and ground in its shadows is as bright as other ground that sees as much sky. False where that is not seen.
+    """
+    body, ratios = estimate.illumination.real_object, [light.shadow_rgb_ratio for light in estimate.lights]
+    if tracked.marker is None or body is None or not ratios:
+        return False
+    height_m = max(-_lowest(body), 0.0)
+    lights, body = seen_from_marker(estimate.illumination, -height_m).lights, body.raised(height_m)
+    fine = View.of(seen_from_ground(tracked, height_m), FINE_WIDTH_PX).with_paper_as_ground()
+    found = _aligned(lights, body, fine, tracked.frame.index)
+    if found is None or found.clear_body < LEAST_CLARITY:
+        return False
+    depths = depths_beyond_sky(fine, body, np.array([light.homogeneous for light in lights]))
+    seeming = [0.0 if ratio is None else -float(np.log(np.maximum(ratio, DARKEST)).mean()) for ratio in ratios]
+    return is_of_sky_alone(depths, seeming)
+
+
 def _followed(estimate: LightEstimate, body: Proxy, tracked: TrackedFrame) -> LightEstimate | None:
     """As `follow`, of a body that stands on the plane z = 0."""
-    lights = estimate.lights
-    fine = View.of(tracked, FINE_WIDTH_PX).with_paper_as_ground()
+    lights, index = estimate.lights, tracked.frame.index
+    found = _aligned(lights, body, View.of(tracked, FINE_WIDTH_PX).with_paper_as_ground(), index)
+    if found is None or not _is_clear(found):
+        return None
+    moved = [_moved(light, now) for light, now in zip(lights, found.placed.lit.lights, strict=True)]
+    illumination = replace(estimate.illumination, lights=tuple(moved))
+    return LightEstimate(
+        estimate.estimator, index, illumination, None, views=(index, *estimate.views[1:]), span_rad=estimate.span_rad
+    )
+
+
+def _aligned(lights: Sequence[Light], body: Proxy, fine: View, index: int) -> Alignment | None:
+    """The lights moved to where the shadows of a body on the plane lie in `fine`; None where that is not seen."""
     coarse = fine.scaled(WIDTH_PX)
     ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, GROUND)
     ratios = [light.shadow_rgb_ratio for light in lights]
@@ -58,18 +90,11 @@ def _followed(estimate: LightEstimate, body: Proxy, tracked: TrackedFrame) -> Li
         return None
     lit = LitBody(_given(body), np.array([light.homogeneous for light in lights]))
     shifts = [shift_of_ratio(ground, ratio) for ratio in ratios if ratio is not None]
-    costs = costs_around(lit, shifts, SceneView(tracked.frame.index, fine, coarse, ground), REGION_PX)
+    costs = costs_around(lit, shifts, SceneView(index, fine, coarse, ground), REGION_PX)
     if costs is None:
         return None
     (found,) = aligned([Start([lit], Sight.of(costs.region.view), costs)], RANGES)
-    if found is None or not _is_clear(found):
-        return None
-    moved = [_moved(light, now) for light, now in zip(lights, found.placed.lit.lights, strict=True)]
-    index = tracked.frame.index
-    illumination = replace(estimate.illumination, lights=tuple(moved))
-    return LightEstimate(
-        estimate.estimator, index, illumination, None, views=(index, *estimate.views[1:]), span_rad=estimate.span_rad
-    )
+    return found
 
 
 def _moved(light: Light, now: Float) -> Light:

@@ -56,20 +56,24 @@ class LightWatch:
         now_s: float,
         draw: Draw | None = None,
         is_awaited: bool = True,
-        known: LightEstimate | None = None,
+        follows: bool = False,
     ) -> bool:
         """Requests an estimate of a frame together with the current key views; returns whether it was accepted.
 
         While an estimate is in progress, a request is refused; but one that the user waits for (`is_awaited`) is kept
-        until a background estimate is done. The answer to it replaces any held one. `known`: an answer whose light is
-        only to be followed, and estimated again only if the scene has changed.
+        until a background estimate is done. The answer to it replaces any held one. `follows`: the held answer's light
+        is only to be followed, and estimated again only if the scene has changed.
         """
         if is_awaited and self._worker.busy and not self.is_awaited:
             self._waiting = frozen, now_s, draw
             return True
         views = self.key_views.views
         others = tuple(view for view in views if view.frame.index != frozen.frame.index and lies_as_in(view, frozen))
-        if not self._worker.request(frozen, self.preset, draw, is_awaited, others, known, self._doubted):
+        self.held.move_to(frozen)
+        held = self.held.estimate and replace(
+            self.held.estimate, object_mask=None, shadow_mask=None
+        )  # not needed there
+        if not self._worker.request(frozen, self.preset, draw, is_awaited, others, held, follows, self._doubted):
             return False
         self.frozen, self._others, self.asked_s, self._is_awaited = frozen, others, now_s, is_awaited
         if is_awaited:
@@ -86,8 +90,8 @@ class LightWatch:
         held = self.held.estimate
         if held is None or held.estimator in OF_ONE_FRAME or self.is_estimating:
             return False
-        if self._doubted is not None and now_s - self.asked_s >= EVERY_S:
-            return self.ask(seen, now_s, draw, is_awaited=False)
+        if self._doubted is not None:  # older views show what the scene was before
+            return now_s - self.asked_s >= EVERY_S and self.ask(seen, now_s, draw, is_awaited=False)
         if not self.sharpening.is_due_for(views, now_s):
             return False
         return self.ask(views[-1], now_s, draw, is_awaited=False)
@@ -96,11 +100,9 @@ class LightWatch:
         """Requests an estimate of a steady frame, or only to follow the light if the last estimate is recent."""
         if self.is_estimating or not self.sharpening.is_due_again(now_s):
             return False
-        self.held.move_to(steady)
-        held, known = self.held.estimate, None
-        if held is not None and self._doubted is None and self.sharpening.is_up_to_date(now_s):
-            known = replace(held, object_mask=None, shadow_mask=None)  # which nobody needs there
-        return self.ask(steady, now_s, draw, held is None, known)
+        held = self.held.estimate
+        follows = held is not None and self._doubted is None and self.sharpening.is_up_to_date(now_s)
+        return self.ask(steady, now_s, draw, held is None, follows)
 
     def wait(self, timeout_s: float) -> Outcome | None:
         """The worker's outcome, returned once, for which it waits up to `timeout_s`; None if there is none by then."""
@@ -136,7 +138,7 @@ class LightWatch:
         elif outcome.estimate is not None:
             if self._is_awaited:
                 self.held = HeldAnswer(self.frozen)
-            is_sharper = self.held.offer(outcome.estimate, has_changed)
+            is_sharper = self.held.offer(outcome.estimate, has_changed, outcome.has_lost_shadows)
             self.sharpening.answered(is_sharper or self.held.is_disputed)
         # While a hand is before the camera, no view shows what it shows; they are of use again when it has gone.
         if not has_changed or self.held.is_news:

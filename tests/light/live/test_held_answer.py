@@ -9,7 +9,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, rigid, tangent_basis
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
-from ashe_live.light.live.held_answer import AS_SURE, CHANGED_AFTER, HeldAnswer, agree
+from ashe_live.light.live.held_answer import AS_SURE, CHANGED_AFTER, RESTS_NO_LONGER, HeldAnswer, agree
 
 SUN = direction_from_angles(0.7, 0.8)
 LAMP = direction_from_angles(3.0, 0.6)
@@ -128,10 +128,21 @@ def test_where_the_views_show_that_the_scene_has_changed_a_light_is_believed_at_
     assert error_deg(answer, LAMP) < 1e-6
 
 
+def test_that_there_is_no_light_any_more_is_believed_where_its_shadows_are_gone_or_it_stays_so() -> None:
+    out = held(estimate(light(SUN)))
+    assert out.offer(NONE, is_of_changed_scene=True, has_lost_shadows=True)
+    assert out.estimate is NONE
+    covered = held(estimate(light(SUN)))
+    seen = [covered.offer(NONE, is_of_changed_scene=True) for _ in range(RESTS_NO_LONGER)]
+    assert seen == [False] * (RESTS_NO_LONGER - 1) + [True]
+    of_one_scene = held(estimate(light(SUN)))
+    assert not of_one_scene.offer(NONE, has_lost_shadows=True), "a single answer may be wrong"
+
+
 def test_a_doubtful_light_of_a_changed_scene_contradicts_a_sure_one_only_if_it_is_seen_again_and_again() -> None:
     """A hand that rests before the camera."""
     answer, other = held(estimate(light(SUN, confidence=0.9))), estimate(light(LAMP, confidence=0.45))
-    for left in reversed(range(CHANGED_AFTER)):
+    for left in reversed(range(RESTS_NO_LONGER)):
         assert error_deg(answer, SUN) < 1e-6
         assert answer.offer(other, is_of_changed_scene=True) is (left == 0)
     assert error_deg(answer, LAMP) < 1e-6

@@ -272,10 +272,10 @@ def test_what_is_known_of_an_unchanged_scene_still_holds():
     known = LightEstimate("telling", 0, Illumination((Light((0.0, 0.3, 1.0)),)))
     with LightWorker(Telling) as worker:
         here = [view(index, 4.0 * index) for index in range(3)]
-        assert answered(worker, here[0], here[1:], known=known).estimate is None
+        assert answered(worker, here[0], here[1:], held=known, follows=True).estimate is None
         now = view(5, light_deg=20.0)
-        assert answered(worker, now, here, known=known, is_awaited=True).estimate.views == (5,)
-        assert answered(worker, now, (), known=known).estimate.views == (5,)
+        assert answered(worker, now, here, held=known, follows=True, is_awaited=True).estimate.views == (5,)
+        assert answered(worker, now, (), held=known, follows=True).estimate.views == (5,)
 
 
 def test_a_known_bodys_light_is_followed_and_where_it_is_not_seen_estimated_anew(scene):
@@ -285,10 +285,10 @@ def test_a_known_bodys_light_is_followed_and_where_it_is_not_seen_estimated_anew
     gone = replace(known, illumination=replace(known.illumination, lights=(elsewhere,)))
     beside = replace(scene.tracked, frame=Frame(scene.tracked.frame.image_bgr, 8, 0.1))
     with LightWorker(Telling) as worker:
-        answer = answered(worker, scene.tracked, [beside], known=known)
+        answer = answered(worker, scene.tracked, [beside], held=known, follows=True)
         assert answer.is_followed
         assert angle_between(answer.estimate.light.to_light_marker, known.light.to_light_marker) < np.radians(3)
-        answer = answered(worker, scene.tracked, [beside], known=gone)
+        answer = answered(worker, scene.tracked, [beside], held=gone, follows=True)
         assert not answer.is_followed
         assert answer.estimate.estimator == "telling"
 

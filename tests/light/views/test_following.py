@@ -9,7 +9,7 @@ import pytest
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
-from ashe_live.light.views.following import follow
+from ashe_live.light.views.following import follow, has_lost_shadows
 from ashe_live.light.views.ground_height import seen_from_ground, seen_from_marker
 from tests.light.painted_scenes import BOX, SHADOW_RATIO, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
@@ -78,9 +78,24 @@ def test_an_object_that_is_gone_is_not_followed() -> None:
     assert follow(known(), painted_from(90)) is None
 
 
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+@pytest.mark.parametrize("heading_deg", [60, 90, 120])
+def test_shadows_are_gone_where_the_body_stands_without_them(ground: str, heading_deg: float) -> None:
+    def shown(*casters: Caster, **rest) -> bool:
+        return has_lost_shadows(known(), painted_from(heading_deg, *casters, ground=ground, **rest))
+
+    assert shown(BOX, elevation_deg=89.9)
+    assert not shown(BOX)
+    assert not shown(BOX, azimuth_deg=205)
+    assert not shown(), "who takes the body away does not switch off the light"
+
+
 def test_nothing_to_follow_is_nothing() -> None:
     tracked = painted_from(90, BOX)
     assert follow(known(), dataclasses.replace(tracked, marker=None)) is None
     assert follow(LightEstimate("proxy", 0, Illumination(), "no shadow found"), tracked) is None
     bodiless = dataclasses.replace(known(), illumination=dataclasses.replace(known().illumination, real_object=None))
     assert follow(bodiless, tracked) is None
+    assert not has_lost_shadows(bodiless, tracked)
+    assert not has_lost_shadows(known(), dataclasses.replace(tracked, marker=None))
+    assert not has_lost_shadows(LightEstimate("proxy", 0, Illumination(), "no shadow found"), tracked)

@@ -1,0 +1,99 @@
+"""How much darker a shadow is than ground from which the object hides as much of the sky, but not the light.
+
+Beside an object the ground is darker under an even sky, too, which looks like the shadow of a high light. What a light
+adds to that is seen by comparing ground inside of its shadow and outside with as much sky in view.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.pixels.areas import distance_to
+from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.view import View, Window
+from ashe_live.light.shape.light_points import at_infinity
+from ashe_live.light.shape.predicted import outline, outlines, painted, shadow_outline
+
+# Directions by which the sky is counted. Each sends as much light to level ground: they are even on the ground's disc,
+# as the seeds of a sunflower (Vogel, "A better way to construct the sunflower head", 1979).
+SKY = 32
+GOLDEN_ANGLE = math.pi * (3 - math.sqrt(5))
+# Ground is compared with ground that sees the same part of the sky, but for these steps.
+STEPS_OF_SKY = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.87, 0.92, 0.96, 0.985)
+AROUND_SIZES = 2.2  # of the body's size: ground farther from its foot is not compared
+WITHIN_PX, WITHOUT_PX = 1.5, 2.5  # from a shadow's border, which is blurred
+BESIDE_BODY_PX = 3.0  # pixels nearer to the object than this may belong to it
+FEWEST_PX = 5  # inside and outside that see the same part of the sky
+AROUND = 24  # points on a ring around the body
+# Least share of its seeming depth that a light's shadow has beside ground which sees as much sky. Stated: right answers
+# have 0.33 and more, cloudy skies 0.1 to 0.25 (docs/maths, "Evidence").
+LEAST_SHARE = 0.3
+
+
+def depths_beyond_sky(view: View, proxy: Proxy, lights: Float) -> list[float | None]:
+    """How much darker the body's shadow in each light is than ground that sees as much sky: log brightness, 0 for none.
+
+    Convex `proxy` stands on the ground; lights (l, 4): homogeneous points, marker frame. None where too little of the
+    shadow, or of ground to compare it with, is in `view`.
+    """
+    window = _window_around(proxy, view)
+    if window is None:
+        return [None] * len(lights)
+    view = view.cut(window)
+    masks = painted(outlines(proxy, lights, view), view.is_ground.shape)
+    is_ground = view.is_ground & (distance_to(masks.body) > BESIDE_BODY_PX)
+    is_lit = is_ground & (distance_to(masks.shadow) > WITHOUT_PX)
+    brightness = log_opponent(view.image_bgr)[..., 0]
+    sky = np.digitize(_sky_in_view(proxy, view), STEPS_OF_SKY)
+    shadows = masks.parts or (masks.shadow,)
+    cores = [is_ground & shadow & (distance_to(~(shadow | masks.body)) > WITHIN_PX) for shadow in shadows]
+    return [_darker_by(brightness, sky, core, is_lit) for core in cores]
+
+
+def is_of_sky_alone(depths: Sequence[float | None], seeming: Sequence[float]) -> bool:
+    """Whether the shadows of these depths, by `depths_beyond_sky`, are no lights', but what a body hides of the sky.
+
+    seeming: how much darker than lit ground each seems to be, in log brightness. False where no depth is known.
+    """
+    known = [(depth, seems) for depth, seems in zip(depths, seeming, strict=True) if depth is not None]
+    return bool(known) and sum(depth for depth, _ in known) < LEAST_SHARE * sum(seems for _, seems in known)
+
+
+def _window_around(proxy: Proxy, view: View) -> Window | None:
+    """The part of the picture that shows the ground around a body; None where nothing of it is in view."""
+    spheroids, turn = proxy.spheroids_marker, np.linspace(0, math.tau, AROUND, endpoint=False)
+    reach = np.linalg.norm(spheroids[:, :2] - proxy.foot_marker[:2], axis=1) + spheroids[:, 3]
+    radius_m = AROUND_SIZES * max(proxy.height_m, 2 * float(reach.max()))
+    ring = proxy.foot_marker + radius_m * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(AROUND)])
+    seen = outline(view.camera, view.T_cam_marker, ring)
+    if seen is None:
+        return None
+    low = np.clip(np.floor(seen.min(axis=0)), 0, view.size).astype(int)
+    high = np.clip(np.ceil(seen.max(axis=0)), 0, view.size).astype(int)
+    return None if (high <= low).any() else (slice(low[1], high[1]), slice(low[0], high[0]))
+
+
+def _sky_in_view(proxy: Proxy, view: View) -> Float32:
+    """(h, w) the share of an even sky's light that reaches the ground past the body."""
+    distance, turn = np.sqrt((np.arange(SKY) + 0.5) / SKY), GOLDEN_ANGLE * np.arange(SKY)
+    directions = np.column_stack([distance * np.cos(turn), distance * np.sin(turn), np.sqrt(1 - distance**2)])
+    points, shape = proxy.points_marker(AROUND), view.is_ground.shape
+    hidden = np.zeros(shape, np.float32)
+    for light in at_infinity(directions):
+        hidden += painted([shadow_outline(view.camera, view.T_cam_marker, points, light)], shape).body
+    return np.asarray(1 - hidden / SKY, np.float32)
+
+
+def _darker_by(brightness: Float32, sky: NDArray[np.intp], core: Mask, is_lit: Mask) -> float | None:
+    """By how much less `brightness` (h, w) is in `core` than where `is_lit` at the same step of `sky`, (h, w) each."""
+    weights, differences = [], []
+    for step in np.unique(sky[core]):
+        inside, outside = (brightness[mask & (sky == step)] for mask in (core, is_lit))
+        if min(len(inside), len(outside)) >= FEWEST_PX:
+            weights.append(min(len(inside), len(outside)))
+            differences.append(float(np.median(outside) - np.median(inside)))
+    return float(np.average(differences, weights=weights)) if weights else None
