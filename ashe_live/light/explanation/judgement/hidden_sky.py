@@ -30,7 +30,7 @@ BESIDE_BODY_PX = 3.0  # pixels nearer to the object than this may belong to it
 FEWEST_PX = 5  # inside and outside that see the same part of the sky
 AROUND = 24  # points on a ring around the body
 # Least share of its seeming depth that a light's shadow has beside ground which sees as much sky. Stated: right answers
-# have 0.33 and more, cloudy skies 0.1 to 0.25 (docs/maths, "Evidence").
+# have 0.33 and more, cloudy skies 0.1 to 0.25 (docs/maths, "Confidence").
 LEAST_SHARE = 0.3
 
 
