@@ -122,13 +122,13 @@ def shoot(folder: Path, size: tuple[int, int], frame_count: int) -> Film:
 
 
 @pytest.fixture(scope="session")
-def picture_of_box() -> Callable[[float, float], Image]:
+def picture_of_box() -> Callable[..., Image]:
     """The scene as the film has it, (h, w, 3), from a side and in a light of these azimuths in degrees."""
 
-    def picture(azimuth_deg: float, light_deg: float = 200.0) -> Image:
+    def picture(azimuth_deg: float, light_deg: float = 200.0, elevation_deg: float = 42.0) -> Image:
         angle = np.radians(azimuth_deg)
         T_cam_marker = pose_of((0.5 * np.cos(angle), 0.5 * np.sin(angle), 0.4))
-        to_light = direction_from_angles(np.radians(light_deg), np.radians(42))
+        to_light = direction_from_angles(np.radians(light_deg), np.radians(elevation_deg))
         return painted_frame(Camera.from_hfov((640, 480), HFOV_DEG), T_cam_marker, to_light)
 
     return picture

@@ -29,6 +29,12 @@ RANGES = SEARCH_RANGES[0], SEARCH_RANGES[-1]  # two parameters a light need no m
 # object's size.
 LEAST_CLARITY, MOST_MISFIT = 0.3, 0.06
 
+# Of a shadow's depth, what is left of it once its light is out: none, but for noise. Where another light comes on
+# beside it, a third and more is left.
+LEFT_SHARE = 0.15
+# Mean clarity of the borders of a body that still stands there, however well it fits: where it has gone, 0.03.
+STANDS_CLARITY = 0.12
+
 
 def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | None:
     """The light of `estimate` as the frame `tracked` shows it; None where that does not show the body and its shadows.
@@ -61,11 +67,11 @@ def has_lost_shadows(estimate: LightEstimate, tracked: TrackedFrame) -> bool:
     lights, body = seen_from_marker(estimate.illumination, -height_m).lights, body.raised(height_m)
     fine = View.of(seen_from_ground(tracked, height_m), FINE_WIDTH_PX).with_paper_as_ground()
     found = _aligned(lights, body, fine, tracked.frame.index)
-    if found is None or found.clear_body < LEAST_CLARITY:
+    if found is None or found.clear_body < STANDS_CLARITY:
         return False
     depths = depths_beyond_sky(fine, body, np.array([light.homogeneous for light in lights]))
     seeming = [0.0 if ratio is None else -float(np.log(np.maximum(ratio, DARKEST)).mean()) for ratio in ratios]
-    return is_of_sky_alone(depths, seeming)
+    return is_of_sky_alone(depths, seeming, LEFT_SHARE)
 
 
 def _followed(estimate: LightEstimate, body: Proxy, tracked: TrackedFrame) -> LightEstimate | None:

@@ -130,8 +130,6 @@ class LightWatch:
             self._doubted = self.frozen
             self.key_views.drop([view for view in self.key_views.views if view is self.frozen])
             return outcome
-        if has_changed:
-            self.sharpening = Sharpening()
         if outcome.is_followed and outcome.estimate is not None:
             self.held.follow(outcome.estimate)
             self.sharpening.verified()
@@ -139,6 +137,8 @@ class LightWatch:
             if self._is_awaited:
                 self.held = HeldAnswer(self.frozen)
             is_sharper = self.held.offer(outcome.estimate, has_changed, outcome.has_lost_shadows)
+            if has_changed and self.held.is_news:
+                self.sharpening = Sharpening()
             self.sharpening.answered(is_sharper or self.held.is_disputed)
         # While a hand is before the camera, no view shows what it shows; they are of use again when it has gone.
         if not has_changed or self.held.is_news:

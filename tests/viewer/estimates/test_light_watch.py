@@ -17,6 +17,7 @@ from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.estimates.light_watch import LightWatch
+from ashe_live.viewer.estimates.sharpening import EVERY_S
 
 PATIENCE_S = 240.0
 SIDES_DEG = (-100, -97, -94, -91, -88)
@@ -101,6 +102,43 @@ def test_an_answer_is_sharpened_then_followed_and_a_changed_light_replaces_it(wa
             watch.wait(PATIENCE_S)
     assert error_deg(watch, 60.0) < 10
     assert not any(view is old for view in watch.key_views.views for old in views_before)
+
+
+def test_a_light_that_goes_out_is_noticed_by_the_second_frame_without_it(watch, table, picture_of_box) -> None:
+    clock = Clock()
+    for tracked in table[200.0]:
+        seen, now_s = clock.now(tracked)
+        watch.key_views.add(seen)
+    assert watch.ask(seen, now_s)
+    watch.wait(PATIENCE_S)
+    assert watch.held.estimate.light is not None
+    # From straight above there is no shadow to be seen.
+    dark = replace(seen, frame=Frame(picture_of_box(SIDES_DEG[-1], 200.0, 89.9), 0, 0.0))
+    for is_noticed in (False, True):
+        seen, now_s = clock.now(dark)
+        assert watch.sharpen(seen, now_s, None) or watch.look_again(seen, now_s, None)
+        watch.wait(PATIENCE_S)
+        assert (watch.held.estimate.light is None) is is_noticed
+    assert watch.key_views.views == ()
+
+
+def test_views_from_before_are_not_asked_about_while_something_has_changed(watch, table) -> None:
+    """They would bring back what has gone."""
+    clock = Clock()
+    for tracked in table[200.0][:2]:
+        seen, now_s = clock.now(tracked)
+        watch.key_views.add(seen)
+    assert watch.ask(seen, now_s)
+    watch.wait(PATIENCE_S)
+    other, now_s = clock.now(table[60.0][0])
+    assert watch.look_again(other, now_s, None)
+    watch.wait(PATIENCE_S)
+    watch.key_views.add(clock.now(table[200.0][3])[0])
+    watch.key_views.add(clock.now(table[200.0][4])[0])
+    assert not watch.sharpen(other, now_s + 0.5 * EVERY_S, None)
+    seen, later_s = clock.now(table[60.0][0])
+    assert watch.sharpen(seen, later_s, None)
+    assert watch.frozen is seen
 
 
 def with_hand(seen: TrackedFrame, elbow: tuple[int, int] = (700, 500)) -> TrackedFrame:

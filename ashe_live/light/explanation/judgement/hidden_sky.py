@@ -54,13 +54,14 @@ def depths_beyond_sky(view: View, proxy: Proxy, lights: Float) -> list[float | N
     return [_darker_by(brightness, sky, core, is_lit) for core in cores]
 
 
-def is_of_sky_alone(depths: Sequence[float | None], seeming: Sequence[float]) -> bool:
+def is_of_sky_alone(depths: Sequence[float | None], seeming: Sequence[float], least_share: float = LEAST_SHARE) -> bool:
     """Whether the shadows of these depths, by `depths_beyond_sky`, are no lights', but what a body hides of the sky.
 
-    seeming: how much darker than lit ground each seems to be, in log brightness. False where no depth is known.
+    seeming: how much darker than lit ground each seems to be, in log brightness. False where no depth is known, and
+    where all that are known make up `least_share` of what seems or more.
     """
     known = [(depth, seems) for depth, seems in zip(depths, seeming, strict=True) if depth is not None]
-    return bool(known) and sum(depth for depth, _ in known) < LEAST_SHARE * sum(seems for _, seems in known)
+    return bool(known) and sum(depth for depth, _ in known) < least_share * sum(seems for _, seems in known)
 
 
 def _window_around(proxy: Proxy, view: View) -> Window | None:
