@@ -54,6 +54,6 @@ def test_a_thread_at_work_neither_changes_the_status_nor_is_waited_for(before: s
 
 @pytest.mark.skipif(sys.version_info >= (3, 14), reason="from then on Python leaves such threads alone")
 def test_python_alone_would_abort() -> None:
-    """Why the module is there; where this fails, it can go."""
-    done = subprocess.run([sys.executable, "-c", f"{IN_OPENCV}\nraise SystemExit(3)"], capture_output=True)
-    assert done.returncode != 3
+    """Why the module is there; where this fails, it can go. On a busy machine the thread may just be between calls."""
+    command = [sys.executable, "-c", f"{IN_OPENCV}\nraise SystemExit(3)"]
+    assert any(subprocess.run(command, capture_output=True).returncode != 3 for _ in range(10))

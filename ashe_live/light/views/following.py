@@ -60,8 +60,9 @@ def has_lost_shadows(estimate: LightEstimate, tracked: TrackedFrame) -> bool:
     """Whether the frame `tracked` shows that the lights of `estimate` are out, or behind a cloud: its body still stands
     there, and ground in its shadows is as bright as other ground that sees as much sky. False where that is not seen.
     """
-    body, ratios = estimate.illumination.real_object, [light.shadow_rgb_ratio for light in estimate.lights]
-    if tracked.marker is None or body is None or not ratios:
+    body, all_ratios = estimate.illumination.real_object, [light.shadow_rgb_ratio for light in estimate.lights]
+    ratios = [ratio for ratio in all_ratios if ratio is not None]
+    if tracked.marker is None or body is None or not ratios or len(ratios) < len(all_ratios):
         return False
     height_m = max(-_lowest(body), 0.0)
     lights, body = seen_from_marker(estimate.illumination, -height_m).lights, body.raised(height_m)
@@ -70,7 +71,7 @@ def has_lost_shadows(estimate: LightEstimate, tracked: TrackedFrame) -> bool:
     if found is None or found.clear_body < STANDS_CLARITY:
         return False
     depths = depths_beyond_sky(fine, body, np.array([light.homogeneous for light in lights]))
-    seeming = [0.0 if ratio is None else -float(np.log(np.maximum(ratio, DARKEST)).mean()) for ratio in ratios]
+    seeming = [-float(np.log(np.maximum(ratio, DARKEST)).mean()) for ratio in ratios]
     return is_of_sky_alone(depths, seeming, LEFT_SHARE)
 
 

@@ -175,7 +175,8 @@ class HiddenMarker:
         return self._made_from is not None and not is_elsewhere and is_other_light(illumination, self._made_from[1])
 
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
-        if self._hidden_share > MOST_HIDDEN and not self._is_in_other_light(tracked, illumination):
+        is_hidden = self._cover is not None and self._hidden_share > MOST_HIDDEN
+        if is_hidden and not self._is_in_other_light(tracked, illumination):
             return False  # by a hand, say, which would become a part of the next cover
         if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
             return False

@@ -11,6 +11,7 @@ from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews, lies_as_in
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Answer, Draw
+from ashe_live.viewer.estimates.brightness import Brightness
 from ashe_live.viewer.estimates.sharpening import EVERY_S, Sharpening
 
 
@@ -30,6 +31,7 @@ class LightWatch:
         # same, and else something has passed before the camera.
         self._doubted: TrackedFrame | None = None
         self._is_awaited = False
+        self._brightness = Brightness()  # of the frame of the last request
         # The user's request, and its time, while another estimate is in progress.
         self._waiting: tuple[TrackedFrame, float, Draw | None] | None = None
         self._worker = worker
@@ -70,12 +72,12 @@ class LightWatch:
         views = self.key_views.views
         others = tuple(view for view in views if view.frame.index != frozen.frame.index and lies_as_in(view, frozen))
         self.held.move_to(frozen)
-        held = self.held.estimate and replace(
-            self.held.estimate, object_mask=None, shadow_mask=None
-        )  # not needed there
+        shown = self.held.estimate
+        held = shown and replace(shown, object_mask=None, shadow_mask=None)  # which nobody needs there
         if not self._worker.request(frozen, self.preset, draw, is_awaited, others, held, follows, self._doubted):
             return False
         self.frozen, self._others, self.asked_s, self._is_awaited = frozen, others, now_s, is_awaited
+        self._brightness.note(frozen.frame)
         if is_awaited:
             self.sharpening = Sharpening()
         self.sharpening.asked(views, now_s)
@@ -97,8 +99,12 @@ class LightWatch:
         return self.ask(views[-1], now_s, draw, is_awaited=False)
 
     def look_again(self, steady: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
-        """Requests an estimate of a steady frame, or only to follow the light if the last estimate is recent."""
-        if self.is_estimating or not self.sharpening.is_due_again(now_s):
+        """Requests an estimate of a steady frame, or only to follow the light if the last estimate is recent.
+
+        After a while, or soon if the picture has become brighter or darker.
+        """
+        is_soon = now_s - self.asked_s >= EVERY_S and self._brightness.has_jumped(steady.frame)
+        if self.is_estimating or not (is_soon or self.sharpening.is_due_again(now_s)):
             return False
         held = self.held.estimate
         follows = held is not None and self._doubted is None and self.sharpening.is_up_to_date(now_s)

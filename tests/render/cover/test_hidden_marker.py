@@ -412,6 +412,9 @@ def test_a_hand_on_the_sheet_becomes_no_part_of_the_next_cover(ctx, stage) -> No
     touched = replace(moved, frame=Frame(picture, 30, 1.0))
     assert _settled(hidden, touched, Illumination()) == []
     assert _settled(hidden, replace(moved, frame=Frame(moved.frame.image_bgr, 31, 1.1)), Illumination())
+    hidden.follow(replace(moved, frame=Frame(picture, 32, 1.1)), Illumination(), at_once=False)
+    hidden.forget()
+    assert _settled(hidden, touched, Illumination()), "where there is no cover, one is made in any case"
     hidden.release()
 
 

@@ -122,6 +122,23 @@ def test_a_light_that_goes_out_is_noticed_by_the_second_frame_without_it(watch, 
     assert watch.key_views.views == ()
 
 
+def test_a_watched_light_is_looked_at_soon_where_the_picture_becomes_darker_at_once(watch, table) -> None:
+    clock = Clock()
+    first, now_s = clock.now(table[200.0][0])
+    assert watch.ask(first, now_s)
+    watch.wait(PATIENCE_S)
+    while not watch.sharpening.is_settled:
+        seen, now_s = clock.now(table[200.0][0])
+        if watch.look_again(seen, now_s, None):
+            watch.wait(PATIENCE_S)
+    assert not watch.look_again(seen, now_s + 2 * EVERY_S, None)
+    dimmed = replace(seen, frame=Frame((0.8 * seen.frame.image_bgr).astype(np.uint8), 99, 0.0))
+    assert not watch.look_again(dimmed, now_s + 0.5 * EVERY_S, None)
+    assert watch.look_again(dimmed, now_s + 2 * EVERY_S, None)
+    watch.wait(PATIENCE_S)
+    assert not watch.look_again(dimmed, now_s + 4 * EVERY_S, None), "it has been looked at"
+
+
 def test_views_from_before_are_not_asked_about_while_something_has_changed(watch, table) -> None:
     """They would bring back what has gone."""
     clock = Clock()
