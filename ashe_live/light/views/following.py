@@ -67,9 +67,10 @@ def has_lost_shadows(estimate: LightEstimate, tracked: TrackedFrame) -> bool:
     height_m = max(-_lowest(body), 0.0)
     lights, body = seen_from_marker(estimate.illumination, -height_m).lights, body.raised(height_m)
     fine = View.of(seen_from_ground(tracked, height_m), FINE_WIDTH_PX).with_paper_as_ground()
-    found = _aligned(lights, body, fine, tracked.frame.index)
-    if found is None or found.clear_body < STANDS_CLARITY:
-        return False
+    if tracked.marker.body is None:  # on which the marker is, and where its borders are not looked for
+        found = _aligned(lights, body, fine, tracked.frame.index)
+        if found is None or found.clear_body < STANDS_CLARITY:
+            return False
     depths = depths_beyond_sky(fine, body, np.array([light.homogeneous for light in lights]))
     seeming = [-float(np.log(np.maximum(ratio, DARKEST)).mean()) for ratio in ratios]
     return is_of_sky_alone(depths, seeming, LEFT_SHARE)

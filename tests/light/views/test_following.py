@@ -90,6 +90,14 @@ def test_shadows_are_gone_where_the_body_stands_without_them(ground: str, headin
     assert not shown(), "who takes the body away does not switch off the light"
 
 
+@pytest.mark.parametrize("elevation_deg", [40.0, 89.9])
+def test_a_body_that_carries_the_marker_stands_there_and_its_shadow_may_be_gone(elevation_deg: float) -> None:
+    tracked = painted_from(90, BOX, ground="bricks", elevation_deg=elevation_deg)
+    assert tracked.marker is not None
+    marker = dataclasses.replace(tracked.marker, body=known().illumination.real_object)
+    assert has_lost_shadows(known(), dataclasses.replace(tracked, marker=marker)) is (elevation_deg > 80)
+
+
 def test_nothing_to_follow_is_nothing() -> None:
     tracked = painted_from(90, BOX)
     assert follow(known(), dataclasses.replace(tracked, marker=None)) is None
