@@ -13,14 +13,15 @@ from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.render.lights.lighting import angular_size, ground_ratio
 from ashe_live.viewer.hands.pointing import Pixel, ground_at, picture_axes, pixel_of
 from ashe_live.viewer.hands.requests import Command, Drag, Request
+from ashe_live.viewer.hands.shadow_end import LOWEST_RAD, light_through, shadow_of
 
 # What one key press, or one notch of the wheel, changes.
 LIGHT_STEP_RAD = math.radians(2)
 TURN_STEP_RAD = math.radians(5)
 SCALE_STEP = 1.1
 MOVE_STEP_SIDES = 0.05
-# Limits of the elevation: keys stop before the zenith, where the azimuth would be undefined.
-LOWEST_RAD, HIGHEST_RAD = math.radians(5), math.radians(89)
+# Largest elevation: keys stop before the zenith, where the azimuth would be undefined.
+HIGHEST_RAD = math.radians(89)
 SMALLEST, LARGEST = 0.1, 5.0  # the model's scale: a camera at arm's length would be inside a larger one
 MOST_NOTCHES = 20.0
 FARTHEST_SIDES = 50.0
@@ -33,7 +34,6 @@ FAINTEST = 0.03
 # Factor of one notch on a lamp's distance; its limits, in sides of the marker: beyond the farthest it is a sun.
 FARTHER_STEP = 1.1
 NEAREST_LAMP_SIDES, FARTHEST_LAMP_SIDES = 1.0, 40.0
-LEAST_ABOVE_MODEL = 1.05  # height of a lamp over the model's from which the end of the model's shadow can be dragged
 LEAST_HEIGHT_SIDES = 0.25  # a lower model's shadow is dragged as if the model had this height
 NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 
@@ -147,13 +147,13 @@ class Hand:
         if context.model is not None:
             height = max(height, float(context.model.bounds[1, 2])) * standing.scale
         if drag.is_first:
-            end = _shadow_of(base.lights[0], foot, height)
+            end = shadow_of(base.lights[0], foot, height)
             end_px = None if end is None else pixel_of(tracked, end)
             self._shadow_end_px = drag.begin_px if end_px is None else end_px
         end_now = ground_at(tracked, _brought(drag, self._shadow_end_px))
         if end_now is None:
             return
-        to_light = _light_through(end_now, foot, height, base.lights[0].inverse_distance)
+        to_light = light_through(end_now, foot, height, base.lights[0].inverse_distance)
         if to_light is not None:
             self._set_light(tracked, base, to_light)
 
@@ -223,31 +223,6 @@ class Hand:
 
 def _of_unknown_error(light: Light) -> Light:
     return replace(light, covariance_rad2=None, sigma_rad=None, confidence=None, lamp_covariance=None)
-
-
-def _shadow_of(light: Light, foot: Float, height: float) -> Float | None:
-    """(2,) on the plane: the shadow of a point `height` above `foot` (2,); None if the light is not above it."""
-    x, y, z = light.to_light_marker
-    above = z - light.inverse_distance * height
-    return np.asarray((z * foot - height * np.array((x, y))) / above) if above > 0 else None
-
-
-def _light_through(end: Float, foot: Float, height: float, inverse_distance: float) -> Float | None:
-    """(3,) the unit vector to a light at this distance for which `_shadow_of` is `end` (2,); None if there is none.
-
-    No lower than LOWEST_RAD: a sun then stops there.
-    """
-    slope = (foot - end) / height
-    if inverse_distance == 0:
-        steepness = max(float(np.linalg.norm(slope)), 1e-12)
-        slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
-    # With (x, y) = z slope + q end, the larger z for which the vector's length is 1.
-    a, b, c = 1 + slope @ slope, inverse_distance * (slope @ end), inverse_distance**2 * (end @ end) - 1
-    if b * b < a * c:
-        return None
-    z = float((math.sqrt(b * b - a * c) - b) / a)
-    lowest = max(LEAST_ABOVE_MODEL * inverse_distance * height, math.sin(LOWEST_RAD) - 1e-12)
-    return np.array((*(z * slope + inverse_distance * end), z)) if z >= lowest else None
 
 
 def _brought(drag: Drag, pixel: Pixel) -> Pixel:
