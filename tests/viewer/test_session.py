@@ -830,9 +830,8 @@ def test_the_light_stays_in_the_room_while_the_marker_is_turned(make, fakes):
     for index, turn_deg in enumerate((20, 200, 40), 1):
         place = lying(turn_deg)
         session.take(dataclasses.replace(fakes.tracked(index), T_room_marker=place), 10.0 + index)
-        assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(
-            room
-        )  # without a window nobody polls
+        # Without a window nobody polls.
+        assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
         session.poll(10.0 + index)
         assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
         assert session.lit_by is session.shown
@@ -852,6 +851,21 @@ def test_the_light_stays_in_the_room_while_the_marker_is_turned(make, fakes):
     assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
     session.poll(30.0)
     assert session.shown.light.to_light_marker == pytest.approx(room)
+
+
+def test_a_light_on_its_way_stays_in_the_room_where_the_marker_is_lost(make, fakes):
+    session = make()
+    session.take(dataclasses.replace(fakes.tracked(0), T_room_marker=lying(0)), 0.0)
+    for now_s, towards in ((0.0, (1.0, 0.0, 1.0)), (10.0, (1.0, 0.2, 1.0))):
+        session.request_estimate(now_s)
+        session.watch._worker.answer = fakes.estimate(towards=towards)
+        session.poll(now_s)
+    turned = dataclasses.replace(fakes.tracked(1), T_room_marker=lying(90))
+    session.take(turned, 10.1)
+    session.take(dataclasses.replace(turned, marker=None), 10.2)
+    session.poll(10.2)
+    x, y, _ = turned.T_room_marker[:3, :3] @ session.shown.light.to_light_marker
+    assert 0 < y / x < 0.2
 
 
 def test_a_light_by_hand_stays_in_the_room_while_the_marker_is_turned(make, fakes):

@@ -16,7 +16,7 @@ from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.light.live.moved_marker import moved_estimate
 
 CHANGED_AFTER = 3  # consecutive answers that contradict the one held, and agree among themselves, to replace it
-# As many for what contradicts it in a changed scene, but may be a hand that rests there: some four seconds.
+# As many for what contradicts it in a changed scene, but may be a hand that rests there: four seconds of the viewer's.
 RESTS_NO_LONGER = 10
 # 99th percentile of the chi-squared distribution with two degrees of freedom.
 GATE = 9.21

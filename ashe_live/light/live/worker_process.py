@@ -52,7 +52,8 @@ class Answer:
     picture_bgr: "Image | None" = None  # of the trace; None where none was asked for, or the estimator keeps no trace
     outdated: tuple[int, ...] = ()  # indices of the other views that show another scene, and were left out
     is_followed: bool = False  # whether the estimate is the held one with its lights moved to what the frame shows
-    has_lost_shadows: bool = False  # whether there is no light, and the shadows of the held one's lights are gone
+    # Whether there is no light in a changed scene, and the shadows of the held answer's lights are gone from it.
+    has_lost_shadows: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,6 +150,7 @@ def _answer(
     try:
         estimator = estimator_by(request.preset)
         gone = tuple(held.outdated())
+        has_changed = len(gone) == len(others) > 0
         same: list[TrackedFrame] = [view for place, view in enumerate(others) if place not in gone]
         if others and not same and not request.is_awaited:
             same = held.doubted()
@@ -166,8 +168,9 @@ def _answer(
             picture = request.draw(frozen, estimate, trace)
         else:
             estimate = estimator.estimate(frozen, others)
-        is_dark = request.held is not None and estimate.light is None and has_lost_shadows(request.held, frozen)
-        return Answer(estimate, picture, gone, has_lost_shadows=is_dark)
+        may_be_out = has_changed and estimate.light is None
+        is_out = may_be_out and request.held is not None and has_lost_shadows(request.held, frozen)
+        return Answer(estimate, picture, gone, has_lost_shadows=is_out)
     except UserError as error:
         return WorkerFailure(frozen.frame.index, str(error))
     except Exception as error:

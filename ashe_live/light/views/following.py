@@ -28,7 +28,6 @@ RANGES = SEARCH_RANGES[0], SEARCH_RANGES[-1]  # two parameters a light need no m
 # A light is followed down to this mean clarity of the borders of body and shadow, and up to this misfit over the
 # object's size.
 LEAST_CLARITY, MOST_MISFIT = 0.3, 0.06
-
 # Of a shadow's depth, what is left of it once its light is out: none, but for noise. Where another light comes on
 # beside it, a third and more is left.
 LEFT_SHARE = 0.15

@@ -20,7 +20,7 @@ class Brightness:
         self._level = _level(frame)
 
     def has_jumped(self, frame: Frame) -> bool:
-        """Whether this frame is as much brighter or darker as by another light."""
+        """Whether this frame is so much brighter or darker that the light may have changed."""
         return self._level is not None and abs(_level(frame) - self._level) > JUMP
 
 

@@ -103,8 +103,10 @@ class LightWatch:
 
         After a while, or soon if the picture has become brighter or darker.
         """
-        is_soon = now_s - self.asked_s >= EVERY_S and self._brightness.has_jumped(steady.frame)
-        if self.is_estimating or not (is_soon or self.sharpening.is_due_again(now_s)):
+        if self.is_estimating:
+            return False
+        is_old = now_s - self.asked_s >= EVERY_S
+        if not (self.sharpening.is_due_again(now_s) or (is_old and self._brightness.has_jumped(steady.frame))):
             return False
         held = self.held.estimate
         follows = held is not None and self._doubted is None and self.sharpening.is_up_to_date(now_s)

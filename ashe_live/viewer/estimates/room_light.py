@@ -15,6 +15,7 @@ class RoomLight:
         self._T_room_marker: Float | None = None  # as it lay there
         self._easing = LightEasing()
         self._fixed = FixedInRoom(self.estimated, None)  # what was asked for last
+        self._tracked: TrackedFrame | None = None  # the last frame with a marker
 
     def take(self, estimated: Illumination, seen_in: TrackedFrame | None) -> None:
         """A new estimate, made in the frame `seen_in`; what is shown goes on from where it is in the room."""
@@ -49,6 +50,8 @@ class RoomLight:
         return self._easing.jump(by_hand)
 
     def _seen_from(self, tracked: TrackedFrame | None, illumination: Illumination) -> Illumination:
+        if tracked is not None and tracked.marker is not None:
+            self._tracked = tracked
         if self._fixed.illumination is not illumination:
             self._fixed = FixedInRoom(illumination, self._T_room_marker)
-        return self._fixed.seen_by(tracked)
+        return self._fixed.seen_by(self._tracked)

@@ -104,13 +104,19 @@ def test_an_answer_is_sharpened_then_followed_and_a_changed_light_replaces_it(wa
     assert not any(view is old for view in watch.key_views.views for old in views_before)
 
 
-def test_a_light_that_goes_out_is_noticed_by_the_second_frame_without_it(watch, table, picture_of_box) -> None:
-    clock = Clock()
-    for tracked in table[200.0]:
+def seen_from_all_sides(watch: LightWatch, frames: list[TrackedFrame], clock: Clock) -> TrackedFrame:
+    """The last of the frames, which are the key views of an answer."""
+    for tracked in frames:
         seen, now_s = clock.now(tracked)
         watch.key_views.add(seen)
     assert watch.ask(seen, now_s)
     watch.wait(PATIENCE_S)
+    return seen
+
+
+def test_a_light_that_goes_out_is_noticed_by_the_second_frame_without_it(watch, table, picture_of_box) -> None:
+    clock = Clock()
+    seen = seen_from_all_sides(watch, table[200.0], clock)
     assert watch.held.estimate.light is not None
     # From straight above there is no shadow to be seen.
     dark = replace(seen, frame=Frame(picture_of_box(SIDES_DEG[-1], 200.0, 89.9), 0, 0.0))
@@ -142,11 +148,7 @@ def test_a_watched_light_is_looked_at_soon_where_the_picture_becomes_darker_at_o
 def test_views_from_before_are_not_asked_about_while_something_has_changed(watch, table) -> None:
     """They would bring back what has gone."""
     clock = Clock()
-    for tracked in table[200.0][:2]:
-        seen, now_s = clock.now(tracked)
-        watch.key_views.add(seen)
-    assert watch.ask(seen, now_s)
-    watch.wait(PATIENCE_S)
+    seen_from_all_sides(watch, table[200.0][:2], clock)
     other, now_s = clock.now(table[60.0][0])
     assert watch.look_again(other, now_s, None)
     watch.wait(PATIENCE_S)
@@ -167,11 +169,7 @@ def with_hand(seen: TrackedFrame, elbow: tuple[int, int] = (700, 500)) -> Tracke
 
 def test_a_hand_that_passes_costs_neither_the_light_nor_the_views(watch, table) -> None:
     clock = Clock()
-    for tracked in table[200.0]:
-        seen, now_s = clock.now(tracked)
-        watch.key_views.add(seen)
-    assert watch.ask(seen, now_s)
-    watch.wait(PATIENCE_S)
+    seen = seen_from_all_sides(watch, table[200.0], clock)
     light, views = watch.held.estimate, watch.key_views.views
     assert len(light.views) > 2
 
