@@ -20,6 +20,7 @@ COMPARED_EVERY_S = 0.1  # while the marker is not moved
 # A frame is taken for the next ones to be compared with after this long, if the camera has moved since.
 RENEWED_S = 0.4
 FLAT, FLAT_SIDES = math.sin(math.radians(2.5)), 0.08  # tilt, and height in sides, that count as those of the table
+MOST_REMEMBERED = 10_000  # frames from which on the marker lay elsewhere, for steps back in a clip: 4 MB
 LOST_S = 2.0  # after which a frame that cannot be compared begins anew, and the marker counts as unmoved since
 
 
@@ -32,10 +33,14 @@ class MarkerPlace:
     def rewind(self) -> None:
         """The next frame is the first one again."""
         self._T_room_marker: Float = UNMOVED
+        self._places: dict[int, Float] = {}  # by the index of the frame from which on it lay there
         self.forget()
 
     def forget(self) -> None:
-        """The next frame cannot be compared with the ones before, as after a cut: the marker counts as unmoved."""
+        """The next frame cannot be compared with the ones before, as after a cut or a step back in a clip.
+
+        The marker lies where it lay when that frame was seen, or else where it was seen last.
+        """
         self._before: StillFrame | None = None
         self._last_px: Float | None = None
         self._known_s = self._compared_s = -math.inf
@@ -43,12 +48,18 @@ class MarkerPlace:
 
     def add(self, tracked: TrackedFrame) -> TrackedFrame:
         """The frame with `T_room_marker`; frames must come in the order of time."""
+        before = self._T_room_marker
         if tracked.marker is None:
             self._last_px = None
         elif self._before is None or not self._before.is_comparable(tracked):
+            self._T_room_marker = self._remembered(tracked.frame.index)
             self._begin(tracked)
         elif not tracked.marker.bridged:
             self._compare(tracked, self._before)
+        if self._T_room_marker is not before:
+            self._places[tracked.frame.index] = self._T_room_marker
+            if len(self._places) > MOST_REMEMBERED:
+                del self._places[next(iter(self._places))]
         return replace(tracked, T_room_marker=self._T_room_marker)
 
     def _compare(self, tracked: TrackedFrame, before: StillFrame) -> None:
@@ -56,8 +67,11 @@ class MarkerPlace:
         corners_px, time_s = tracked.marker.corners_px * before.scale, tracked.frame.time_s
         is_at_rest = self._last_px is not None and np.abs(corners_px - self._last_px).max() < AT_REST_PX
         self._last_px = corners_px
-        is_due = self._is_moving or time_s - self._compared_s >= COMPARED_EVERY_S
-        if not is_due or np.abs(corners_px - before.corners_px).max() < LEAST_MOTION_PX:
+        if np.abs(corners_px - before.corners_px).max() < LEAST_MOTION_PX:
+            # Where it was, and if it was moved in between, it is back.
+            self._known_s, self._is_moving, self._T_room_marker = time_s, False, before.T_room_marker
+            return
+        if not (self._is_moving or time_s - self._compared_s >= COMPARED_EVERY_S):
             return
         self._compared_s = time_s
         T_old_new = before.motion(tracked)
@@ -73,6 +87,10 @@ class MarkerPlace:
             self._T_room_marker = before.T_room_marker
         if is_over:
             self._begin(tracked)
+
+    def _remembered(self, index: int) -> Float:
+        """(4, 4) where the marker lay in a frame, by the frames before it that were seen."""
+        return self._places.get(max((each for each in self._places if each <= index), default=-1), UNMOVED)
 
     def _begin(self, tracked: TrackedFrame) -> None:
         self._before = StillFrame.of(tracked, self._T_room_marker)

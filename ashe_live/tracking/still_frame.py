@@ -39,6 +39,8 @@ EXPLAINED = 0.5  # share of the points found from which an unmoved marker explai
 # Least share of all points that a motion of both explains: of a camera that trembles, or of any.
 TREMBLING, AGREEING = 0.35, 0.6
 RANSAC_PX = 1.0
+# Root mean square distance of the ground's points from a line through them, in sides: one line leaves a turn open.
+NARROWEST_SIDES = 0.3
 MOST_TREMBLE_RAD = math.radians(4.0)
 FAR_PX = 1e4  # outside of any picture
 UNMOVED: Float = frozen_floats(np.eye(4), (4, 4), "UNMOVED")
@@ -108,8 +110,10 @@ class StillFrame:
             return UNMOVED
         if with_marker >= least and with_marker > SURER * with_camera:
             return np.asarray(inverse_rigid(self.T_cam_marker) @ now)
-        if (near_path & is_there).sum() >= max(FEWEST_POINTS, EXPLAINED * is_there.sum()):
-            return UNMOVED
+        near_count = (near_path & is_there).sum()
+        if near_count >= max(FEWEST_POINTS, EXPLAINED * is_there.sum()):
+            # A marker that has hardly moved yet before a camera that stands still looks like one that has not.
+            return UNMOVED if near_count > (stays & is_there).sum() else None
         return self._of_both(there, is_there, now)
 
     def _seen_at(self, height_sides: float, T_cam_marker: Float) -> Float:
@@ -159,10 +163,15 @@ class StillFrame:
             return None
         chosen = agreeing.ravel() > 0
         on_plane = raycast_to_plane(self.scaled, self.T_cam_marker, before[chosen])
-        if not np.isfinite(on_plane).all():
+        if not np.isfinite(on_plane).all() or _breadth(on_plane) < NARROWEST_SIDES * self.side_m:
             return None
         is_solved, turn, shift = cv2.solvePnP(on_plane, after[chosen], self.scaled.K, None, flags=cv2.SOLVEPNP_IPPE)
         return rigid(cv2.Rodrigues(turn)[0], shift[:, 0]) if is_solved else None
+
+
+def _breadth(points: Float) -> float:
+    """Root mean square of the distances of points (n, 3) of a plane from the line that is nearest to them."""
+    return float(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1]) / math.sqrt(len(points))
 
 
 def _scaled(tracked: TrackedFrame) -> tuple[Image, Camera]:

@@ -1,6 +1,7 @@
 """Whether the marker was moved or the camera: on a painted table, where both are known."""
 
 import math
+import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
@@ -170,8 +171,58 @@ def test_a_cut_begins_anew(ends) -> None:
     marker_place = MarkerPlace()
     turned = followed((seen(view(), place, k / FPS) for k, place in enumerate(TURNED)), marker_place)[-1]
     getattr(marker_place, ends)()
-    (next_one,) = followed([seen(view(50), lying(0), 0.0)], marker_place)
+    (next_one,) = followed([seen(view(50), lying(0), 9.0)], marker_place)
     assert np.array_equal(next_one, np.eye(4)) if ends == "rewind" else next_one is turned
+
+
+def test_stepped_back_and_forth_it_lies_where_it_lay_then() -> None:
+    frames = [seen(view(), place, k / FPS) for k, place in enumerate(TURNED)]
+    marker_place = MarkerPlace()
+    followed(frames, marker_place)
+    for frame in reversed(frames[:-1]):
+        marker_place.forget()
+        place = marker_place.add(frame).T_room_marker
+    assert np.array_equal(place, np.eye(4))
+    assert_near(followed(frames, marker_place)[-1], TURNED[-1], 0.5, 1)
+    marker_place.forget()
+    assert np.array_equal(marker_place.add(frames[0]).T_room_marker, np.eye(4))
+    marker_place.forget()
+    assert_near(np.asarray(marker_place.add(frames[-1]).T_room_marker), TURNED[-1], 0.5, 1)
+
+
+@pytest.mark.parametrize(("degrees", "mm"), [(0.4, 0.0), (0.0, 1.0), (0.4, 1.0)])
+def test_a_marker_that_is_moved_slowly_is_moved(degrees, mm) -> None:
+    """Ten times a second by a little, before a camera that stands still."""
+    rest = [lying(0)] * 30
+    slow = [lying(degrees * k, 0.001 * mm * k) for k in range(61)]
+    places = followed(seen(view(), place, k / 10) for k, place in enumerate([*rest, *slow]))
+    assert_near(places[-1], slow[-1], 4.0, 10)
+
+
+def test_a_marker_that_is_put_back_lies_where_it_lay() -> None:
+    there_and_back = [*TURNED[:11], *reversed(TURNED[:10]), *TURNED[:1] * 5]
+    places = followed(seen(view(), place, k / FPS) for k, place in enumerate(there_and_back))
+    assert_near(places[10], TURNED[10], 3.5, 2.5)
+    assert_near(places[-1], lying(0), 0.01, 0.01)
+
+
+def test_one_unclear_frame_after_a_long_rest_forgets_no_move() -> None:
+    rest = [seen(view(), lying(0), k / FPS) for k in range(0, int(5 * FPS), 3)]
+    moved = [seen(view(), lying(70), 6.0 + k / FPS) for k in range(10)]
+    blurred = cv2.blur(moved[0].frame.image_bgr, (61, 61))
+    unclear = replace(moved[0], frame=replace(moved[0].frame, image_bgr=blurred))
+    assert_near(followed([*rest, unclear, *moved[1:]])[-1], lying(70), 0.5, 1.5)
+
+
+@pytest.mark.parametrize("turn_deg", [30, 60, 100])
+def test_points_on_a_line_are_no_ground_to_go_by(monkeypatch, turn_deg) -> None:
+    """A ruler on a plain table, while marker and camera move: many homographies explain what it shows."""
+    ruler = np.full_like(table(40.0), 130)
+    rows = slice(*(round((y_m + TABLE_M / 2) / TABLE_M * CELLS) for y_m in (0.13, 0.16)))
+    ruler[rows] = table(40.0)[rows]
+    monkeypatch.setattr(sys.modules[__name__], "table", lambda _: ruler)
+    place = followed([seen(view(), lying(0), 0.0), seen(view(8), lying(turn_deg), 1.0)])[-1]
+    assert np.array_equal(place, np.eye(4)) or angle_between(place[:3, 0], lying(turn_deg)[:3, 0]) < math.radians(5)
 
 
 def test_light_from_the_room_is_where_it_was() -> None:
