@@ -173,14 +173,14 @@ class Session:
 
     def _show(self, now_s: float) -> None:
         # A light that follows the mouse must not lag behind it.
-        by_hand = self.hand.light
-        self.shown = self._light.shown(self.tracked, now_s) if by_hand is None else self._light.show_by_hand(by_hand)
+        by_hand, light = self.hand.light, self._light
+        self.shown = light.shown(self.tracked, now_s) if by_hand is None else light.show_by_hand(self.tracked, by_hand)
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
         outcome = self._accept(self.watch.wait(timeout_s), now_s)
-        by_hand = self.hand.light
-        self.shown = self._light.jump(self.tracked) if by_hand is None else self._light.show_by_hand(by_hand)
+        by_hand, light = self.hand.light, self._light
+        self.shown = light.jump(self.tracked) if by_hand is None else light.show_by_hand(self.tracked, by_hand)
         return outcome
 
     def handle(self, request: Request, now_s: float) -> bool:
@@ -248,11 +248,14 @@ class Session:
         if self.hand.light is not None and self.watch.asked_s >= self._by_hand_s:
             if new.light is None:
                 self.say(f"no clear light: {new.reason}; it stays as set by hand", now_s)
+                self.automatic = False
             else:
                 self.hand.light = None
         return self.estimate
 
     def _toggle_automatic(self, now_s: float) -> None:
+        if not self.automatic and self.hand.light is not None and not self.request_estimate(now_s):
+            return  # what it says is why the light stays as set by hand
         self.automatic = not self.automatic
         if self.automatic:
             self.watch.sharpening = Sharpening()

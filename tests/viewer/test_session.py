@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import direction_from_angles, rigid
+from ashe_live.core.transforms import angle_between, direction_from_angles, rigid
 from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.light.live.worker_process import WorkerFailure
@@ -596,6 +596,48 @@ def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(make, fakes
     assert session.hand.light is not None
 
 
+@pytest.mark.parametrize("with_light", [True, False])
+def test_after_a_light_by_hand_the_light_is_watched_again(make, fakes, with_light):
+    session = make(EstimatePolicy(automatic=True))
+    session.take(fakes.tracked(), 0.0)
+    by_hand(session, 0.0)
+    session.handle(Request(Command.AUTOMATIC), 1.0)
+    assert session.watch.is_awaited
+    session.watch._worker.answer = fakes.estimate(with_light=with_light)
+    session.poll(2.0)
+    assert session.automatic is with_light
+    assert (session.hand.light is None) is with_light
+    asked = len(session.watch._worker.requested)
+    for index in range(1, 60):
+        session.take(fakes.tracked(index), 2.0 + index / 10)
+    assert (len(session.watch._worker.requested) > asked) is with_light
+
+
+def test_without_a_marker_a_light_by_hand_stays_and_is_not_said_to_be_watched(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    by_hand(session, 0.0)
+    session.take(dataclasses.replace(fakes.tracked(1), marker=None), 1.0)
+    session.handle(Request(Command.AUTOMATIC), 1.0)
+    assert not session.automatic
+    assert "no marker in view" in session.notice.shown(1.0)
+
+
+def test_an_estimator_that_fails_is_asked_less_and_less_urgently(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    urgent = []
+    for index in range(300):
+        now_s = index / 10
+        session.take(fakes.tracked(index), now_s)
+        if session.watch.is_estimating:
+            urgent.append(session.watch._worker.is_awaited)
+            session.watch._worker.answer = WorkerFailure(index, "it died")
+            session.poll(now_s)
+    assert urgent[0]
+    assert not any(urgent[FUTILE:])
+    assert len(urgent) < FUTILE + 30.0 / CHECKED_EVERY_S + 1
+
+
 def test_reset_gives_light_and_model_back_to_the_estimate(make, fakes):
     session = make()
     session.take(fakes.tracked(), 0.0)
@@ -886,6 +928,23 @@ def test_a_light_by_hand_stays_in_the_room_while_the_marker_is_turned(make, fake
     session.handle(Request(Command.UNDO), 12.0)
     session.poll(12.0)
     assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
+
+
+def test_the_estimated_light_is_eased_to_from_where_a_light_by_hand_was_in_the_room(make, fakes):
+    session = make()
+    session.take(dataclasses.replace(fakes.tracked(0), T_room_marker=lying(0)), 0.0)
+    estimated(session, fakes, 0.0)
+    turned = dataclasses.replace(fakes.tracked(1), T_room_marker=lying(50))
+    session.take(turned, 10.0)
+    by_hand(session, 10.0)
+    by_hand_there = session.shown.light.to_light_marker
+    session.take(dataclasses.replace(turned, frame=fakes.tracked(2).frame), 11.0)
+    session.request_estimate(11.0)
+    session.watch._worker.answer = fakes.estimate(2, towards=by_hand_there + np.array([0.0, 0.02, 0.0]))
+    session.poll(11.0)
+    for now_s in (11.0, 11.1, 11.2, 12.0):
+        session.poll(now_s)
+        assert angle_between(session.shown.light.to_light_marker, by_hand_there) < 0.03
 
 
 def test_nobody_asks_about_a_picture_in_which_the_marker_is_being_moved(make, fakes):

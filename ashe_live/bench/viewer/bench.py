@@ -194,7 +194,7 @@ class BenchScene:
         elif self.task is Task.SHARPENING and (views := watch.key_views.views):
             # A fresh look at each: that it gains nothing is no reason to end here.
             watch.held = HeldAnswer()
-            watch.ask(views[-1], now_s, is_awaited=False)
+            watch.ask_in_background(views[-1], now_s)
 
     def _note(self, estimate: LightEstimate | None) -> None:
         if estimate is not None:

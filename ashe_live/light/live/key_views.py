@@ -16,8 +16,9 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.ranges import VIEWS
-from ashe_live.core.transforms import lies_elsewhere, transform_points, view_direction
+from ashe_live.core.transforms import transform_points, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.light.live.comparable import lies_as_in
 from ashe_live.light.live.moved_marker import seen_before_move
 from ashe_live.light.views.selection import span_rad
 
@@ -50,12 +51,6 @@ EXTREME, STEEPEST = 0.02, 0.01
 def span_of(views: Sequence[TrackedFrame]) -> float:
     """The largest angle between two views' directions, seen from the marker, in radians; 0 for fewer than two."""
     return span_rad(_directions(views)) or 0.0
-
-
-def lies_as_in(view: TrackedFrame, other: TrackedFrame) -> bool:
-    """Whether the marker lies in the room of both where it lies in the other; both must have one."""
-    assert view.marker is not None
-    return not lies_elsewhere(view.T_room_marker, other.T_room_marker, view.marker.side_m)
 
 
 class KeyViews:

@@ -17,6 +17,7 @@ from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose,
 LEVEL_COS = math.cos(math.radians(5.0))
 LIFTED_SIDES = 0.15
 GRAZING, DARKEST = 0.05, 1e-3  # least sine of a light's elevation, and least light, by which anything is divided
+WHERE_IT_LAY = "where it lay"  # stands for the sheet's former place in a frame from before it was moved
 
 
 class FixedInRoom:
@@ -82,18 +83,29 @@ def _shared_on_tilted(lights: tuple[Light, ...], before: Illumination) -> tuple[
     A light gives it as much as the cosine to its normal says, which was the sine of the light's elevation; the sky
     gives it about as much as before.
     """
-    lost = [light.shadow_rgb_ratio for light in lights]
-    if not lights or any(ratio is None for ratio in lost):
+    left = [_left_without(light) for light in lights]
+    if not lights or any(ratio is None for ratio in left):
         return lights, before.ambient_rgb_ratio
-    shares = np.array([1 - ratio for ratio in lost if ratio is not None])
-    sky = np.clip(1 - shares.sum(axis=0), 0, 1) if before.ambient_rgb_ratio is None else before.ambient_rgb_ratio
+    shares = np.array([1 - ratio for ratio in left if ratio is not None])
+    # A lamp's intensity, which was measured at the marker's centre, takes precedence over the ambient light.
+    ambient = None if any(light.intensity_rgb_ratio is not None for light in lights) else before.ambient_rgb_ratio
+    sky = np.clip(1 - shares.sum(axis=0), 0, 1) if ambient is None else ambient
     heights = np.array(
         [[now.to_light_marker[2], was.to_light_marker[2]] for now, was in zip(lights, before.lights, strict=True)]
     )
     received = shares * (np.maximum(heights[:, 0], 0) / np.maximum(heights[:, 1], GRAZING))[:, None]
     total = np.maximum(sky + received.sum(axis=0), DARKEST)
-    shared = (replace(light, shadow_rgb_ratio=1 - one / total) for light, one in zip(lights, received, strict=True))
+    shared = (
+        replace(light, shadow_rgb_ratio=1 - one / total, intensity_rgb_ratio=None)
+        for light, one in zip(lights, received, strict=True)
+    )
     return tuple(shared), None if before.ambient_rgb_ratio is None else np.asarray(sky / total)
+
+
+def _left_without(light: Light) -> Float | None:
+    """(3,) what is left of the light on level ground at the marker's centre without this one; None if unknown."""
+    intensity = light.intensity_rgb_ratio
+    return light.shadow_rgb_ratio if intensity is None else 1 / (1 + np.maximum(intensity, 0.0))
 
 
 def _moved_light(light: Light, T_new_old: Float) -> Light:
@@ -137,7 +149,7 @@ def _seen_by(tracked: TrackedFrame, T_new_old: Float) -> TrackedFrame:
 def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFrame | None:
     """A frame from before the marker's sheet was moved, by the frame of the marker as it lies now: `T_room_marker`.
 
-    Where the sheet lay, there is another printed sheet. None where it no longer lies on that plane, or where the
+    Where the sheet lay in it, there is another printed sheet. None where it no longer lies on that plane, or where the
     marker is printed on a body, which has moved itself.
     """
     marker = tracked.marker
@@ -155,14 +167,16 @@ def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFram
         corners, cv2.Rodrigues(T_cam_marker[:3, :3])[0], T_cam_marker[:3, 3], camera.K, camera.dist
     )
     turn_rad = math.atan2(motion[1, 0], motion[0, 0])
-    was = PlaneMarker("where it lay", motion[:2, 3], turn_rad, marker.side_m)
+    was = PlaneMarker(WHERE_IT_LAY, motion[:2, 3], turn_rad, marker.side_m)
     others = tuple(
         replace(each, centre_m=was.on_plane(np.append(each.centre_m, 0.0))[:2], turn_rad=each.turn_rad + turn_rad)
         for each in tracked.others
     )
+    if all(each.spec != WHERE_IT_LAY for each in others):  # else it was moved again, and lay there in no such frame
+        others = (*others, was)
     return replace(
         seen,
         marker=replace(seen.marker, corners_px=np.asarray(corners_px[:, 0], np.float64), unfiltered_T_cam_marker=None),
-        others=(*others, was),
+        others=others,
         T_room_marker=T_room_marker,
     )

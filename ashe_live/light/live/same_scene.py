@@ -92,15 +92,24 @@ def _area_sides(is_changed: Mask, shear_sides: float) -> float:
 def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
     """Indices of the views `before` that show another scene than `now`: all, if most of those compared do.
 
-    So a hand that passes through a single view makes only that view outdated. All are as well if the two views from the
-    nearest directions are, as from farther aside a change may be taken for a thing above the plane.
+    So a hand that passes through a single view makes only that view outdated; if it is the only one that can be
+    compared, the other views tell whether it was a hand. All are as well if the two views from the nearest directions
+    are, as from farther aside a change may be taken for a thing above the plane.
     """
     results = [differs(now, each) for each in before]
     gone = [at for at, is_other in enumerate(results) if is_other]
     compared = [at for at, is_other in enumerate(results) if is_other is not None]
     nearest = sorted(compared, key=lambda at: _aside(now, before[at]))[:2]
     has_changed = 2 * len(gone) > len(compared) or (len(nearest) == 2 and all(results[at] for at in nearest))
+    if has_changed and len(compared) == 1:
+        has_changed = not _is_alone(before[compared[0]], [each for at, each in enumerate(before) if at != compared[0]])
     return list(range(len(before))) if has_changed else gone
+
+
+def _is_alone(view: PlanePicture, others: Sequence[PlanePicture]) -> bool:
+    """Whether the view differs from most of those others that it can be compared with."""
+    results = [is_other for is_other in (differs(view, each) for each in others) if is_other is not None]
+    return 2 * sum(results) > len(results)
 
 
 def outdated_with_far(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:

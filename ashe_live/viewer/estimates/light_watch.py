@@ -7,8 +7,9 @@ from dataclasses import replace
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import OF_ONE_FRAME
 from ashe_live.light.estimators.preset import BALANCED
+from ashe_live.light.live.comparable import fits
 from ashe_live.light.live.held_answer import HeldAnswer
-from ashe_live.light.live.key_views import KeyViews, lies_as_in
+from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Answer, Draw
 from ashe_live.viewer.estimates.brightness import Brightness
@@ -52,25 +53,36 @@ class LightWatch:
         self.key_views.drop()
         self._worker.give_up()
 
-    def ask(
+    def ask(self, frozen: TrackedFrame, now_s: float, draw: Draw | None = None) -> bool:
+        """The user requests an estimate of a frame together with the current key views; returns whether it is accepted.
+
+        While another one that the user waits for is in progress, a request is refused; it is kept until a background
+        estimate is done. The answer to it replaces any held one.
+        """
+        if self._worker.busy and not self.is_awaited:
+            self._waiting = frozen, now_s, draw
+            return True
+        before, self.sharpening = self.sharpening, Sharpening()
+        if self.ask_in_background(frozen, now_s, draw, is_awaited=True):
+            return True
+        self.sharpening = before
+        return False
+
+    def ask_in_background(
         self,
         frozen: TrackedFrame,
         now_s: float,
         draw: Draw | None = None,
-        is_awaited: bool = True,
+        is_awaited: bool = False,
         follows: bool = False,
     ) -> bool:
-        """Requests an estimate of a frame together with the current key views; returns whether it was accepted.
+        """As `ask`, but what has been learned of when another estimate is worthwhile stays.
 
-        While an estimate is in progress, a request is refused; but one that the user waits for (`is_awaited`) is kept
-        until a background estimate is done. The answer to it replaces any held one. `follows`: the held answer's light
-        is only to be followed, and estimated again only if the scene has changed.
+        `is_awaited`: the user waits for it all the same. `follows`: the held answer's light is only to be followed, and
+        estimated again only if the scene has changed.
         """
-        if is_awaited and self._worker.busy and not self.is_awaited:
-            self._waiting = frozen, now_s, draw
-            return True
         views = self.key_views.views
-        others = tuple(view for view in views if view.frame.index != frozen.frame.index and lies_as_in(view, frozen))
+        others = tuple(view for view in views if view.frame.index != frozen.frame.index and fits(view, frozen))
         self.held.move_to(frozen)
         shown = self.held.estimate
         held = shown and replace(shown, object_mask=None, shadow_mask=None)  # which nobody needs there
@@ -78,8 +90,6 @@ class LightWatch:
             return False
         self.frozen, self._others, self.asked_s, self._is_awaited = frozen, others, now_s, is_awaited
         self._brightness.note(frozen.frame)
-        if is_awaited:
-            self.sharpening = Sharpening()
         self.sharpening.asked(views, now_s)
         return True
 
@@ -93,10 +103,10 @@ class LightWatch:
         if held is None or held.estimator in OF_ONE_FRAME or self.is_estimating:
             return False
         if self._doubted is not None:  # older views show what the scene was before
-            return now_s - self.asked_s >= EVERY_S and self.ask(seen, now_s, draw, is_awaited=False)
+            return now_s - self.asked_s >= EVERY_S and self.ask_in_background(seen, now_s, draw)
         if not self.sharpening.is_due_for(views, now_s):
             return False
-        return self.ask(views[-1], now_s, draw, is_awaited=False)
+        return self.ask_in_background(views[-1], now_s, draw)
 
     def look_again(self, steady: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
         """Requests an estimate of a steady frame, or only to follow the light if the last estimate is recent.
@@ -110,7 +120,8 @@ class LightWatch:
             return False
         held = self.held.estimate
         follows = held is not None and self._doubted is None and self.sharpening.is_up_to_date(now_s)
-        return self.ask(steady, now_s, draw, held is None, follows)
+        is_awaited = held is None and not self.sharpening.is_settled  # after some that failed, nobody waits any more
+        return self.ask_in_background(steady, now_s, draw, is_awaited, follows)
 
     def wait(self, timeout_s: float) -> Outcome | None:
         """The worker's outcome, returned once, for which it waits up to `timeout_s`; None if there is none by then."""

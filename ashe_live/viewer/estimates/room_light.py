@@ -3,7 +3,7 @@
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import motion_between
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
-from ashe_live.light.live.moved_marker import FixedInRoom, moved_estimate
+from ashe_live.light.live.moved_marker import FixedInRoom, moved_estimate, moved_illumination
 from ashe_live.viewer.estimates.easing import LightEasing
 
 
@@ -45,9 +45,17 @@ class RoomLight:
         """As `now`, which is shown at once."""
         return self._seen_from(tracked, self._easing.jump(self.estimated))
 
-    def show_by_hand(self, by_hand: Illumination) -> Illumination:
-        """Shows a light that was set by hand, in the marker's frame, at once."""
-        return self._easing.jump(by_hand)
+    def show_by_hand(self, tracked: TrackedFrame | None, by_hand: Illumination) -> Illumination:
+        """Shows a light that was set by hand, by the marker's frame in `tracked`, at once; the next one eases from it.
+
+        As it is easing by the marker's frame in the estimate, that light is taken there.
+        """
+        shown = by_hand
+        if tracked is not None and tracked.marker is not None:
+            motion = motion_between(tracked.T_room_marker, self._T_room_marker)
+            shown = by_hand if motion is None else moved_illumination(by_hand, motion, tracked.marker)
+        self._easing.jump(shown)
+        return by_hand
 
     def _seen_from(self, tracked: TrackedFrame | None, illumination: Illumination) -> Illumination:
         if tracked is not None and tracked.marker is not None:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.live.comparable import is_by_same_camera
 from ashe_live.light.live.key_views import RENEWED_AFTER_S, span_of
 
 EVERY_S = 0.4  # least time between two estimates
@@ -37,6 +38,8 @@ class Sharpening:
 
     def asked(self, views: Sequence[TrackedFrame], now_s: float) -> None:
         """An estimate of a frame together with these views, of which it may be one, has been requested."""
+        if self._is_by_another_camera(views):
+            self._widest_rad, self._futile = 0.0, 0
         self._views, self._looked_at, self._tells_more = views, views, False
         self.span_rad, self._asked_s = span_of(views), now_s
         self._widest_rad = max(self._widest_rad, self.span_rad)
@@ -66,7 +69,13 @@ class Sharpening:
         """Whether a watched scene needs another estimate only if it has changed."""
         return self.is_settled and now_s - self._estimated_s < RENEWED_AFTER_S
 
+    def _is_by_another_camera(self, views: Sequence[TrackedFrame]) -> bool:
+        """Whether the focal length has become known since, by which all that was estimated is to be made anew."""
+        return len(views) > 0 and len(self._views) > 0 and not is_by_same_camera(views[-1], self._views[-1])
+
     def _tell_more(self, views: Sequence[TrackedFrame]) -> bool:
+        if self._is_by_another_camera(views):
+            return True
         span_rad = span_of(views)
         if self.is_settled:
             return span_rad >= MUCH_WIDER * self._widest_rad + MUCH_WIDER_BY_RAD

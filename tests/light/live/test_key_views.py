@@ -12,6 +12,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, inverse_rigid, project, rigid, transform_points, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.light.live.comparable import lies_as_in
 from ashe_live.light.live.key_views import (
     GAIN,
     MOST_BLUR_PX,
@@ -23,7 +24,6 @@ from ashe_live.light.live.key_views import (
     KeyViews,
     blur_px,
     kept_size,
-    lies_as_in,
     scaled,
     span_of,
 )

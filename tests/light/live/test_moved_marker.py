@@ -104,6 +104,16 @@ def test_a_view_from_before_shows_the_sheet_where_it_lay() -> None:
     assert now.frame is before.frame
 
 
+def test_moved_twice_the_sheet_lies_in_a_view_only_where_it_lay_then() -> None:
+    before = seen(T_room_marker=np.eye(4))
+    once = seen_before_move(before, inverse_rigid(TURNED))
+    twice = seen_before_move(once, inverse_rigid(TURNED @ TURNED))
+    (lay,) = twice.others
+    assert project(CAMERA, twice.marker.T_cam_marker, lay.on_plane(square_corners(SIDE_M))) == pytest.approx(
+        project(CAMERA, before.marker.T_cam_marker, square_corners(SIDE_M)), abs=1e-6
+    )
+
+
 def test_no_view_is_kept_of_a_marker_that_was_lifted_or_of_a_cube() -> None:
     assert seen_before_move(seen(T_room_marker=np.eye(4)), inverse_rigid(TILTED)) is None
     cube = seen(T_room_marker=np.eye(4))
@@ -147,3 +157,20 @@ def test_a_light_gives_a_tilted_sheet_as_much_as_its_cosine_says() -> None:
     (behind,) = moved_illumination(lit, away, PRINT).lights
     assert behind.to_light_marker[2] < 0
     assert behind.shadow_rgb_ratio == pytest.approx(1)
+
+
+def test_so_does_a_lamp_whose_intensity_was_measured() -> None:
+    """The intensity, over the ambient light at the marker, takes precedence over what the shadow has left."""
+    lamp = Light(
+        np.array([0.6, 0.0, 0.8]),
+        inverse_distance=0.5,
+        shadow_rgb_ratio=np.full(3, 0.3),
+        intensity_rgb_ratio=np.full(3, 1.5),
+    )
+    away = rigid(cv2.Rodrigues(np.radians([0.0, 30.0, 0.0]))[0], [0.0, 0.0, 0.1])
+    for motion in (away, inverse_rigid(away)):
+        moved = moved_illumination(Illumination((lamp,), np.full(3, 0.4)), motion, PRINT)
+        (now,) = moved.lights
+        assert now.intensity_rgb_ratio is None
+        over_sky = (1 - now.shadow_rgb_ratio) / moved.ambient_rgb_ratio
+        assert over_sky == pytest.approx(1.5 * now.to_light_marker[2] / 0.8)

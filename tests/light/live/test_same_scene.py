@@ -67,6 +67,17 @@ def test_a_hand_in_one_view_makes_that_one_of_no_use_and_a_new_light_all_of_them
     assert outdated(now, []) == []
 
 
+def test_a_hand_in_the_only_view_that_can_be_compared_is_told_by_the_others() -> None:
+    now = seen(BOX)
+    hand = Caster(at=(-0.1, -0.1), width_m=0.12, height_m=0.05)
+    far = [seen(BOX, azimuth_deg=angle, seed=angle) for angle in (17, 19, 21)]
+    assert [differs(now, each) for each in far] == [None, None, None]
+    assert outdated(now, [*far, seen(BOX, hand, azimuth_deg=14)]) == [3]
+    assert outdated(now, [*far, seen(BOX, azimuth_deg=14)]) == []
+    changed = seen(BOX, MUG)
+    assert outdated(changed, [*far, seen(BOX, azimuth_deg=14)]) == [0, 1, 2, 3]
+
+
 def test_the_nearest_views_say_whether_a_low_thing_is_new() -> None:
     """From farther aside it may have stood there before: its shadow shears as a thing above the plane does."""
     now = seen(BOX, Caster(at=(-0.1, -0.1), width_m=0.06, height_m=0.02))

@@ -204,7 +204,7 @@ def test_a_view_with_a_hand_is_dropped_once_the_hand_has_gone(watch, table) -> N
 def test_what_the_user_asks_meanwhile_is_answered_after_the_estimate_in_progress(watch, table) -> None:
     clock = Clock()
     (first, first_s), (asked, asked_s) = clock.now(table[200.0][0]), clock.now(table[200.0][1])
-    assert watch.ask(first, first_s, is_awaited=False)
+    assert watch.ask_in_background(first, first_s)
     assert watch.ask(asked, asked_s)
     assert watch.wait(PATIENCE_S) is None, "it would be taken for the user's"
     outcome = watch.wait(PATIENCE_S)

@@ -1,7 +1,9 @@
 """When another estimate is worth its work."""
 
+import dataclasses
 import math
 
+from ashe_live.core.camera import Camera
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE, RENEWED_AFTER_S, Sharpening
 
 
@@ -67,3 +69,18 @@ def test_a_watched_scene_is_looked_at_less_often_once_nothing_is_gained_and_esti
     assert sharpening.is_up_to_date(100.0 + CHECKED_EVERY_S)
     assert not sharpening.is_up_to_date(101.0 + RENEWED_AFTER_S)
     assert math.isclose(sharpening.span_rad, 0.0)
+
+
+def test_views_by_a_focal_length_that_has_become_known_are_worth_it_all_the_same(fakes):
+    sharpening = Sharpening()
+    views = orbit(fakes, 6, 3.0)
+    for at in range(FUTILE):
+        sharpening.asked(views, float(at))
+        sharpening.answered(is_sharper=False)
+    again = orbit(fakes, 6, 3.0, first=50)
+    assert not sharpening.is_due_for(again, 10.0)
+    known = Camera.from_hfov(again[0].camera.size, 50)
+    by_it = tuple(dataclasses.replace(view, camera=known) for view in again)
+    assert sharpening.is_due_for(by_it, 10.0)
+    sharpening.asked(by_it, 10.0)
+    assert not sharpening.is_settled
