@@ -120,7 +120,9 @@ class Session:
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
             self.request_estimate(now_s)
-        elif tracked.marker is not None and self.hand.light is None and not is_being_moved:
+        elif tracked.marker is None or self._light.is_lifted(tracked):
+            return
+        elif self.hand.light is None and not is_being_moved:
             is_asked = self.watch.sharpen(tracked, now_s, self._draw)
             if self.automatic and is_steady and not is_asked:
                 self.watch.look_again(tracked, now_s, self._draw)

@@ -930,6 +930,25 @@ def test_a_light_by_hand_stays_in_the_room_while_the_marker_is_turned(make, fake
     assert place[:3, :3] @ session.shown.light.to_light_marker == pytest.approx(room)
 
 
+def test_nobody_asks_about_a_sheet_that_is_held_still_above_the_table_where_its_light_was_found(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    session._steadiness = Steadiness(1)
+    on_table = dataclasses.replace(fakes.tracked(0), T_room_marker=lying(0))
+    lifted = dataclasses.replace(on_table, T_room_marker=rigid(np.eye(3), (0.0, 0.0, 0.2)))
+
+    def requests_made(first: int, place) -> int:
+        before = len(session.watch._worker.requested)
+        for index in range(first, first + 5):
+            session.take(dataclasses.replace(place, frame=fakes.tracked(index).frame), float(index))
+            session.watch._worker.answer = fakes.estimate(index)
+            session.poll(float(index))
+        return len(session.watch._worker.requested) - before
+
+    assert requests_made(0, on_table) > 1
+    assert requests_made(5, lifted) == 0
+    assert requests_made(10, on_table) > 1
+
+
 def test_the_estimated_light_is_eased_to_from_where_a_light_by_hand_was_in_the_room(make, fakes):
     session = make()
     session.take(dataclasses.replace(fakes.tracked(0), T_room_marker=lying(0)), 0.0)

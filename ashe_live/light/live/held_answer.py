@@ -47,6 +47,8 @@ class HeldAnswer:
         self.estimate: LightEstimate | None = None
         self.is_news = False  # whether the last estimate offered was taken as a new light, or as the first answer
         self._T_room_marker = None if seen is None else seen.T_room_marker
+        # The answer as it was made, and where the marker lay then: by a sheet that is lifted, the real object is lost.
+        self._as_made: tuple[LightEstimate, Float | None] | None = None
         self._dissent: list[LightEstimate] = []
         self._surest = 0.0  # largest confidence of the answers that agreed with the held one
 
@@ -61,8 +63,10 @@ class HeldAnswer:
         Moving the marker changes nothing else: the answer stays as sure as it was.
         """
         motion, self._T_room_marker = motion_between(self._T_room_marker, seen.T_room_marker), seen.T_room_marker
-        if motion is not None and self.estimate is not None and seen.marker is not None:
-            self.estimate = moved_estimate(self.estimate, motion, seen.marker)
+        if motion is not None and self._as_made is not None and seen.marker is not None:
+            made, made_at = self._as_made
+            from_there = motion_between(made_at, seen.T_room_marker)
+            self.estimate = made if from_there is None else moved_estimate(made, from_there, seen.marker)
             self._dissent = [moved_estimate(other, motion, seen.marker) for other in self._dissent]
 
     def offer(self, new: LightEstimate, is_of_changed_scene: bool = False, has_lost_shadows: bool = False) -> bool:
@@ -107,13 +111,18 @@ class HeldAnswer:
         """
         self._dissent.clear()
         self.is_news = self.estimate is not None and _moved_rad(self.estimate, seen) > MOVED_RAD
-        self.estimate = seen if self.is_news else self.estimate
+        if self.is_news:
+            self._hold(seen)
         return self.is_news
 
     def _take(self, new: LightEstimate, is_news: bool) -> bool:
-        self.estimate, self.is_news, self._dissent = new, is_news, []
+        self._hold(new)
+        self.is_news, self._dissent = is_news, []
         self._surest = _confidence(new) if is_news else self._surest
         return True
+
+    def _hold(self, new: LightEstimate) -> None:
+        self.estimate, self._as_made = new, (new, self._T_room_marker)
 
 
 def agree(a: LightEstimate, b: LightEstimate) -> bool:

@@ -3,7 +3,7 @@
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import motion_between
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
-from ashe_live.light.live.moved_marker import FixedInRoom, moved_estimate, moved_illumination
+from ashe_live.light.live.moved_marker import FixedInRoom, moved_estimate, moved_illumination, stays_on_plane
 from ashe_live.viewer.estimates.easing import LightEasing
 
 
@@ -29,6 +29,17 @@ class RoomLight:
     def now(self, tracked: TrackedFrame | None) -> Illumination:
         """The estimated light by the marker's frame in `tracked`."""
         return self._seen_from(tracked, self.estimated)
+
+    def is_lifted(self, tracked: TrackedFrame) -> bool:
+        """Whether the marker, in view in `tracked`, was lifted from the plane on which a light was found.
+
+        On its own plane there is then nothing by which to find one.
+        """
+        assert tracked.marker is not None
+        if not self.estimated.lights:
+            return False
+        motion = motion_between(self._T_room_marker, tracked.T_room_marker)
+        return motion is not None and not stays_on_plane(motion, tracked.marker.side_m)
 
     def seen_by(self, tracked: TrackedFrame | None, estimate: LightEstimate) -> LightEstimate:
         """The last estimate by the marker's frame in `tracked`."""

@@ -1,5 +1,6 @@
 """Which of several answers stands: the sharpest about one light, the new one once the light has changed."""
 
+import dataclasses
 import math
 
 import cv2
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, rigid, tangent_basis
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.live.held_answer import AS_SURE, CHANGED_AFTER, RESTS_NO_LONGER, HeldAnswer, agree
@@ -196,6 +198,22 @@ def test_a_light_is_the_same_after_the_marker_was_turned(turn_deg: float) -> Non
         answer.offer(estimate(light(lamp, 1.0, 0.9)))
     assert answer.is_news
     assert error_deg(answer, lamp) < 1e-6
+
+
+def test_a_marker_that_is_lifted_and_put_back_has_lost_nothing() -> None:
+    answer, lying = HeldAnswer(), seen(np.eye(4))
+    answer.move_to(lying)
+    body = Proxy("box", np.array([[0.1, 0, 0, 0.03, 0.0], [0.1, 0, 0.1, 0.03, 0.0]]))
+    found = estimate(light(SUN, 1.0, 0.9))
+    found = dataclasses.replace(found, illumination=dataclasses.replace(found.illumination, real_object=body))
+    answer.offer(found)
+    answer.move_to(seen(rigid(cv2.Rodrigues(np.radians([60.0, 0, 0]))[0], [0.0, 0.0, 0.2])))
+    assert answer.estimate.illumination.real_object is None
+    back = rigid(np.eye(3), [0.01, 0.0, 0.0])
+    answer.move_to(seen(back))
+    assert answer.estimate.illumination.real_object.foot_marker == pytest.approx([0.09, 0.0, 0.0])
+    answer.move_to(lying)
+    assert answer.estimate is found
 
 
 def seen(T_room_marker) -> TrackedFrame:
