@@ -74,6 +74,7 @@ class Material:
     occlusion_strength: float = 1.0  # 0: the occlusion map is ignored
     emissive: LinearRGB = BLACK  # radiance in units of lit level white's
     emissive_map: Image | None = None  # sRGB
+    is_unlit: bool = False  # what it emits is its colour, of which the vertices' colours are a factor as well
     alpha: Alpha = Alpha.OPAQUE
     alpha_cutoff: float = 0.5  # of CUT_OUT
     double_sided: bool = True  # False: the side that normals point away from is never seen

@@ -9,8 +9,9 @@ struct Facets {
     vec2 alpha;  // along and across
 };
 
-Facets facets_in_pixel(float roughness, vec3 n) {
+Facets facets_in_pixel(float roughness, vec3 n, float n_v) {
     const float PIXEL_VARIANCE = 0.15915494, MOST = 0.18;  // of a filter as wide as a pixel: 1 / (2 pi)
+    const float GRAZED = 0.2, SEEN = 0.6;  // cosines to the eye between which the widening begins and is complete
     vec3 column = dFdx(n), row = dFdy(n);
     float of_columns = dot(column, column), of_rows = dot(row, row), of_both = dot(column, row);
     // The larger eigenvalue of their products, and the way across the picture in which the normal turns by that.
@@ -24,7 +25,9 @@ Facets facets_in_pixel(float roughness, vec3 n) {
     facets.across = cross(n, facets.along);
     float alpha2 = roughness * roughness * roughness * roughness;
     vec2 turned = min(2.0 * PIXEL_VARIANCE * vec2(most, 2.0 * middle - most), MOST);
-    facets.alpha = sqrt(min(alpha2 + turned, 1.0));
+    // At an outline the normal turns ever faster, and derivatives say little of how much of the pixel it turns in: widened,
+    // it would mirror lights that are far aside.
+    facets.alpha = sqrt(min(alpha2 + turned * smoothstep(GRAZED, SEEN, n_v), 1.0));
     return facets;
 }
 

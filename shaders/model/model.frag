@@ -228,7 +228,7 @@ void main() {
     vec3 shine_n = n;
     vec3 mirror = mirrored_direction(to_eye, facing, shine_n);
     float n_v = max(dot(shine_n, to_eye), 1e-3);
-    Facets facets = facets_in_pixel(rough, n);
+    Facets facets = facets_in_pixel(rough, n, n_v);
     vec3 share = mirrored_share(rough, n_v);
     vec3 compensation = energy_compensation(f0, share);
     // What is mirrored does not reach the diffuse layer.
@@ -241,7 +241,7 @@ void main() {
     vec3 coat_mirror = mirrored_direction(to_eye, facing, coat_n);
     float coat_rough = max(coat_roughness, MIN_ROUGHNESS);
     float coat_n_v = max(dot(coat_n, to_eye), 1e-3);
-    Facets coat_facets = facets_in_pixel(coat_rough, coat_n);
+    Facets coat_facets = facets_in_pixel(coat_rough, coat_n, coat_n_v);
     vec3 coat_share = mirrored_share(coat_rough, coat_n_v);
     float coat_reflectance = GLASS * coat_share.x + coat_share.y;
     vec3 in_coat = vec3(0.0);
@@ -302,12 +302,14 @@ void main() {
     diffuse *= below_coat;
     mirrored = mirrored * below_coat + in_coat * coat;
 #endif
-    vec3 glow = mirrored;
+    vec3 emitted = vec3(0.0);
 #ifdef EMITS
+    emitted = emissive;
 #ifdef EMISSIVE_MAP
-    glow += emissive * texture(emissive_map, laid_out(EMISSIVE)).rgb;
-#else
-    glow += emissive;
+    emitted *= texture(emissive_map, laid_out(EMISSIVE)).rgb;
+#endif
+#if defined(UNLIT) && defined(VERTEX_COLOURS)
+    emitted *= colour.rgb;
 #endif
 #endif
 #ifdef BLEND
@@ -322,10 +324,11 @@ void main() {
 #endif
     // Where nothing is drawn there is a hole, and no glass.
     float there = min(base.a / LEAST_GLASS, 1.0);
-    added_light = vec4(min((albedo * diffuse * base.a + glow) * exposure, MOST_LIGHT), cover) * there;
+    if (there <= 0.0) discard;
+    added_light = vec4(min(((albedo * diffuse + emitted) * base.a + mirrored) * exposure, MOST_LIGHT), cover) * there;
     removed = vec4(cover * there);
 #else
-    added_light = vec4(min((albedo * diffuse + glow) * exposure, MOST_LIGHT), 1.0);
+    added_light = vec4(min((albedo * diffuse + emitted + mirrored) * exposure, MOST_LIGHT), 1.0);
     // Not before what is derived from neighbouring pixels, which they would be missing in.
 #ifdef RIM
     if (kept <= 0.0 || kept >= 1.0) discard;

@@ -66,7 +66,10 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
             triangles = triangles[:, ::-1]
         normals = (flat_normals if raw.is_flat else corner_normals)(vertices, triangles)
         each = triangles.ravel()
-        kept, triangles = _welded(vertices[each], normals, *(values[each] for values in attributes.values()))
+        alike = [values[each] for values in attributes.values()]
+        if raw.motion is not None:  # what is in one place now may move apart
+            alike.append(each[:, None].astype(np.float32))
+        kept, triangles = _welded(vertices[each], normals, *alike)
         source = each[kept]
         normals, vertices = normals[kept], vertices[source]
         attributes = {name: values[each[kept]] for name, values in attributes.items()}

@@ -25,6 +25,7 @@ from ashe_live.process.messages import printable
 
 Indices = NDArray[np.int64]
 NAMED = ("vertex", "texture coordinate", "normal")
+NUMBERED = (b"v", b"vt", b"vn", b"f")
 CONTINUED = re.compile(rb"\\\r?\n")
 
 
@@ -72,6 +73,8 @@ def _sorted(content: bytes) -> _Lines:
     material = found.names.setdefault(b"", 0)
     for line in content.splitlines():
         key, _, rest = line.strip().replace(b"\t", b" ").partition(b" ")
+        if key in NUMBERED and b"#" in rest:
+            rest = rest[: rest.index(b"#")]  # a comment; in names it is a character
         if key == b"v":
             places.append(rest)
         elif key == b"f":

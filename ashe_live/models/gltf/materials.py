@@ -25,7 +25,7 @@ from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES, Notes
-from ashe_live.models.parsing.pictures import Pictures, cleared, filled_beyond
+from ashe_live.models.parsing.pictures import Pictures, cleared, filled_beyond, opaque
 
 ALPHAS = {"OPAQUE": Alpha.OPAQUE, "MASK": Alpha.CUT_OUT, "BLEND": Alpha.BLEND}
 SPECULAR_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness"
@@ -140,23 +140,33 @@ class Materials:
         return self._filled_pictures[key]
 
     def _see_through(self, extensions: Json, surface: dict[str, Any], maps: Maps) -> dict[str, Any]:
-        given = extensions.get("KHR_materials_transmission", {})
+        given, alpha = extensions.get("KHR_materials_transmission", {}), surface["alpha"]
         share = given.get("transmissionFactor", 0.0) * (1 - LEAST_COVER)
-        if share == 0 or surface["alpha"] is not Alpha.OPAQUE:
+        if "metallic_roughness_map" not in maps.texels:
+            share *= 1 - surface["metallic"]  # metal transmits nothing
+        if share == 0:
+            return {}
+        if alpha is Alpha.CUT_OUT:
+            self._notes.add("what is cut out of it transmits no light")
             return {}
         self._notes.add("what it transmits is drawn as plain transparency, without refraction")
+        is_opaque = alpha is Alpha.OPAQUE
         texture = given.get("transmissionTexture", {})
         if texture and (texels := self._texels(texture, "transmissionTexture")) is not None:
             layout = self._layout(texture)
             if maps.has_room_for("base_map", layout):
                 colours, mask = maps.texels.get("base_map"), self._mirrored(texels, layout)
-                key = "cleared", id(colours), id(mask), share
-                maps.add("base_map", layout, self._pictures.made(key, lambda: cleared(colours, mask, share)))
+                key = "cleared", id(colours), id(mask), share, is_opaque
+                maps.add("base_map", layout, self._pictures.made(key, lambda: cleared(colours, mask, share, is_opaque)))
                 share = 0.0
             else:
                 share *= texels[..., 0].mean() / 255
-        red, green, blue, _ = surface["base_colour"]
-        return {"base_colour": (red, green, blue, 1 - share), "alpha": Alpha.BLEND}
+        if (
+            is_opaque and share and (base_map := maps.texels.get("base_map")) is not None
+        ):  # whose alpha is to be ignored
+            maps.texels["base_map"] = self._pictures.made(("opaque", id(base_map)), lambda: opaque(base_map))
+        red, green, blue, opacity = surface["base_colour"]
+        return {"base_colour": (red, green, blue, (1.0 if is_opaque else opacity) * (1 - share)), "alpha": Alpha.BLEND}
 
     def _add(self, maps: Maps, name: str, key: str, texture: Json) -> None:
         if not texture:
@@ -226,5 +236,5 @@ def _shining(surface: dict[str, Any], maps: Maps) -> dict[str, Any]:
         maps.layouts.pop(name, None)
     if texels is not None:
         maps.texels["emissive_map"], maps.layouts["emissive_map"] = texels, maps.layouts["base_map"]
-    shines = {"emissive": base[:3], "base_colour": (0.0, 0.0, 0.0, base[3])}
+    shines = {"emissive": base[:3], "base_colour": (0.0, 0.0, 0.0, base[3]), "is_unlit": True}
     return shines | {"metallic": 0.0, "roughness": 1.0, "coat": 0.0}

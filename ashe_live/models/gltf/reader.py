@@ -22,7 +22,7 @@ from ashe_live.models.gltf.materials import Materials
 from ashe_live.models.gltf.missing import note_what_is_missing
 from ashe_live.models.gltf.motion.animation import Animation
 from ashe_live.models.gltf.motion.playing import Drawn, played
-from ashe_live.models.gltf.motion.pose import Pose, Shape
+from ashe_live.models.gltf.motion.pose import Pose, Shape, are_mirroring
 from ashe_live.models.gltf.schema import checked
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.json_kinds import Json
@@ -124,9 +124,10 @@ class _Reader:
         mode = TRIANGLES if DRACO in primitive.get("extensions", {}) else primitive.get("mode", TRIANGLES)
         material, sets = self._materials.material(primitive.get("material"), there)
         uvs = [_from_bottom_left(attributes.floats(f"TEXCOORD_{number}")) for number in sets]
+        triangles = _triangles(attributes.corners(len(vertices)), mode)
         return shape, RawMesh(
             vertices=vertices,
-            triangles=_triangles(attributes.corners(len(vertices)), mode),
+            triangles=triangles if joints is None or not are_mirroring(joints) else triangles[:, ::-1],
             material=material,
             normals=normals,
             uvs=uvs[0] if uvs else None,

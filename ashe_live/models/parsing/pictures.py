@@ -135,11 +135,20 @@ def _halved(values: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(even.reshape((height + 1) // 2, 2, (width + 1) // 2, 2, channels).sum(axis=(1, 3)))
 
 
-def cleared(colours: Image | None, mask: Image, share: float) -> Image:
-    """(h, w, 4) uint8 of the colours' size, white without any, whose alpha is less by `share` of the mask's red."""
+def cleared(colours: Image | None, mask: Image, share: float, is_opaque: bool) -> Image:
+    """(h, w, 4) uint8 of the colours' size, white without any, whose alpha is less by `share` of the mask's red.
+
+    is_opaque: the colours' own alpha does not count.
+    """
     colours = np.full_like(mask, 255) if colours is None else colours
-    red = resized(mask, (colours.shape[1], colours.shape[0]))[..., 0]
-    return np.dstack([colours[..., :3], np.round(255 - share * red).astype(np.uint8)])
+    left = 1 - share * resized(mask, (colours.shape[1], colours.shape[0]))[..., 0] / 255
+    alpha = 255 * left if is_opaque else colours[..., 3] * left
+    return np.dstack([colours[..., :3], np.round(alpha).astype(np.uint8)])
+
+
+def opaque(colours: Image) -> Image:
+    """(h, w, 4) uint8, the colours with an alpha of 255."""
+    return np.dstack([colours[..., :3], np.full_like(colours[..., 3], 255)])
 
 
 def resized(texels: Image, size: tuple[int, int]) -> Image:

@@ -48,6 +48,9 @@ class GpuPart:
         self._columns = {name: values for name, values in columns.items() if values is not None}
         self.is_rounded = stands_for_round(mesh)
         self.has_clear_vertices = mesh.colours is not None and bool((mesh.colours[:, 3] < 1).any())
+        picture = mesh.material.base_map if mesh.material.alpha is Alpha.BLEND else None
+        # Whether a blended part's picture or its vertices' colours let some places be seen through.
+        self.has_clear_places = self.has_clear_vertices or (picture is not None and bool((picture[..., 3] < 255).any()))
         self._ctx = ctx
         self._pieces: list[_Piece] = []
         self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}

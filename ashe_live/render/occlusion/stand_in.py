@@ -48,4 +48,7 @@ def _coarse(mesh: Mesh, cell: float) -> tuple[Mesh, NDArray[np.integer] | slice]
         return mesh, slice(None)
     triangles = np.unique(corners[apart], axis=0).astype(np.uint32)
     material = Material(double_sided=mesh.material.double_sided)
-    return Mesh(mesh.vertices[kept], mesh.normals[kept], triangles, material=material), of_vertex
+    stand_in = Mesh(
+        mesh.vertices[kept], mesh.normals[kept], triangles, material=material, faces_inwards=mesh.faces_inwards
+    )
+    return stand_in, of_vertex

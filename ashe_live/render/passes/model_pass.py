@@ -77,14 +77,16 @@ class ModelPass:
     def draw_rims(self, standing: StandingGroup, inputs: ShadingInputs) -> None:
         """Draws cut-out parts where they fill part of the pixel, before what is behind them there.
 
-        They hide nothing of one another, so that their order is of little weight.
+        They hide nothing of one another, so that their order is of little weight, and nothing that is blended later.
         """
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self._ctx.fbo.depth_mask = False
         for member in standing.members:
             for part in member.model.parts:
                 if part.material.alpha is Alpha.CUT_OUT:
                     self._ctx.enable_only(gl_flags(part.material) | moderngl.BLEND)
                     self._draw(part, member, inputs, is_rim=True)
+        self._ctx.fbo.depth_mask = True
 
     def draw_blended(self, standing: StandingGroup, inputs: ShadingInputs) -> None:
         """Draws blended parts, after everything behind them: far before near, and so the triangles of clear ones.
@@ -103,9 +105,11 @@ class ModelPass:
         blended.sort(key=lambda each: -each[0])
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         for _, part, member in blended:
-            # The walls of a glass are seen through one another.
+            # The walls of a glass are seen through one another, and leaves through the holes in their pictures.
             is_clear = part.material.base_colour[3] < SOLID
-            is_sorted = is_clear and part.sort(transform_points(member.placed_from_marker, eye[None])[0])
+            may_be_clear = is_clear or part.has_clear_places
+            is_sorted = may_be_clear and part.sort(transform_points(member.placed_from_marker, eye[None])[0])
+            is_clear |= is_sorted
             shows_all = is_sorted and part.material.double_sided
             self._ctx.enable_only(gl_flags(part.material) & ~(moderngl.CULL_FACE if shows_all else 0))
             self._ctx.fbo.depth_mask = not is_clear
@@ -181,6 +185,8 @@ def shading_constants(part: GpuPart) -> dict[str, int]:
         found.pop("emissive_map", None)
     else:
         found["emits"] = 1
+        if material.is_unlit:
+            found["unlit"] = 1
     if not material.is_matt:
         found["glossy"] = 1
     if material.is_mirror:

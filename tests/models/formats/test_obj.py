@@ -270,3 +270,10 @@ def test_a_quad_is_cut_along_the_diagonal_that_is_within_it(turn: int) -> None:
         frozenset((0, 1, 3)),
         frozenset((1, 2, 3)),
     }  # as Blender cuts it, though either half lies on the other in part
+
+
+def test_comments_may_stand_behind_numbers(tmp_path: Path) -> None:
+    plain = read(tmp_path, TRIANGLE)
+    commented = read(tmp_path, "".join(f"{line} # {line}\n" for line in TRIANGLE.splitlines()))
+    np.testing.assert_array_equal(plain.parts[0].vertices, commented.parts[0].vertices)
+    np.testing.assert_array_equal(plain.parts[0].uvs, commented.parts[0].uvs)

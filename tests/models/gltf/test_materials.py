@@ -176,12 +176,44 @@ def test_unlit_shines_in_its_own_colour_alone(tmp_path: Path) -> None:
     assert set(material.maps) == {"base_map", "emissive_map"}
 
 
+NO_METAL = {"pbrMetallicRoughness": {"metallicFactor": 0}}
+ALL_TRANSMITTED = {"KHR_materials_transmission": {"transmissionFactor": 1.0}}
+
+
 def test_glass_lets_through_and_says_how_it_is_drawn(tmp_path: Path) -> None:
-    model = quad_of(tmp_path, {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0}}})
+    model = quad_of(tmp_path, NO_METAL | {"extensions": ALL_TRANSMITTED})
     material = model.parts[0].material
     assert material.alpha is Alpha.BLEND
-    assert material.base_colour[3] < 0.5
+    assert material.base_colour[3] == pytest.approx(LEAST_COVER)
     assert model.notes == ("what it transmits is drawn as plain transparency, without refraction",)
+
+
+def test_metal_transmits_nothing(tmp_path: Path) -> None:
+    model = quad_of(tmp_path, {"pbrMetallicRoughness": {"metallicFactor": 1}, "extensions": ALL_TRANSMITTED})
+    assert model.parts[0].material.alpha is Alpha.OPAQUE
+    assert model.notes == ()
+
+
+@pytest.mark.parametrize(("mode", "opacity"), [("OPAQUE", LEAST_COVER), ("BLEND", LEAST_COVER * 0.4 * 100 / 255)])
+def test_what_is_blended_transmits_as_well_and_what_is_opaque_ignores_its_pictures_alpha(tmp_path, mode, opacity):
+    document = Document()
+    faint = io.BytesIO()
+    Image.new("RGBA", (4, 4), (200, 0, 0, 100)).save(faint, "PNG")
+    surface = {
+        "metallicFactor": 0,
+        "baseColorTexture": document.embedded(faint.getvalue()),
+        "baseColorFactor": [1, 1, 1, 0.4],
+    }
+    given = {"pbrMetallicRoughness": surface, "alphaMode": mode, "extensions": ALL_TRANSMITTED}
+    material = quad_of(tmp_path, given, document).parts[0].material
+    assert material.alpha is Alpha.BLEND
+    assert material.base_colour[3] * material.base_map[0, 0, 3] / 255 == pytest.approx(opacity, rel=0.01)
+
+
+def test_what_is_cut_out_of_glass_is_said_to_transmit_nothing(tmp_path: Path) -> None:
+    model = quad_of(tmp_path, NO_METAL | {"alphaMode": "MASK", "extensions": ALL_TRANSMITTED})
+    assert model.parts[0].material.alpha is Alpha.CUT_OUT
+    assert model.notes == ("what is cut out of it transmits no light",)
 
 
 @pytest.mark.parametrize("coloured", [True, False])
@@ -193,9 +225,11 @@ def test_only_what_its_map_says_is_glass(tmp_path: Path, coloured: bool) -> None
     Image.fromarray(mask).save(encoded, "PNG")
     document = Document()
     glass = {"transmissionFactor": 1.0, "transmissionTexture": document.embedded(encoded.getvalue())}
-    colours = {"pbrMetallicRoughness": {"baseColorTexture": document.embedded(png((200, 0, 0), (4, 4)))}}
+    surface = {"metallicFactor": 0}
+    if coloured:
+        surface["baseColorTexture"] = document.embedded(png((200, 0, 0), (4, 4)))
     document.quad(
-        material={"extensions": {"KHR_materials_transmission": glass}} | (colours if coloured else {}),
+        material={"extensions": {"KHR_materials_transmission": glass}, "pbrMetallicRoughness": surface},
         TEXCOORD_0=document.accessor(UVS),
     )
     material = load_model_file(document.save(tmp_path / "window.glb")).parts[0].material

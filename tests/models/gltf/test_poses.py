@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.errors import UserError
+from ashe_live.models.assembly.shading_normals import face_normals
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.mesh import Model
 from tests.models.gltf_files import CORNERS, TRIANGLES, Document
@@ -114,6 +115,59 @@ def test_a_skin_follows_its_joints(tmp_path: Path) -> None:
     model = load_model_file(document.save(tmp_path / "a.glb"))
     # The right side is turned by 90 degrees about (1, 0): (1, 1) comes to (0, 0).
     np.testing.assert_allclose(places(model), expected([(0, 0, 0), (1, 0, 0), (0, 0, 0), (0, 1, 0)]), atol=1e-5)
+
+
+def with_normals(document: Document, normals: np.ndarray) -> None:
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    own["NORMAL"] = document.accessor(np.float32(normals))
+
+
+def test_normals_follow_a_joint_that_flattens_as_they_follow_a_node(tmp_path: Path) -> None:
+    leaning = np.float32([(0.6, 0.0, 0.8)] * 4)
+    found = []
+    for is_skinned in (True, False):
+        document = Document()
+        if is_skinned:
+            skinned_quad(document)
+            document.json["nodes"][1]["scale"] = [1, 1, 0.25]
+            document.json["nodes"][2] = {"translation": [1, 0, 0]}
+        else:
+            bare_quad(document)
+            document.json["nodes"][0]["scale"] = [1, 1, 0.25]
+        with_normals(document, leaning)
+        found.append(load_model_file(document.save(tmp_path / "a.glb")).parts[0].normals)
+    np.testing.assert_allclose(found[0], found[1], atol=1e-5)
+
+
+@pytest.mark.parametrize("has_normals", [True, False])
+def test_a_skin_whose_joints_mirror_it_keeps_its_front(tmp_path: Path, has_normals: bool) -> None:
+    """As the mesh at a node that mirrors: a quad that faced up still does."""
+    document = Document()
+    skinned_quad(document)
+    document.json["nodes"][1]["scale"] = [-1, 1, 1]
+    document.json["nodes"][2] = {"translation": [1, 0, 0]}
+    if has_normals:
+        with_normals(document, [(0, 0, 1)] * 4)
+    part = load_model_file(document.save(tmp_path / "a.glb")).parts[0]
+    assert part.vertices[:, 0].max() - part.vertices[:, 0].min() > 0
+    for normals in (part.normals, face_normals(part.vertices, part.triangles)):
+        np.testing.assert_array_less(0, (normals @ Y_UP)[:, 2])
+
+
+def test_what_moves_apart_is_not_welded(tmp_path: Path) -> None:
+    """A door in its frame: two quads side by side in one plane, of which one swings open."""
+    document = Document()
+    corners = np.concatenate([CORNERS, CORNERS + np.float32([1, 0, 0])]).astype(np.float32)
+    document.quad(POSITION=document.accessor(corners))
+    own = document.json["meshes"][0]["primitives"][0]
+    own["attributes"] = {"POSITION": own["attributes"]["POSITION"]}
+    own["indices"] = document.accessor(np.concatenate([TRIANGLES, TRIANGLES + 4]).ravel().astype(np.uint16))
+    swung = np.float32([(0, 0, 0)] * 4 + [(0, 0, 3)] * 4)
+    own["targets"] = [{"POSITION": document.accessor(swung)}]
+    animated(document, "weights", np.float32([0, 1]))
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    motion = model.parts[0].motion
+    assert_there(motion.vertices[-1], corners + swung)
 
 
 def test_weights_count_by_their_share(tmp_path: Path) -> None:

@@ -568,6 +568,62 @@ def test_near_blended_surface_covers_a_far_one_whatever_their_order(make_rendere
         assert seen[2] > 5 * seen[0]
 
 
+@pytest.mark.parametrize("by_vertices", [False, True])
+def test_what_is_behind_the_holes_of_a_near_card_is_seen(make_renderer, stage, by_vertices: bool) -> None:
+    """Of a clear card, by its picture or by its vertices, above a red one in one mesh, whichever comes first."""
+    studio = _Studio(make_renderer, stage, elevation_deg=80)
+    picture = np.zeros((4, 8, 4), np.uint8)
+    picture[...] = (0, 0, 255, 0)
+    picture[:, 4:] = (255, 0, 0, 255)
+    halves = np.float32([(0.25, v) for _, v in UVS]), np.float32([(0.75, v) for _, v in UVS])
+    colours = np.float32([(0, 0, 1, 0)] * 4), np.float32([(1, 0, 0, 1)] * 4)
+    near, far = CORNERS + np.float32((0, 0, 0.02)), CORNERS
+    up = np.float32([(0, 0, 1)] * 8)
+    for order in (1, -1):
+        cards = list(zip((near, far), halves, colours, strict=True))[::order]
+        both = Mesh(
+            np.concatenate([places for places, _, _ in cards]),
+            up,
+            np.concatenate([TRIANGLES, TRIANGLES + 4]),
+            uvs=None if by_vertices else np.concatenate([uvs for _, uvs, _ in cards]),
+            colours=np.concatenate([each for _, _, each in cards]) if by_vertices else None,
+            material=Material(base_map=None if by_vertices else picture, alpha=Alpha.BLEND),
+        )
+        red, green, _ = studio.middle(both)
+        assert red > 5 * green
+
+
+def test_unlit_surfaces_have_the_colours_of_their_vertices_whatever_light_there_is(make_renderer, stage) -> None:
+    studio = _Studio(make_renderer, stage)
+    shines = Material(base_colour=(0.0, 0.0, 0.0, 1.0), emissive=(0.5, 0.5, 0.5), is_unlit=True)
+    sheet = _sheet(shines, colours=np.float32([(0.2, 1.0, 0.5, 1.0)] * 4))
+    seen = [studio.middle(sheet, stage.light(90, 45, (ratio,) * 3)) for ratio in (0.2, 0.9)]
+    assert seen[0] == pytest.approx(seen[1], rel=0.02)
+    assert seen[0] / seen[0][1] == pytest.approx([0.2, 1.0, 0.5], abs=0.03)
+
+
+def test_what_a_clear_surface_emits_counts_by_its_opacity(make_renderer, stage) -> None:
+    studio = _Studio(make_renderer, stage)
+    ground, opaque, clear = (
+        studio.middle(_sheet(Material(base_colour=(0.0, 0.0, 0.0, alpha), emissive=(0.8,) * 3, alpha=Alpha.BLEND)))
+        for alpha in (0.0, 1.0, 0.3)
+    )
+    assert clear == pytest.approx(0.3 * opaque + 0.7 * ground, rel=0.15)  # less what it shades below it
+
+
+def test_glass_goes_on_behind_the_rim_of_what_is_cut_out_before_it(make_renderer, stage) -> None:
+    """Along a soft cut between what is there and what is not, no ground shines through."""
+    studio = _Studio(make_renderer, stage, grey=255, elevation_deg=80)
+    cut = np.zeros((64, 64, 4), np.uint8)
+    cut[..., 3] = np.linspace(0, 255, 64).astype(np.uint8)
+    black = replace(_sheet(Material(base_map=cut, alpha=Alpha.CUT_OUT)), vertices=CORNERS + np.float32((0, 0, 0.02)))
+    green = _sheet(Material(base_colour=(0.0, 0.5, 0.0, 0.94), alpha=Alpha.BLEND))
+    studio.renderer.render(Scene(studio.tracked, stage.placed(green, black)))
+    picture = studio.renderer.read_bgr()[..., ::-1].astype(float)
+    across = np.array([studio.at(picture, (x, 0.0, 0.03)) for x in np.linspace(-0.012, 0.012, 121)])
+    assert across[:, 0].max() < 0.1 * across[:, 1].max()
+
+
 @pytest.mark.parametrize("scale", [0.0625, 25.0])
 def test_markers_of_5_mm_and_2_m_look_alike_from_alike_distances(make_renderer, stage, scale: float) -> None:
     """The usual marker has 80 mm; everything else in proportion."""

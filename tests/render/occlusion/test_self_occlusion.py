@@ -136,6 +136,8 @@ def test_large_model_has_a_stand_in_of_the_same_shape(stage) -> None:
     (vertices,) = stand_in.vertices
     aside = np.abs(coarse.vertices[vertices] - floor.vertices).max()
     assert aside <= 0.12 / CELLS * 1.001
+    inwards = stand_in_for(stage.placed(replace(floor, faces_inwards=True))).placed.model.parts[0]
+    assert inwards.faces_inwards  # as a hull that outlines a figure, which hides nothing from it
     small = stage.placed(box((0.05, 0.05, 0.05)))
     assert stand_in_for(small).placed is small
 
