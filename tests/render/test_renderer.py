@@ -102,6 +102,20 @@ def test_video_is_letterboxed_on_black(make_renderer, stage, size: tuple[int, in
         assert (picture[:, 719] == 150).all()
 
 
+@pytest.mark.parametrize("side", [3, 4, 5])
+def test_a_large_picture_in_a_small_window_is_the_mean_of_its_pixels(make_renderer, stage, side: int) -> None:
+    """And no moire of a fine weave, of which some pixels are looked up and others are not."""
+    weave = (np.indices((360 * 4, 480 * 4)).sum(axis=0) % side == 0) * np.uint8(255)
+    tracked = stage.tracked(np.ascontiguousarray(weave[..., None].repeat(3, axis=2)), None)
+    renderer = make_renderer()
+    for _ in range(2):
+        renderer.render(Scene(tracked))
+        seen = renderer.read_bgr().astype(float)
+        blocks = weave.reshape(360, 4, 480, 4).mean(axis=(1, 3))
+        np.testing.assert_allclose(seen, blocks[..., None].repeat(3, axis=2), atol=1)
+    assert renderer.video.uploads == 1
+
+
 def test_model_stays_on_its_marker_at_every_window_size(make_renderer, stage) -> None:
     tracked = stage.tracked(20, stage.pose(-90, 40))
     model = stage.placed(box((0.03, 0.03, 0.03), (1, 1, 1, 1)))

@@ -157,6 +157,9 @@ class HiddenMarker:
         size = len(cover.image_rgba)
         self._texture = self._ctx.texture((size, size), 4, np.ascontiguousarray(cover.image_rgba[::-1]))
         self._texture.repeat_x = self._texture.repeat_y = False
+        # From farther away than it was made from, a lookup is the mean of the texels that a pixel shows.
+        self._texture.build_mipmaps()
+        self._texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
         self._cover, self._made_from, self._failed_s = cover, self._asked_for, None
         self._gain, self._slope, self._exposed_in, self._compared_in = np.ones(3), np.zeros(2), None, None
         self._show_over(None)

@@ -15,6 +15,8 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.passes.frame_texture import FrameTexture
 
 WHOLE_VIEWPORT = (-1.0, -1.0, 1.0, 1.0)
+# Below this size on the screen over that of the frame, bilinear lookups miss pixels, so that fine cloth shows moire.
+REDUCED_BELOW = 0.6
 
 
 class Video:
@@ -33,9 +35,13 @@ class Video:
     def show(self, tracked: TrackedFrame, viewport: Rectangle, pinhole: Camera | None = None) -> None:
         """Uploads the frame unless it is there already, and readies the sampler for `viewport`.
 
+        Where that is much smaller than the frame, each of its pixels is the mean of those of the frame that it shows.
+
         `pinhole`: as a camera with its K and without distortion sees it; as it came if None.
         """
         size = tracked.frame.size
+        if max(viewport[2:]) < REDUCED_BELOW * max(size):
+            size = viewport[2], viewport[3]
         if self._texture is None or self._texture.size != size:
             self._release_texture()
             self._texture = FrameTexture(self._ctx, size)
@@ -45,6 +51,8 @@ class Video:
             image = tracked.frame.image_bgr
             if pinhole is not None and tracked.camera.is_distorted:
                 image = self._without_distortion(image, tracked.camera, pinhole)
+            if size != tracked.frame.size:
+                image = np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
             self._texture.write(image)
             self._shown, self._pinhole = tracked, pinhole
             self.uploads += 1
