@@ -23,15 +23,24 @@ def run(_options: argparse.Namespace) -> int:
     (effective["model"],) = effective["model"]  # the flag may be repeated, a setting names one model
     if effective["takes_any_marker"]:  # a file that names one would end that
         effective["marker"] = None
-    print_answer(
-        f"# {path}" if os.path.lexists(path) else f"# {path} (not there: ashe-live settings > FILE is a start)"
-    )
+    print_answer(f"# {path}{_where_it_is(path)}")
     for key in SETTINGS:
         value = effective[key.replace("-", "_")]
         line = f"# {key} =" if value is None else f"{key} = {_toml(value)}"
         note = "set here" if key in settings else UNSET.get(key, "not set") if value is None else "default"
         print_exactly(f"{line:<{NOTE_AT}} # {note}")
     return ExitStatus.ANSWERED
+
+
+def _where_it_is(path: Path) -> str:
+    """What is to be said of a file that is not read."""
+    try:
+        os.lstat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        return " (not there: ashe-live settings > FILE is a start)"
+    except OSError as error:
+        return f" (not read: {error.strerror})"
+    return ""
 
 
 def _toml(value: str | Path | float | tuple[int, int]) -> str:

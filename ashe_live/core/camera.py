@@ -15,6 +15,8 @@ from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 
 Size = tuple[int, int]
+LEAST_SKEW = 1e-6  # of the focal length: what is less comes from rounding
+MOST_OBLONG = 1.5  # sides of pixels, one over the other: those of wide-screen DVDs have 1.42
 CameraSource = Literal["file", "flag", "exif", "assumed", "estimated"]
 
 # What a picture's longer side spans where nothing is known of its camera: webcams, and phones held across, see 45 to
@@ -146,11 +148,24 @@ def read_camera_file(path: str | Path) -> Camera:
             raise ValueError("it is no object in braces")
         width, height = (_whole_number(value) for value in content["size"])
         dist: Sequence[float] = content.get("dist") or [0.0] * 5
-        return Camera((width, height), content["K"], np.array(dist, dtype=np.float64), "file")
+        camera = Camera((width, height), np.asarray(content["K"], np.float64), np.array(dist, dtype=np.float64), "file")
+        _check_lens(camera)
+        return camera
     except KeyError as error:
         raise UserError(f"the camera file {path} is not a calibration: it has no {error}", remedy) from error
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise UserError(f"the camera file {path} is not a calibration ({error})", remedy) from error
+
+
+def _check_lens(camera: Camera) -> None:
+    """Raises ValueError for a camera matrix that no camera has by the model of OpenCV, by which pictures are seen."""
+    (fx, skew, x), (_, fy, y), _ = camera.K
+    if abs(skew) > LEAST_SKEW * fx:
+        raise ValueError(f"the skew K[0][1] is {skew:g} px, and OpenCV's model of cameras has none")
+    if not 1 / MOST_OBLONG <= fx / fy <= MOST_OBLONG:
+        raise ValueError(f"the focal lengths {fx:g} and {fy:g} px are too unlike for the pixels of any camera")
+    if not all(-0.5 * side <= at <= 1.5 * side for at, side in zip((x, y), camera.size, strict=True)):
+        raise ValueError(f"the principal point ({x:g}, {y:g}) is far outside of the picture")
 
 
 def _whole_number(value: object) -> int:

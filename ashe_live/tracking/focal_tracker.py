@@ -76,13 +76,21 @@ class FocalTracker(MarkerTracker):
         return dataclasses.replace(super().track(tracked.frame), note=tracked.note)
 
     def _is_contradicted(self, stated: Camera) -> bool:
-        """Whether the marker's perspective, with as vague a prior as for any camera, implies another focal length."""
+        """Whether the marker's perspective, with as vague a prior as for any camera, implies another focal length.
+
+        The prior is around the stated one, or around the usual one where the perspective says much more than that: far
+        from the truth, what is stated leaves no way there.
+        """
         focal_px = float(stated.K[0, 0])
-        found = focal_of_view(self._sightings, Camera.from_focal(stated.size, focal_px, "assumed"), self.side_m)
-        if found is None:
-            return False
-        sigma = math.hypot(found.relative_sigma, FOCAL_SIGMA["exif"])
-        return abs(math.log(found.focal_px / focal_px)) > DOUBTED * sigma
+        around_it = Camera.from_focal(stated.size, focal_px, "assumed")
+        for prior, least_sure in ((around_it, math.inf), (Camera.assumed(stated.size), MUCH_SURER)):
+            found = focal_of_view(self._sightings, prior, self.side_m)
+            if found is None or found.relative_sigma > least_sure * FOCAL_SIGMA["assumed"]:
+                continue
+            sigma = math.hypot(found.relative_sigma, FOCAL_SIGMA["exif"])
+            if abs(math.log(found.focal_px / focal_px)) > DOUBTED * sigma:
+                return True
+        return False
 
     def _known_or_assumed(self, size: Size) -> Camera:
         """For frames of another size than before: nothing has been learned from them."""

@@ -151,7 +151,8 @@ class Session:
         Shows a message when that is not possible.
         """
         if self.tracked is None or self.tracked.marker is None:
-            self.say("no marker in view: point the camera at it, then press Space", now_s)
+            is_camera = self.watch.camera_may_move
+            self.say(f"no marker in view{': point the camera at it, then press Space' * is_camera}", now_s)
         elif not self.watch.ask(self.tracked, now_s, self._draw):
             self.say("still estimating", now_s)
         else:

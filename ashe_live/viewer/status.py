@@ -24,6 +24,10 @@ NO_MARKER = (
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
     "or `ashe-live marker --cube --out cube.pdf`: a cube to fold, which needs no other object beside it",
 )
+NOT_IN_FILE = (
+    "the marker that is looked for is not found: if another one is there, name it with --marker,",
+    "such as `--marker aruco:4x4_50:7`, or `--marker pattern:FILE` for one of a picture of its own",
+)
 
 
 def light_line(session: Session) -> str:
@@ -148,7 +152,7 @@ def guidance(session: Session) -> tuple[str, ...]:
         specs = session.markers_in_view
         return (f"{in_view_text(specs)}: M follows {specs[0]}",)
     if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
-        return NO_MARKER
+        return NO_MARKER if session.watch.camera_may_move else NOT_IN_FILE
     if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
         return f"what helps: {AFTER_NONE}", SET_BY_HAND
     return ()

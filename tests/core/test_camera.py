@@ -104,6 +104,22 @@ def test_a_file_that_is_no_calibration_is_named(tmp_path: Path, content: str) ->
         read_camera_file(path)
 
 
+@pytest.mark.parametrize(
+    ("K", "words"),
+    [
+        ("[[430,200,320],[0,430,240],[0,0,1]]", "skew"),
+        ("[[430,0,320],[0,700,240],[0,0,1]]", "too unlike"),
+        ("[[430,0,5000],[0,430,-5000],[0,0,1]]", "far outside of the picture"),
+    ],
+)
+def test_a_lens_that_no_camera_has_is_refused_and_said(tmp_path: Path, K: str, words: str) -> None:
+    """By OpenCV's model, which knows no skew: its poses would be confidently wrong."""
+    path = tmp_path / "camera.json"
+    path.write_text(f'{{"size": [640, 480], "K": {K}}}')
+    with pytest.raises(UserError, match=words):
+        read_camera_file(path)
+
+
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="there is no file"):
         read_camera_file(tmp_path / "camera.json")

@@ -446,6 +446,8 @@ def test_a_key_switches_it_on_and_holds_the_light_when_it_is_switched_off(make, 
 def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
     session = make()
     session.take(fakes.tracked(has_marker=False), 0.0)
+    assert any("name it with --marker" in line for line in guidance(session)), "a file shows what it shows"
+    session.watch.camera_may_move = True
     assert any("marker --show" in line for line in guidance(session))
     session.take(fakes.tracked(), 0.0)
     session.take(fakes.tracked(has_marker=False), 0.0)

@@ -117,11 +117,22 @@ class ClipPictures:
         return max(0.0, stated_s - 1 / self.fps)
 
     def ends_early(self) -> bool:
-        """A clip cut between two packets is no error to FFmpeg, but its index promises more than came."""
-        if not self._stream.duration or not self._stream.time_base:
+        """A clip cut between two packets is no error to FFmpeg, but its index or its header promises more than came.
+
+        The header's duration is that of all that is in the file, which may have more sound than pictures, and counts
+        from time 0, wherever the first picture is.
+        """
+        if not self._stream.time_base:
             return False
-        missing = self._stream.duration - (self._end_pts - (self.start_pts or 0))
-        return float(missing * self._stream.time_base) > TOLERATED_GAP_FRAMES / self.fps
+        seen_s = float((self._end_pts - (self.start_pts or 0)) * self._stream.time_base)
+        if self._stream.duration:
+            promised_s = float(self._stream.duration * self._stream.time_base)
+        elif self._container.duration and len(self._container.streams) == 1:
+            promised_s = self._container.duration / av.time_base
+            seen_s = max(seen_s, float(self._end_pts * self._stream.time_base))
+        else:
+            return False
+        return promised_s - seen_s > TOLERATED_GAP_FRAMES / self.fps
 
     def close(self) -> None:
         self._videos = iter(())

@@ -115,6 +115,8 @@ class FileEstimator:
             return dataclasses.replace(record, error=printable(error)), None
         tracked = seen.frozen
         record = dataclasses.replace(record, frame=tracked.frame.index, camera=tracked.camera, marker=tracked.marker)
+        if source.note is not None:
+            print_message(source.note)
         if tracked.note is not None:
             print_message(f"{path}: {tracked.note}")
         if tracked.marker is not None:

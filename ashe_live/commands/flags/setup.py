@@ -82,8 +82,8 @@ class AssumedCamera:
         if not self._is_said:
             self._is_said = True
             print_message(
-                f"the camera's field of view is not known: {camera.hfov_deg:.0f} degrees are assumed until views of "
-                "the marker from several sides determine it; give it by --hfov, --focal-px or --camera-file"
+                f"the camera's field of view is not known: {camera.hfov_deg:.0f} degrees are assumed where the marker "
+                "does not show it; give it by --hfov, --focal-px or --camera-file"
             )
         return camera
 

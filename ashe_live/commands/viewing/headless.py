@@ -65,7 +65,12 @@ def show_without_window(
             return _layers(scene(session), options.layers)
 
         run = HeadlessRun(next_scene, options.frames, options.loop, takers, options.layers is not None)
-        play_headless(setup.source, setup.tracker, session, renderer, run, report)
+        try:
+            play_headless(setup.source, setup.tracker, session, renderer, run, report)
+        except (KeyboardInterrupt, SystemExit):  # what has been recorded until then is kept as well
+            if report.frames and _report_refused(report, options) is None and options.report is not None:
+                print_message(f"saved {options.report} ({len(report.frames)} frames)")
+            raise
         refusal = _report_refused(report, options)
     # Only now is it known what has become of the recording.
     if recorder is not None:

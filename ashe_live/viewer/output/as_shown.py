@@ -19,6 +19,8 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import Stand
 
+MOST_LIGHTS = 16  # at once, by hand: more than are drawn
+KINDS = ("directional", "lamp")
 SEATS = range(100)  # places for models at one marker: more than anybody will see
 INTENSITY = Range(0.0, 1e6)  # of a lamp over all other light: beyond that, its shadow is black in any picture
 MOST_BYTES = 100_000_000  # of a file: an hour in which something is moved in every frame
@@ -148,13 +150,19 @@ def _shown(known: Json, shelf: Shelf) -> Shown:
     if len(known["models"]) > MOST_MODELS:
         raise ValueError(f"a frame shows {len(known['models'])} models, and {MOST_MODELS} are the most")
     light = known["estimate"]
+    if not (light is None or isinstance(light, dict)):
+        raise TypeError(f"{light!r:.40} is no light")
     by_hand = None
     if light is not None:
+        if len(light["lights"]) > MOST_LIGHTS:
+            raise ValueError(f"{len(light['lights'])} lights were set by hand, and {MOST_LIGHTS} are the most")
         lights = tuple(_light(each) for each in light["lights"])
         by_hand = Illumination(lights, ambient_rgb_ratio=_ratio(light, "ambient_rgb_ratio", SHARE))
     stands = tuple(_stand(each, shelf) for each in known["models"])
     frame = 0 if light is None else int(light["frame"])
     covers = known["hides_marker"]
+    if not (covers is None or isinstance(covers, bool)):
+        raise TypeError(f"hides_marker is {covers!r:.40}, not true, false or null")
     return Shown(stands, by_hand, frame, known["parts"], None if covers is None else bool(covers))
 
 
@@ -177,6 +185,8 @@ def _stand(known: Json, shelf: Shelf) -> Stand:
 
 
 def _light(known: Json) -> Light:
+    if known["kind"] not in KINDS:
+        raise ValueError(f"a light by hand is of no kind {known['kind']!r:.40}")
     place: Any = known["position_marker_m"]
     if place is not None and not any(place):
         raise ValueError("a lamp stands at the marker's centre")

@@ -77,6 +77,24 @@ def test_truncated_clip_gives_the_readable_frames_and_says_so(clip: Path, share:
         np.testing.assert_array_equal(frame.image_bgr, original.image_bgr)
 
 
+@pytest.mark.parametrize("share", [1.0, 0.6])
+def test_a_matroska_clip_that_is_cut_between_packets_says_so(clip: Path, share: float, tmp_path: Path) -> None:
+    """Its header alone says how long it should be."""
+    whole, cut = tmp_path / "whole.mkv", tmp_path / "cut.mkv"
+    with av.open(str(clip)) as source, av.open(str(whole), "w") as target:
+        stream = target.add_stream_from_template(source.streams.video[0])
+        for packet in source.demux(source.streams.video[0]):
+            if packet.dts is not None:
+                packet.stream = stream
+                target.mux(packet)
+    content = whole.read_bytes()
+    cut.write_bytes(content[: int(len(content) * share)])
+    with ClipSource(cut) as source:
+        frames = frames_of(source)
+        assert (source.note is None) is (share == 1.0)
+        assert len(frames) == 60 if share == 1.0 else f"only {len(frames)} frames" in source.note
+
+
 def test_damage_in_the_middle_does_not_end_the_clip(damaged_clip: Path) -> None:
     with ClipSource(damaged_clip) as source:
         frames = frames_of(source)
