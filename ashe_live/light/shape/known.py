@@ -32,7 +32,7 @@ def family_of(caster: Caster) -> Family:
 @cache
 def resized_family_of(caster: Caster) -> Family:
     """As `family_of`, and then the logarithm of each of its sizes over the given one."""
-    spread = (*_free_place(caster), *(SIZE_SPREAD,) * _sizes(caster))
+    spread = (*_free_place(caster), *(SIZE_SPREAD,) * sizes_of(caster))
     return Family(f"resized {caster.kind}", None, partial(_resized, caster), partial(_resized_starts, caster), spread)
 
 
@@ -42,25 +42,26 @@ def size_ratios(caster: Caster, shape: Float) -> Float:
 
     shape: (q,) its parameters.
     """
-    return np.asarray(np.exp(shape[-_sizes(caster) :]))
+    return np.asarray(np.exp(shape[-sizes_of(caster) :]))
 
 
 def _free_place(caster: Caster) -> tuple[float, ...]:
     return (math.inf,) * (3 if caster.period_rad else 2)
 
 
-def _sizes(caster: Caster) -> int:
+def sizes_of(caster: Caster) -> int:
+    """How many sizes a member of `resized_family_of` has."""
     return 1 + max(SIZES[caster.kind])
 
 
 def _parts(caster: Caster, theta: Float) -> Parts:
-    as_given = np.zeros((len(theta), _sizes(caster)))
+    as_given = np.zeros((len(theta), sizes_of(caster)))
     parts, by_all = _resized(caster, np.concatenate([theta, as_given], axis=1))
     return parts, by_all[..., : theta.shape[1]]
 
 
 def _resized(caster: Caster, theta: Float) -> Parts:
-    (_, q), count = theta.shape, _sizes(caster)
+    (_, q), count = theta.shape, sizes_of(caster)
     free = parameters(theta, logs=range(q - count, q))
     (x, y, *turns), sizes = free[:-count], free[-count:]
     x_size, y_size, z_size = (sizes[i] for i in SIZES[caster.kind])
@@ -83,4 +84,4 @@ def _starts(caster: Caster, seed: Float) -> Float:
 
 def _resized_starts(caster: Caster, seed: Float) -> Float:
     starts = _starts(caster, seed)
-    return np.concatenate([starts, np.zeros((len(starts), _sizes(caster)))], axis=1)
+    return np.concatenate([starts, np.zeros((len(starts), sizes_of(caster)))], axis=1)

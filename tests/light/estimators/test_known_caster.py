@@ -16,6 +16,7 @@ from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.explanation.no_answer import DOES_NOT_FIT, OTHER_SIZE
 from ashe_live.light.lamps.kinds import SUN
 from tests.light.painted_scenes import BOX, CYLINDER, Painted, paint
+from tests.shipped_scenes import CASES
 
 KNOWN = {
     "box": Caster.box(BOX.width_m, BOX.width_m, BOX.height_m),
@@ -62,6 +63,22 @@ def test_a_height_that_is_half_wrong_is_said_and_not_believed(height_m: float, l
     estimate = estimated(scene, Caster.box(BOX.width_m, BOX.width_m, height_m))
     assert estimate.light is None
     assert estimate.reason in (OTHER_SIZE, DOES_NOT_FIT)
+
+
+@pytest.mark.parametrize(
+    ("name", "caster"),
+    [
+        ("clean_cylinder", Caster.cylinder(0.03, 0.045)),
+        ("clean_cylinder", Caster.cylinder(0.03, 0.0603)),
+        ("clean_box", Caster.box(0.06, 0.04, 0.04)),
+        ("clean_box", Caster.box(0.09, 0.06, 0.12)),
+    ],
+)
+def test_a_part_of_the_object_is_not_taken_for_all_of_it(name: str, caster: Caster) -> None:
+    """Labels may be chosen that leave out what is above a caster that is too low, and the light is then far too low."""
+    estimate = ProxyEstimator(BALANCED.with_caster(caster)).estimate(CASES[name].tracked())
+    assert estimate.light is None
+    assert estimate.reason == OTHER_SIZE
 
 
 @pytest.mark.parametrize("caster", [Caster.sphere(0.09), Caster.box(0.2, 0.02, 0.01), Caster.cylinder(0.02, 0.3)])
