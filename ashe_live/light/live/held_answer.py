@@ -14,6 +14,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, motion_between, tangent_basis
 from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.light.live.moved_marker import moved_estimate
+from ashe_live.light.views.in_view import is_shown
 
 CHANGED_AFTER = 3  # consecutive answers that contradict the one held, and agree among themselves, to replace it
 # As many for what contradicts it in a changed scene, but may be a hand that rests there: four seconds of the viewer's.
@@ -68,6 +69,10 @@ class HeldAnswer:
             from_there = motion_between(made_at, seen.T_room_marker)
             self.estimate = made if from_there is None else moved_estimate(made, from_there, seen.marker)
             self._dissent = [moved_estimate(other, motion, seen.marker) for other in self._dissent]
+
+    def is_shown_in(self, seen: TrackedFrame) -> bool:
+        """Whether `seen`, to which the answer has been moved, shows what its light was found by; True without one."""
+        return self.estimate is None or is_shown(self.estimate, seen)
 
     def offer(self, new: LightEstimate, is_of_changed_scene: bool = False, has_lost_shadows: bool = False) -> bool:
         """Takes `new` as the answer, or not; returns whether it is sharper than the answer known before.

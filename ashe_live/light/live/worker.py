@@ -32,7 +32,8 @@ Outcome = Answer | WorkerFailure
 
 
 class LightWorker:
-    """One process that answers one request at a time; for use from one thread, which it never blocks.
+    """One process that answers one request at a time; for use from one thread, which it does not block but for
+    the end of a process that is given up, for a third of a second.
 
     `estimator` is a name in ESTIMATORS (UserError for another one), or a picklable callable that makes an estimator
     from a preset. The process starts here, so that its imports are done when the first request comes.

@@ -76,7 +76,8 @@ class LightWatch:
         is_awaited: bool = False,
         follows: bool = False,
     ) -> bool:
-        """As `ask`, but what has been learned of when another estimate is worthwhile stays.
+        """As `ask`, but what has been learned of when another estimate is worthwhile stays, and a frame is refused that
+        does not show what the held light was found by: whoever leans in to the model sees nothing of that.
 
         `is_awaited`: the user waits for it all the same. `follows`: the held answer's light is only to be followed, and
         estimated again only if the scene has changed.
@@ -84,6 +85,8 @@ class LightWatch:
         views = self.key_views.views
         others = tuple(view for view in views if view.frame.index != frozen.frame.index and fits(view, frozen))
         self.held.move_to(frozen)
+        if not (is_awaited or self.held.is_shown_in(frozen)):
+            return False
         shown = self.held.estimate
         held = shown and replace(shown, object_mask=None, shadow_mask=None)  # which nobody needs there
         if not self._worker.request(frozen, self.preset, draw, is_awaited, others, held, follows, self._doubted):

@@ -210,3 +210,20 @@ def test_what_the_user_asks_meanwhile_is_answered_after_the_estimate_in_progress
     outcome = watch.wait(PATIENCE_S)
     assert outcome is not None
     assert outcome.estimate.frame_index == asked.frame.index
+
+
+def test_who_leans_in_until_object_and_shadow_are_out_of_view_loses_no_light(watch, table) -> None:
+    clock = Clock()
+    seen = seen_from_all_sides(watch, table[200.0], clock)
+    before = watch.held.estimate
+    assert before.light is not None
+    T = seen.marker.T_cam_marker.copy()
+    T[:3, 3] *= 0.25  # so near to the marker that nothing else is in the picture
+    leant_in = replace(seen, marker=replace(seen.marker, T_cam_marker=T))
+    for _ in range(20):
+        near, now_s = clock.now(leant_in)
+        assert not watch.look_again(near, now_s, None)
+        assert not watch.sharpen(near, now_s, None)
+    assert watch.held.estimate is before
+    assert watch.ask(near, now_s), "who asks for it gets an answer"
+    watch.wait(PATIENCE_S)

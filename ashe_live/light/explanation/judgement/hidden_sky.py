@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import GOLDEN_ANGLE_RAD, Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.pixels.areas import distance_to
 from ashe_live.light.pixels.log_colour import log_opponent
@@ -21,7 +21,6 @@ from ashe_live.light.shape.predicted import outline, outlines, painted, shadow_o
 # Directions by which the sky is counted. Each sends as much light to level ground: they are even on the ground's disc,
 # as the seeds of a sunflower (Vogel, "A better way to construct the sunflower head", 1979).
 SKY = 32
-GOLDEN_ANGLE = math.pi * (3 - math.sqrt(5))
 # Ground is compared with ground that sees the same part of the sky, but for these steps.
 STEPS_OF_SKY = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.87, 0.92, 0.96, 0.985)
 AROUND_SIZES = 2.2  # of the body's size: ground farther from its foot is not compared
@@ -80,7 +79,7 @@ def _window_around(proxy: Proxy, view: View) -> Window | None:
 
 def _sky_in_view(proxy: Proxy, view: View) -> Float32:
     """(h, w) the share of an even sky's light that reaches the ground past the body."""
-    distance, turn = np.sqrt((np.arange(SKY) + 0.5) / SKY), GOLDEN_ANGLE * np.arange(SKY)
+    distance, turn = np.sqrt((np.arange(SKY) + 0.5) / SKY), GOLDEN_ANGLE_RAD * np.arange(SKY)
     directions = np.column_stack([distance * np.cos(turn), distance * np.sin(turn), np.sqrt(1 - distance**2)])
     points, shape = proxy.points_marker(AROUND), view.is_ground.shape
     hidden = np.zeros(shape, np.float32)
