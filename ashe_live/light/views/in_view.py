@@ -26,10 +26,8 @@ def is_shown(estimate: LightEstimate, tracked: TrackedFrame) -> bool:
 
 
 def _share_in(tracked: TrackedFrame, points: Float) -> float:
-    """Of points on the plane (n, 2) or above it (n, 3), marker frame, the share in the picture."""
+    """Of points (n, 3), marker frame, the share in the picture."""
     assert tracked.marker is not None
-    if points.shape[1] == 2:
-        points = np.column_stack([points, np.zeros(len(points))])
     seen = project(tracked.camera, tracked.marker.T_cam_marker, points)
     inside = (seen >= -0.5) & (seen <= np.array(tracked.frame.size) - 0.5)  # never NaN, of what is behind the camera
     return float(inside.all(axis=1).mean())

@@ -144,7 +144,7 @@ class Materials:
         share = given.get("transmissionFactor", 0.0) * (1 - LEAST_COVER)
         if "metallic_roughness_map" not in maps.texels:
             share *= 1 - surface["metallic"]  # metal transmits nothing
-        if share == 0:
+        if share <= 0:
             return {}
         if alpha is Alpha.CUT_OUT:
             self._notes.add("what is cut out of it transmits no light")
@@ -161,9 +161,8 @@ class Materials:
                 share = 0.0
             else:
                 share *= texels[..., 0].mean() / 255
-        if (
-            is_opaque and share and (base_map := maps.texels.get("base_map")) is not None
-        ):  # whose alpha is to be ignored
+        base_map = maps.texels.get("base_map")
+        if is_opaque and share and base_map is not None:  # whose alpha is to be ignored
             maps.texels["base_map"] = self._pictures.made(("opaque", id(base_map)), lambda: opaque(base_map))
         red, green, blue, opacity = surface["base_colour"]
         return {"base_colour": (red, green, blue, (1.0 if is_opaque else opacity) * (1 - share)), "alpha": Alpha.BLEND}

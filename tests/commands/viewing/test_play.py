@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -380,3 +381,19 @@ def test_a_name_of_another_kind_is_refused_before_anything_is_read(run, tmp_path
     assert outcome.status == 2
     (line,) = outcome.err
     assert "a.avi is of no kind that is recorded: let its name end in .mp4" in line
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_play_that_is_asked_to_end_keeps_its_report(play, tmp_path, monkeypatch, number):
+    report, add = tmp_path / "r.json", Report.add_frame
+
+    def add_and_ask(self, *args) -> None:
+        add(self, *args)
+        if len(self.frames) == 3:
+            signal.raise_signal(number)
+
+    monkeypatch.setattr(Report, "add_frame", add_and_ask)
+    outcome = play("--loop", "--frames", 100, "--size", "200x150", "--report", report)
+    assert outcome.status == 128 + number
+    assert len(json.loads(report.read_text())["frames"]) == 3
+    assert any("r.json (3 frames)" in line for line in outcome.err)
