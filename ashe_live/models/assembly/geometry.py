@@ -100,7 +100,8 @@ def _moved(raw: RawMesh, T: Float) -> tuple[Float32, Indices] | None:
     if len(raw.triangles) == 0:
         return None
     if raw.triangles.min() < 0 or len(raw.vertices) <= raw.triangles.max():
-        raise MalformedError(f"a triangle names vertex {raw.triangles.max()} of {len(raw.vertices)}")
+        named = min(raw.triangles.min(), 0) or raw.triangles.max()
+        raise MalformedError(f"a triangle names vertex {named} of {len(raw.vertices)}")
     vertices = raw.vertices if np.array_equal(T, np.eye(4)) else raw.vertices @ T[:3, :3].T + T[:3, 3]
     vertices = vertices.astype(np.float32)
     if not np.isfinite(vertices).all():

@@ -107,6 +107,7 @@ def test_texture_coordinates_that_nothing_uses_may_be_no_numbers(tmp_path: Path)
     ("body", "said"),
     [
         ("3 0 1 7\n", "a face names vertex 7 of 7"),
+        ("3 0 -1 2\n", "a face names vertex -1 of 7"),
         ("3 0 1\n", "a list vertex_indices is said to have 3 values"),
         ("", "its header says element face 1, and it ends before"),
         ("3 0 1 two\n", "face has a value that is no number"),
