@@ -14,7 +14,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, motion_between, tangent_basis
 from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.light.live.moved_marker import moved_estimate
-from ashe_live.light.views.in_view import is_shown
+from ashe_live.light.views.in_view import share_shown
 
 CHANGED_AFTER = 3  # consecutive answers that contradict the one held, and agree among themselves, to replace it
 # As many for what contradicts it in a changed scene, but may be a hand that rests there: four seconds of the viewer's.
@@ -38,6 +38,7 @@ MOVED_RAD = math.radians(1.0)
 # this factor, and its confidence less by this than that of the surest answer that agreed with it. Both vary by as much
 # from view to view.
 AS_SHARP, AS_SURE = 1.1, 0.06
+LEAST_SHOWN = 0.5  # of what an answer's frame showed of object and shadow: a frame with less says nothing of the light
 
 
 class HeldAnswer:
@@ -48,6 +49,8 @@ class HeldAnswer:
         self.estimate: LightEstimate | None = None
         self.is_news = False  # whether the last estimate offered was taken as a new light, or as the first answer
         self._T_room_marker = None if seen is None else seen.T_room_marker
+        self._seen = seen  # the frame that it has been moved to
+        self._share_shown = 1.0  # of object and shadow, in the frame that the answer was made of
         # The answer as it was made, and where the marker lay then: by a sheet that is lifted, the real object is lost.
         self._as_made: tuple[LightEstimate, Float | None] | None = None
         self._dissent: list[LightEstimate] = []
@@ -63,6 +66,7 @@ class HeldAnswer:
 
         Moving the marker changes nothing else: the answer stays as sure as it was.
         """
+        self._seen = seen
         motion, self._T_room_marker = motion_between(self._T_room_marker, seen.T_room_marker), seen.T_room_marker
         if motion is not None and self._as_made is not None and seen.marker is not None:
             made, made_at = self._as_made
@@ -70,9 +74,14 @@ class HeldAnswer:
             self.estimate = made if from_there is None else moved_estimate(made, from_there, seen.marker)
             self._dissent = [moved_estimate(other, motion, seen.marker) for other in self._dissent]
 
-    def is_shown_in(self, seen: TrackedFrame) -> bool:
-        """Whether `seen`, to which the answer has been moved, shows what its light was found by; True without one."""
-        return self.estimate is None or is_shown(self.estimate, seen)
+    @property
+    def is_shown(self) -> bool:
+        """Whether the frame that the answer has been moved to shows what its light was found by, or half of that; True
+        without a light.
+        """
+        if self.estimate is None or self._seen is None or self._seen.marker is None:
+            return True
+        return share_shown(self.estimate, self._seen) >= LEAST_SHOWN * self._share_shown
 
     def offer(self, new: LightEstimate, is_of_changed_scene: bool = False, has_lost_shadows: bool = False) -> bool:
         """Takes `new` as the answer, or not; returns whether it is sharper than the answer known before.
@@ -128,6 +137,8 @@ class HeldAnswer:
 
     def _hold(self, new: LightEstimate) -> None:
         self.estimate, self._as_made = new, (new, self._T_room_marker)
+        seen = self._seen
+        self._share_shown = 1.0 if seen is None or seen.marker is None else share_shown(new, seen)
 
 
 def agree(a: LightEstimate, b: LightEstimate) -> bool:

@@ -1,4 +1,4 @@
-"""Whether a frame shows what a known light was found by."""
+"""How much a frame shows of what a known light was found by."""
 
 import numpy as np
 
@@ -7,22 +7,25 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.shape.light_points import cast_on_ground
 
-LEAST_SEEN = 0.5  # of a body's points, and of those of one of its shadows
+HEIGHTS = (0.125, 0.375, 0.625, 0.875)  # over the body's
 
 
-def is_shown(estimate: LightEstimate, tracked: TrackedFrame) -> bool:
-    """Whether the real object of `estimate` and a shadow of it are in the picture for the most part.
+def share_shown(estimate: LightEstimate, tracked: TrackedFrame) -> float:
+    """The share in the picture of the real object of `estimate`, or of its shadow that is seen best, if that is less.
 
-    Both by the frame of the marker in `tracked`, which must have one. True where no object is known. Whoever leans in
-    to look at a model has neither in view, and what is seen then says nothing of the light.
+    Both by the frame of the marker in `tracked`, which must have one. 1 where no object is known. Whoever leans in to
+    look at a model has neither in view, and what is seen then says nothing of the light.
     """
     body = estimate.illumination.real_object
     if body is None or not estimate.lights:
-        return True
+        return 1.0
     points = body.points_marker()
-    shadows = [cast_on_ground(points, light.homogeneous) for light in estimate.lights]
-    is_in_view = max((_share_in(tracked, shadow) for shadow in shadows if shadow is not None), default=0.0)
-    return min(_share_in(tracked, points), is_in_view) >= LEAST_SEEN
+    # At several heights below its upper part, so that the shadow's length counts, and not its two ends.
+    upper = points[points[:, 2] >= points[:, 2].mean()]
+    upright = np.concatenate([upper * (1.0, 1.0, part) for part in HEIGHTS])
+    shadows = [cast_on_ground(upright, light.homogeneous) for light in estimate.lights]
+    in_view = max((_share_in(tracked, shadow) for shadow in shadows if shadow is not None), default=0.0)
+    return min(_share_in(tracked, points), in_view)
 
 
 def _share_in(tracked: TrackedFrame, points: Float) -> float:

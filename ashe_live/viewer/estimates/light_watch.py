@@ -85,7 +85,7 @@ class LightWatch:
         views = self.key_views.views
         others = tuple(view for view in views if view.frame.index != frozen.frame.index and fits(view, frozen))
         self.held.move_to(frozen)
-        if not (is_awaited or self.held.is_shown_in(frozen)):
+        if not (is_awaited or self.held.is_shown):
             return False
         shown = self.held.estimate
         held = shown and replace(shown, object_mask=None, shadow_mask=None)  # which nobody needs there

@@ -12,6 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, rigid, tangent_basis
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.live.held_answer import AS_SURE, CHANGED_AFTER, RESTS_NO_LONGER, HeldAnswer, agree
+from ashe_live.light.views.in_view import share_shown
 
 SUN = direction_from_angles(0.7, 0.8)
 LAMP = direction_from_angles(3.0, 0.6)
@@ -214,6 +215,24 @@ def test_a_marker_that_is_lifted_and_put_back_has_lost_nothing() -> None:
     assert answer.estimate.illumination.real_object.foot_marker == pytest.approx([0.09, 0.0, 0.0])
     answer.move_to(lying)
     assert answer.estimate is found
+
+
+def test_a_frame_need_show_no_more_than_half_of_what_the_answers_own_did() -> None:
+    """Of the long shadow of a low sun much is out of the picture from the first."""
+    body = Proxy("box", np.array([[0.0, 0, 0, 0.02, 0.0], [0.0, 0, 0.1, 0.02, 0.0]]))
+    there = seen(np.eye(4))
+    for elevation_deg, share in ((60, 1.0), (12, 0.8), (4, 0.4)):
+        answer = HeldAnswer(there)
+        found = estimate(light(direction_from_angles(0.0, math.radians(elevation_deg)), 1.0, 0.9))
+        found = dataclasses.replace(found, illumination=dataclasses.replace(found.illumination, real_object=body))
+        answer.offer(found)
+        assert share_shown(found, there) <= share
+        answer.move_to(there)
+        assert answer.is_shown
+        nearer = there.marker.T_cam_marker.copy()
+        nearer[:2, 3] += 0.4  # object and shadow are beside the picture
+        answer.move_to(dataclasses.replace(there, marker=dataclasses.replace(there.marker, T_cam_marker=nearer)))
+        assert not answer.is_shown
 
 
 def seen(T_room_marker) -> TrackedFrame:
