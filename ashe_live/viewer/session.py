@@ -120,12 +120,14 @@ class Session:
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
             self.request_estimate(now_s)
-        elif tracked.marker is None or self._light.is_lifted(tracked):
-            return
-        elif self.hand.light is None and not is_being_moved:
+        elif self._may_be_watched(tracked) and not is_being_moved:
             is_asked = self.watch.sharpen(tracked, now_s, self._draw)
             if self.automatic and is_steady and not is_asked:
                 self.watch.look_again(tracked, now_s, self._draw)
+
+    def _may_be_watched(self, tracked: TrackedFrame) -> bool:
+        """Whether the frame may show more of the light: with the marker on its table, and nothing set by hand."""
+        return tracked.marker is not None and self.hand.light is None and not self._light.is_lifted(tracked)
 
     def settle_for_last(self, now_s: float) -> bool:
         """At the end of a clip without a steady marker, requests an estimate of its last frame; returns whether."""
@@ -151,8 +153,8 @@ class Session:
         Shows a message when that is not possible.
         """
         if self.tracked is None or self.tracked.marker is None:
-            is_camera = self.watch.camera_may_move
-            self.say(f"no marker in view{': point the camera at it, then press Space' * is_camera}", now_s)
+            advice = ": point the camera at it, then press Space" if self.watch.camera_may_move else ""
+            self.say(f"no marker in view{advice}", now_s)
         elif not self.watch.ask(self.tracked, now_s, self._draw):
             self.say("still estimating", now_s)
         else:

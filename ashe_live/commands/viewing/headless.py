@@ -68,8 +68,9 @@ def show_without_window(
         try:
             play_headless(setup.source, setup.tracker, session, renderer, run, report)
         except (KeyboardInterrupt, SystemExit):  # what has been recorded until then is kept as well
-            if report.frames and _report_refused(report, options) is None and options.report is not None:
-                print_message(f"saved {options.report} ({len(report.frames)} frames)")
+            if options.report is not None and report.frames:
+                refusal = _report_refused(report, options)
+                print_message(str(refusal or f"saved {options.report} ({len(report.frames)} frames)"))
             raise
         refusal = _report_refused(report, options)
     # Only now is it known what has become of the recording.

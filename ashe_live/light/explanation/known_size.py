@@ -19,15 +19,15 @@ from ashe_live.light.shape.known import resized_family_of, size_ratios, sizes_of
 MOST_OFF = 1.3
 OTHER_HEIGHTS = (0.6, 1.6)  # over the given one, from which others are looked for
 LEFT_SHARE = 0.15  # of the object's area: what is left of an unlit area beside it that may be a part of it
-TOUCHING_PX = 2
+TOUCHING_PX = 2  # between the two: a seam of mixed colours
 
 
 def is_as_given(explanation: Explanation, preset: FitPreset, sharpener: Sharpener) -> bool:
     """Whether the picture shows the preset's caster in its given sizes rather than in others that are far from these.
 
-    Labels take shadow for object too often to decide this alone; so a body of other sizes that fits them is believed
-    where it also explains steps of light and colours better than the given one, by more than its further parameters
-    allow.
+    Labels take shadow for object too often, or leave out a part of it, to decide this alone; so a body of other sizes
+    that fits them, or them and what is left beside the object, is believed where it also explains steps of light and
+    colours better than the given one, by more than its further parameters allow.
     True where there is no caster, or no fit. sharpener: of the views that were explained.
     """
     caster = preset.caster

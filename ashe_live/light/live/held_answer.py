@@ -48,13 +48,16 @@ class HeldAnswer:
         """`seen`: the frame of the first answer, by which all are until `move_to` names another one."""
         self.estimate: LightEstimate | None = None
         self.is_news = False  # whether the last estimate offered was taken as a new light, or as the first answer
-        self._T_room_marker = None if seen is None else seen.T_room_marker
-        self._seen = seen  # the frame that it has been moved to
+        self._seen = seen  # the frame whose marker it is by
         self._share_shown = 1.0  # of object and shadow, in the frame that the answer was made of
         # The answer as it was made, and where the marker lay then: by a sheet that is lifted, the real object is lost.
         self._as_made: tuple[LightEstimate, Float | None] | None = None
         self._dissent: list[LightEstimate] = []
         self._surest = 0.0  # largest confidence of the answers that agreed with the held one
+
+    @property
+    def _T_room_marker(self) -> Float | None:
+        return None if self._seen is None else self._seen.T_room_marker
 
     @property
     def is_disputed(self) -> bool:
@@ -66,8 +69,8 @@ class HeldAnswer:
 
         Moving the marker changes nothing else: the answer stays as sure as it was.
         """
+        motion = motion_between(self._T_room_marker, seen.T_room_marker)
         self._seen = seen
-        motion, self._T_room_marker = motion_between(self._T_room_marker, seen.T_room_marker), seen.T_room_marker
         if motion is not None and self._as_made is not None and seen.marker is not None:
             made, made_at = self._as_made
             from_there = motion_between(made_at, seen.T_room_marker)

@@ -100,7 +100,7 @@ def _moved(raw: RawMesh, T: Float) -> tuple[Float32, Indices] | None:
     if len(raw.triangles) == 0:
         return None
     if raw.triangles.min() < 0 or len(raw.vertices) <= raw.triangles.max():
-        named = min(raw.triangles.min(), 0) or raw.triangles.max()
+        named = raw.triangles.min() if raw.triangles.min() < 0 else raw.triangles.max()
         raise MalformedError(f"a triangle names vertex {named} of {len(raw.vertices)}")
     vertices = raw.vertices if np.array_equal(T, np.eye(4)) else raw.vertices @ T[:3, :3].T + T[:3, 3]
     vertices = vertices.astype(np.float32)

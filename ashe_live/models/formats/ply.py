@@ -40,7 +40,8 @@ def read_ply(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
         raise MalformedError("its faces name no vertices")
     corners = lists.values.astype(np.int64)
     if len(corners) and not (corners.min() >= 0 and corners.max() < len(places)):
-        raise MalformedError(f"a face names vertex {min(corners.min(), 0) or corners.max()} of {len(places)}")
+        named = corners.min() if corners.min() < 0 else corners.max()
+        raise MalformedError(f"a face names vertex {named} of {len(places)}")
     triangles = triangulated(places, corners, lists.counts)
     uvs = _uvs(vertices) if material.uv_sets else None
     normals, colours = _columns(vertices, NORMALS), _colours(vertices)

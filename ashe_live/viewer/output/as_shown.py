@@ -163,7 +163,7 @@ def _shown(known: Json, shelf: Shelf) -> Shown:
     covers = known["hides_marker"]
     if not (covers is None or isinstance(covers, bool)):
         raise TypeError(f"hides_marker is {covers!r:.40}, not true, false or null")
-    return Shown(stands, by_hand, frame, known["parts"], None if covers is None else bool(covers))
+    return Shown(stands, by_hand, frame, known["parts"], covers)
 
 
 def _stand(known: Json, shelf: Shelf) -> Stand:
