@@ -12,22 +12,19 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
-from ashe_live.core.colour import REC709_LUMINANCE
+from ashe_live.core.arrays import Float
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import lies_elsewhere, view_direction
-from ashe_live.core.types import Frame, Illumination, TrackedFrame
-from ashe_live.render.camera.exposure import followed, gain_and_slope
+from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
 from ashe_live.render.cover.lit_alike import is_other_light, is_same_scene
-from ashe_live.render.cover.over_sheet import over_sheet
+from ashe_live.render.cover.sheet_now import SheetNow
 from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 
 NEARER = 1.5  # the cover is made anew once the marker appears this many times as large, as it then lacks detail
 TURNED_COS = np.cos(np.radians(30.0))  # and once the camera has turned by this, as the ground's relief looks different
-MOST_HIDDEN = 0.02  # share of the sheet that things may hide in a frame from which a cover is made
 LEFT_ALONE_S = 0.6  # time of the video after which the hand that has moved the sheet has let it go
 RETRIED_S = 1.0  # time of the video after which another attempt follows one that failed
 
@@ -46,11 +43,7 @@ class HiddenMarker:
         self._seen_lit_by: Illumination | None = None
         self._maker: ThreadPoolExecutor | None = None
         self._coming: Future[GroundCover | None] | None = None
-        self._gain, self._slope = np.ones(3), np.zeros(2)
-        self._exposed_in: Frame | None = None  # by which these were measured
-        self._over: moderngl.Texture | None = None  # what has come over the sheet since
-        self._compared_in: Frame | None = None  # by which this was found
-        self._hidden_share = 0.0  # of the sheet, by things before it
+        self._sheet: SheetNow | None = None  # the cover's
         self._failed_s: float | None = None
         self._moved_s = -math.inf  # time of the video at which the sheet was moved last
 
@@ -78,7 +71,7 @@ class HiddenMarker:
         self._take()
         if self.shown is not None:
             self._take_shown(self.shown, tracked, illumination, at_once)
-        self._follow_frame(tracked)
+        self._follow_sheet(tracked)
         if self.shown is not None and not at_once:
             return
         steady = self._seen_lit_by is not None and is_same_scene(illumination, self._seen_lit_by)
@@ -90,7 +83,7 @@ class HiddenMarker:
             self._asked_for = tracked, illumination
             if at_once:
                 self._accept(ground_cover(tracked, illumination))
-                self._follow_frame(tracked)
+                self._follow_sheet(tracked)
             else:
                 self._maker = self._maker or ThreadPoolExecutor(1, "ground cover")
                 is_draft = self._cover is None or self._is_elsewhere(tracked)
@@ -99,23 +92,13 @@ class HiddenMarker:
     def bind(self, program: moderngl.Program) -> None:
         """For a program that was built with `covers`."""
         assert self._texture is not None
-        assert self._cover is not None
-        assert self._over is not None
-        sheet = self._cover.sheet
+        assert self._sheet is not None
         self._texture.use(UNIT_OF["cover"])
-        self._over.use(UNIT_OF["over_sheet"])
-        set_uniforms(
-            program,
-            cover_half_m=self._cover.half_m,
-            cover_gain=tuple(self._gain),
-            cover_slope=tuple(self._slope),
-            sheet_bounds=self._cover.extent_m if sheet is None else sheet.bounds_m,
-            sheet_shadow=(1.0, 1.0, 1.0) if sheet is None else tuple(sheet.shadow / (sheet.shadow @ REC709_LUMINANCE)),
-        )
+        self._sheet.bind(program)
 
     def forget(self) -> None:
         """Nothing is covered until another cover is made: one that is still being made is not taken."""
-        self._release_texture()
+        self._release_cover()
         self._coming = None
         self._cover = self._made_from = self._seen_lit_by = self._failed_s = None
 
@@ -153,7 +136,7 @@ class HiddenMarker:
         if cover is None:
             self._failed_s = self._asked_for[0].frame.time_s
             return
-        self._release_texture()
+        self._release_cover()
         size = len(cover.image_rgba)
         self._texture = self._ctx.texture((size, size), 4, np.ascontiguousarray(cover.image_rgba[::-1]))
         self._texture.repeat_x = self._texture.repeat_y = False
@@ -161,8 +144,7 @@ class HiddenMarker:
         self._texture.build_mipmaps()
         self._texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
         self._cover, self._made_from, self._failed_s = cover, self._asked_for, None
-        self._gain, self._slope, self._exposed_in, self._compared_in = np.ones(3), np.zeros(2), None, None
-        self._show_over(None)
+        self._sheet = SheetNow(self._ctx, cover)
 
     def _is_elsewhere(self, tracked: TrackedFrame) -> bool:
         """Whether the sheet has been moved since the cover was made, so that other ground is around it."""
@@ -178,9 +160,9 @@ class HiddenMarker:
         return self._made_from is not None and not is_elsewhere and is_other_light(illumination, self._made_from[1])
 
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
-        is_hidden = self._cover is not None and self._hidden_share > MOST_HIDDEN
-        if is_hidden and not self._is_in_other_light(tracked, illumination):
-            return False  # by a hand, say, which would become a part of the next cover
+        is_touched = self._sheet is not None and self._sheet.is_touched(tracked.frame.time_s)
+        if is_touched and not self._is_in_other_light(tracked, illumination):
+            return False
         if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
             return False
         if self._made_from is None or self._cover is None or self._cover.is_draft:
@@ -196,46 +178,15 @@ class HiddenMarker:
         turned = view_direction(was.T_cam_marker) @ view_direction(now.T_cam_marker) < least_cos
         return bool(is_nearer or turned)
 
-    def _follow_frame(self, tracked: TrackedFrame) -> None:
-        """The frame's exposure, and what has come over the sheet in it."""
-        if self._cover is None or tracked.frame is self._compared_in:
-            return
-        self._compared_in = tracked.frame
-        if not self._is_elsewhere(tracked):
-            self._follow_exposure(tracked)
-        sheet = self._cover.sheet
-        self._show_over(None if sheet is None else over_sheet(tracked, sheet, self._gain, self._slope))
+    def _follow_sheet(self, tracked: TrackedFrame) -> None:
+        if self._sheet is not None:
+            self._sheet.follow(tracked, self._is_elsewhere(tracked))
 
-    def _follow_exposure(self, tracked: TrackedFrame) -> None:
-        assert self._cover is not None
-        measured = gain_and_slope(tracked, self._cover.around, self._cover.around_rgb)
-        if measured is None:
-            return
-        gain, slope = measured
-        if self._exposed_in is not None:
-            size = self._cover.half_m
-            shown, found = (np.append(np.log(g), size * s) for g, s in ((self._gain, self._slope), (gain, slope)))
-            next_shown = followed(shown, found)
-            gain, slope = np.exp(next_shown[:3]), next_shown[3:] / size
-        self._gain, self._slope, self._exposed_in = gain, slope, tracked.frame
-
-    def _show_over(self, over: Float32 | None) -> None:
-        """(h, w, 2) as of `over_sheet`, or nothing."""
-        shown = np.zeros((1, 1, 2), np.float32) if over is None else over
-        self._hidden_share = float(shown[..., 0].mean())
-        height, width = shown.shape[:2]
-        if self._over is None or self._over.size != (width, height):
-            if self._over is not None:
-                self._over.release()
-            self._over = self._ctx.texture((width, height), 2, dtype="f4")
-            self._over.repeat_x = self._over.repeat_y = False
-        self._over.write(np.ascontiguousarray(shown[::-1]))
-
-    def _release_texture(self) -> None:
-        for texture in (self._texture, self._over):
-            if texture is not None:
-                texture.release()
-        self._texture = self._over = None
+    def _release_cover(self) -> None:
+        for held in (self._texture, self._sheet):
+            if held is not None:
+                held.release()
+        self._texture = self._sheet = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -393,7 +393,7 @@ def test_a_sheet_that_was_moved_is_covered_by_the_ground_where_it_lies_a_draft_f
     # The ground beside it is another one, by which no exposure can be compared.
     brighter = replace(_view(stage, gain=1.5, index=1), T_room_marker=moved.T_room_marker)
     hidden.follow(brighter, Illumination((Light(np.array([0.0, 0.6, 0.8])),)), at_once=False)
-    assert hidden._gain == pytest.approx(1, abs=0.05)
+    assert hidden._sheet.gain == pytest.approx(1, abs=0.05)
     assert _settled(hidden, moved, Illumination()) == []  # the hand that has moved it may still be there
     alone = replace(moved, frame=Frame(moved.frame.image_bgr, 30, 1.0))
     covers = _settled(hidden, alone, Illumination())
@@ -415,6 +415,20 @@ def test_a_hand_on_the_sheet_becomes_no_part_of_the_next_cover(ctx, stage) -> No
     hidden.follow(replace(moved, frame=Frame(picture, 32, 1.1)), Illumination(), at_once=False)
     hidden.forget()
     assert _settled(hidden, touched, Illumination()), "where there is no cover, one is made in any case"
+    hidden.release()
+
+
+def test_a_finger_at_the_sheets_edge_becomes_no_part_of_the_next_cover_and_what_stays_there_does(ctx, stage) -> None:
+    hidden, lies = HiddenMarker(ctx), _view(stage)
+    near, nearer = (Illumination((Light(np.array(towards)),)) for towards in ((0, 0.6, 0.8), (0, 0.65, 0.76)))
+    _settled(hidden, lies, near)
+    picture = lies.frame.image_bgr.copy()
+    rows, columns = np.nonzero(_on_sheet(lies))
+    tip = (rows > np.quantile(rows, 0.9)) & (np.abs(columns - np.median(columns)) < 0.1 * np.ptp(columns))
+    picture[rows[tip], columns[tip]] = (80, 110, 190)
+    touches, stays = (replace(lies, frame=Frame(picture, 30 * s, float(s))) for s in (1, 12))
+    assert _settled(hidden, touches, nearer) == []
+    assert _settled(hidden, stays, nearer), "a shadow's rest that stays must not keep the cover of an older answer"
     hidden.release()
 
 
