@@ -15,9 +15,9 @@ from ashe_live.render.scene import Overlay, Scene
 from ashe_live.render.screen import Screen
 from ashe_live.viewer.drawn.estimate_inset import EstimateInset, Span
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
-from ashe_live.viewer.parts_shown import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
+from ashe_live.viewer.view_options import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
 
 # Numbers that change with every frame are updated this often: to be legible, and because drawing text takes as long as
 # tracking does.
@@ -32,15 +32,15 @@ def bare_scene(session: Session) -> Scene:
     (model, placement), *others = models
     return Scene(
         session.tracked,
-        None if session.parts_shown == VIDEO_ALONE else model,
+        None if session.view.parts == VIDEO_ALONE else model,
         session.shown,
-        session.show_light,
+        session.view.shows_light,
         placement=placement,
         others=tuple(others),
-        casts_shadow=session.parts_shown in (WHOLE, SPLIT, SHADOW_ALONE),
-        shows_model=session.parts_shown != SHADOW_ALONE,
+        casts_shadow=session.view.parts in (WHOLE, SPLIT, SHADOW_ALONE),
+        shows_model=session.view.parts != SHADOW_ALONE,
         hides_marker=session.hides_marker,
-        is_split=session.parts_shown == SPLIT,
+        is_split=session.view.parts == SPLIT,
         time_s=session.table.motion_s,
     )
 
@@ -77,21 +77,21 @@ class Display:
 
     def scene(self, session: Session, screen: Screen, readings: Readings, now_s: float) -> Scene:
         """The bare scene under status, masks and time bar, or under the help."""
-        if session.help.is_shown:  # a small window has no room for anything beside it
-            overlays = self._hud.overlays(HudText(help=session.help.rows(screen)), screen)
+        if session.view.help.is_shown:  # a small window has no room for anything beside it
+            overlays = self._hud.overlays(HudText(help=session.view.help.rows(screen)), screen)
         else:
             overlays = self._overlays(session, screen, readings, now_s)
-        return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
+        return replace(bare_scene(session), overlays=overlays, is_mirrored=session.view.is_mirrored)
 
     def _overlays(self, session: Session, screen: Screen, readings: Readings, now_s: float) -> tuple[Overlay, ...]:
         text = self._text(session, readings, now_s)
-        models = _span_of_models(session, screen.size) if session.show_masks else None
+        models = _span_of_models(session, screen.size) if session.view.shows_steps else None
         bar: tuple[Overlay, ...] = ()
-        if readings.moment is not None and session.show_hud:
+        if readings.moment is not None and session.view.shows_hud:
             bar = self._time_bar.overlays(readings.moment, screen)
             screen = screen.without_bottom(bar_at(screen).height)  # everything else stands above it
         width, height = screen.size
-        if session.parts_shown == SPLIT:
+        if session.view.parts == SPLIT:
             line = max(1, screen.px(LINE_PT))
             bar = Overlay(SPLIT_LINE, (width - line) // 2, 0, (line, height)), *bar
         masks = self._masks(session, screen.size, models)
@@ -105,7 +105,7 @@ class Display:
         # Also while they are hidden: the wait for a model counts from when it was first asked about.
         status = status_lines(session, fps, readings.quality, marker, self._name)
         text = HudText(tuple(status), tuple(source_lines(session, readings.source_status, now_s)))
-        return text if session.show_hud else HudText()
+        return text if session.view.shows_hud else HudText()
 
     def _steady_readings(
         self, fps: float | None, tracked: TrackedFrame | None, now_s: float
@@ -119,7 +119,7 @@ class Display:
 
     def _masks(self, session: Session, size: Size, models: Span | None) -> tuple[Overlay, ...]:
         estimate, frozen = session.estimate, session.estimated_from
-        if not session.show_masks or estimate is None or frozen is None:
+        if not session.view.shows_steps or estimate is None or frozen is None:
             return ()
         return self._inset.overlays(estimate, frozen, size, session.steps_bgr, models)
 
@@ -136,7 +136,7 @@ def _span_of_models(session: Session, framebuffer: Size) -> Span | None:
     if seen is None:
         return None
     left, bottom, width, height = seen.region
-    left = framebuffer[0] - left - width if session.is_mirrored else left
+    left = framebuffer[0] - left - width if session.view.is_mirrored else left
     return Span(left, framebuffer[1] - bottom - height, left + width, framebuffer[1] - bottom)
 
 

@@ -173,7 +173,7 @@ class LiveViewer:
 
     def _obey(self, request: Request, now_s: float) -> None:
         framebuffer = self._window.screen.size
-        if self._session.is_mirrored:
+        if self._session.view.is_mirrored:
             request = in_mirror(request, framebuffer)
         request = in_video(request, framebuffer, self._session.tracked)
         if request.command is Command.OPEN:
@@ -236,8 +236,8 @@ class LiveViewer:
         """Leaves one of these, the first that applies: the menu, the help, fullscreen, the program."""
         if self._menu.is_open:
             self._menu.close()
-        elif self._session.help.is_shown:
-            self._session.help.close()
+        elif self._session.view.help.is_shown:
+            self._session.view.help.close()
         elif self._window.is_fullscreen:
             self._window.toggle_fullscreen()
         else:

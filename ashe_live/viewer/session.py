@@ -14,12 +14,11 @@ from ashe_live.viewer.estimates.light_watch import LightWatch
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.room_light import RoomLight
 from ashe_live.viewer.estimates.sharpening import Sharpening
-from ashe_live.viewer.hands.help import Help
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.notice import Notice
-from ashe_live.viewer.parts_shown import PARTS, WHOLE
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import SETS_LIGHT, Table
+from ashe_live.viewer.view_options import WHOLE, ViewOptions
 
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
 
@@ -52,13 +51,7 @@ class Session:
         self.hand, self.arrangement = self.table.hand, self.table.arrangement
         self.automatic = policy.automatic  # whether the light is watched even while the camera stands still
         self.watch = LightWatch(worker)
-        self.show_light = False
-        self.show_masks = False
-        self.covers_marker: bool | None = None  # None: nobody has chosen
-        self.is_mirrored = False  # in the window only: what is saved is as the camera sees it
-        self.help = Help()
-        self.show_hud = True
-        self.parts_shown = WHOLE
+        self.view = ViewOptions()
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the followed marker is out of view
         # Until the first estimate, polished surfaces mirror the first frame that shows a marker.
         self._light = RoomLight()
@@ -79,9 +72,8 @@ class Session:
 
     @property
     def hides_marker(self) -> bool:
-        """Whether ground is painted over the marker: as chosen; if nobody chose, over a sheet and not over a body."""
-        marker = None if self.tracked is None else self.tracked.marker
-        return self.covers_marker if self.covers_marker is not None else marker is None or marker.body is None
+        """Whether ground is painted over the marker."""
+        return self.view.hides_marker(self.tracked)
 
     @property
     def has_seen_marker(self) -> bool:
@@ -164,7 +156,7 @@ class Session:
     @property
     def _draw(self) -> Draw | None:
         """The function that draws the steps of an estimate; None if they are not shown."""
-        return steps_sheet if self.show_masks else None
+        return steps_sheet if self.view.shows_steps else None
 
     def poll(self, now_s: float) -> LightEstimate | None:
         """Takes what the worker and the model loader have finished, and advances the easing of the light.
@@ -190,35 +182,35 @@ class Session:
 
     def handle(self, request: Request, now_s: float) -> bool:
         """Handles a request that needs neither window nor source; returns False for any other."""
+        view = self.view
         match request.command:
             case Command.ESTIMATE:
                 self.request_estimate(now_s)
             case Command.AUTOMATIC:
                 self._toggle_automatic(now_s)
             case Command.TOGGLE_LIGHT:
-                self.show_light = not self.show_light
-                if self.show_light and self.lit_by.light is None:
+                view.shows_light = not view.shows_light
+                if view.shows_light and self.lit_by.light is None:
                     self.say(f"the arrow appears when the light is known: {self.how_it_gets_known}", now_s)
             case Command.TOGGLE_MASKS:
-                self.show_masks = not self.show_masks
-                if not self.show_masks:
+                view.shows_steps = not view.shows_steps
+                if not view.shows_steps:
                     self.notice.withdraw(ANSWER_ALONE)
                 elif self.estimate is None:
                     self.say(f"nothing has been estimated yet: {self.how_it_gets_known}", now_s)
                 elif self.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
             case Command.HIDE_MARKER:
-                self.covers_marker = not self.hides_marker
+                view.covers_marker = not self.hides_marker
                 self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.hides_marker)
             case Command.MIRROR:
-                self.is_mirrored = not self.is_mirrored
+                view.is_mirrored = not view.is_mirrored
             case Command.BEFORE_AFTER:
-                self.parts_shown = PARTS[(PARTS.index(self.parts_shown) + 1) % len(PARTS)]
-                self.say(f"{self.parts_shown}: B goes on", now_s)
+                self.say(f"{view.next_parts()}: B goes on", now_s)
             case Command.HELP:
-                self.help.turn()
+                view.help.turn()
             case Command.TOGGLE_HUD:
-                self.show_hud = not self.show_hud
+                view.shows_hud = not view.shows_hud
             case _:
                 return self._handle_by_hand(request, now_s)
         return True
@@ -228,7 +220,7 @@ class Session:
         if not self.table.handle(request, self.tracked, self._light.now(self.tracked), now_s):
             return False
         if request.command is Command.RESET:
-            self.parts_shown = WHOLE
+            self.view.parts = WHOLE
         if request.command in SETS_LIGHT and self.hand.light is not before:
             self._by_hand_s = now_s
             self._policy_is_done = True
@@ -247,7 +239,7 @@ class Session:
         self._light.take(new.illumination.as_seen_in(frozen), frozen)
         self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.hides_marker)
         self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
-        if self.show_masks and self.steps_bgr is None:
+        if self.view.shows_steps and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
         # An estimate that was requested before the light was set by hand does not replace it.
         if self.hand.light is not None and self.watch.asked_s >= self._by_hand_s:

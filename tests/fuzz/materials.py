@@ -14,7 +14,7 @@ from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
 from ashe_live.core.contract import light_by_hand_json
 from ashe_live.core.types import Illumination, Light
-from ashe_live.viewer.parts_shown import WHOLE
+from ashe_live.viewer.view_options import WHOLE
 
 FPS = 30
 FRAMES = 6

@@ -31,8 +31,8 @@ def inside(overlay, size) -> bool:
 
 
 def test_recordings_carry_no_text(session):
-    session.help.turn()
-    session.show_masks = True
+    session.view.help.turn()
+    session.view.shows_steps = True
     assert bare_scene(session).overlays == ()
 
 
@@ -44,9 +44,9 @@ def test_the_lights_become_those_of_the_estimate(session):
 
 def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):
     session.say("saved", 0.0)
-    session.show_hud = False
+    session.view.shows_hud = False
     assert Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays == ()
-    session.help.turn()
+    session.view.help.turn()
     assert len(Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays) == 1
 
 
@@ -54,19 +54,19 @@ def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):
     ("size", "scale"), [((300, 225), 1.0), ((320, 240), 1.0), ((480, 640), 1.0), ((640, 480), 2.0), ((1280, 960), 1.0)]
 )
 def test_everything_stays_inside_the_window(session, size, scale):
-    session.show_masks = True
+    session.view.shows_steps = True
     session.say("a notice of the usual length, as a saved snapshot has", 0.0)
     readings = Readings("auto (balanced)", 60.0, "end of the clip")
     overlays = Display().scene(session, Screen(size, scale), readings, 0.0).overlays
     assert len(overlays) == 4
-    session.help.turn()
+    session.view.help.turn()
     overlays += Display().scene(session, Screen(size, scale), readings, 0.0).overlays
     assert len(overlays) == 5
     assert all(inside(overlay, size) for overlay in overlays)
 
 
 def test_what_has_not_changed_is_the_same_object(session):
-    session.show_masks = True
+    session.view.shows_steps = True
     display = Display()
     first = display.scene(session, SCREEN, Readings("fast", 60.0), 0.0).overlays
     again = display.scene(session, SCREEN, Readings("fast", 75.0), 0.1).overlays
@@ -76,7 +76,7 @@ def test_what_has_not_changed_is_the_same_object(session):
 
 
 def test_the_masks_are_shown_over_the_frozen_frame(session):
-    session.show_masks = True
+    session.view.shows_steps = True
     (inset, *_) = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
     width, height = inset.shown_size
     assert inset.left_px > SCREEN.size[0] / 2
@@ -95,7 +95,7 @@ def test_the_masks_are_shown_over_the_frozen_frame(session):
 
 def test_without_an_estimate_there_are_no_masks(fakes):
     session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
-    session.show_masks = True
+    session.view.shows_steps = True
     assert len(Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays) == 1
 
 

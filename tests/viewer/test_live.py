@@ -447,7 +447,7 @@ def test_a_dropped_model_is_chosen_and_the_source_stays(stage):
 
 def test_escape_leaves_what_was_entered_last(stage):
     def is_help_closed() -> None:
-        assert not stage.session.help.is_shown
+        assert not stage.session.view.help.is_shown
 
     stage.run(
         Command.FULLSCREEN,

@@ -142,16 +142,16 @@ def test_a_paused_clip_stays_paused_after_a_drag(stage):
 
 def test_a_clip_goes_on_after_a_drag_during_which_all_text_was_hidden(stage):
     stage.mouse(MouseAction.PRESSED, 0.5)
-    stage.session.show_hud = False
+    stage.session.view.shows_hud = False
     assert stage.mouse(MouseAction.RELEASED, 0.5)
     assert stage.pipeline.told[-1] == ("pause", False)
-    stage.session.show_hud = True
+    stage.session.view.shows_hud = True
     assert not stage.mouse(MouseAction.MOVED, 0.9)
 
 
 def test_what_is_not_the_bars_is_left_to_others(stage):
     for action in (MouseAction.PRESSED, MouseAction.MOVED, MouseAction.RELEASED):
         assert not stage.mouse(action, 0.5, y_px=200)
-    stage.session.show_hud = False  # hidden, it takes nothing either
+    stage.session.view.shows_hud = False  # hidden, it takes nothing either
     assert not stage.mouse(MouseAction.PRESSED, 0.5)
     assert stage.pipeline.told == []

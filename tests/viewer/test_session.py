@@ -196,22 +196,23 @@ def test_keys_choose_models(make):
 def test_switches_toggle(make):
     session = make()
     for command, switch in (
-        (Command.TOGGLE_LIGHT, "show_light"),
-        (Command.TOGGLE_MASKS, "show_masks"),
+        (Command.TOGGLE_LIGHT, "shows_light"),
+        (Command.TOGGLE_MASKS, "shows_steps"),
         (Command.HIDE_MARKER, "hides_marker"),
-        (Command.TOGGLE_HUD, "show_hud"),
+        (Command.TOGGLE_HUD, "shows_hud"),
     ):
-        before = getattr(session, switch)
+        holder = session if switch == "hides_marker" else session.view
+        before = getattr(holder, switch)
         for expected in (not before, before):
             session.handle(Request(command), 0.0)
-            assert getattr(session, switch) is expected
+            assert getattr(holder, switch) is expected
 
 
 def test_the_help_is_shown_and_hidden_by_its_key(make):
     session = make()
     for expected in (True, False):
         session.handle(Request(Command.HELP), 0.0)
-        assert session.help.is_shown is expected
+        assert session.view.help.is_shown is expected
 
 
 def test_a_sheet_is_covered_and_a_cube_is_not_unless_somebody_chooses(make, fakes):
@@ -799,12 +800,12 @@ def test_before_and_after(make, fakes):
     shown = []
     for _ in range(5):
         scene = bare_scene(session)
-        shown.append((session.parts_shown, scene.shows_model, scene.casts_shadow, scene.is_split))
+        shown.append((session.view.parts, scene.shows_model, scene.casts_shadow, scene.is_split))
         session.handle(Request(Command.BEFORE_AFTER), 0.0)
     assert [each[1] for each in shown] == [True, True, False, True, True]
     assert [each[2] for each in shown] == [True, False, True, False, True]
     assert [each[3] for each in shown] == [False, False, False, False, True]
-    assert session.parts_shown == shown[0][0]
+    assert session.view.parts == shown[0][0]
     session.handle(Request(Command.BEFORE_AFTER), 0.0)
     session.handle(Request(Command.RESET), 0.0)
     assert bare_scene(session).casts_shadow

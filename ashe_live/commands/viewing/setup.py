@@ -103,9 +103,9 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)
         session.arrangement.followed = setup.tracker.marker.spec
-        session.show_light = setup.shows_light
-        session.covers_marker = options.hide_marker
-        session.is_mirrored = options.mirror
+        session.view.shows_light = setup.shows_light
+        session.view.covers_marker = options.hide_marker
+        session.view.is_mirrored = options.mirror
         session.watch.preset = preset
         for line in (*setup.notes, *(shelf.take_notes() if options.headless else ())):
             print_message(line)

@@ -14,10 +14,10 @@ from ashe_live.files.reading import read_json
 from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS
 from ashe_live.models.placement import UNMOVED, Placement
-from ashe_live.viewer.parts_shown import PARTS, WHOLE
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import Stand
+from ashe_live.viewer.view_options import PARTS, WHOLE
 
 MOST_LIGHTS = 16  # at once, by hand: more than are drawn
 KINDS = ("directional", "lamp")
@@ -56,7 +56,9 @@ def _is_turned_up(stand: Stand) -> bool:
 
 def shown_now(session: Session) -> Shown:
     hand = session.hand
-    return Shown(session.arrangement.stands, hand.light, hand.frame_index, session.parts_shown, session.covers_marker)
+    return Shown(
+        session.arrangement.stands, hand.light, hand.frame_index, session.view.parts, session.view.covers_marker
+    )
 
 
 class AsShown:
@@ -95,7 +97,7 @@ class AsShown:
             lights, ambient = shown.by_hand.lights, shown.by_hand.ambient_rgb_ratio
             session.hand.light = replace(session.lit_by, lights=lights, ambient_rgb_ratio=ambient)
         session.arrangement.stand_as(shown.stands)
-        session.parts_shown, session.covers_marker = shown.parts, shown.covers_marker
+        session.view.parts, session.view.covers_marker = shown.parts, shown.covers_marker
         session.shown = session.lit_by
 
     def _changes(self) -> list[tuple[int, Shown]]:

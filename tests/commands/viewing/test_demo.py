@@ -9,7 +9,7 @@ import pytest
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.commands.demo import Thumbnails
-from ashe_live.viewer.parts_shown import VIDEO_ALONE, WHOLE
+from ashe_live.viewer.view_options import VIDEO_ALONE, WHOLE
 
 
 def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, instant, tmp_path, monkeypatch):  # noqa: ARG001
