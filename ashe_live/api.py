@@ -1,7 +1,6 @@
 """For programs that embed this one: plain pictures in, poses and light out (docs/api.md)."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from ashe_live.capture.photo import PhotoSource
@@ -86,10 +85,8 @@ class LightEstimator:
 
     def __init__(self, name: str, quality: str, light: str, caster: str | None = None) -> None:
         """As `make_estimator`."""
-        steps = replace(quality_named(quality).light, light=light)
-        if caster is not None:
-            steps = steps.with_caster(read_caster(arguments.text(caster, "caster")))
-        self._estimator = estimators.make_estimator(name, steps)
+        known = None if caster is None else read_caster(arguments.text(caster, "caster"))
+        self._estimator = estimators.make_estimator(name, quality_named(quality).light.assuming(light, known))
 
     @property
     def name(self) -> str:

@@ -1,7 +1,6 @@
 """The quality that a person has chosen, applied to whatever tracks, draws and estimates."""
 
 import time
-from dataclasses import replace
 
 from ashe_live.quality import BALANCED, QUALITIES, Quality
 from ashe_live.render.renderer import SceneRenderer
@@ -38,7 +37,7 @@ class QualityChoice:
         self._auto = AutoQuality(self._interval_s * 1e3, BALANCED) if self.name == AUTO else None
         # The estimator has a process of its own: its preset need not step down when the renderer's does.
         watch = self._session.watch
-        watch.preset = replace(self.now.light, light=watch.preset.light).with_caster(watch.preset.caster)
+        watch.preset = self.now.light.assuming(watch.preset.light, watch.preset.caster)
         self._apply(pipeline)
 
     def step(self, pipeline: Pipeline) -> None:

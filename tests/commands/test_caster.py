@@ -1,7 +1,5 @@
 """`--caster`: what it may be, what it reaches, and what is said where it cannot be."""
 
-from dataclasses import replace
-
 import cv2
 import jsonschema
 import pytest
@@ -21,8 +19,10 @@ def test_it_reaches_the_estimator_with_the_other_choices():
     options = build_parser().parse_args(
         ["webcam", "--caster", "box:0.06x0.05x0.1", "--light", "sun", "--quality", "fast"]
     )
-    assert light_preset(options) == replace(FAST, light="sun").with_caster(Caster.box(0.06, 0.05, 0.1))
+    assert light_preset(options) == FAST.assuming("sun", Caster.box(0.06, 0.05, 0.1))
     assert light_preset(build_parser().parse_args(["demo"])) == BALANCED
+    of_suns = light_preset(build_parser().parse_args(["demo", "--light", "sun", "--quality", "accurate"]))
+    assert [look.light for look in of_suns.looks] == ["sun", "sun"]
     model = str(CHECKOUT / "assets" / "models" / "goblet.glb")
     caster = light_preset(build_parser().parse_args(["play", "a.mp4", "--caster", model])).caster
     assert caster is not None

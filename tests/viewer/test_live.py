@@ -5,7 +5,6 @@ import json
 import math
 import threading
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import moderngl
@@ -168,11 +167,11 @@ def test_commands_reach_pipeline_and_window(stage):
 
 def test_what_is_known_of_the_light_and_the_caster_holds_for_every_quality(stage):
     ball = Caster.sphere(0.03)
-    stage.session.watch.preset = replace(FAST.light, light="sun").with_caster(ball)
+    stage.session.watch.preset = FAST.light.assuming("sun", ball)
     stage.put(0)
     viewer = stage.run(Command.QUALITY, None, quality="fast")
     assert viewer._quality.name == "balanced"
-    assert stage.session.watch.preset == replace(BALANCED.light, light="sun").with_caster(ball)
+    assert stage.session.watch.preset == BALANCED.light.assuming("sun", ball)
 
 
 def test_quality_goes_round(stage):

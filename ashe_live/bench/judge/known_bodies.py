@@ -83,7 +83,7 @@ class KnownBodiesBench(FitBench):
 def _looked_at(tables: str, picture: tuple[Case, str]) -> dict[ProxyPreset, Sample]:
     """A picture and its caster, by a judge with these tables, in a process of its own."""
     case, spec = picture
-    estimator = ProxyEstimator(LOOK.with_caster(parsed_caster(spec)), Judge(read_tables(tables)))
+    estimator = ProxyEstimator(LOOK.assuming(caster=parsed_caster(spec)), Judge(read_tables(tables)))
     return {LOOK: sample_of(case, estimator)}
 
 

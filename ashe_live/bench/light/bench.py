@@ -152,7 +152,7 @@ class LightBench(Bench):
         for index, (case, caster) in enumerate(track(cases, "known casters", console=self.console, transient=True)):
             tracked = case.tracked(index)
             for preset in self.presets:
-                estimator = make_estimator(self.estimator, PRESETS[preset].with_caster(caster))
+                estimator = make_estimator(self.estimator, PRESETS[preset].assuming(caster=caster))
                 results.append(replace(attempt(estimator, preset, case, tracked, None), caster=caster.kind))
         return results
 

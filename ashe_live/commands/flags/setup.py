@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Callable
-from dataclasses import replace
 
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
@@ -33,8 +32,8 @@ def light_preset(options: argparse.Namespace) -> ProxyPreset:
 
     Raises UserError for a caster that cannot be.
     """
-    preset = replace(quality_of(options).light, light=options.light)
-    return preset if options.caster is None else preset.with_caster(read_caster(options.caster))
+    caster = None if options.caster is None else read_caster(options.caster)
+    return quality_of(options).light.assuming(options.light, caster)
 
 
 def camera_chooser(options: argparse.Namespace) -> CameraFor:

@@ -34,10 +34,11 @@ class ProxyPreset:
         if self.light not in KINDS:
             raise ValueError(f"light {self.light!r} is not one of {', '.join(KINDS)}")
 
-    def with_caster(self, caster: Caster | None) -> "ProxyPreset":
-        """The same for pictures of one object whose shape and size are known; None for any object."""
-        second_look = self.second_look and self.second_look.with_caster(caster)
-        return replace(self, fine_fit=replace(self.fine_fit, caster=caster), second_look=second_look)
+    def assuming(self, light: str = AUTO, caster: Caster | None = None) -> "ProxyPreset":
+        """The same for one kind of light, of KINDS, and an object whose shape and size are known; None: any object."""
+        second_look = self.second_look and self.second_look.assuming(light, caster)
+        fine_fit = replace(self.fine_fit, caster=caster)
+        return replace(self, light=light, fine_fit=fine_fit, second_look=second_look)
 
     @property
     def caster(self) -> Caster | None:

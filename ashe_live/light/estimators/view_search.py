@@ -130,7 +130,7 @@ class ViewSearch:
         found: explanations by the known object.
         """
         log_odds = self.log_odds_among(found)
-        of_any = ViewSearch(self.view, self.preset.with_caster(None), self.judge, StageClock())
+        of_any = ViewSearch(self.view, self.preset.assuming(self.preset.light), self.judge, StageClock())
         by_any = of_any.rough()
         likeliest = sorted(by_any, key=of_any.log_odds_among(by_any), reverse=True)[:HINTS]
         hints = hints_of([*likeliest, *sorted(found, key=log_odds, reverse=True)], HINTS)

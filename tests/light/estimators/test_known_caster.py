@@ -28,7 +28,7 @@ LIGHTS = [(200.0, 40.0), (290.0, 25.0), (330.0, 65.0)]
 
 
 def estimated(scene: Painted, caster: Caster | None, preset=BALANCED) -> LightEstimate:
-    return ProxyEstimator(preset.with_caster(caster)).estimate(scene.tracked)
+    return ProxyEstimator(preset.assuming(caster=caster)).estimate(scene.tracked)
 
 
 def error_deg(estimate: LightEstimate, scene: Painted) -> float:
@@ -76,7 +76,7 @@ def test_a_height_that_is_half_wrong_is_said_and_not_believed(height_m: float, l
 )
 def test_a_part_of_the_object_is_not_taken_for_all_of_it(name: str, caster: Caster) -> None:
     """Labels may be chosen that leave out what is above a caster that is too low, and the light is then far too low."""
-    estimate = ProxyEstimator(BALANCED.with_caster(caster)).estimate(CASES[name].tracked())
+    estimate = ProxyEstimator(BALANCED.assuming(caster=caster)).estimate(CASES[name].tracked())
     assert estimate.light is None
     assert estimate.reason == OTHER_SIZE
 
@@ -102,17 +102,18 @@ def test_a_hull_of_the_same_corners_is_the_same_body() -> None:
     assert math.degrees(angle_between(one, other)) < 0.1
 
 
-def test_all_fits_of_all_looks_know_the_body() -> None:
-    preset = ACCURATE.with_caster(KNOWN["box"])
+def test_all_fits_of_all_looks_know_the_body_and_the_kind_of_light() -> None:
+    preset = ACCURATE.assuming("sun", KNOWN["box"])
+    assert [look.light for look in preset.looks] == ["sun", "sun"]
     assert [look.caster for look in preset.looks] == [KNOWN["box"]] * 2
     assert {preset.first_fit.caster, preset.fine_fit.caster} == {KNOWN["box"]}
-    assert preset.with_caster(None) == ACCURATE
+    assert preset.assuming() == ACCURATE
     assert all(preset.caster is None for preset in PRESETS.values())
 
 
 def test_the_papers_method_has_no_use_for_it() -> None:
     with pytest.raises(UserError, match="no use of a known caster"):
-        make_estimator("paper", BALANCED.with_caster(KNOWN["box"]))
+        make_estimator("paper", BALANCED.assuming(caster=KNOWN["box"]))
 
 
 def test_a_dark_scene_has_no_light_with_a_known_body_either() -> None:

@@ -107,7 +107,7 @@ def test_an_exception_comes_back_as_a_value_and_the_worker_goes_on(worker, scene
 
 def test_a_preset_that_the_estimator_cannot_use_is_reported_in_words_and_the_worker_goes_on(scene):
     with LightWorker("paper") as worker:
-        worker.request(scene.tracked, BALANCED.with_caster(parsed_caster("box:0.05x0.05x0.08")))
+        worker.request(scene.tracked, BALANCED.assuming(caster=parsed_caster("box:0.05x0.05x0.08")))
         failure = worker.wait(PATIENCE_S)
         assert isinstance(failure, WorkerFailure)
         assert failure.message.startswith("the estimator paper makes no use of a known caster")
