@@ -104,6 +104,6 @@ def _estimate_ahead(
 
 def _finish_estimate(session: Session, report: Report, shown_s: float) -> None:
     """Waits for the estimate; one that takes too long is a failure, which the session notes as any other."""
-    estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
-    if estimate is not None:
-        report.add_estimate(estimate)
+    new = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
+    if new is not None:
+        report.add_estimate(new.estimate)

@@ -10,7 +10,6 @@ from ashe_live.errors import UserError
 from ashe_live.process.mailbox import Closed
 from ashe_live.process.messages import print_answer, print_message
 from ashe_live.render.renderer import SceneRenderer
-from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display, Readings
 from ashe_live.viewer.hands.gestures import Gestures
 from ashe_live.viewer.hands.menu import Menu, entries_for
@@ -144,7 +143,7 @@ class LiveViewer:
         if self._pipeline.has_ended:
             self._session.settle_for_last(now_s)
         # An estimate that agrees with those before it is not printed again.
-        if self._session.poll(now_s) is not None and self._session.watch.held.is_news:
+        if (new := self._session.poll(now_s)) is not None and new.is_news:
             print_answer(light_line(self._session))
         screen = self._window.screen
         if screen.is_minimised:
@@ -219,7 +218,7 @@ class LiveViewer:
         self._take_up(opened.pipeline)
         self._renderer.begin_anew()
         self._pipeline.track_with(self._quality.now.tracking)
-        self._session.begin_anew(Steadiness.of(opened.pipeline.is_photo))
+        self._session.begin_anew(opened.pipeline.is_photo)
         self._session.take(opened.first, now_s)
         self._window.set_title(f"ashe-live: {opened.name}")
         return True

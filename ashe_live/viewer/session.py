@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
-from ashe_live.light.live.worker import LightWorker, Outcome
+from ashe_live.light.live.worker import LightWorker
 from ashe_live.light.live.worker_process import Draw, WorkerFailure
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.estimates.light_watch import LightWatch
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
+from ashe_live.viewer.estimates.light_watch import LightWatch, NewAnswer
 from ashe_live.viewer.estimates.room_light import RoomLight
 from ashe_live.viewer.estimates.sharpening import Sharpening
 from ashe_live.viewer.hands.requests import Command, Request
@@ -30,14 +30,15 @@ class Session:
         self,
         shelf: Shelf,
         worker: LightWorker,
-        policy: EstimatePolicy,
-        steadiness: Steadiness,
+        first: FirstEstimate,
         true_to_light_marker: Float | None = None,
         others: Sequence[ChosenModel] = (),
+        automatic: bool = False,
     ) -> None:
         """`true_to_light_marker` (3,): known for a rendered clip, so that the estimate's error can be shown.
 
-        `others`: models beside the one that `shelf` begins with.
+        `others`: models beside the one that `shelf` begins with. `automatic`: whether the light is watched, and
+        estimated anew when it changes, also while the camera stands still.
         """
         self.true_to_light_marker = true_to_light_marker
         self.tracked: TrackedFrame | None = None
@@ -49,15 +50,13 @@ class Session:
         self.say = self.notice.say
         self.table = Table(shelf, others, self.say)
         self.hand, self.arrangement = self.table.hand, self.table.arrangement
-        self.automatic = policy.automatic  # whether the light is watched even while the camera stands still
+        self.automatic = automatic
         self.watch = LightWatch(worker)
         self.view = ViewOptions()
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the followed marker is out of view
         # Until the first estimate, polished surfaces mirror the first frame that shows a marker.
         self._light = RoomLight()
-        self._policy = policy
-        self._policy_is_done = False
-        self._steadiness = steadiness
+        self._first = first
         self._by_hand_s = -math.inf
 
     @property
@@ -83,7 +82,7 @@ class Session:
     @property
     def awaits_steady(self) -> bool:
         """Whether an estimate will be made without a request once the marker is steady."""
-        return self._policy.on_first_steady and self._policy.at_frame is None and not self._policy_is_done
+        return self._first.awaits_steady
 
     @property
     def how_it_gets_known(self) -> str:
@@ -91,7 +90,7 @@ class Session:
         return "it is being estimated" if self.watch.is_estimating else "Space estimates it"
 
     def take(self, tracked: TrackedFrame, now_s: float) -> None:
-        """Shows `tracked` from now on, and requests an estimate from it when the policy says so."""
+        """Shows `tracked` from now on, and requests an estimate from it where one is due."""
         if tracked.note is not None and (self.tracked is None or self.tracked.note != tracked.note):
             self.say(tracked.note, now_s)
         # A looped clip has no last frame: if none was steady in a round, as on a slow machine, this one has to do.
@@ -106,11 +105,11 @@ class Session:
             self._show(now_s)
         self.table.motion.tick(now_s)
         self.arrangement.stand_clear(tracked, self._light.now(tracked).light, self.hides_marker)
-        is_steady = self._steadiness.add(tracked)
+        is_steady = self._first.add(tracked)
         if has_gone_round and self.settle_for_last(now_s):
             return
-        if not self._policy_is_done and self._policy.wants(tracked, is_steady):
-            self._policy_is_done = True
+        if self._first.is_due_in(tracked):
+            self._first.done()
             self.request_estimate(now_s)
         elif self._may_be_watched(tracked) and not is_being_moved:
             is_asked = self.watch.sharpen(tracked, now_s, self._draw)
@@ -125,10 +124,10 @@ class Session:
         """At the end of a clip without a steady marker, requests an estimate of its last frame; returns whether."""
         if not self.awaits_steady or self.tracked is None or self.tracked.marker is None:
             return False
-        self._policy_is_done = True
+        self._first.done()
         return self.request_estimate(now_s)
 
-    def begin_anew(self, steadiness: Steadiness) -> None:
+    def begin_anew(self, is_photo: bool) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
         self.tracked = self.estimate = self.estimated_from = self.steps_bgr = None
         self.true_to_light_marker = None
@@ -136,8 +135,7 @@ class Session:
         self.shown = self._light.jump(None)
         self.table.begin_anew()
         self.watch.begin_anew()
-        self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
-        self._steadiness = steadiness
+        self._first = FirstEstimate(Steadiness.of(is_photo), on_first_steady=True)
 
     def request_estimate(self, now_s: float) -> bool:
         """Hands the current frame and the key views to the worker for a person who waits; returns whether it took them.
@@ -158,27 +156,27 @@ class Session:
         """The function that draws the steps of an estimate; None if they are not shown."""
         return steps_sheet if self.view.shows_steps else None
 
-    def poll(self, now_s: float) -> LightEstimate | None:
+    def poll(self, now_s: float) -> NewAnswer | None:
         """Takes what the worker and the model loader have finished, and advances the easing of the light.
 
-        Returns a new estimate, once.
+        Returns a new answer, once.
         """
         self.table.poll(now_s, is_quiet=self.notice.shown(now_s) is None)
-        outcome = self._accept(self.watch.wait(0.0), now_s)
+        new = self._accepted(self.watch.wait(0.0), now_s)
         self._show(now_s)
-        return outcome
+        return new
 
     def _show(self, now_s: float) -> None:
         # A light that follows the mouse must not lag behind it.
         by_hand, light = self.hand.light, self._light
         self.shown = light.shown(self.tracked, now_s) if by_hand is None else light.show_by_hand(self.tracked, by_hand)
 
-    def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
+    def wait_for_estimate(self, timeout_s: float, now_s: float) -> NewAnswer | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
-        outcome = self._accept(self.watch.wait(timeout_s), now_s)
+        new = self._accepted(self.watch.wait(timeout_s), now_s)
         by_hand, light = self.hand.light, self._light
         self.shown = light.jump(self.tracked) if by_hand is None else light.show_by_hand(self.tracked, by_hand)
-        return outcome
+        return new
 
     def handle(self, request: Request, now_s: float) -> bool:
         """Handles a request that needs neither window nor source; returns False for any other."""
@@ -223,32 +221,32 @@ class Session:
             self.view.parts = WHOLE
         if request.command in SETS_LIGHT and self.hand.light is not before:
             self._by_hand_s = now_s
-            self._policy_is_done = True
+            self._first.done()
             if self.automatic:
                 self.automatic = False
                 self.say("the light is by hand: A watches it again", now_s)
         return True
 
-    def _accept(self, outcome: Outcome | None, now_s: float) -> LightEstimate | None:
-        if isinstance(outcome, WorkerFailure):
-            self.say(f"the estimate failed: {outcome.message}", now_s)
+    def _accepted(self, found: NewAnswer | WorkerFailure | None, now_s: float) -> NewAnswer | None:
+        if isinstance(found, WorkerFailure):
+            self.say(f"the estimate failed: {found.message}", now_s)
             return None
-        if outcome is None or outcome.estimate is None or not self.watch.stands(outcome.estimate):
+        if found is None:
             return None
-        new, frozen = outcome.estimate, self.watch.frozen
+        new, frozen = found.estimate, found.frozen
         self._light.take(new.illumination.as_seen_in(frozen), frozen)
         self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.hides_marker)
-        self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
+        self.estimate, self.estimated_from, self.steps_bgr = new, frozen, found.steps_bgr
         if self.view.shows_steps and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
         # An estimate that was requested before the light was set by hand does not replace it.
-        if self.hand.light is not None and self.watch.asked_s >= self._by_hand_s:
+        if self.hand.light is not None and found.asked_s >= self._by_hand_s:
             if new.light is None:
                 self.say(f"no clear light: {new.reason}; it stays as set by hand", now_s)
                 self.automatic = False
             else:
                 self.hand.light = None
-        return self.estimate
+        return found
 
     def _toggle_automatic(self, now_s: float) -> None:
         if not self.automatic and self.hand.light is not None and not self.request_estimate(now_s):

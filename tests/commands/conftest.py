@@ -14,8 +14,7 @@ from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.commands.viewing import setup
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
-from ashe_live.light.estimators.preset import ProxyPreset
-from ashe_live.light.live.worker_process import Answer
+from ashe_live.light.live.worker_process import Estimated
 from tests.checkout import CHECKOUT
 
 
@@ -44,13 +43,13 @@ class InstantWorker:
     def busy(self) -> bool:
         return self._asked is not None
 
-    def request(self, tracked: TrackedFrame, _preset: ProxyPreset, *_how: object) -> bool:
+    def request(self, tracked: TrackedFrame, *_how: object) -> bool:
         self._asked = tracked
         return True
 
-    def wait(self, _timeout_s: float = 0.0) -> Answer | None:
+    def wait(self, _timeout_s: float = 0.0) -> Estimated | None:
         asked, self._asked = self._asked, None
-        return None if asked is None else Answer(InstantEstimator().estimate(asked))
+        return None if asked is None else Estimated(InstantEstimator().estimate(asked))
 
     def __enter__(self) -> "InstantWorker":
         return self

@@ -13,9 +13,15 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
-from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.live.worker import Outcome
-from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
+from ashe_live.light.live.worker_process import (
+    Estimated,
+    EstimateTask,
+    Followed,
+    OtherScene,
+    Unchanged,
+    WorkerFailure,
+)
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
@@ -128,20 +134,16 @@ class FakeWorker:
     def request(
         self,
         frozen: TrackedFrame,
-        _preset: ProxyPreset,
-        draw: Draw | None,
-        is_awaited: bool,
         others: tuple[TrackedFrame, ...],
-        held: LightEstimate | None,
-        follows: bool,
         doubted: TrackedFrame | None,
+        task: EstimateTask,
     ) -> bool:
         if self.busy:
             return False
-        self.busy, self.draws, self.is_awaited = True, draw is not None, is_awaited
+        self.busy, self.draws, self.is_awaited = True, task.draw is not None, task.is_awaited
         self.requested.append(frozen)
         self.others, self.doubted = others, doubted
-        self.known.append(held if follows else None)
+        self.known.append(task.held if task.follows else None)
         return True
 
     def wait(self, _timeout_s: float) -> Outcome | None:
@@ -152,11 +154,12 @@ class FakeWorker:
         if isinstance(answer, WorkerFailure):
             return answer
         outdated, self.outdated = self.outdated, ()
-        if self.others and len(outdated) == len(self.others) and not self.is_awaited and self.doubted is None:
-            return Answer(None, None, outdated)
+        has_changed = len(outdated) == len(self.others) > 0
+        if has_changed and not self.is_awaited and self.doubted is None:
+            return OtherScene(outdated=outdated)
         if self.known[-1] is not None and len(outdated) < len(self.others):
-            return Answer(answer, None, outdated, is_followed=True) if self.follows else Answer(None)
-        return Answer(answer, self.picture if self.draws else None, outdated)
+            return Followed(answer, outdated=outdated) if self.follows else Unchanged()
+        return Estimated(answer, self.picture if self.draws else None, has_changed, outdated=outdated)
 
     def give_up(self) -> None:
         self.busy, self.answer = False, None

@@ -5,11 +5,10 @@ import pytest
 
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.render.screen import Screen
-from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer import display as display_module
 from ashe_live.viewer.display import Display, Readings, bare_scene
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.session import Session
 
 SCREEN = Screen((640, 480))
@@ -17,7 +16,7 @@ SCREEN = Screen((640, 480))
 
 @pytest.fixture
 def session(fakes) -> Session:
-    session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
+    session = Session(fakes.Shelf(), fakes.Worker(), FirstEstimate())
     session.take(fakes.tracked(), 0.0)
     session.request_estimate(0.0)
     session.watch._worker.answer = fakes.estimate()
@@ -94,7 +93,7 @@ def test_the_masks_are_shown_over_the_frozen_frame(session):
 
 
 def test_without_an_estimate_there_are_no_masks(fakes):
-    session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
+    session = Session(fakes.Shelf(), fakes.Worker(), FirstEstimate())
     session.view.shows_steps = True
     assert len(Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays) == 1
 

@@ -6,7 +6,7 @@ from ashe_live.errors import UserError
 from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.session import Session
@@ -19,7 +19,7 @@ class Play:
         self.source, self.tracker, self.worker = source, fakes.Tracker(), fakes.Worker()
         self.renderer = renderer or fakes.Renderer()
         self.worker.answer = answer
-        self.session = Session(fakes.Shelf(), self.worker, EstimatePolicy(on_first_steady=True), Steadiness(3))
+        self.session = Session(fakes.Shelf(), self.worker, FirstEstimate(Steadiness(3), on_first_steady=True))
         self.report = Report("fake", "3.3", "fast")
         self.taken = []
         takers = (lambda picture, time_s: self.taken.append((picture, time_s)),)

@@ -23,9 +23,8 @@ from ashe_live.models.catalogue import ChosenModel
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_reported
-from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.hands.requests import Command, Files, MouseAction, MouseEvent, Request
 from ashe_live.viewer.live import LiveViewer, ViewerOptions
 from ashe_live.viewer.output import keeping
@@ -79,7 +78,7 @@ class Stage:
     def __init__(self, fakes) -> None:
         self.fakes = fakes
         self.pipeline, self.dropped = ScriptedPipeline(), ScriptedPipeline()
-        self.session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
+        self.session = Session(fakes.Shelf(), fakes.Worker(), FirstEstimate())
         self.renderer = fakes.Renderer()
 
     def opener(self, path):
@@ -500,7 +499,7 @@ def test_a_marker_with_a_model_of_its_own_is_not_followed_beside_one_without(sta
     others[:] = ["aruco:4x4_50:3", "aruco:4x4_50:5"]
     choice = (ChosenModel("mug", "aruco:4x4_50:3"),)
     shelf = Shelf("tree", 0.08, others=["mug"])
-    stage.session = Session(shelf, stage.fakes.Worker(), EstimatePolicy(), Steadiness(), others=choice)
+    stage.session = Session(shelf, stage.fakes.Worker(), FirstEstimate(), others=choice)
     stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))
     stage.run(awaited(stage, lambda: stage.pipeline.followed), takes_any_marker=True)
     assert stage.pipeline.followed == ["aruco:4x4_50:5"]

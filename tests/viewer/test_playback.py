@@ -3,9 +3,8 @@
 import pytest
 
 from ashe_live.render.screen import Screen
-from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.drawn.time_bar import bar_at
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
 from ashe_live.viewer.playback import BAR_SHOWN_S, SPEEDS, Playback
 from ashe_live.viewer.session import Session
@@ -29,7 +28,7 @@ class NotingPipeline:
 class Stage:
     def __init__(self, fakes, **kind: bool) -> None:
         self.pipeline = NotingPipeline(**kind)
-        self.session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
+        self.session = Session(fakes.Shelf(), fakes.Worker(), FirstEstimate())
         self.playback = Playback(self.pipeline, self.session)
         self.shown = fakes.tracked(30)
         self.bar = bar_at(SCREEN)

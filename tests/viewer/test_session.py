@@ -17,7 +17,7 @@ from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.notice import NOTICE_S
@@ -37,16 +37,17 @@ from ashe_live.viewer.status import (
 
 @pytest.fixture
 def make(fakes):
-    """A session with fakes behind it, by its policy."""
+    """A session with fakes behind it: `when` its first estimate is made, and after how many frames it is steady."""
 
-    def make(policy: EstimatePolicy = EstimatePolicy(), truth=None) -> Session:  # noqa: B008 - frozen
-        return Session(fakes.Shelf(), fakes.Worker(), policy, Steadiness(3), truth)
+    def make(truth=None, automatic=False, steady_frames=3, **when) -> Session:
+        first = FirstEstimate(Steadiness(steady_frames), **when)
+        return Session(fakes.Shelf(), fakes.Worker(), first, truth, automatic=automatic)
 
     return make
 
 
 def test_the_first_steady_frame_is_estimated_once(make, fakes):
-    session = make(EstimatePolicy(on_first_steady=True))
+    session = make(on_first_steady=True)
     for index in range(2):
         session.take(fakes.tracked(index), 0.0)
     assert not session.watch.is_estimating
@@ -54,41 +55,40 @@ def test_the_first_steady_frame_is_estimated_once(make, fakes):
     session.take(fakes.tracked(2), 0.0)
     assert session.watch.is_estimating
     session.watch._worker.answer = fakes.estimate(2)
-    assert session.poll(0.0) is session.estimate
+    assert session.poll(0.0).estimate is session.estimate
     for index in range(3, 20):
         session.take(fakes.tracked(index), 0.0)
     assert [frozen.frame.index for frozen in session.watch._worker.requested] == [2]
 
 
 def test_of_a_looped_clip_that_is_never_steady_the_next_rounds_first_frame_is_estimated(make, fakes):
-    session = make(EstimatePolicy(on_first_steady=True))
+    session = make(on_first_steady=True, steady_frames=9)
     for index in (0, 1, 3, 5, 0):
         assert not session.watch.is_estimating
-        session._steadiness = Steadiness(3)
         session.take(fakes.tracked(index), 0.0)
     assert [frozen.frame.index for frozen in session.watch._worker.requested] == [0]
 
 
 def test_a_chosen_frame_is_estimated_and_no_other(make, fakes):
-    session = make(EstimatePolicy(on_first_steady=True, at_frame=7))
+    session = make(on_first_steady=True, at_frame=7)
     for index in range(20):
         session.take(fakes.tracked(index), 0.0)
     assert [frozen.frame.index for frozen in session.watch._worker.requested] == [7]
 
 
 def test_when_the_chosen_frame_came_too_late_the_next_one_is_taken(make, fakes):
-    session = make(EstimatePolicy(at_frame=7))
+    session = make(at_frame=7)
     for index in (5, 6, 9, 10):
         session.take(fakes.tracked(index), 0.0)
     assert [frozen.frame.index for frozen in session.watch._worker.requested] == [9]
 
 
 def test_the_estimate_holds_wherever_the_clip_goes(make, fakes):
-    session = make(EstimatePolicy(on_first_steady=True))
+    session = make(on_first_steady=True)
     session.take(fakes.tracked(40), 0.0)
     assert session.request_estimate(0.0)
     session.watch._worker.answer = fakes.estimate(40)
-    held = session.poll(0.0)
+    held = session.poll(0.0).estimate
     for index in (41, 3, 2, 1, 90, 0, 1):  # on, sought back, stepped back, sought on, started again
         session.take(fakes.tracked(index), 1.0)
         session.poll(1.0)
@@ -277,7 +277,7 @@ def run_steadily(session, fakes, answers, until_s: float, has_marker=lambda _s: 
 
 
 def test_automatically_it_estimates_until_that_gains_nothing_and_then_only_what_has_changed(make, fakes):
-    session = make(EstimatePolicy(automatic=True))
+    session = make(automatic=True)
     session.watch.key_views = fakes.KeyViews(fakes.tracked(1000))
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 20.0)
     worker = session.watch._worker
@@ -289,7 +289,7 @@ def test_automatically_it_estimates_until_that_gains_nothing_and_then_only_what_
 
 
 def test_a_known_light_is_followed_and_shown_elsewhere_only_once_it_has_moved(make, fakes):
-    session = make(EstimatePolicy(automatic=True))
+    session = make(automatic=True)
     session.watch.key_views = fakes.KeyViews(fakes.tracked(1000))
     run_steadily(session, fakes, lambda _s: fakes.estimate(sigma_rad=0.01), 10.0)
     worker, held = session.watch._worker, session.estimate
@@ -305,7 +305,7 @@ def test_a_known_light_is_followed_and_shown_elsewhere_only_once_it_has_moved(ma
 
 
 def test_a_changed_scene_is_estimated_anew_and_its_views_are_dropped(make, fakes):
-    session = make(EstimatePolicy(automatic=True))
+    session = make(automatic=True)
     session.watch.key_views = fakes.KeyViews(fakes.tracked(1000))
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 10.0)
     assert session.watch.sharpening.is_settled
@@ -322,14 +322,14 @@ def test_a_changed_scene_is_estimated_anew_and_its_views_are_dropped(make, fakes
 
 
 def test_automatically_nothing_is_asked_without_a_steady_marker(make, fakes):
-    session = make(EstimatePolicy(automatic=True))
+    session = make(automatic=True)
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0, lambda now_s: round(now_s * 30) % 3 > 0)
     assert session.watch._worker.requested == []
     assert session.notice.text is None
 
 
 def test_an_outlier_changes_neither_light_nor_masks_and_a_changed_light_does(make, fakes):
-    session = make(EstimatePolicy(automatic=True))
+    session = make(automatic=True)
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0)
     before = session.estimate, session.estimated_from
     for answers in range(3):
@@ -347,7 +347,7 @@ def test_what_a_person_asks_for_is_shown_whatever_was_held(make, fakes):
     for now_s, towards in ((0.0, (1.0, 0.0, 1.0)), (1.0, (0.0, -1.0, 1.0))):
         session.request_estimate(now_s)
         session.watch._worker.answer = fakes.estimate(towards=towards)
-        assert session.poll(now_s) is session.estimate
+        assert session.poll(now_s).estimate is session.estimate
         assert session.estimate.light.to_light_marker == pytest.approx(np.array(towards) / np.sqrt(2))
     session.request_estimate(2.0)
     session.watch._worker.answer = fakes.estimate(with_light=False)
@@ -490,7 +490,7 @@ def test_the_light_line_names_every_state(make, fakes):
 
 
 def test_while_it_waits_for_a_steady_marker_it_does_not_ask_for_a_key(make):
-    assert "Space" not in light_line(make(EstimatePolicy(on_first_steady=True)))
+    assert "Space" not in light_line(make(on_first_steady=True))
 
 
 def test_the_marker_line_distinguishes_found_from_lost(fakes):
@@ -575,7 +575,7 @@ def test_what_a_person_asks_for_while_nobodys_estimate_is_made_counts_from_when_
     assert session.poll(4.0) is None, "the answer that nobody waits for is not shown"
     assert worker.requested[-1].frame.index == 2
     worker.answer = fakes.estimate(2)
-    assert session.poll(5.0) is session.estimate
+    assert session.poll(5.0).estimate is session.estimate
     assert session.hand.light is None, "Space came after the hand, and so replaces its light"
 
 
@@ -589,7 +589,7 @@ def test_an_estimate_without_a_light_leaves_the_one_by_hand(make, fakes):
 
 
 def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(make, fakes):
-    session = make(EstimatePolicy(on_first_steady=True, automatic=True))
+    session = make(on_first_steady=True, automatic=True)
     session.take(fakes.tracked(), 0.0)
     by_hand(session, 0.0)
     assert not session.automatic
@@ -601,7 +601,7 @@ def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(make, fakes
 
 @pytest.mark.parametrize("with_light", [True, False])
 def test_after_a_light_by_hand_the_light_is_watched_again(make, fakes, with_light):
-    session = make(EstimatePolicy(automatic=True))
+    session = make(automatic=True)
     session.take(fakes.tracked(), 0.0)
     by_hand(session, 0.0)
     session.handle(Request(Command.AUTOMATIC), 1.0)
@@ -627,7 +627,7 @@ def test_without_a_marker_a_light_by_hand_stays_and_is_not_said_to_be_watched(ma
 
 
 def test_an_estimator_that_fails_is_asked_less_and_less_urgently(make, fakes):
-    session = make(EstimatePolicy(automatic=True))
+    session = make(automatic=True)
     urgent = []
     for index in range(300):
         now_s = index / 10
@@ -669,12 +669,12 @@ def test_where_the_model_stands_does_not_touch_the_light(make, fakes):
 
 
 def test_another_source_forgets_all_of_the_one_before(make, fakes):
-    session = make(EstimatePolicy(at_frame=4, automatic=True), truth=(0.0, 0.0, 1.0))
+    session = make(at_frame=4, automatic=True, truth=(0.0, 0.0, 1.0))
     session.take(fakes.tracked(), 0.0)
     estimated(session, fakes, 0.0)
     session.handle(Request(Command.SCALE_MODEL, 2), 1.0)
     session.request_estimate(1.0)
-    session.begin_anew(Steadiness(1))
+    session.begin_anew(is_photo=True)
     session.watch._worker.answer = None
     assert not session.watch.is_estimating
     assert session.estimate is session.estimated_from is None
@@ -696,25 +696,25 @@ def test_a_models_file_is_shown_by_its_name(make, tmp_path):
 
 
 def test_the_last_frame_of_a_short_clip_is_estimated(make, fakes):
-    session = make(EstimatePolicy(on_first_steady=True))
+    session = make(on_first_steady=True)
     session.take(fakes.tracked(0), 0.0)
     assert session.settle_for_last(0.0)
     assert not session.settle_for_last(0.0)
     assert [frozen.frame.index for frozen in session.watch._worker.requested] == [0]
 
 
-@pytest.mark.parametrize("policy", [EstimatePolicy(), EstimatePolicy(on_first_steady=True, at_frame=9)])
-def test_the_last_frame_is_not_estimated_where_nobody_asked_for_it(make, fakes, policy):
-    session = make(policy)
+@pytest.mark.parametrize("when", [{}, {"on_first_steady": True, "at_frame": 9}])
+def test_the_last_frame_is_not_estimated_where_nobody_asked_for_it(make, fakes, when):
+    session = make(**when)
     session.take(fakes.tracked(0), 0.0)
     assert not session.settle_for_last(0.0)
-    unseen = make(EstimatePolicy(on_first_steady=True))
+    unseen = make(on_first_steady=True)
     unseen.take(fakes.tracked(0, has_marker=False), 0.0)
     assert not unseen.settle_for_last(0.0)
 
 
 def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
-    session = make(EstimatePolicy(automatic=True))
+    session = make(automatic=True)
     urgent = []
     now_s = 0.0
     for index in range(12):
@@ -934,8 +934,7 @@ def test_a_light_by_hand_stays_in_the_room_while_the_marker_is_turned(make, fake
 
 
 def test_nobody_asks_about_a_sheet_that_is_held_still_above_the_table_where_its_light_was_found(make, fakes):
-    session = make(EstimatePolicy(automatic=True))
-    session._steadiness = Steadiness(1)
+    session = make(automatic=True, steady_frames=1)
     on_table = dataclasses.replace(fakes.tracked(0), T_room_marker=lying(0))
     lifted = dataclasses.replace(on_table, T_room_marker=rigid(np.eye(3), (0.0, 0.0, 0.2)))
 
@@ -970,8 +969,7 @@ def test_the_estimated_light_is_eased_to_from_where_a_light_by_hand_was_in_the_r
 
 
 def test_nobody_asks_about_a_picture_in_which_the_marker_is_being_moved(make, fakes):
-    session = make(EstimatePolicy(automatic=True))
-    session._steadiness = Steadiness(1)
+    session = make(automatic=True, steady_frames=1)
     session.take(dataclasses.replace(fakes.tracked(0), T_room_marker=lying(0)), 0.0)
     assert len(session.watch._worker.requested) == 1
     session.watch._worker.answer = fakes.estimate(0)

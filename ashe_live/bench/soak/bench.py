@@ -23,9 +23,8 @@ from ashe_live.quality import Quality
 from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.cores import leave_cores_to_renderer
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.live import LiveViewer, ViewerOptions
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.pipeline import Pipeline
@@ -93,7 +92,7 @@ class SoakBench(Bench):
             ctx = offscreen_context()
             stack.callback(ctx.release)
             worker = stack.enter_context(LightWorker(self.estimator))
-            session = Session(Shelf(MODEL, clip.marker_side_m), worker, EstimatePolicy(), Steadiness())
+            session = Session(Shelf(MODEL, clip.marker_side_m), worker, FirstEstimate())
             session.watch.preset = self.quality.light
             renderer = SceneRenderer(ctx, self.quality.render, camera.size, switches_at_once=False)
             stack.callback(renderer.release)

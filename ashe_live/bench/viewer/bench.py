@@ -19,7 +19,7 @@ from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.live.held_answer import HeldAnswer
@@ -31,11 +31,11 @@ from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.render.screen import Screen
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import Display, Readings
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
+from ashe_live.viewer.estimates.light_watch import NewAnswer
 from ashe_live.viewer.output.report import frame_time_percentiles
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.pipeline import Pipeline
@@ -78,7 +78,7 @@ class ViewerBench(Bench):
                 parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, self.quality.tracking
             )
             worker = stack.enter_context(LightWorker(self.estimator))
-            session = Session(Shelf(MODEL, clip.marker_side_m), worker, EstimatePolicy(), Steadiness())
+            session = Session(Shelf(MODEL, clip.marker_side_m), worker, FirstEstimate())
             scene = BenchScene(session, clip, size, self.quality.name)
             scene.wait_for_first_estimate(source, tracker)
             unpaced = self._unpaced(source, tracker, renderer, scene)
@@ -196,9 +196,9 @@ class BenchScene:
             watch.held = HeldAnswer()
             watch.ask_in_background(views[-1], now_s)
 
-    def _note(self, estimate: LightEstimate | None) -> None:
-        if estimate is not None:
-            self.estimates_ms[self.task].append(estimate.timing_ms["total"])
+    def _note(self, new: NewAnswer | None) -> None:
+        if new is not None:
+            self.estimates_ms[self.task].append(new.estimate.timing_ms["total"])
 
     def wait_for_first_estimate(self, source: ClipSource, tracker: MarkerTracker) -> None:
         """Returns when the estimator's process has started up, and is idle."""

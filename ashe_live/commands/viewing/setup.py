@@ -24,7 +24,7 @@ from ashe_live.process.messages import print_message
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
 
@@ -94,14 +94,13 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     """The session of `setup` with its light process, which ends with it."""
     options = setup.options
     leave_cores_to_renderer()
-    policy = EstimatePolicy(not setup.source.is_live, options.estimate_at, options.auto)
-    steadiness = Steadiness.of(setup.source.is_photo)
+    first_estimate = FirstEstimate(Steadiness.of(setup.source.is_photo), not setup.source.is_live, options.estimate_at)
     first, *others = chosen_models(options)
     side_m, names = setup.tracker.side_m, [other.name for other in others]
     preset = light_preset(options)
     shelf = Shelf(first.name, side_m, options.up, ModelMemory(has_places=not options.headless), names)
     with LightWorker(options.estimator) as worker:
-        session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)
+        session = Session(shelf, worker, first_estimate, setup.true_to_light_marker, others, options.auto)
         session.arrangement.followed = setup.tracker.marker.spec
         session.view.shows_light = setup.shows_light
         session.view.covers_marker = options.hide_marker

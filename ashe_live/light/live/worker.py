@@ -11,13 +11,13 @@ from contextlib import suppress
 from functools import partial
 from multiprocessing.connection import Connection
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_estimator
 from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.light.live import worker_process
-from ashe_live.light.live.worker_process import Answer, Draw, Request, WorkerFailure
+from ashe_live.light.live.worker_process import Answer, EstimateTask, Request, WorkerFailure
 from ashe_live.process import children
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.process.pipes import receive_value, send_value
@@ -28,6 +28,7 @@ THREAD_TIMEOUT_S = 0.05
 # The paper's estimator takes ten seconds, and several times that on a busy machine.
 LONGEST_ESTIMATE_S = 120.0
 
+TASK = EstimateTask(BALANCED)
 Outcome = Answer | WorkerFailure
 
 
@@ -56,24 +57,16 @@ class LightWorker:
     def request(
         self,
         tracked: TrackedFrame,
-        preset: ProxyPreset = BALANCED,
-        draw: Draw | None = None,
-        is_awaited: bool = False,
         others: Sequence[TrackedFrame] = (),
-        held: LightEstimate | None = None,
-        follows: bool = False,
         doubted: TrackedFrame | None = None,
+        task: EstimateTask = TASK,
     ) -> bool:
-        """Requests an estimate of `tracked` with a preset; returns False, and does nothing, while busy.
+        """Requests an estimate of `tracked`; returns False, and does nothing, while busy.
 
-        `draw`, a function of a module, draws what led to the estimate in the process, where the estimator keeps a trace
-        of it; the picture comes with the answer. An estimate that `is_awaited` by a person is made at normal priority,
-        any other at the lowest. `others` are views, with markers, that may be of the same scene; those that are not are
-        left out and named in the answer. Where none of them is, an estimate that nobody awaits is made only if
-        `doubted`, an earlier frame of which this was so, shows the same scene. `held` is the estimate that is shown: if
-        it is only followed (`follows`), another one is made only if the frame shows another scene than the others, or
-        not its light; else the answer is that light as the frame shows it. A frame that was in the request before is
-        not sent again. Raises ValueError when closed.
+        `others` are views, with markers, that may be of the same scene; those that are not are left out and named in
+        the answer. Where none of them is, an estimate that nobody awaits is made only if `doubted`, an earlier frame of
+        which this was so, shows the same scene. A frame that was in the request before is not sent again. Raises
+        ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -83,7 +76,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
-        self._process.send((tracked, *others), doubted, preset, draw, is_awaited, held, follows)
+        self._process.send((tracked, *others), doubted, task)
         return True
 
     def wait(self, timeout_s: float) -> Outcome | None:
@@ -144,8 +137,8 @@ class _Process:
     def has_ended(self) -> bool:
         return self.outcomes.is_closed or not self._process.is_alive()
 
-    def send(self, views: Sequence[TrackedFrame], doubted: TrackedFrame | None, *how: Any) -> None:
-        """Sends a Request with the fields `how`, in a thread, as writing to the pipe blocks until the process reads."""
+    def send(self, views: Sequence[TrackedFrame], doubted: TrackedFrame | None, task: EstimateTask) -> None:
+        """Sends a Request, in a thread, as writing to the pipe blocks until the process reads."""
         numbers = {id(view): number for number, view in self._held.items()}
         before, self._held = self._held, {}
         for view in views if doubted is None else (*views, doubted):
@@ -155,7 +148,7 @@ class _Process:
             self._held[numbers[id(view)]] = view
         new = {number: view for number, view in self._held.items() if number not in before}
         doubted_number = None if doubted is None else numbers[id(doubted)]
-        request = Request(tuple(numbers[id(view)] for view in views), doubted_number, new, *how)
+        request = Request(tuple(numbers[id(view)] for view in views), doubted_number, new, task)
         self._threads[1:] = [self._thread(_send, self._connection, request)]
 
     def kill(self) -> None:

@@ -30,30 +30,61 @@ LOWEST_PRIORITY = 19
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
-    """What the process is asked, with the frames that it has not been sent before."""
+class EstimateTask:
+    """What is to be found out about the frames of a request, and how."""
 
-    numbers: tuple[int, ...]  # of the frozen frame, then of the other views, which are kept for the next request
-    doubted: int | None  # of a frame that showed a scene which none of the other views shows
-    new: "Mapping[int, TrackedFrame]"
     preset: "ProxyPreset"
-    draw: Draw | None = None  # what draws the trace
-    is_awaited: bool = False  # by a person
+    draw: Draw | None = None  # a function of a module that draws the trace, where the estimator keeps one
+    is_awaited: bool = False  # by a person: made at normal priority, and in any case
     held: "LightEstimate | None" = None  # the answer that is shown
     # Whether nothing is to be estimated if the frame shows the other views' scene in the light of that answer.
     follows: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
-    """The answer to a request."""
+class Request:
+    """What is sent to the process, with the frames that it has not been sent before."""
 
-    estimate: "LightEstimate | None"  # None: what is shown still holds, or no other frame shows this scene
-    picture_bgr: "Image | None" = None  # of the trace; None where none was asked for, or the estimator keeps no trace
+    numbers: tuple[int, ...]  # of the frozen frame, then of the other views, which are kept for the next request
+    doubted: int | None  # of a frame that showed a scene which none of the other views shows
+    new: "Mapping[int, TrackedFrame]"
+    task: EstimateTask
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answered:
+    """What all answers to a request say."""
+
     outdated: tuple[int, ...] = ()  # indices of the other views that show another scene, and were left out
-    is_followed: bool = False  # whether the estimate is the held one with its lights moved to what the frame shows
+
+
+class Unchanged(Answered):
+    """The frame shows the scene of the others, in a light that cannot be followed and need not be estimated."""
+
+
+class OtherScene(Answered):
+    """The frame shows another scene than all others, and nothing was estimated: it may be a hand that passes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Followed(Answered):
+    """The frame shows the scene of the others in the held light."""
+
+    estimate: "LightEstimate"  # the held one, with its lights moved to what the frame shows
+
+
+@dataclass(frozen=True, slots=True)
+class Estimated(Answered):
+    """An estimate was made."""
+
+    estimate: "LightEstimate"
+    picture_bgr: "Image | None" = None  # of the trace; None where none was asked for, or the estimator keeps no trace
+    is_of_changed_scene: bool = False  # all others show another one
     # Whether there is no light in a changed scene, and the shadows of the held answer's lights are gone from it.
     has_lost_shadows: bool = False
+
+
+Answer = Unchanged | OtherScene | Followed | Estimated
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,14 +103,14 @@ def run(connection: Connection, make: "Callable[[ProxyPreset], Estimator]") -> N
     cv2.setNumThreads(1)
     estimator_by = cache(make)
     held = HeldViews()
-    patient = ThreadPoolExecutor(1, "patient", initializer=_give_way)
+    low_priority = ThreadPoolExecutor(1, "low priority", initializer=_lower_priority)
     # EOFError and BrokenPipeError: the viewer has gone, and no answer is needed.
     with suppress(EOFError, OSError):
         while True:
             request = receive_value(connection)
             held.take(request)
-            work = partial(_answer, estimator_by, held, request)
-            send_value(connection, work() if request.is_awaited else patient.submit(work).result())
+            work = partial(_outcome, estimator_by, held, request.task)
+            send_value(connection, work() if request.task.is_awaited else low_priority.submit(work).result())
 
 
 class HeldViews:
@@ -132,46 +163,49 @@ class HeldViews:
         return self._planes[number]
 
 
-def _give_way() -> None:
+def _lower_priority() -> None:
     """Puts this thread at the lowest priority, from which there is no way back: on Linux each thread has its own."""
     if sys.platform == "linux":
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), LOWEST_PRIORITY)
 
 
-def _answer(
-    estimator_by: "Callable[[ProxyPreset], Estimator]", held: HeldViews, request: Request
+def _outcome(
+    estimator_by: "Callable[[ProxyPreset], Estimator]", views: HeldViews, task: EstimateTask
 ) -> Answer | WorkerFailure:
-    """The estimate, or a failure for any exception, so that the process goes on."""
+    """The answer, or a failure for any exception, so that the process goes on."""
+    try:
+        return _answer(estimator_by(task.preset), views, task)
+    except UserError as error:
+        return WorkerFailure(views.frozen.frame.index, str(error))
+    except Exception as error:
+        return WorkerFailure(views.frozen.frame.index, fault(error))
+
+
+def _answer(estimator: "Estimator", views: HeldViews, task: EstimateTask) -> Answer:
     from ashe_live.light.estimators.estimator import TracingEstimator
     from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
     from ashe_live.light.views.following import follow, has_lost_shadows
 
-    frozen, others = held.frozen, held.others
-    try:
-        estimator = estimator_by(request.preset)
-        gone = tuple(held.outdated())
-        has_changed = len(gone) == len(others) > 0
-        same: list[TrackedFrame] = [view for place, view in enumerate(others) if place not in gone]
-        if others and not same and not request.is_awaited:
-            same = held.doubted()
-            if not same:
-                return Answer(None, None, gone)  # something may be passing before the camera
-        elif request.held is not None and request.follows and same:
-            if request.held.illumination.real_object is None:  # without a body there is no shadow to look for
-                return Answer(None, None, gone)
-            if (followed := follow(request.held, frozen)) is not None:
-                return Answer(followed, None, gone, is_followed=True)
-        others = same if span_of([frozen, *same]) >= LEAST_SPAN_RAD else []
-        picture = None
-        if request.draw is not None and isinstance(estimator, TracingEstimator):
-            estimate, trace = estimator.traced(frozen, others)
-            picture = request.draw(frozen, estimate, trace)
-        else:
-            estimate = estimator.estimate(frozen, others)
-        may_be_out = has_changed and estimate.light is None
-        is_out = may_be_out and request.held is not None and has_lost_shadows(request.held, frozen)
-        return Answer(estimate, picture, gone, has_lost_shadows=is_out)
-    except UserError as error:
-        return WorkerFailure(frozen.frame.index, str(error))
-    except Exception as error:
-        return WorkerFailure(frozen.frame.index, fault(error))
+    frozen, others, held = views.frozen, views.others, task.held
+    outdated = tuple(views.outdated())
+    is_of_changed_scene = len(outdated) == len(others) > 0
+    same = [view for place, view in enumerate(others) if place not in outdated]
+    if is_of_changed_scene and not task.is_awaited:
+        same = views.doubted()
+        if not same:
+            return OtherScene(outdated=outdated)
+    elif held is not None and task.follows and same:
+        if held.illumination.real_object is None:  # without a body there is no shadow to look for
+            return Unchanged(outdated=outdated)
+        if (followed := follow(held, frozen)) is not None:
+            return Followed(followed, outdated=outdated)
+    others = same if span_of([frozen, *same]) >= LEAST_SPAN_RAD else []
+    picture = None
+    if task.draw is not None and isinstance(estimator, TracingEstimator):
+        estimate, trace = estimator.traced(frozen, others)
+        picture = task.draw(frozen, estimate, trace)
+    else:
+        estimate = estimator.estimate(frozen, others)
+    may_have_lost = is_of_changed_scene and estimate.light is None
+    has_lost = may_have_lost and held is not None and has_lost_shadows(held, frozen)
+    return Estimated(estimate, picture, is_of_changed_scene, has_lost, outdated=outdated)

@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
+from ashe_live.core.arrays import Image
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import OF_ONE_FRAME
 from ashe_live.light.estimators.preset import BALANCED
@@ -11,9 +12,20 @@ from ashe_live.light.live.comparable import fits
 from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker, Outcome
-from ashe_live.light.live.worker_process import Answer, Draw
+from ashe_live.light.live.worker_process import Draw, Estimated, EstimateTask, Followed, OtherScene, WorkerFailure
 from ashe_live.viewer.estimates.brightness import Brightness
 from ashe_live.viewer.estimates.sharpening import EVERY_S, Sharpening
+
+
+@dataclass(frozen=True, slots=True)
+class NewAnswer:
+    """An estimate that is the answer from now on."""
+
+    estimate: LightEstimate
+    frozen: TrackedFrame  # the frame that it is of
+    asked_s: float
+    steps_bgr: Image | None  # a sheet of the steps to it, where one was asked for and the estimator keeps them
+    is_news: bool  # whether it is another light than before, or the first
 
 
 class LightWatch:
@@ -25,8 +37,8 @@ class LightWatch:
         self.camera_may_move = False  # whether the source is a camera that the user may move
         self.held = HeldAnswer()  # since the user's last request
         self.sharpening = Sharpening()
-        self.asked_s = -math.inf
-        self.frozen: TrackedFrame | None = None  # of the last request
+        self._asked_s = -math.inf
+        self._frozen: TrackedFrame | None = None  # of the last request
         self._others: Sequence[TrackedFrame] = ()  # the other views of the last request
         # A frame that shows another scene than the key views: the scene has changed if the frames after it show the
         # same, and else something has passed before the camera.
@@ -48,7 +60,7 @@ class LightWatch:
 
     def begin_anew(self) -> None:
         """Forgets the scene, and gives up an estimate in progress."""
-        self.frozen, self._others, self._doubted, self._waiting = None, (), None, None
+        self._frozen, self._others, self._doubted, self._waiting = None, (), None, None
         self.held, self.sharpening = HeldAnswer(), Sharpening()
         self.key_views.drop()
         self._worker.give_up()
@@ -89,9 +101,10 @@ class LightWatch:
             return False
         shown = self.held.estimate
         held = shown and replace(shown, object_mask=None, shadow_mask=None)  # which nobody needs there
-        if not self._worker.request(frozen, self.preset, draw, is_awaited, others, held, follows, self._doubted):
+        task = EstimateTask(self.preset, draw, is_awaited, held, follows)
+        if not self._worker.request(frozen, others, self._doubted, task):
             return False
-        self.frozen, self._others, self.asked_s, self._is_awaited = frozen, others, now_s, is_awaited
+        self._frozen, self._others, self._asked_s, self._is_awaited = frozen, others, now_s, is_awaited
         self._brightness.note(frozen.frame)
         self.sharpening.asked(views, now_s)
         return True
@@ -106,7 +119,7 @@ class LightWatch:
         if held is None or held.estimator in OF_ONE_FRAME or self.is_estimating:
             return False
         if self._doubted is not None:  # older views show what the scene was before
-            return now_s - self.asked_s >= EVERY_S and self.ask_in_background(seen, now_s, draw)
+            return now_s - self._asked_s >= EVERY_S and self.ask_in_background(seen, now_s, draw)
         if not self.sharpening.is_due_for(views, now_s):
             return False
         return self.ask_in_background(views[-1], now_s, draw)
@@ -118,7 +131,7 @@ class LightWatch:
         """
         if self.is_estimating:
             return False
-        is_old = now_s - self.asked_s >= EVERY_S
+        is_old = now_s - self._asked_s >= EVERY_S
         if not (self.sharpening.is_due_again(now_s) or (is_old and self._brightness.has_jumped(steady.frame))):
             return False
         held = self.held.estimate
@@ -126,44 +139,50 @@ class LightWatch:
         is_awaited = held is None and not self.sharpening.is_settled  # after some that failed, nobody waits any more
         return self.ask_in_background(steady, now_s, draw, is_awaited, follows)
 
-    def wait(self, timeout_s: float) -> Outcome | None:
-        """The worker's outcome, returned once, for which it waits up to `timeout_s`; None if there is none by then."""
-        outcome = self._taken(self._worker.wait(timeout_s))
+    def wait(self, timeout_s: float) -> NewAnswer | WorkerFailure | None:
+        """What the worker has found, returned once, for which it waits up to `timeout_s`; None where that is nothing
+        new, or nothing by then.
+        """
+        outcome = self._worker.wait(timeout_s)
+        new = None if outcome is None else self._taken(outcome)
         if self._waiting is not None and not self._worker.busy:
             waiting, self._waiting = self._waiting, None
             self.ask(*waiting)
-            return None  # the outcome of the background estimate, which would be taken for the user's
-        return outcome
+            return None  # what the background estimate has found would be taken for the user's
+        return new
 
-    def stands(self, estimate: LightEstimate | None) -> bool:
-        """Whether `estimate` is the answer that stands."""
-        return estimate is not None and estimate is self.held.estimate
-
-    def _taken(self, outcome: Outcome | None) -> Outcome | None:
-        if outcome is None:
-            return None
-        if not isinstance(outcome, Answer):
+    def _taken(self, outcome: Outcome) -> NewAnswer | WorkerFailure | None:
+        assert self._frozen is not None
+        if isinstance(outcome, WorkerFailure):
             self.sharpening.answered(False)
             return outcome
-        if self.frozen is not None and outcome.estimate is not None:
-            self.held.move_to(self.frozen)
-        has_changed = len(outcome.outdated) == len(self._others) > 0
-        if has_changed and outcome.estimate is None:
-            self._doubted = self.frozen
-            self.key_views.drop([view for view in self.key_views.views if view is self.frozen])
-            return outcome
-        if outcome.is_followed and outcome.estimate is not None:
+        if isinstance(outcome, OtherScene):
+            self._doubted = self._frozen
+            self.key_views.drop([view for view in self.key_views.views if view is self._frozen])
+            return None
+        estimate, steps_bgr, is_in_doubt = None, None, False
+        if isinstance(outcome, Followed | Estimated):
+            estimate = outcome.estimate
+            self.held.move_to(self._frozen)
+        if isinstance(outcome, Followed):
             self.held.follow(outcome.estimate)
             self.sharpening.verified()
-        elif outcome.estimate is not None:
-            if self._is_awaited:
-                self.held = HeldAnswer(self.frozen)
-            is_sharper = self.held.offer(outcome.estimate, has_changed, outcome.has_lost_shadows)
-            if has_changed and self.held.is_news:
-                self.sharpening = Sharpening()
-            self.sharpening.answered(is_sharper or self.held.is_disputed)
+        if isinstance(outcome, Estimated):
+            steps_bgr, is_in_doubt = outcome.picture_bgr, self._offer(outcome)
         # While a hand is before the camera, no view shows what it shows; they are of use again when it has gone.
-        if not has_changed or self.held.is_news:
+        if not is_in_doubt:
             self._doubted = None
             self.key_views.drop([self._others[place] for place in outcome.outdated])
-        return outcome
+        if estimate is None or estimate is not self.held.estimate:
+            return None
+        return NewAnswer(estimate, self._frozen, self._asked_s, steps_bgr, self.held.is_news)
+
+    def _offer(self, new: Estimated) -> bool:
+        """Offers an estimate to the held answer; returns whether it may be of a scene with a hand in it."""
+        if self._is_awaited:
+            self.held = HeldAnswer(self._frozen)
+        is_sharper = self.held.offer(new.estimate, new.is_of_changed_scene, new.has_lost_shadows)
+        if new.is_of_changed_scene and self.held.is_news:
+            self.sharpening = Sharpening()
+        self.sharpening.answered(is_sharper or self.held.is_disputed)
+        return new.is_of_changed_scene and not self.held.is_news

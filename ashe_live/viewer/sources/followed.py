@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 from ashe_live.core.camera import Camera, Size
-from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.marker_hunt import MarkerHunt
 from ashe_live.viewer.sources.pipeline import Pipeline
@@ -116,4 +115,4 @@ class Followed:
 
     def _begin_session_anew(self) -> None:
         if self._session.has_seen_marker:
-            self._session.begin_anew(Steadiness.of(self._pipeline.is_photo))
+            self._session.begin_anew(self._pipeline.is_photo)

@@ -19,7 +19,15 @@ from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.estimators.preset import BALANCED, FAST, ProxyPreset
 from ashe_live.light.live import worker as worker_module
 from ashe_live.light.live.worker import LightWorker
-from ashe_live.light.live.worker_process import Answer, WorkerFailure
+from ashe_live.light.live.worker_process import (
+    Answered,
+    Estimated,
+    EstimateTask,
+    Followed,
+    OtherScene,
+    Unchanged,
+    WorkerFailure,
+)
 from ashe_live.light.paper.estimator import PaperEstimator, PaperParameters
 from tests.light.painted_scenes import BOX
 from tests.light.painted_scenes import paint as painted
@@ -57,7 +65,7 @@ def test_it_answers_as_a_direct_call_does(worker, scene):
     assert worker.busy
     assert not worker.request(scene.tracked)
     outcome, direct = worker.wait(PATIENCE_S), quick().estimate(scene.tracked)
-    assert isinstance(outcome, Answer)
+    assert isinstance(outcome, Estimated)
     assert outcome.picture_bgr is None
     answer = outcome.estimate
     np.testing.assert_array_equal(answer.light.to_light_marker, direct.light.to_light_marker)
@@ -70,9 +78,9 @@ def test_it_answers_as_a_direct_call_does(worker, scene):
 
 def test_what_led_to_the_answer_is_drawn_only_when_asked_for(scene):
     with LightWorker("proxy") as worker:
-        worker.request(scene.tracked, FAST)
+        worker.request(scene.tracked, task=EstimateTask(FAST))
         assert worker.wait(PATIENCE_S).picture_bgr is None
-        worker.request(scene.tracked, FAST, steps_sheet)
+        worker.request(scene.tracked, task=EstimateTask(FAST, steps_sheet))
         outcome = worker.wait(PATIENCE_S)
     estimate, trace = make_estimator("proxy", FAST).traced(scene.tracked)
     assert outcome.estimate.light.to_light_marker.tobytes() == estimate.light.to_light_marker.tobytes()
@@ -80,7 +88,7 @@ def test_what_led_to_the_answer_is_drawn_only_when_asked_for(scene):
 
 
 def test_an_estimator_that_keeps_no_trace_answers_all_the_same(worker, scene):
-    worker.request(scene.tracked, draw=steps_sheet)
+    worker.request(scene.tracked, task=EstimateTask(BALANCED, steps_sheet))
     outcome = worker.wait(PATIENCE_S)
     assert outcome.estimate.light is not None
     assert outcome.picture_bgr is None
@@ -102,12 +110,12 @@ def test_an_exception_comes_back_as_a_value_and_the_worker_goes_on(worker, scene
     assert "marker" in failure.message
     assert "\n" not in failure.message
     worker.request(scene.tracked)
-    assert isinstance(worker.wait(PATIENCE_S), Answer)
+    assert isinstance(worker.wait(PATIENCE_S), Estimated)
 
 
 def test_a_preset_that_the_estimator_cannot_use_is_reported_in_words_and_the_worker_goes_on(scene):
     with LightWorker("paper") as worker:
-        worker.request(scene.tracked, BALANCED.assuming(caster=parsed_caster("box:0.05x0.05x0.08")))
+        worker.request(scene.tracked, task=EstimateTask(BALANCED.assuming(caster=parsed_caster("box:0.05x0.05x0.08"))))
         failure = worker.wait(PATIENCE_S)
         assert isinstance(failure, WorkerFailure)
         assert failure.message.startswith("the estimator paper makes no use of a known caster")
@@ -138,7 +146,7 @@ def test_a_process_killed_between_requests_is_replaced(worker, scene):
     while first in children() and time.monotonic() < deadline:
         os.sched_yield()
     worker.request(scene.tracked)
-    assert isinstance(worker.wait(PATIENCE_S), Answer)
+    assert isinstance(worker.wait(PATIENCE_S), Estimated)
 
 
 def test_one_that_hangs_is_given_up_reported_once_and_replaced(scene, without_marker, monkeypatch):
@@ -198,7 +206,7 @@ def test_ctrl_c_does_not_reach_it(worker, scene, without_marker, capfd):
     (pid,) = children()
     os.kill(pid, signal.SIGINT)
     worker.request(scene.tracked)
-    assert isinstance(worker.wait(PATIENCE_S), Answer)
+    assert isinstance(worker.wait(PATIENCE_S), Estimated)
     assert children() == {pid}
     assert "Traceback" not in capfd.readouterr().err
 
@@ -228,10 +236,16 @@ def view(index: int, turned_deg: float = 0.0, light_deg: float = 200.0) -> Track
     return replace(scene, frame=Frame(scene.frame.image_bgr, index, 0.0))
 
 
-def answered(worker: LightWorker, frozen: TrackedFrame, others: Sequence[TrackedFrame], **how: object) -> Answer:
-    assert worker.request(frozen, others=others, **how)
+def answered(
+    worker: LightWorker,
+    frozen: TrackedFrame,
+    others: Sequence[TrackedFrame],
+    doubted: TrackedFrame | None = None,
+    **how: object,
+) -> Answered:
+    assert worker.request(frozen, others, doubted, EstimateTask(BALANCED, **how))
     answer = worker.wait(PATIENCE_S)
-    assert isinstance(answer, Answer)
+    assert isinstance(answer, Answered)
     return answer
 
 
@@ -253,10 +267,12 @@ def test_a_scene_that_one_frame_shows_alone_is_estimated_only_for_a_person_who_w
         here = [view(index, 4.0 * index) for index in range(3)]
         other, again = view(4, 2.0, light_deg=20.0), view(5, 5.0, light_deg=20.0)
         answer = answered(worker, other, here)
-        assert answer.estimate is None
+        assert isinstance(answer, OtherScene)
         assert answer.outdated == (0, 1, 2)
-        assert answered(worker, again, here, doubted=view(6, 3.0, light_deg=110.0)).estimate is None
+        doubted = view(6, 3.0, light_deg=110.0)
+        assert isinstance(answered(worker, again, here, doubted), OtherScene)
         answer = answered(worker, again, here, doubted=other)
+        assert answer.is_of_changed_scene
         assert answer.estimate.views == (5, 4)
         assert answer.outdated == (0, 1, 2)
 
@@ -272,7 +288,7 @@ def test_what_is_known_of_an_unchanged_scene_still_holds():
     known = LightEstimate("telling", 0, Illumination((Light((0.0, 0.3, 1.0)),)))
     with LightWorker(Telling) as worker:
         here = [view(index, 4.0 * index) for index in range(3)]
-        assert answered(worker, here[0], here[1:], held=known, follows=True).estimate is None
+        assert isinstance(answered(worker, here[0], here[1:], held=known, follows=True), Unchanged)
         now = view(5, light_deg=20.0)
         assert answered(worker, now, here, held=known, follows=True, is_awaited=True).estimate.views == (5,)
         assert answered(worker, now, (), held=known, follows=True).estimate.views == (5,)
@@ -286,10 +302,10 @@ def test_a_known_bodys_light_is_followed_and_where_it_is_not_seen_estimated_anew
     beside = replace(scene.tracked, frame=Frame(scene.tracked.frame.image_bgr, 8, 0.1))
     with LightWorker(Telling) as worker:
         answer = answered(worker, scene.tracked, [beside], held=known, follows=True)
-        assert answer.is_followed
+        assert isinstance(answer, Followed)
         assert angle_between(answer.estimate.light.to_light_marker, known.light.to_light_marker) < np.radians(3)
         answer = answered(worker, scene.tracked, [beside], held=gone, follows=True)
-        assert not answer.is_followed
+        assert isinstance(answer, Estimated)
         assert answer.estimate.estimator == "telling"
 
 

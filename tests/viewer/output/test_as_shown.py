@@ -15,7 +15,7 @@ from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import Placement
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.output.as_shown import AsShown, read_as_shown, shown_now
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
@@ -30,7 +30,7 @@ SUN = Light((0.2, 0.3, 0.7), angular_size_rad=0.1, shadow_rgb_ratio=(0.5, 0.4, 0
 def begun(fakes):
     def session(model: str = "cube", *others: ChosenModel) -> Session:
         shelf = Shelf(model, 0.08, others=[other.name for other in others])
-        return Session(shelf, fakes.Worker(), EstimatePolicy(), Steadiness(3), others=others)
+        return Session(shelf, fakes.Worker(), FirstEstimate(Steadiness(3)), others=others)
 
     return session
 

@@ -13,7 +13,7 @@ from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import BESIDE_SIDES, UNMOVED, Placement
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import status_lines
@@ -27,7 +27,7 @@ OTHER = "aruco:4x4_50:7"
 def make(fakes):
     def session(*others: ChosenModel) -> Session:
         shelf = Shelf("cube", SIDE_M, others=[other.name for other in others])
-        return Session(shelf, fakes.Worker(), EstimatePolicy(), Steadiness(3), others=others)
+        return Session(shelf, fakes.Worker(), FirstEstimate(Steadiness(3)), others=others)
 
     return session
 
@@ -246,6 +246,6 @@ def test_another_clip_begins_with_all_of_them_at_their_places(make, fakes):
     session.take(fakes.tracked(0), 0.0)
     first = places(session)
     asked(session, Request(Command.SCALE_MODEL, 2), Command.NEXT_IN_HAND, Request(Command.TURN_MODEL, 3))
-    session.begin_anew(Steadiness())
+    session.begin_anew(is_photo=False)
     session.take(fakes.tracked(0), 0.0)
     assert places(session) == first

@@ -15,7 +15,7 @@ from ashe_live.models.memory import ModelMemory
 from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.tracking.cube.faces import CORNERS
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.beside import first_placement
@@ -31,7 +31,7 @@ def run(fakes, tmp_path: Path) -> Callable[..., Session]:
     def begun(model: str = "mug", side_m: float = 0.08, has_places: bool = True, others=()) -> Session:
         memory = ModelMemory(tmp_path / "models.json", has_places)
         shelf = Shelf(model, side_m, None, memory, [other.name for other in others])
-        session = Session(shelf, fakes.Worker(), EstimatePolicy(), Steadiness(3), others=others)
+        session = Session(shelf, fakes.Worker(), FirstEstimate(Steadiness(3)), others=others)
         session.poll(0.0)
         return session
 
@@ -98,7 +98,7 @@ def test_each_place_among_several_is_remembered_by_itself(run) -> None:
 def test_another_clip_shows_what_another_run_would(run) -> None:
     session = run()
     session.hand.placement = LEFT
-    session.begin_anew(Steadiness())
+    session.begin_anew(is_photo=False)
     assert same(session.hand.placement, LEFT)
 
 
