@@ -34,7 +34,7 @@ FOCAL_SIGMA: dict[CameraSource, float] = {
 DISTORTION_LENGTHS = (4, 5, 8, 12, 14)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Camera:
     """Intrinsics for frames of one size."""
 

@@ -28,7 +28,7 @@ class Mesh:
         set_frozen(self, points_marker=points, triangles=frozen_view(triangles))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Proxy:
     """The real object's stand-in: the convex hull of upright spheroids (a point, a disc, a ball are special cases)."""
 

@@ -20,7 +20,7 @@ from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import angles_from_direction, normalised
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """One picture of a source."""
 
@@ -36,7 +36,7 @@ class Frame:
         return self.image_bgr.shape[1], self.image_bgr.shape[0]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class MarkerPose:
     """Where the marker stands in front of the camera, and how well that explains its corners."""
 
@@ -70,7 +70,7 @@ class MarkerPose:
         return self.T_cam_marker if self.unfiltered_T_cam_marker is None else self.unfiltered_T_cam_marker
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class TrackedFrame:
     """A frame and the pose measured in it: one object, so that video and model are never out of step."""
 
@@ -94,7 +94,7 @@ class TrackedFrame:
             raise ValueError(f"a camera for {self.camera.size} cannot explain a frame of {self.frame.size}")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Light:
     """A sun or a lamp, with the uncertainty of its direction. What was not measured is None.
 
@@ -180,7 +180,7 @@ class Light:
         return f"lamp, {distance_cm:.0f}{sigma} cm, "
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Illumination:
     """The light of a scene, whether it was estimated, set by hand or made up by a program."""
 
@@ -222,7 +222,7 @@ class Illumination:
         return replace(self, seen_in=tracked)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class LightEstimate:
     """An estimator's answer to one frozen frame: the light, and how it was found; or the `reason` why there is none."""
 

@@ -34,7 +34,9 @@ class Overlay:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Everything in one picture. Objects that were in the last one as well are not uploaded again."""
+    """Everything in one picture. Objects that were in the last one as well are not uploaded again, and are equal by
+    identity.
+    """
 
     tracked: TrackedFrame | None = None  # video, camera and pose; None: black
     model: PlacedModel | None = None  # drawn where there is a marker
@@ -65,16 +67,3 @@ class Scene:
         if self.hides_marker and marker is not None and marker.body is not None:
             return None
         return self.illumination.real_object
-
-    @property
-    def kind(self) -> tuple[bool, ...]:
-        """All of it that is yes or no."""
-        return (
-            self.shows_light,
-            self.casts_shadow,
-            self.shows_model,
-            self.hides_marker,
-            self.is_cut_out,
-            self.is_split,
-            self.is_mirrored,
-        )

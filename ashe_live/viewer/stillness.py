@@ -1,6 +1,5 @@
 """Detects that the pictures no longer change: an unchanged screen need not be drawn, and has no frame rate."""
 
-import operator
 import time
 from collections import deque
 
@@ -33,9 +32,12 @@ class Stillness:
         return is_slow or self._unchanged >= UNCHANGED_PICTURES
 
     def add(self, scene: Scene, size: Size, preset: RenderPreset, is_settled: bool) -> None:
-        """Adds the next picture. `is_settled`: whether the same scene would give the same picture again."""
+        """Adds the next picture, which is compared by the identity of what is in it.
+
+        `is_settled`: whether the same scene would give the same picture again.
+        """
         now = scene, size, preset
-        is_same = is_settled and self._last is not None and _same(now, self._last)
+        is_same = is_settled and now == self._last
         self._unchanged = self._unchanged + 1 if is_same else 0
         if not is_same:
             self._changed_s = time.monotonic()
@@ -52,16 +54,3 @@ class Stillness:
         if self._unchanged < HELD_AFTER_PICTURES and len(self._shown_s) >= 2:
             self._fps = (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
         return self._fps
-
-
-def _same(now: tuple[Scene, Size, RenderPreset], before: tuple[Scene, Size, RenderPreset]) -> bool:
-    """Whether two pictures are equal, judged by the identity of their parts."""
-    parts = [
-        (*scene.overlays, scene.tracked, scene.illumination, *(model for model, _ in scene.models))
-        for scene, *_ in (now, before)
-    ]
-    kinds = [
-        (scene.kind, scene.time_s, [placement for _, placement in scene.models], *rest)
-        for scene, *rest in (now, before)
-    ]
-    return kinds[0] == kinds[1] and len(parts[0]) == len(parts[1]) and all(map(operator.is_, *parts))

@@ -34,6 +34,13 @@ def test_a_value_keeps_its_own_copy_of_small_arrays() -> None:
     assert pose.T_cam_marker[0, 0] == 1
 
 
+def test_values_are_compared_by_identity_as_their_arrays_have_no_single_answer() -> None:
+    one, other = (Light(np.array([0.0, 0.6, 0.8])) for _ in range(2))
+    assert one != other
+    assert Illumination((one,)) != Illumination((one,))
+    assert len({one, other, one}) == 2
+
+
 @pytest.mark.parametrize("image", [np.zeros((3, 4), np.uint8), np.zeros((3, 4, 4), np.uint8), np.zeros((3, 4, 3))])
 def test_a_frame_is_8_bit_colour(image: np.ndarray) -> None:
     with pytest.raises(ValueError, match="image_bgr must be"):

@@ -678,7 +678,8 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
     session.watch._worker.answer = None
     assert not session.watch.is_estimating
     assert session.estimate is session.estimated_from is None
-    assert session.lit_by == session.shown == Illumination()
+    assert session.lit_by is session.shown
+    assert session.shown.light is session.shown.seen_in is session.shown.real_object is None
     assert session.true_to_light_marker is None
     assert bare_scene(session).placement == UNMOVED
     assert session.automatic
