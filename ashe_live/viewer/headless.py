@@ -15,10 +15,10 @@ from ashe_live.errors import UserError
 from ashe_live.light.live.worker import LONGEST_ESTIMATE_S
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.marker_place import MarkerPlace
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.session import Session
+from ashe_live.viewer.sources.scene_tracker import SceneTracker
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +38,9 @@ def play_headless(
     """Plays `source` to its end or the limit and fills `report`. Raises UserError as the source does."""
     period_s = 1 / (source.fps or 1.0)
     begin_s = shown_s = 0.0
-    marker_place = MarkerPlace()
+    scene = SceneTracker(tracker, session.watch.key_views)
     if not (source.is_live or source.is_photo):
-        _estimate_ahead(source, tracker, marker_place, session, run, report)
+        _estimate_ahead(source, scene, session, run, report)
     while run.frame_limit is None or len(report.frames) < run.frame_limit:
         started = time.perf_counter()
         frame = source.read()
@@ -50,16 +50,14 @@ def play_headless(
             if not run.loop:
                 break
             source.rewind()
-            tracker.reset()
-            marker_place.rewind()
-            session.watch.key_views.drop()
+            scene.rewind()
             begin_s = shown_s + period_s
             continue
-        tracked = marker_place.add(tracker.track(frame))
+        tracked = scene.track(frame)
         measured_ms = (time.perf_counter() - started) * 1e3
         shown_s = begin_s + frame.time_s
 
-        session.watch.key_views.add(tracked)
+        scene.keep_view(tracked)
         session.take(tracked, shown_s)
         if session.watch.is_estimating:
             _finish_estimate(session, report, shown_s)
@@ -76,19 +74,12 @@ def play_headless(
                 take(picture, shown_s)
 
 
-def _estimate_ahead(
-    source: Source,
-    tracker: MarkerTracker,
-    marker_place: MarkerPlace,
-    session: Session,
-    run: HeadlessRun,
-    report: Report,
-) -> None:
+def _estimate_ahead(source: Source, scene: SceneTracker, session: Session, run: HeadlessRun, report: Report) -> None:
     """Plays unseen to the frame that the light is estimated in; for the session it all happens at the time 0."""
     with suppress(UserError):  # of a damaged clip, what comes before the damage is played first
         for frame in islice(source, run.frame_limit):
-            tracked = marker_place.add(tracker.track(frame))
-            session.watch.key_views.add(tracked)
+            tracked = scene.track(frame)
+            scene.keep_view(tracked)
             session.take(tracked, 0.0)
             run.scene(session)
             if session.watch.is_estimating:
@@ -98,8 +89,7 @@ def _estimate_ahead(
     if session.watch.is_estimating:
         _finish_estimate(session, report, 0.0)
     source.rewind()
-    tracker.reset()
-    marker_place.rewind()
+    scene.rewind(keeps_views=True)
 
 
 def _finish_estimate(session: Session, report: Report, shown_s: float) -> None:

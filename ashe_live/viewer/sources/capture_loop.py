@@ -14,10 +14,10 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.process.mailbox import Closed, LatestMailbox
-from ashe_live.tracking.marker_place import MarkerPlace
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.sources.pace import Pace
+from ashe_live.viewer.sources.scene_tracker import SceneTracker
 
 PHOTO_FPS = 30.0  # nominal: a photo has no rate of its own
 RECONNECT_EVERY_S = 0.5
@@ -91,14 +91,12 @@ class CaptureLoop:
     ) -> None:
         self.state = State()
         self._source = source
-        self._tracker = tracker
+        self._scene = SceneTracker(tracker, exchange.key_views)
         self._clip = source if isinstance(source, Seekable) else None
         self._wish = wish
         self._wishes = exchange.wishes
         self._tracker_for = tracker_for
         self._frames = exchange.frames
-        self._key_views = exchange.key_views
-        self._marker_place = MarkerPlace()
         self._period_s = 1 / (source.fps or PHOTO_FPS)
         self._pace = Pace()
         self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated
@@ -151,13 +149,11 @@ class CaptureLoop:
             return
         is_other = (wish.marker, wish.hfov_deg) != (self._wish.marker, self._wish.hfov_deg)
         if is_other and self._tracker_for is not None:
-            before, self._tracker = self._tracker, self._tracker_for(wish.marker, wish.hfov_deg)
-            self._tracker.preset = before.preset
-            self._forget_scene()
+            self._scene.follow(self._tracker_for(wish.marker, wish.hfov_deg))
         self._wish = wish
         self._pace.speed = wish.speed
         if wish.tracking is not None:
-            self._tracker.preset = wish.tracking
+            self._scene.track_by(wish.tracking)
         if is_other and wish.paused and self._shown is not None and not self._is_sent:
             self._hand_over(self._shown)  # no other frame would come
 
@@ -174,10 +170,10 @@ class CaptureLoop:
         place = Place(frame.time_s, frame.index)
         self._publish(shown=place, at=place)
         self._shown = frame
-        tracked = self._marker_place.add(self._tracker.track(frame))
+        tracked = self._scene.track(frame)
         self._frames.put(tracked)
         # After handing over, so that the display does not wait for it.
-        self._key_views.add(tracked)
+        self._scene.keep_view(tracked)
 
     def _end_of_clip(self) -> None:
         self._publish(at=self.state.shown)
@@ -211,8 +207,7 @@ class CaptureLoop:
                 # A camera cannot jump, and a pending jump would end the wait at once.
                 self._publish(obeyed=self._wish.jump)
                 self._wait(lambda: False, RECONNECT_EVERY_S)
-            self._tracker.reset()
-            self._forget_scene()
+            self._scene.lose()
             return None
         finally:
             self._publish(asked_s=None)
@@ -239,17 +234,9 @@ class CaptureLoop:
             else:
                 self._clip.seek_frame(index)
             if index is None or before.index is None or index != before.index + 1:
-                self._tracker.jump()
-                self._forget_scene()
+                self._scene.jump()
         self._pace.begin_anew()
 
     def _rewind(self) -> None:
         self._source.rewind()
-        self._tracker.reset()
-        self._key_views.drop()
-        self._marker_place.rewind()
-
-    def _forget_scene(self) -> None:
-        """What has been seen cannot be compared with what comes next."""
-        self._key_views.drop()
-        self._marker_place.forget()
+        self._scene.rewind()
