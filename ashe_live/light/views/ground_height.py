@@ -119,7 +119,8 @@ def _misplaced_px(one: _Textured) -> float:
     if covariance is None or not len(rows):
         return 0.0
     ground = raycast_to_plane(view.camera, view.T_cam_marker, np.column_stack([8.0 * columns, 8.0 * rows]))
-    by_pose = pixels_by_pose(view.camera, view.T_cam_marker, np.column_stack([ground[:, :2], np.zeros(len(ground))]))
+    turned = ground[:, :2] @ view.T_cam_marker[:3, :2].T
+    by_pose = pixels_by_pose(turned, turned + view.T_cam_marker[:3, 3], view.camera.K)
     return float(np.sqrt(np.einsum("nij,jk,nik->n", by_pose, covariance, by_pose).mean()))
 
 

@@ -16,10 +16,10 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy, Wobble
+from ashe_live.core.transforms import pixels_by_points, pixels_by_pose
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
 from ashe_live.tracking.poses.pose import Sighting, Tolerance, corners_information, corners_noise
-from ashe_live.tracking.poses.pose_refinement import pixels_by_points, pixels_by_pose
 
 # Standard deviations of careful folding: of a face's turn about each axis, and of its shift over the edge length, which
 # is 0.7 mm for 6 cm.
@@ -101,7 +101,7 @@ class Folding:
             return False
         predicted = (in_camera / in_camera[:, 2:]) @ camera.K[:2].T
         off = (np.concatenate([one.square.corners_px for one in sightings]) - predicted).ravel()
-        by_pose = pixels_by_pose(turned, in_camera, camera.K)
+        by_pose = pixels_by_pose(turned, in_camera, camera.K).reshape(-1, EACH)
         by_folds = self._pixels_by_folds(numbers, points, pixels_by_points(in_camera, camera.K) @ R)
         off = off + by_folds @ self._folds.ravel()
         whole = np.concatenate([by_pose, by_folds], axis=1)
