@@ -50,7 +50,7 @@ EXTREME, STEEPEST = 0.02, 0.01
 
 def span_of(views: Sequence[TrackedFrame]) -> float:
     """The largest angle between two views' directions, seen from the marker, in radians; 0 for fewer than two."""
-    return span_rad(_directions(views)) or 0.0
+    return span_rad(_directions(views))
 
 
 class KeyViews:
