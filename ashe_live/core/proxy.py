@@ -86,7 +86,7 @@ class Proxy:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Wobble:
+class PoseShapeErrors:
     """How a body and the frame in which it stands on its plane may be off together: independent causes, r of them.
 
     Each as far as it goes in one standard deviation.

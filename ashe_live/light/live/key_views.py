@@ -29,7 +29,7 @@ WORKING_WIDTH_PX = 640
 MOST_BYTES = 40e6  # of all pictures together
 MOST_PIXELS = MOST_BYTES / MOST_VIEWS / 3
 # Between directions nearer than this, a thing 5 cm high and half a metre away shifts by less than two pixels.
-LEAST_COSINE = math.cos(math.radians(1.0))
+SAME_DIRECTION_COSINE = math.cos(math.radians(1.0))
 # A full set takes a view that widens its narrowest gap by this factor; without it, noise would renew the set for ever.
 GAIN = 1.25
 # Views that span less than a hand's trembling count as one.
@@ -141,7 +141,7 @@ class _ViewSet:
             return ()
         cosines = self._directions @ direction
         nearest = int(cosines.argmax())
-        if cosines[nearest] > LEAST_COSINE:
+        if cosines[nearest] > SAME_DIRECTION_COSINE:
             return (self.views[nearest],) if _age_s(self.views[nearest], time_s) > RENEWED_AFTER_S else None
         if len(self.views) < most:
             return ()
