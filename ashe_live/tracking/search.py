@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera
+from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.corners import LAST_REACH_PX, REACH_RATIO, fitted_squares
 from ashe_live.tracking.edges.covered_sides import verified_square
@@ -161,7 +161,7 @@ def _found(
     scaled = np.asarray(cv2.resize(grey, size, interpolation=interpolation), dtype=np.uint8)
     steps = np.array((width, height)) / size
     found = _found_in(markers, scaled, min_side_px * scale, thorough)
-    return [[(corners + 0.5) * steps - 0.5 for corners in each] for each in found]
+    return [[scaled_pixels(corners, steps) for corners in each] for each in found]
 
 
 def _found_in(markers: Sequence[Marker], grey: Image, min_side_px: float, thorough: bool) -> list[list[Float]]:

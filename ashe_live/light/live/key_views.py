@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera
+from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.ranges import VIEWS
 from ashe_live.core.transforms import transform_points, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
@@ -192,7 +192,7 @@ def scaled(tracked: TrackedFrame, size: tuple[int, int]) -> TrackedFrame:
         camera=tracked.camera.resized(size),
         marker=replace(
             marker,
-            corners_px=(marker.corners_px + 0.5) * scale - 0.5,
+            corners_px=scaled_pixels(marker.corners_px, scale),
             reprojection_rms_px=marker.reprojection_rms_px * float(scale[0]),
             other_rms_px=None if marker.other_rms_px is None else marker.other_rms_px * float(scale[0]),
         ),
