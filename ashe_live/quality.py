@@ -29,6 +29,7 @@ BALANCED = Quality("balanced", tracking.BALANCED, rendering.BALANCED, lighting.B
 ACCURATE = Quality("accurate", tracking.ACCURATE, rendering.ACCURATE, lighting.ACCURATE)
 
 QUALITIES: dict[str, Quality] = {quality.name: quality for quality in (FAST, BALANCED, ACCURATE)}
+LIGHT_PRESETS: dict[str, ProxyPreset] = {name: quality.light for name, quality in QUALITIES.items()}
 
 
 def quality_named(name: str) -> Quality:

@@ -67,7 +67,7 @@ ROOMS: dict[str, set[str]] = {
         "bench",
     },
     "bench.judge": {
-        "core", "errors", "files", "light.pixels", "light.ground", "light.shape", "light.estimators",
+        "quality", "core", "errors", "files", "light.pixels", "light.ground", "light.shape", "light.estimators",
         "light.explanation", "bench", "bench.light",
     },
     "bench.lamps": {"core", "errors", "light.estimators", "light.ground", "light.lamps", "light.pixels", "bench"},

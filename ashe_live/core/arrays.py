@@ -15,8 +15,8 @@ Image = NDArray[np.uint8]
 Owner = TypeVar("Owner")
 Result = TypeVar("Result")
 
-# The standard deviation of a normal variable over the median of its absolute value.
-SIGMA_OVER_MEDIAN = 1.48
+# The standard deviation of a normal variable over its median absolute deviation.
+SIGMA_OVER_MAD = 1.48
 # Multiples of the golden section of 1, or of a whole turn, taken modulo that, are spread evenly, however many.
 GOLDEN_SHARE = (math.sqrt(5) - 1) / 2
 GOLDEN_ANGLE_RAD = math.pi * (3 - math.sqrt(5))

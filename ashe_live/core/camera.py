@@ -120,8 +120,16 @@ class Camera:
             raise ValueError(f"{size[0]}x{size[1]} has another aspect ratio than {self.size[0]}x{self.size[1]}")
         K = self.K.copy()
         K[:2, :2] *= scales[:, None]
-        K[:2, 2] = (self.K[:2, 2] + 0.5) * scales - 0.5
+        K[:2, 2] = scaled_pixels(self.K[:2, 2], scales)
         return Camera(size, K, self.dist, self.source, self.focal_sigma_px * float(scales[0]))
+
+
+def scaled_pixels(pixels: Float, scale: float | Float) -> Float:
+    """Where pixels (..., 2) of a picture are in the same picture scaled by `scale`, or by one (2,) of each axis.
+
+    Pixel centres are integers, so that the picture's corner at -0.5 stays where it is.
+    """
+    return (pixels + 0.5) * scale - 0.5
 
 
 def fitted(camera: Camera, size: Size, name: str = "the camera") -> Camera:

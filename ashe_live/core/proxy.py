@@ -51,12 +51,6 @@ class Proxy:
         """Metres of its highest point above the marker's plane."""
         return float((self.spheroids_marker[:, 2] + self.spheroids_marker[:, 4]).max())
 
-    def raised(self, by_m: float) -> "Proxy":
-        """The body so far above where it is; below, for a negative distance."""
-        spheroids = self.spheroids_marker + np.array([0, 0, by_m, 0, 0])
-        mesh = self.mesh and Mesh(self.mesh.points_marker + np.array([0, 0, by_m]), self.mesh.triangles)
-        return Proxy(self.family, spheroids, mesh)
-
     def points_marker(self, around: int = 24) -> Float:
         """(m, 3) points on the body, marker frame, metres; it is their convex hull, where it is round approximately."""
         if not self.spheroids_marker[:, 3:].any():
@@ -92,7 +86,7 @@ class Proxy:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Wobble:
+class PoseShapeErrors:
     """How a body and the frame in which it stands on its plane may be off together: independent causes, r of them.
 
     Each as far as it goes in one standard deviation.

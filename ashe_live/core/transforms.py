@@ -121,16 +121,28 @@ def project(camera: Camera, T_cam_marker: Float, points_marker: ArrayLike) -> Fl
     return np.asarray((points_cam / depth[:, None]) @ camera.K[:2].T)
 
 
-def pixels_by_pose(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float:
-    """(n, 2, 6) derivatives of where points (n, 3) in front of the camera are seen, without distortion, by its pose.
+def pixels_by_points(points_cam: Float, K: Float) -> Float:
+    """(n, 2, 3) derivatives of the pixels of points (n, 3), camera frame, metres, by these; without distortion."""
+    depth = points_cam[:, 2]
+    by_points = np.empty((len(depth), 2, 3))
+    by_points[:, :, :2] = K[:2, :2] / depth[:, None, None]
+    by_points[:, :, 2] = -(points_cam[:, :2] @ K[:2, :2].T) / (depth * depth)[:, None]
+    return by_points
 
-    By (w, v) on the camera's axes, rad and m, as of MarkerPose.covariance: R' = exp(w) R, t' = t + v.
+
+def pixels_by_pose(turned: Float, points_cam: Float, K: Float) -> Float:
+    """(n, 2, 6) derivatives of the pixels of points in front of the camera, without distortion, by its pose.
+
+    By (w, v) on the camera's axes, rad and m, as of MarkerPose.covariance: R' = exp(w) R, t' = t + v. turned: the
+    points (n, 3) of the marker's frame on the camera's axes, R p; points_cam: (n, 3) in its frame, R p + t; metres.
     """
-    turned = points_marker @ T_cam_marker[:3, :3].T
-    seen = turned + T_cam_marker[:3, 3]
-    pixels = seen @ camera.K.T
-    by_place = (camera.K[:2] - (pixels[:, :2] / pixels[:, 2:])[..., None] * camera.K[2]) / seen[:, 2:, None]
-    return np.concatenate([np.cross(turned[:, None], by_place), by_place], axis=2)
+    by_points = pixels_by_points(points_cam, K)
+    # A turn w moves a turned point p by w x p. NumPy's cross product would take as long as all else.
+    crosses = np.zeros((len(turned), 3, 3))
+    crosses[:, 0, 1], crosses[:, 0, 2] = turned[:, 2], -turned[:, 1]
+    crosses[:, 1, 0], crosses[:, 1, 2] = -turned[:, 2], turned[:, 0]
+    crosses[:, 2, 0], crosses[:, 2, 1] = turned[:, 1], -turned[:, 0]
+    return np.concatenate([by_points @ crosses, by_points], axis=2)
 
 
 def camera_centre(T_cam_marker: Float) -> Float:

@@ -14,7 +14,7 @@ import numpy as np
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen, set_given_frozen
 from ashe_live.core.camera import Camera
-from ashe_live.core.proxy import Proxy, Wobble
+from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.core.ranges import ANGLE, INVERSE_DISTANCE, LAMP_RADIUS, MARKER_SIDE, SHARE
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import angles_from_direction, normalised
@@ -53,7 +53,7 @@ class MarkerPose:
     # a body, `side_m` is its edge, and `corners_px` are the corners of a square of that side on the plane, centred on
     # the origin, whether it can be seen or not.
     body: Proxy | None = None
-    wobble: Wobble | None = None  # how pose and body may be off; of the pose it is `covariance`
+    pose_shape_errors: PoseShapeErrors | None = None  # how pose and body may be off; of the pose it is `covariance`
 
     def __post_init__(self) -> None:
         set_frozen(

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, frozen_floats
+from ashe_live.core.camera import scaled_pixels
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import TrackedFrame
 from ashe_live.tracking.still_frame import UNMOVED, StillFrame
@@ -64,7 +65,7 @@ class MarkerPlace:
 
     def _compare(self, tracked: TrackedFrame, before: StillFrame) -> None:
         assert tracked.marker is not None
-        corners_px, time_s = tracked.marker.corners_px * before.scale, tracked.frame.time_s
+        corners_px, time_s = scaled_pixels(tracked.marker.corners_px, before.scale), tracked.frame.time_s
         is_at_rest = self._last_px is not None and np.abs(corners_px - self._last_px).max() < AT_REST_PX
         self._last_px = corners_px
         if np.abs(corners_px - before.corners_px).max() < LEAST_MOTION_PX:

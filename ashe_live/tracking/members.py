@@ -8,7 +8,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose
-from ashe_live.tracking.cube.beside import NUMBER, FlatBeside
+from ashe_live.tracking.cube.beside import BESIDE_NUMBER, FlatBeside
 from ashe_live.tracking.cube.folding import OF_FOLDED_CUBE, Folding
 from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare
@@ -43,7 +43,7 @@ class Members:
 
     def corners(self, number: int) -> Float:
         """(4, 3) metres, marker frame: the corners of a member."""
-        if self._folding is not None and number < NUMBER:
+        if self._folding is not None and number < BESIDE_NUMBER:
             return self._folding.corners(number)
         return self.side_m * self.all[number].corners
 
@@ -51,15 +51,15 @@ class Members:
         """Corners (4, 2), of the cube's faces among what was found of all members: the first of each."""
         if self._folding is None:
             return {}
-        return {number: found[0] for number, found in enumerate(several[:NUMBER]) if len(found)}
+        return {number: found[0] for number, found in enumerate(several[:BESIDE_NUMBER]) if len(found)}
 
     def sighting(self, number: int, square: FittedSquare) -> Sighting:
         """A member's corners with the square that was seen of it."""
         return Sighting(self.corners(number), square)
 
-    def projected(self, camera: Camera, T_cam_marker: Float, but: Container[int]) -> dict[int, Float]:
-        """Corners (4, 2), picture pixels, of all members `but` some, where a pose (4, 4) has them."""
-        numbers = [number for number in range(len(self.all)) if number not in but]
+    def projected(self, camera: Camera, T_cam_marker: Float, excluding: Container[int]) -> dict[int, Float]:
+        """Corners (4, 2), picture pixels, of all members where a pose (4, 4) has them, `excluding` some."""
+        numbers = [number for number in range(len(self.all)) if number not in excluding]
         if not numbers:
             return {}
         ideal = project(camera, T_cam_marker, np.concatenate([self.corners(number) for number in numbers]))
@@ -68,13 +68,13 @@ class Members:
 
     def in_order_of_worth(self, numbers: list[int]) -> list[int]:
         """The same numbers, but the marker beside a cube first, which is measured in addition to the faces."""
-        return sorted(numbers, key=lambda number: number != NUMBER) if self.beside is not None else numbers
+        return sorted(numbers, key=lambda number: number != BESIDE_NUMBER) if self.beside is not None else numbers
 
     def most_measured(self, numbers: list[int]) -> int:
         """How many of the members with these numbers are worth being measured in a frame."""
         if self._folding is None or self._folding.wants_all:
             return len(numbers)
-        return FACES_MEASURED + (NUMBER in numbers)
+        return FACES_MEASURED + (BESIDE_NUMBER in numbers)
 
     def pose(
         self, squares: dict[int, FittedSquare], camera: Camera, previous: MarkerPose | None, refines: bool
@@ -90,11 +90,11 @@ class Members:
         pose = pose_of_squares(seen, camera, self.side_m, previous, refines, OF_FOLDED_CUBE)
         if self.beside is not None and self.beside.has_moved(squares, pose, camera):
             self.beside.forget()
-            squares.pop(NUMBER, None)
+            squares.pop(BESIDE_NUMBER, None)
             return self.pose(squares, camera, previous, refines)
         if pose is None:
             return None, seen
-        faces = {number: one for number, one in zip(squares, seen, strict=True) if number < NUMBER}
+        faces = {number: one for number, one in zip(squares, seen, strict=True) if number < BESIDE_NUMBER}
         if faces and self._folding.add(faces, pose.T_cam_marker, camera):
             seen = [self.sighting(number, square) for number, square in squares.items()]
             pose = pose_of_squares(seen, camera, self.side_m, pose, refines, OF_FOLDED_CUBE) or pose

@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera
+from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.corners import LAST_REACH_PX, REACH_RATIO, fitted_squares
-from ashe_live.tracking.edges.covered_sides import checked
+from ashe_live.tracking.edges.covered_sides import verified_square
 from ashe_live.tracking.edges.edge_profiles import LightView, linear_light
 from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.tracking.edges.quads import MIN_SIDE_PX
@@ -86,7 +86,7 @@ def along_edges(
         growth = side_lengths_px(square.corners_px) / side_lengths_px(corners)
         if growth.min() >= SMALLEST_NEAR and growth.max() <= LARGEST_NEAR:
             one = expected[number]
-            squares[number] = checked(square, view, one.marker.alignment, samples, one.aligned_sigma)
+            squares[number] = verified_square(square, view, one.marker.alignment, samples, one.aligned_sigma)
     return squares
 
 
@@ -146,7 +146,7 @@ def refined(marker: Marker, image_bgr: Image, camera: Camera, coarse_px: Float, 
     (square,) = fitted_squares([view], [ideal], samples, off_by_px)
     if square is None and is_front_of_square(ideal):
         square = FittedSquare.guessed(ideal, off_by_px)
-    return None if square is None else checked(square, view, marker.alignment, samples)
+    return None if square is None else verified_square(square, view, marker.alignment, samples)
 
 
 def _found(
@@ -161,7 +161,7 @@ def _found(
     scaled = np.asarray(cv2.resize(grey, size, interpolation=interpolation), dtype=np.uint8)
     steps = np.array((width, height)) / size
     found = _found_in(markers, scaled, min_side_px * scale, thorough)
-    return [[(corners + 0.5) * steps - 0.5 for corners in each] for each in found]
+    return [[scaled_pixels(corners, steps) for corners in each] for each in found]
 
 
 def _found_in(markers: Sequence[Marker], grey: Image, min_side_px: float, thorough: bool) -> list[list[Float]]:

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask, frozen_floats
-from ashe_live.core.camera import Camera
+from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import camera_centre, inverse_rigid, project, raycast_to_plane, rigid
 from ashe_live.core.types import MarkerPose, TrackedFrame
@@ -77,7 +77,7 @@ class StillFrame:
         return StillFrame(
             fine,
             np.zeros((0, 2)) if points is None else np.asarray(points[:, 0], np.float64),
-            marker.corners_px * scale,
+            scaled_pixels(marker.corners_px, scale),
             marker.T_cam_marker,
             T_room_marker,
             tracked.camera,

@@ -34,7 +34,7 @@ FLOW_SIGMA_PX = 1.0
 # A lost marker is searched for thoroughly in the first frames without it, then in one frame of so many.
 THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
 # A frame is searched for a second marker like the followed one this often.
-CENSUS_EVERY_S = 1.0
+DUPLICATE_CHECK_EVERY_S = 1.0
 
 
 class MarkerTracker:
@@ -62,7 +62,7 @@ class MarkerTracker:
         """Forgets the last pose, for a rewind or a cut, after which it says nothing about the next frame."""
         self._last: Memory | None = None
         self._lost_frames = 0
-        self._census_s: float | None = None
+        self._duplicates_s: float | None = None
         self._note: str | None = None
         self._is_unfolded = False  # whether the last frame shows the cube's sheet before it is folded
         self._before_jump: MarkerPose | None = None
@@ -104,7 +104,7 @@ class MarkerTracker:
         if pose is None:
             self._lost_frames += 1
         else:
-            pose = self._held(pose, frame.time_s, bridged > 0)
+            pose = self._smoothed(pose, frame.time_s, bridged > 0)
             seen_px = {number: source_from_ideal(camera, square.corners_px) for number, square in squares.items()}
             corners_px = {0: pose.corners_px} if len(self._members.all) == 1 else seen_px
             sigmas = {number: square.aligned_sigma for number, square in squares.items()}
@@ -147,8 +147,8 @@ class MarkerTracker:
                         squares[number] = refined(marker, image, camera, coarse_px, self.preset.edge_samples)
         if not any(squares.values()):
             squares = self._with_others(self._search(image, camera, last), image, camera)
-        elif self._census_s is None or not 0 <= frame.time_s - self._census_s < CENSUS_EVERY_S:
-            self._census_s = frame.time_s
+        elif self._duplicates_s is None or not 0 <= frame.time_s - self._duplicates_s < DUPLICATE_CHECK_EVERY_S:
+            self._duplicates_s = frame.time_s
             (equal,) = anywhere([self._members.all[0].marker], image, self.preset.detection_width_px, thorough=False)
             self._count(equal)
         return {number: square for number, square in squares.items() if square is not None}
@@ -235,12 +235,14 @@ class MarkerTracker:
                 squares[number] = FittedSquare.guessed(ideal_from_source(camera, moved_px), FLOW_SIGMA_PX)
         return squares
 
-    def _held(self, pose: MarkerPose, time_s: float, bridged: bool) -> MarkerPose:
+    def _smoothed(self, pose: MarkerPose, time_s: float, bridged: bool) -> MarkerPose:
         assert pose.noise_covariance is not None
         if not self.filters:
             return dataclasses.replace(pose, bridged=bridged)
         preset = self.preset
-        held = self._filter.add(
+        smoothed = self._filter.add(
             pose.T_cam_marker, pose.noise_covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
         )
-        return dataclasses.replace(pose, T_cam_marker=held, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
+        return dataclasses.replace(
+            pose, T_cam_marker=smoothed, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged
+        )

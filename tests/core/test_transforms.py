@@ -50,6 +50,20 @@ def test_points_behind_the_camera_have_no_pixel() -> None:
     assert np.isnan(tf.project(SKEWED, np.eye(4), [[0, 0, -1]])).all()
 
 
+def test_pixels_move_with_points_and_pose_as_they_are_projected() -> None:
+    points, T = np.random.default_rng(4).uniform(-0.1, 0.1, (20, 3)), looking_down()
+    turned, step = points @ T[:3, :3].T, 1e-5
+    by_points = tf.pixels_by_points(turned + T[:3, 3], SKEWED.K)
+    by_pose = tf.pixels_by_pose(turned, turned + T[:3, 3], SKEWED.K)
+    for parameter, each in enumerate(step * np.eye(6)):
+        ahead, behind = (
+            tf.project(SKEWED, tf.rigid(rotation(sign * each[:3]) @ T[:3, :3], T[:3, 3] + sign * each[3:]), points)
+            for sign in (1, -1)
+        )
+        np.testing.assert_allclose(by_pose[..., parameter], (ahead - behind) / (2 * step), atol=1e-5)
+    np.testing.assert_array_equal(by_pose[..., 3:], by_points)
+
+
 def test_the_homography_of_the_plane_projects_its_points_and_gives_their_depths() -> None:
     places, T = np.random.default_rng(3).uniform(-0.1, 0.1, (20, 2)), looking_down()
     points = np.column_stack([places, np.zeros(20)])

@@ -18,7 +18,7 @@ from ashe_live.bench.judge.validation import (
     scores_by_others,
 )
 from ashe_live.core.contract import Json
-from ashe_live.light.estimators.preset import PRESETS
+from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.explanation.judgement.judge_tables import Curve, Score, Tables
@@ -74,7 +74,7 @@ class JudgeBench(FitBench):
         judge = Judge(self._fitted(few, first, splits)[1])
         pictures = looked(cases, judge, what=what)
         answers, tables = self._fitted(cases, pictures, splits)
-        families = list(by_families_left_out(pictures, explanation_score, PRESETS["balanced"], tables.averages[1]))
+        families = list(by_families_left_out(pictures, explanation_score, BALANCED, tables.averages[1]))
         every_answer = [each for several in answers.values() for each in several]
         self.console.print(score_table("explanations", tables.explanation))
         self.console.print(score_table("splits", tables.split))

@@ -8,10 +8,11 @@ import numpy as np
 from ashe_live.bench.judge.calibration import fitted_calibration
 from ashe_live.bench.judge.validation import Judged, Pictures, judged, looks_by, mean_risk
 from ashe_live.core.arrays import Float
-from ashe_live.light.estimators.preset import PRESETS, ProxyPreset
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, good_if_right, logit
 from ashe_live.light.explanation.judgement.judge_tables import Average, Score
 from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines, overdispersed
+from ashe_live.quality import LIGHT_PRESETS
 
 # The share of good answers at a confidence below which none is given. Their stated sigma is tens of degrees then.
 LEAST_GOOD = 0.4
@@ -40,7 +41,7 @@ def fitted_confidences(pictures: Pictures, scores: Sequence[Score]) -> tuple[dic
 
     scores: of each picture's explanations, fitted to others.
     """
-    looks_of = {name: len(preset.looks) for name, preset in PRESETS.items()}
+    looks_of = {name: len(preset.looks) for name, preset in LIGHT_PRESETS.items()}
 
     def answers_by(averages: Mapping[int, Average]) -> dict[str, list[Judged]]:
         return {
@@ -48,19 +49,22 @@ def fitted_confidences(pictures: Pictures, scores: Sequence[Score]) -> tuple[dic
                 judged(score, looks_by(picture, preset), averages[looks_of[name]])
                 for picture, score in zip(pictures, scores, strict=True)
             ]
-            for name, preset in PRESETS.items()
+            for name, preset in LIGHT_PRESETS.items()
         }
 
     averages = {
         looks: fitted_average(
-            pictures, scores, [preset for name, preset in PRESETS.items() if looks_of[name] == looks], looks
+            pictures, scores, [preset for name, preset in LIGHT_PRESETS.items() if looks_of[name] == looks], looks
         )
         for looks in sorted(set(looks_of.values()))
     }
     answers = answers_by(averages)
     calibration = _calibration([each for several in answers.values() for each in several])
     good_if_open, averages = with_open_directions(
-        {looks: [each for name in PRESETS if looks_of[name] == looks for each in answers[name]] for looks in averages},
+        {
+            looks: [each for name in LIGHT_PRESETS if looks_of[name] == looks for each in answers[name]]
+            for looks in averages
+        },
         averages,
         calibration,
     )

@@ -17,7 +17,7 @@ from ashe_live.bench.cases import Case
 from ashe_live.bench.metrics import tangent_offset
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.estimators.preset import PRESETS, ProxyPreset
+from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.context import Context
@@ -25,6 +25,7 @@ from ashe_live.light.explanation.judgement.judge import GOOD_RAD, Judge, explana
 from ashe_live.light.explanation.judgement.judge_tables import read_tables
 from ashe_live.light.explanation.light_covariance import averaged
 from ashe_live.light.shape.directions import FittedLight
+from ashe_live.quality import LIGHT_PRESETS
 
 Picture = TypeVar("Picture")
 
@@ -76,7 +77,7 @@ def of_one_view(preset: ProxyPreset) -> ProxyPreset:
     return replace(preset, views=1, companions=0, joint=1)
 
 
-LOOKS = tuple(dict.fromkeys(of_one_view(look) for preset in PRESETS.values() for look in preset.looks))
+LOOKS = tuple(dict.fromkeys(of_one_view(look) for preset in LIGHT_PRESETS.values() for look in preset.looks))
 
 
 def by_every_look(

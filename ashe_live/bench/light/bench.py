@@ -34,14 +34,14 @@ from ashe_live.core.contract import Json
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import Estimator, make_estimator
-from ashe_live.light.estimators.preset import PRESETS, ProxyPreset
-from ashe_live.quality import QUALITIES
+from ashe_live.light.estimators.preset import ProxyPreset
+from ashe_live.quality import LIGHT_PRESETS, QUALITIES
 
 QUICK_PRESETS = ("balanced",)
 QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4  # with --quick: every fifth scene, and so many frames of a clip
 TRADE, SWEEP_EVERY = "trade", 3  # the plot's name, and of how many scenes it takes one
 # Presets by estimator for the runs from true labels, which exist for `proxy` only.
-FROM_LABELS = {"proxy": PRESETS}
+FROM_LABELS = {"proxy": LIGHT_PRESETS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class LightBench(Bench):
     sweeps: bool = False  # also measures and draws error against time, on some scenes of each category
 
     def parts(self) -> Iterator[Json]:
-        estimators = {preset: make_estimator(self.estimator, PRESETS[preset]) for preset in self.presets}
+        estimators = {preset: make_estimator(self.estimator, LIGHT_PRESETS[preset]) for preset in self.presets}
         yield self._measured(estimators)
         if self.sweeps:
             points = sweep(thinned(self.cases(), SWEEP_EVERY), self.takes()[::SWEEP_EVERY], estimators, self.console)
@@ -152,7 +152,7 @@ class LightBench(Bench):
         for index, (case, caster) in enumerate(track(cases, "known casters", console=self.console, transient=True)):
             tracked = case.tracked(index)
             for preset in self.presets:
-                estimator = make_estimator(self.estimator, PRESETS[preset].assuming(caster=caster))
+                estimator = make_estimator(self.estimator, LIGHT_PRESETS[preset].assuming(caster=caster))
                 results.append(replace(attempt(estimator, preset, case, tracked, None), caster=caster.kind))
         return results
 

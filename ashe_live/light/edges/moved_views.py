@@ -103,5 +103,6 @@ def _derivatives_by_pose(lit: LitBody, view: View, points: Float, normals: Float
     height = np.zeros(len(points))
     height[:POINTS_PER_OUTLINE] = np.clip(eye[2] + beside_axis * body[:, 2], 0.0, highest)
     depth = (height - eye[2]) / np.minimum(onward[:, 2], -1e-6)
-    by_pose = pixels_by_pose(view.camera, pose, eye + depth[:, None] * onward)
+    turned = (eye + depth[:, None] * onward) @ pose[:3, :3].T
+    by_pose = pixels_by_pose(turned, turned + pose[:3, 3], view.camera.K)
     return np.asarray(np.einsum("rc,rcp->pr", normals, by_pose))

@@ -42,7 +42,7 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     clock = StageClock()
     view = View.of(tracked, width_px)
     assert tracked.marker is not None
-    seen = Seen.of(view, body, tracked.marker.wobble)
+    seen = Seen.of(view, body, tracked.marker.pose_shape_errors)
     clock.end("segment")
 
     def none(reason: str) -> tuple[LightEstimate, View]:
@@ -95,9 +95,11 @@ def _illumination(seen: Seen, found: Sequence[FoundLight], dark: Float, tracked:
 def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight]) -> FoundLight:
     """The light by its shadow's edges as the body may be off; for lamps, and what may be one, that was done before."""
     fit = found.fit
-    if fit is None or seen.wobble is None or found.is_lamp or found.may_be_lamp or fit.light[3] != 0:
+    if fit is None or seen.pose_shape_errors is None or found.is_lamp or found.may_be_lamp or fit.light[3] != 0:
         return found
-    adjusted = beside_folds(fit, image_beside(seen, others), found.darkening, seen.wobble, with_nearness=False)
+    adjusted = beside_folds(
+        fit, image_beside(seen, others), found.darkening, seen.pose_shape_errors, with_nearness=False
+    )
     if adjusted is None:
         return found
     light, covariance = adjusted

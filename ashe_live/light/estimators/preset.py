@@ -90,6 +90,3 @@ BALANCED = ProxyPreset(
 ACCURATE = replace(
     BALANCED, views=12, companions=4, joint=4, second_look=replace(BALANCED, coarse_width_px=280, fine_width_px=560)
 )
-
-
-PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}

@@ -15,11 +15,12 @@ import numpy as np
 
 from ashe_live.core.arrays import Mask
 from ashe_live.core.stages import StageClock
+from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
 from ashe_live.light.estimators.looking import Look, looked
 from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
-from ashe_live.light.estimators.scene_views import contradicting, span_of
+from ashe_live.light.estimators.scene_views import contradicting
 from ashe_live.light.estimators.stating import Choice, chosen, illumination_of
 from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.explanation.explanation import Explanation
@@ -42,7 +43,7 @@ from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.views.agreement import without_confirming
 from ashe_live.light.views.ground_height import COMPARED, height_above_ground, seen_from_ground, seen_from_marker
-from ashe_live.light.views.selection import usable
+from ashe_live.light.views.selection import span_rad, usable
 
 
 class ProxyEstimator:
@@ -116,8 +117,10 @@ class ProxyEstimator:
             clock.end("judge")
         body, shadow = (None, None) if explanation is None else _masks_of(explanation)
         indices = tuple(view.index for view in views)
+        directions = [view_direction(view.coarse.T_cam_marker) for view in views]
+        span = span_rad(directions) if len(views) > 1 else None
         index, timing_ms = tracked.frame.index, clock.timing_ms()
-        estimate = LightEstimate(self.name, index, found, reason, body, shadow, timing_ms, indices, span_of(views))
+        estimate = LightEstimate(self.name, index, found, reason, body, shadow, timing_ms, indices, span)
         return estimate, trace
 
 

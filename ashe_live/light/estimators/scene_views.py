@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.preset import FAST, ProxyPreset
 from ashe_live.light.explanation.scene_view import SceneView
@@ -12,7 +11,7 @@ from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
 from ashe_live.light.views.plane_evidence import with_plane
-from ashe_live.light.views.selection import span_rad, usable
+from ashe_live.light.views.selection import usable
 
 
 def fine_and_coarse(tracked: TrackedFrame, preset: ProxyPreset) -> tuple[View, View]:
@@ -41,11 +40,6 @@ def scene_views(
         if seen is not None:
             views.append(SceneView(other.frame.index, fine, coarse, seen))
     return views if len(views) == 1 else with_plane(views)
-
-
-def span_of(views: Sequence[SceneView]) -> float | None:
-    """The largest angle between the views' directions to the marker; None for one view."""
-    return span_rad([view_direction(view.coarse.T_cam_marker) for view in views])
 
 
 def contradicting(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Float32, Image, Mask
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import along_sides
@@ -121,7 +121,7 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     for _ in range(ROBUST_ROUNDS):
         (blur, squared), *_ = np.linalg.lstsq(design * weights[:, None], variances * weights, rcond=None)
         rest = variances - design @ np.array([blur, squared])
-        scale = SIGMA_OVER_MEDIAN * float(np.median(np.abs(rest))) + 1e-3
+        scale = SIGMA_OVER_MAD * float(np.median(np.abs(rest))) + 1e-3
         weights = 1 / np.sqrt(1 + (rest / (2 * scale)) ** 2)
     information = (design * weights[:, None]).T @ (design * weights[:, None])
     error = scale * math.sqrt(EDGES_PER_SAMPLE * float(np.linalg.inv(information)[1, 1]))

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask, set_frozen
+from ashe_live.core.camera import scaled_pixels
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.ground.lit_ground import MOST_DISTANCE, LitGround, ground_colours
 from ashe_live.light.ground.surroundings import stands_inside, surroundings_in
@@ -145,7 +146,7 @@ def _box_px(mask: Mask) -> int:
 def _nearness(view: View, mask: Mask) -> Float:
     """(n,) 1 / (1 + d²) of the ground in `mask`, at another scale: d its distance from the marker over the camera's."""
     rows, columns = np.nonzero(mask)
-    pixels = (np.column_stack([columns, rows]) + 0.5) * (view.size[0] / mask.shape[1]) - 0.5
+    pixels = scaled_pixels(np.column_stack([columns, rows]), view.size[0] / mask.shape[1])
     ground = raycast_to_plane(view.camera, view.T_cam_marker, pixels)
     away = np.hypot(ground[:, 0], ground[:, 1]) / np.linalg.norm(view.T_cam_marker[:3, 3])
     return np.asarray(np.nan_to_num(1 / (1 + away**2)))

@@ -13,7 +13,7 @@ from operator import attrgetter
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.sheet import ADDED
@@ -191,7 +191,7 @@ def _strip(lines: _Lines, side: int, end: float, edge: _EdgeResponse) -> tuple[f
     lost = 1 - across / ground
     strip = _fitted_strip(away, np.median(lost, axis=1), edge, paper / ground, WIDEST * scale)
     by_line = strip.weights @ lost
-    spread = MEDIAN_OVER_MEAN * SIGMA_OVER_MEDIAN * float(np.median(np.abs(by_line - np.median(by_line))))
+    spread = MEDIAN_OVER_MEAN * SIGMA_OVER_MAD * float(np.median(np.abs(by_line - np.median(by_line))))
     deviation = math.hypot(spread / math.sqrt(INDEPENDENT * len(by_line)), 0.5 * math.sqrt(strip.cost / len(away)))
     is_too_pale = strip.width_px > NARROW_PX and strip.amplitude < LEAST_LOST
     amplitude = 0.0 if is_too_pale else strip.amplitude

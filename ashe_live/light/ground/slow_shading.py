@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Float32
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Float32
 from ashe_live.core.transforms import camera_centre, image_from_plane
 from ashe_live.light.ground.gloss import Gloss, mirrored
 from ashe_live.light.pixels.view import View, Window
@@ -129,7 +129,7 @@ def robust_trend(values: Float32, slow: Float32) -> Float32:
         weighted = design * weights[:, None]
         coefficients = np.linalg.solve(weighted.T @ design + ridge, (columns @ weighted).T)
         residuals = columns - coefficients.T @ design.T
-        scale = SIGMA_OVER_MEDIAN * np.median(np.abs(residuals), axis=1, keepdims=True) + LEAST_SCALE
+        scale = SIGMA_OVER_MAD * np.median(np.abs(residuals), axis=1, keepdims=True) + LEAST_SCALE
         weights = 1 / (1 + ((residuals / (2 * scale)) ** 2).sum(axis=0))
     return np.asarray(coefficients[1:], dtype=np.float32)
 

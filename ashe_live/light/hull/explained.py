@@ -43,7 +43,7 @@ def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExpla
     span = span_rad([view_direction(each.region.view.T_cam_marker) for each in explanation.each])
     is_sun = len(joint.lights) == 1 and joint.lights[0].light[3] == 0
     seen = np.mean([share_seen(each) for each in explanation.each])
-    if not is_sun or span is None or span < LEAST_SPAN_RAD or seen < LEAST_SEEN:
+    if not is_sun or span < LEAST_SPAN_RAD or seen < LEAST_SEEN:
         return explanation
     start = joint.lights[0].to_light_marker
     # Where a family's body misses parts of the object, their colours are those of what else is unlit around.

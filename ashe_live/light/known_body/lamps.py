@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import Wobble
+from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, nearness_sigma
@@ -74,7 +74,7 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
         if len(one.fit.covariance) < 3:
             return one
         fit = one.fit
-    edges = _of_folded_body(image, fit, one.darkening, seen.wobble)
+    edges = _of_folded_body(image, fit, one.darkening, seen.pose_shape_errors)
     nearness = _nearness(seen, edges, others)
     # By the edges, the displacement follows the nearness.
     by_nearness = edges.covariance[:, 2] / edges.covariance[2, 2]
@@ -93,9 +93,9 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     return replace(sun_or_lamp, may_be_lamp=True, has_folds=edges.has_folds)
 
 
-def _of_folded_body(image: EdgeImage, fit: EdgeFit, darkening: float, wobble: Wobble | None) -> _ByEdges:
+def _of_folded_body(image: EdgeImage, fit: EdgeFit, darkening: float, errors: PoseShapeErrors | None) -> _ByEdges:
     """The lamp by a fit with its nearness, whose body may be off."""
-    adjusted = None if wobble is None else beside_folds(fit, image, darkening, wobble, with_nearness=True)
+    adjusted = None if errors is None else beside_folds(fit, image, darkening, errors, with_nearness=True)
     if adjusted is not None:
         return _ByEdges(*adjusted, has_folds=True)
     # A wider body casts the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).

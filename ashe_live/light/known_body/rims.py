@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Float32, Mask, upper_median
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Float32, Mask, upper_median
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.outline.edges import POINTS
 from ashe_live.light.known_body.outline.profiles import BY_NONE, BY_STEP, LEAST_STEP, POINTS_A_SAMPLE
@@ -54,7 +54,7 @@ class Steps(NamedTuple):
         some = self.lost[self.visible][::EVERY]
         if not len(some):
             return by_depth
-        scatter = max(SIGMA_OVER_MEDIAN * upper_median(np.abs(some)), LEAST_SCATTER)
+        scatter = max(SIGMA_OVER_MAD * upper_median(np.abs(some)), LEAST_SCATTER)
         lost = self.lost * self.visible
         depth = np.maximum(lost.sum(axis=1) / np.maximum(self.visible.sum(axis=1), 1), LEAST_DEPTH)
         depth = depth.astype(np.float32)[:, None]

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask, cached_by_array, upper_quantile
-from ashe_live.core.proxy import Proxy, Wobble
+from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
@@ -82,10 +82,10 @@ class Seen:
     templates: Templates  # everywhere that a light is looked for
     measured: Measured
     observed: Observed  # by the mean of the channels
-    wobble: Wobble | None = None  # how the body and its frame may be off
+    pose_shape_errors: PoseShapeErrors | None = None  # how the body and its frame may be off
 
     @staticmethod
-    def of(view: View, body: Proxy, wobble: Wobble | None = None) -> "Seen | None":
+    def of(view: View, body: Proxy, errors: PoseShapeErrors | None = None) -> "Seen | None":
         """None where next to nothing of the table is in view."""
         picture = linear_picture(view)
         table = table_around(view, body, picture)
@@ -101,7 +101,7 @@ class Seen:
         observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
         is_table, room = observed.weight.reshape(SIDE, SIDE) > 0, Room.of(view, body)
         light, around = without_texture(light, view.is_ground, float(lit_rgb.mean()))
-        return Seen(view, body, picture, light, around, lit_rgb, is_table, room, templates, measured, observed, wobble)
+        return Seen(view, body, picture, light, around, lit_rgb, is_table, room, templates, measured, observed, errors)
 
     def in_light_of(self, lights: Float, darkenings: Float) -> "Seen":
         """The same with the lit table at the body's foot as the measure, which in a lamp's light is as bright nowhere.

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera
+from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.ranges import VIEWS
 from ashe_live.core.transforms import transform_points, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
@@ -29,7 +29,7 @@ WORKING_WIDTH_PX = 640
 MOST_BYTES = 40e6  # of all pictures together
 MOST_PIXELS = MOST_BYTES / MOST_VIEWS / 3
 # Between directions nearer than this, a thing 5 cm high and half a metre away shifts by less than two pixels.
-LEAST_COSINE = math.cos(math.radians(1.0))
+SAME_DIRECTION_COSINE = math.cos(math.radians(1.0))
 # A full set takes a view that widens its narrowest gap by this factor; without it, noise would renew the set for ever.
 GAIN = 1.25
 # Views that span less than a hand's trembling count as one.
@@ -50,7 +50,7 @@ EXTREME, STEEPEST = 0.02, 0.01
 
 def span_of(views: Sequence[TrackedFrame]) -> float:
     """The largest angle between two views' directions, seen from the marker, in radians; 0 for fewer than two."""
-    return span_rad(_directions(views)) or 0.0
+    return span_rad(_directions(views))
 
 
 class KeyViews:
@@ -141,7 +141,7 @@ class _ViewSet:
             return ()
         cosines = self._directions @ direction
         nearest = int(cosines.argmax())
-        if cosines[nearest] > LEAST_COSINE:
+        if cosines[nearest] > SAME_DIRECTION_COSINE:
             return (self.views[nearest],) if _age_s(self.views[nearest], time_s) > RENEWED_AFTER_S else None
         if len(self.views) < most:
             return ()
@@ -192,7 +192,7 @@ def scaled(tracked: TrackedFrame, size: tuple[int, int]) -> TrackedFrame:
         camera=tracked.camera.resized(size),
         marker=replace(
             marker,
-            corners_px=(marker.corners_px + 0.5) * scale - 0.5,
+            corners_px=scaled_pixels(marker.corners_px, scale),
             reprojection_rms_px=marker.reprojection_rms_px * float(scale[0]),
             other_rms_px=None if marker.other_rms_px is None else marker.other_rms_px * float(scale[0]),
         ),

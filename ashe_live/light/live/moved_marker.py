@@ -7,11 +7,10 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import Mesh, Proxy
-from ashe_live.core.ranges import INVERSE_DISTANCE
 from ashe_live.core.square import PlaneMarker, square_corners
-from ashe_live.core.transforms import inverse_rigid, motion_between, tangent_basis, transform_points
+from ashe_live.core.transforms import motion_between, transform_points
 from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.light.views.moved_frame import moved_body, moved_light, with_moved_marker
 
 # A marker that is tilted by more than this, or lifted by more than this share of its side, is no longer on the table.
 LEVEL_COS = math.cos(math.radians(5.0))
@@ -60,18 +59,18 @@ def moved_illumination(illumination: Illumination, T_new_old: Float, marker: Mar
     """
     body, slope, seen_in = illumination.real_object, illumination.sky_slope_rgb, illumination.seen_in
     is_level = stays_on_plane(T_new_old, marker.side_m)
-    lights = tuple(_moved_light(light, T_new_old) for light in illumination.lights)
+    lights = tuple(moved_light(light, T_new_old) for light in illumination.lights)
     ambient = illumination.ambient_rgb_ratio
     if not is_level:
         lights, ambient = _shared_on_tilted(lights, illumination)
     if body is not None and marker.body is None:
-        body = _moved_body(body, T_new_old) if is_level else None
+        body = moved_body(body, T_new_old) if is_level else None
     return replace(
         illumination,
         lights=lights,
         ambient_rgb_ratio=ambient,
         real_object=body,
-        seen_in=seen_in and _seen_by(seen_in, T_new_old),
+        seen_in=seen_in and with_moved_marker(seen_in, T_new_old),
         sky_slope_rgb=None if slope is None else T_new_old[:2, :2] @ slope,
         as_it_lay=None if seen_in is None else illumination.as_it_lay or illumination,
     )
@@ -108,44 +107,6 @@ def _left_without(light: Light) -> Float | None:
     return light.shadow_rgb_ratio if intensity is None else 1 / (1 + np.maximum(intensity, 0.0))
 
 
-def _moved_light(light: Light, T_new_old: Float) -> Light:
-    """Brightness and covariance of a lamp stay those at the marker's old place, a few centimetres away."""
-    there = T_new_old @ light.homogeneous  # (x, y, z, w)
-    distance = float(np.linalg.norm(there[:3]))
-    if there[3] > INVERSE_DISTANCE.high * distance:  # the marker was moved into the lamp
-        there, distance = np.array([*T_new_old[:3, :3] @ light.to_light_marker, light.inverse_distance]), 1.0
-    to_light = there[:3] / distance
-    turn = tangent_basis(to_light) @ T_new_old[:3, :3] @ tangent_basis(light.to_light_marker).T
-    covariance, lamp_covariance = light.covariance_rad2, light.lamp_covariance
-    if covariance is not None:
-        covariance = turn @ covariance @ turn.T
-    if lamp_covariance is not None:
-        with_nearness = np.eye(3)
-        with_nearness[:2, :2] = turn
-        lamp_covariance = with_nearness @ lamp_covariance @ with_nearness.T
-    return replace(
-        light,
-        to_light_marker=to_light,
-        inverse_distance=float(there[3]) / distance,
-        covariance_rad2=covariance,
-        lamp_covariance=lamp_covariance,
-    )
-
-
-def _moved_body(body: Proxy, T_new_old: Float) -> Proxy:
-    spheroids = body.spheroids_marker.copy()
-    spheroids[:, :3] = transform_points(T_new_old, spheroids[:, :3])
-    mesh = body.mesh and Mesh(transform_points(T_new_old, body.mesh.points_marker), body.mesh.triangles)
-    return Proxy(body.family, spheroids, mesh)
-
-
-def _seen_by(tracked: TrackedFrame, T_new_old: Float) -> TrackedFrame:
-    """The frame with the pose that the marker would have had in it where it is now."""
-    assert tracked.marker is not None
-    T_cam_new = tracked.marker.T_cam_marker @ inverse_rigid(T_new_old)
-    return replace(tracked, marker=replace(tracked.marker, T_cam_marker=T_cam_new))
-
-
 def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFrame | None:
     """A frame from before the marker's sheet was moved, by the frame of the marker as it lies now: `T_room_marker`.
 
@@ -157,7 +118,7 @@ def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFram
     motion = motion_between(tracked.T_room_marker, T_room_marker)
     if motion is None or marker.body is not None or not stays_on_plane(motion, marker.side_m):
         return None
-    seen = _seen_by(tracked, motion)
+    seen = with_moved_marker(tracked, motion)
     assert seen.marker is not None
     T_cam_marker, camera = seen.marker.T_cam_marker, tracked.camera
     corners = square_corners(marker.side_m)

@@ -47,11 +47,8 @@ def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | No
     if tracked.marker is None or body is None or not estimate.lights:
         return None
     height_m = max(-_lowest(body), 0.0)
-    found = _followed(
-        replace(estimate, illumination=seen_from_marker(estimate.illumination, -height_m)),
-        body.raised(height_m),
-        seen_from_ground(tracked, height_m),
-    )
+    by_ground = seen_from_marker(estimate.illumination, -height_m)
+    found = _followed(replace(estimate, illumination=by_ground), seen_from_ground(tracked, height_m))
     return found and replace(found, illumination=seen_from_marker(found.illumination, height_m))
 
 
@@ -64,7 +61,9 @@ def has_lost_shadows(estimate: LightEstimate, tracked: TrackedFrame) -> bool:
     if tracked.marker is None or body is None or not ratios or len(ratios) < len(all_ratios):
         return False
     height_m = max(-_lowest(body), 0.0)
-    lights, body = seen_from_marker(estimate.illumination, -height_m).lights, body.raised(height_m)
+    by_ground = seen_from_marker(estimate.illumination, -height_m)
+    lights, body = by_ground.lights, by_ground.real_object
+    assert body is not None
     fine = View.of(seen_from_ground(tracked, height_m), FINE_WIDTH_PX).with_paper_as_ground()
     if tracked.marker.body is None:  # on which the marker is, and where its borders are not looked for
         found = _aligned(lights, body, fine, tracked.frame.index)
@@ -75,9 +74,10 @@ def has_lost_shadows(estimate: LightEstimate, tracked: TrackedFrame) -> bool:
     return is_of_sky_alone(depths, seeming, LEFT_SHARE)
 
 
-def _followed(estimate: LightEstimate, body: Proxy, tracked: TrackedFrame) -> LightEstimate | None:
+def _followed(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | None:
     """As `follow`, of a body that stands on the plane z = 0."""
-    lights, index = estimate.lights, tracked.frame.index
+    lights, body, index = estimate.lights, estimate.illumination.real_object, tracked.frame.index
+    assert body is not None
     found = _aligned(lights, body, View.of(tracked, FINE_WIDTH_PX).with_paper_as_ground(), index)
     if found is None or not _is_clear(found):
         return None

@@ -13,10 +13,11 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, lowest_on_parabola
-from ashe_live.core.transforms import pixels_by_pose, raycast_to_plane
+from ashe_live.core.transforms import inverse_rigid, pixels_by_pose, raycast_to_plane, rigid
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
+from ashe_live.light.views.moved_frame import moved_body, moved_light, with_moved_marker
 from ashe_live.light.views.plane import plane_homography
 
 COMPARED = 3  # number of other views
@@ -79,16 +80,13 @@ class _Textured:
 
 def _homography(one: View, other: View, height_m: float) -> Float:
     """(3, 3) from the pixels of one view to another's, through the plane that lies so far below the marker's."""
-    return plane_homography(
-        *(replace(each, T_cam_marker=_lowered(each.T_cam_marker, height_m)) for each in (one, other))
-    )
+    T_marker_ground = inverse_rigid(_above_ground(height_m))
+    return plane_homography(*(replace(each, T_cam_marker=each.T_cam_marker @ T_marker_ground) for each in (one, other)))
 
 
-def _lowered(T_cam_marker: Float, height_m: float) -> Float:
-    """(4, 4) the pose of the point so far below the marker's centre."""
-    T_cam_ground = T_cam_marker.copy()
-    T_cam_ground[:3, 3] -= height_m * T_cam_ground[:3, 2]
-    return T_cam_ground
+def _above_ground(height_m: float) -> Float:
+    """(4, 4) from the marker's frame to that of the ground so far below its centre."""
+    return rigid(np.eye(3), [0.0, 0.0, height_m])
 
 
 def _moved_px_per_metre(one: _Textured, other: _Textured) -> float:
@@ -119,7 +117,8 @@ def _misplaced_px(one: _Textured) -> float:
     if covariance is None or not len(rows):
         return 0.0
     ground = raycast_to_plane(view.camera, view.T_cam_marker, np.column_stack([8.0 * columns, 8.0 * rows]))
-    by_pose = pixels_by_pose(view.camera, view.T_cam_marker, np.column_stack([ground[:, :2], np.zeros(len(ground))]))
+    turned = ground[:, :2] @ view.T_cam_marker[:3, :2].T
+    by_pose = pixels_by_pose(turned, turned + view.T_cam_marker[:3, 3], view.camera.K)
     return float(np.sqrt(np.einsum("nij,jk,nik->n", by_pose, covariance, by_pose).mean()))
 
 
@@ -145,20 +144,14 @@ def _misfits(one: _Textured, other: _Textured, heights_m: Float) -> Float:
 
 def seen_from_ground(tracked: TrackedFrame, height_m: float) -> TrackedFrame:
     """The frame with the ground below the marker's centre in the marker's place, that far below it."""
-    if tracked.marker is None:
-        return tracked
-    lowered = _lowered(tracked.marker.T_cam_marker, height_m)
-    return replace(tracked, marker=replace(tracked.marker, T_cam_marker=lowered))
+    return tracked if tracked.marker is None else with_moved_marker(tracked, _above_ground(height_m))
 
 
 def seen_from_marker(illumination: Illumination, height_m: float) -> Illumination:
     """What was found in the ground's frame, in the marker's, that far above it: body and lamps are lower there."""
-    lights = []
-    for light in illumination.lights:
-        towards = light.to_light_marker - np.array([0.0, 0.0, height_m * light.inverse_distance])
-        length = float(np.linalg.norm(towards))
-        lights.append(
-            replace(light, to_light_marker=towards / length, inverse_distance=light.inverse_distance / length)
-        )
-    body = illumination.real_object
-    return replace(illumination, lights=tuple(lights), real_object=body and body.raised(-height_m))
+    T_marker_ground, body = inverse_rigid(_above_ground(height_m)), illumination.real_object
+    return replace(
+        illumination,
+        lights=tuple(moved_light(light, T_marker_ground) for light in illumination.lights),
+        real_object=body and moved_body(body, T_marker_ground),
+    )

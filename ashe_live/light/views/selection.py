@@ -38,9 +38,9 @@ def usable(tracked: TrackedFrame, others: Sequence[TrackedFrame], most: int) -> 
     return chosen
 
 
-def span_rad(directions: Sequence[Float]) -> float | None:
-    """The largest angle between directions of view (3,), unit vectors; None for fewer than two."""
+def span_rad(directions: Sequence[Float]) -> float:
+    """The largest angle between directions of view (3,), unit vectors, in radians; 0 for fewer than two."""
     if len(directions) < 2:
-        return None
+        return 0.0
     several = np.array(directions)
     return math.acos(float(np.clip((several @ several.T).min(), -1, 1)))

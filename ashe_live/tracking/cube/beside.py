@@ -19,7 +19,7 @@ from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.plane_markers import MOVED_SIDES, PlaneMarkers
 from ashe_live.tracking.preset import TrackingPreset
 
-NUMBER = len(FACES)  # of this member, after the cube's faces
+BESIDE_NUMBER = len(FACES)  # of this member, after the cube's faces
 # Its place is averaged over this many frames in a row before it is used, so that its error is well below the noise of a
 # frame. It is forgotten after as many frames in which the cube is seen but the marker is not where it was.
 PLACED_AFTER = 12
@@ -62,15 +62,15 @@ class FlatBeside:
         It has if no `pose` explains both, if the pose puts the marker elsewhere than it is seen, or if the marker has
         been missing for PLACED_AFTER frames.
         """
-        if self.corners is None or not squares or (NUMBER in squares and len(squares) == 1):
+        if self.corners is None or not squares or (BESIDE_NUMBER in squares and len(squares) == 1):
             return False
-        if NUMBER not in squares:
+        if BESIDE_NUMBER not in squares:
             self._missed += 1
             return self._missed >= PLACED_AFTER
         self._missed = 0
         if pose is None:
             return True
-        seen_px = squares[NUMBER].corners_px
+        seen_px = squares[BESIDE_NUMBER].corners_px
         off_px = project(camera, pose.T_cam_marker, self.corners) - seen_px
         return not float(np.sqrt((off_px**2).sum(axis=1).mean())) < MOVED * mean_side_px(seen_px)
 

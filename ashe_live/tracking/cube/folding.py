@@ -15,11 +15,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.proxy import Proxy, Wobble
+from ashe_live.core.proxy import PoseShapeErrors, Proxy
+from ashe_live.core.transforms import pixels_by_points, pixels_by_pose
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
 from ashe_live.tracking.poses.pose import Sighting, Tolerance, corners_information, corners_noise
-from ashe_live.tracking.poses.pose_refinement import pixels_by_points, pixels_by_pose
 
 # Standard deviations of careful folding: of a face's turn about each axis, and of its shift over the edge length, which
 # is 0.7 mm for 6 cm.
@@ -54,7 +54,7 @@ class Folding:
         # (6, 6) of the turn about and the shift of the cube's middle, rad and m, cube's axes, that folds may have. What
         # all faces share is the pose itself, as no picture tells them apart.
         self.pose_covariance: Float = np.diag(1 / prior[:EACH])
-        self._wobble: Wobble | None = None
+        self._pose_shape_errors: PoseShapeErrors | None = None
         self._folds = np.zeros((len(FACES), EACH))
         self._shape()
 
@@ -77,11 +77,11 @@ class Folding:
     def stated(self, pose: MarkerPose) -> MarkerPose:
         """`pose` with the cube's body, and as uncertain as the folds make it."""
         if pose.covariance is None:
-            return replace(pose, body=self.body, wobble=self._wobble)
+            return replace(pose, body=self.body, pose_shape_errors=self._pose_shape_errors)
         by_middle = self._pose_by_middle(pose.T_cam_marker)
         by_folds = by_middle @ self.pose_covariance @ by_middle.T
         covariance = pose.covariance + 0.5 * (by_folds + by_folds.T)
-        return replace(pose, body=self.body, wobble=self._wobble, covariance=covariance)
+        return replace(pose, body=self.body, pose_shape_errors=self._pose_shape_errors, covariance=covariance)
 
     def add(self, squares: Mapping[int, Sighting], T_cam_cube: Float, camera: Camera) -> bool:
         """Learns from a frame's faces by number, seen from `T_cam_cube`; returns whether the shape has changed."""
@@ -101,7 +101,7 @@ class Folding:
             return False
         predicted = (in_camera / in_camera[:, 2:]) @ camera.K[:2].T
         off = (np.concatenate([one.square.corners_px for one in sightings]) - predicted).ravel()
-        by_pose = pixels_by_pose(turned, in_camera, camera.K)
+        by_pose = pixels_by_pose(turned, in_camera, camera.K).reshape(-1, EACH)
         by_folds = self._pixels_by_folds(numbers, points, pixels_by_points(in_camera, camera.K) @ R)
         off = off + by_folds @ self._folds.ravel()
         whole = np.concatenate([by_pose, by_folds], axis=1)
@@ -122,10 +122,10 @@ class Folding:
             self._shape()
         self._numbers = numbers
         self.pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
-        self._wobble = self._wobble_of(np.asarray(pose_by_folds, dtype=np.float64))
+        self._pose_shape_errors = self._errors_of(np.asarray(pose_by_folds, dtype=np.float64))
         return is_learned
 
-    def _wobble_of(self, pose_by_folds: Float) -> Wobble:
+    def _errors_of(self, pose_by_folds: Float) -> PoseShapeErrors:
         """How the body and its frame may be off together, where the pose gives way to folds by `pose_by_folds` (6, 30).
 
         A face that is turned turns the frame the other way, as its picture is what it is.
@@ -141,7 +141,7 @@ class Folding:
             by_fold = np.concatenate([-_crosses(arms), np.tile(np.eye(3), (4, 1, 1))], axis=2)
             by_fold[points[rows, 2] <= 0, 2] = 0.0  # it stands on the table, however deep its corner would be
             moved[rows, :, EACH * number : EACH * number + EACH] = by_fold
-        return Wobble(-at_origin @ pose_by_folds @ causes, moved @ causes)
+        return PoseShapeErrors(-at_origin @ pose_by_folds @ causes, moved @ causes)
 
     def _pixels_by_folds(self, numbers: Sequence[int], points: Float, by_points: Float) -> Float:
         """(8 n, 30) derivatives of the pixels of n faces' corners (4 n, 3) by all folds; by_points: by the corners."""

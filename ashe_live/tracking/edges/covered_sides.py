@@ -37,7 +37,7 @@ MOST_BENT = 0.12
 ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
 
 
-def checked(
+def verified_square(
     square: FittedSquare, view: LightView, alignment: PrintAlignment, samples: int, aligned_sigma: float = 0.0
 ) -> FittedSquare | None:
     """`square` as it is, or without the sides that are not the print's; None when it is not the print.

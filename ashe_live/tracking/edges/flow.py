@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import scaled_pixels
 from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.squares import is_front_of_square, region_around
 
@@ -36,7 +37,7 @@ def flowed_corners(before_bgr: Image, now_bgr: Image, corners_px: Float) -> Floa
         return None
     scale = min(1.0, WORKING_PX / max(np.ptp(corners_px, axis=0)))
     before, now = (_grey(image[top:bottom, left:right], scale) for image in (before_bgr, now_bgr))
-    inside = (corners_px - (left, top) + 0.5) * scale - 0.5
+    inside = scaled_pixels(corners_px - (left, top), scale)
     mask = np.zeros(before.shape, dtype=np.uint8)
     paper = inside.mean(axis=0) + PAPER * (inside - inside.mean(axis=0))
     cv2.fillConvexPoly(mask, np.round(paper).astype(np.int32), 255)
@@ -58,7 +59,7 @@ def flowed_corners(before_bgr: Image, now_bgr: Image, corners_px: Float) -> Floa
     if motion is None or agreeing.sum() < MIN_AGREEING * len(found):
         return None
     moved = inside @ motion[:, :2].T + motion[:, 2]
-    corners = (moved + 0.5) / scale - 0.5 + (left, top)
+    corners = np.add(scaled_pixels(moved, 1 / scale), (left, top))
     growth = side_lengths_px(corners) / side_lengths_px(corners_px)
     return corners if is_front_of_square(corners) and np.abs(np.log(growth)).max() < MAX_GROWTH else None
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import pixels_by_pose
 
 STEPS = 8
 # A step that moves no point by more than this many standard deviations ends it.
@@ -64,7 +65,7 @@ class Correspondences:
         for _ in range(STEPS):
             turned = self.points @ best.R.T
             in_camera = turned + best.t
-            jacobian = pixels_by_pose(turned, in_camera, K)
+            jacobian = pixels_by_pose(turned, in_camera, K).reshape(-1, 6)
             weighted = jacobian.T @ self.information
             hessian = weighted @ jacobian
             try:
@@ -101,7 +102,7 @@ class Correspondences:
         """`noise` (2n, 2n) is the part of the pixels' covariance, the inverse of `information`, that is noise."""
         turned = self.points @ solution.R.T
         in_camera = turned + solution.t
-        jacobian = pixels_by_pose(turned, in_camera, K)
+        jacobian = pixels_by_pose(turned, in_camera, K).reshape(-1, 6)
         weighted = jacobian.T @ self.information
         covariance = _inverse(weighted @ jacobian)
         by_pixels = covariance @ weighted
@@ -113,29 +114,6 @@ class Correspondences:
     def _error(self, in_camera: Float, K: Float) -> Float:
         """(2n,) by which the points, camera frame, are beside their pixels."""
         return np.asarray(((in_camera / in_camera[:, 2:]) @ K[:2].T - self.pixels).ravel())
-
-
-def pixels_by_points(in_camera: Float, K: Float) -> Float:
-    """(n, 2, 3) derivatives of the pixels of points (n, 3), camera frame, by these."""
-    x, y, z = in_camera.T
-    by_point = np.empty((len(z), 2, 3))
-    by_point[:, :, :2] = K[:2, :2] / z[:, None, None]
-    by_point[:, :, 2] = -(np.column_stack([x, y]) @ K[:2, :2].T) / (z * z)[:, None]
-    return by_point
-
-
-def pixels_by_pose(turned: Float, in_camera: Float, K: Float) -> Float:
-    """(2n, 6) derivatives of the pixels by (w, v); `turned` (n, 3) are the points turned into the camera's axes, and
-    `in_camera` (n, 3) these moved to the camera's frame.
-    """
-    by_point = pixels_by_points(in_camera, K)
-    z = in_camera[:, 2]
-    # A turn w moves a turned point p by w x p.
-    cross = np.zeros((len(z), 3, 3))
-    cross[:, 0, 1], cross[:, 0, 2] = turned[:, 2], -turned[:, 1]
-    cross[:, 1, 0], cross[:, 1, 2] = -turned[:, 2], turned[:, 0]
-    cross[:, 2, 0], cross[:, 2, 1] = turned[:, 1], -turned[:, 0]
-    return np.concatenate([by_point @ cross, by_point], axis=2).reshape(-1, 6)
 
 
 def _inverse(hessian: Float) -> Float:

@@ -12,7 +12,8 @@ from ashe_live.bench.light.trade import MEDIAN_ERROR, MISSED, VARIATIONS, Variat
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose
-from ashe_live.light.estimators.preset import BALANCED, PRESETS, ProxyPreset
+from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
+from ashe_live.quality import LIGHT_PRESETS
 
 
 class Guess:
@@ -57,7 +58,7 @@ def test_every_variation_is_a_setting_and_every_series_passes_through_balanced()
 def test_every_number_that_the_presets_differ_in_is_varied():
     varied = {path.partition(".")[0] for variation in VARIATIONS for path in variation.changes}
     fields = [field.name for field in dataclasses.fields(ProxyPreset)]
-    assert varied >= {name for name in fields if len({getattr(preset, name) for preset in PRESETS.values()}) > 1}
+    assert varied >= {name for name in fields if len({getattr(preset, name) for preset in LIGHT_PRESETS.values()}) > 1}
 
 
 def test_an_abstention_is_worse_than_any_answer(cases, monkeypatch):

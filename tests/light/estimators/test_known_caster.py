@@ -11,7 +11,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator
-from ashe_live.light.estimators.preset import ACCURATE, BALANCED, FAST, PRESETS
+from ashe_live.light.estimators.preset import ACCURATE, BALANCED, FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.explanation.no_answer import DOES_NOT_FIT, OTHER_SIZE
 from ashe_live.light.lamps.kinds import SUN
@@ -108,7 +108,7 @@ def test_all_fits_of_all_looks_know_the_body_and_the_kind_of_light() -> None:
     assert [look.caster for look in preset.looks] == [KNOWN["box"]] * 2
     assert {preset.first_fit.caster, preset.fine_fit.caster} == {KNOWN["box"]}
     assert preset.assuming() == ACCURATE
-    assert all(preset.caster is None for preset in PRESETS.values())
+    assert all(each.caster is None for each in (FAST, BALANCED, ACCURATE))
 
 
 def test_the_papers_method_has_no_use_for_it() -> None:

@@ -29,7 +29,7 @@ def seen() -> Seen:
     tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
     assert tracked.marker is not None
     assert tracked.marker.body is not None
-    prepared = Seen.of(View.of(tracked, 640), tracked.marker.body, tracked.marker.wobble)
+    prepared = Seen.of(View.of(tracked, 640), tracked.marker.body, tracked.marker.pose_shape_errors)
     assert prepared is not None
     return prepared
 

@@ -193,7 +193,7 @@ def test_a_crooked_cubes_light_is_estimated_better_by_how_its_folds_move_the_sha
         true = scene.lights[0].point
         tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
         assert tracked.marker is not None
-        perfect = dataclasses.replace(tracked, marker=dataclasses.replace(tracked.marker, wobble=None))
+        perfect = dataclasses.replace(tracked, marker=dataclasses.replace(tracked.marker, pose_shape_errors=None))
         answers = [make_estimator("proxy").estimate(each).lights for each in (tracked, perfect)]
         if not is_seen(scene, true) or not all(answers):
             continue

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import Proxy, Wobble
+from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
@@ -55,7 +55,7 @@ def test_a_frame_that_is_off_moves_the_edges(light: tuple[float, ...], number: i
     small, here = 1e-6, np.array(light)
     edges = edges_of(here)
     moved = small * np.eye(6)[number]
-    by_frame = edges.by_wobble(Wobble(np.eye(6)[:, [number]], np.zeros((8, 3, 1))), here)[:, 0]
+    by_frame = edges.by_errors(PoseShapeErrors(np.eye(6)[:, [number]], np.zeros((8, 3, 1))), here)[:, 0]
     assert_moves(edges, edges_of(here, moved=moved), by_frame, small)
 
 
@@ -69,7 +69,7 @@ def test_a_body_that_is_off_moves_the_edges(light: tuple[float, ...], axis: int)
     points[4:, axis, 0] = 1.0, -0.5, 0.7, 0.2
     spheroids = BODY.spheroids_marker.copy()
     spheroids[:, :3] += small * points[..., 0]
-    by_points = edges.by_wobble(Wobble(np.zeros((6, 1)), points), here)[:, 0]
+    by_points = edges.by_errors(PoseShapeErrors(np.zeros((6, 1)), points), here)[:, 0]
     assert np.abs(by_points).max() > 0
     assert_moves(edges, edges_of(here, Proxy("box", spheroids)), by_points, small, turning=1e-4)
 

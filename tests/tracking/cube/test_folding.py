@@ -147,21 +147,21 @@ def test_the_frame_of_a_crooked_cube_errs_at_most_half_again_as_much_as_it_says(
     assert np.mean(squares) / 3 < 1.5**2
 
 
-def test_frame_and_faces_wobble_as_the_picture_lets_them() -> None:
+def test_frame_and_faces_are_off_together_as_the_picture_lets_them() -> None:
     """What moves a face in view turns the frame the other way, so that its print stays where it was seen."""
     folding, T, numbers = Folding(EDGE_M), looking(0.35, 50, 40), [0, 1, 2]
     squares = seen(T, Folds.drawn(np.random.default_rng(2), EDGE_M), folding, numbers)
     folding.add(squares, T, CAMERA)
-    wobble = folding.stated(pose_of(folding, {number: one.square for number, one in squares.items()})).wobble
-    assert wobble is not None
+    errors = folding.stated(pose_of(folding, {number: one.square for number, one in squares.items()})).pose_shape_errors
+    assert errors is not None
     shown = np.concatenate([np.arange(4 * number, 4 * number + 4) for number in numbers])
     points = folding.body.points_marker()[shown]
-    by_face = wobble.points[shown].transpose(0, 2, 1)  # (points, causes, 3)
-    by_frame = np.cross(wobble.pose[:3].T, points[:, None]) + wobble.pose[3:].T
+    by_face = errors.points[shown].transpose(0, 2, 1)  # (points, causes, 3)
+    by_frame = np.cross(errors.pose[:3].T, points[:, None]) + errors.pose[3:].T
     together = by_face + by_frame
     assert np.sqrt((by_frame**2).sum(axis=(1, 2))).max() > 3e-4
     # On the upper rim, as what stands on the table moves with the frame alone.
     above = points[:, 2] > EDGE_M / 2
     assert np.sqrt((together[above] ** 2).sum()) < 0.5 * np.sqrt((by_frame[above] ** 2).sum())
     # And the frame's turn is as uncertain as folds make the pose's.
-    assert wobble.pose[:3] @ wobble.pose[:3].T == pytest.approx(folding.pose_covariance[:3, :3], rel=1e-6, abs=1e-12)
+    assert errors.pose[:3] @ errors.pose[:3].T == pytest.approx(folding.pose_covariance[:3, :3], rel=1e-6, abs=1e-12)

@@ -39,15 +39,15 @@ class Calibration:
     doubt_power: float  # of the doubt 1 - confidence, by which that sigma falls
 
     def covariance(
-        self, fitted: FittedLight, confidence: float, tracked: TrackedFrame, has_wobble: bool = False
+        self, fitted: FittedLight, confidence: float, tracked: TrackedFrame, has_shape_errors: bool = False
     ) -> Float:
         """(2, 2) rad^2 on the direction's tangent basis, of all causes: outlines, pose, focal length, and doubt.
 
-        confidence: the probability that the outlines are the object's and its shadow's. has_wobble: whether the
+        confidence: the probability that the outlines are the object's and its shadow's. has_shape_errors: whether the
         outlines' part has in it how the marker's body and with it its pose may be off.
         """
         doubt = (self.doubt_rad * (1 - confidence) ** self.doubt_power) ** 2 * np.eye(2)
-        by_pose = _covariance_of_pose(fitted.to_light_marker, tracked, has_wobble)
+        by_pose = _covariance_of_pose(fitted.to_light_marker, tracked, has_shape_errors)
         return np.asarray(self.of_outlines(fitted) + by_pose + doubt)
 
     def of_outlines(self, fitted: FittedLight) -> Float:
@@ -55,16 +55,16 @@ class Calibration:
         return covariance_of_outlines(overdispersed(fitted.covariance_rad2, fitted.unseen_end, self.overdispersion))
 
 
-def _covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame, has_wobble: bool) -> Float:
+def _covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame, has_shape_errors: bool) -> Float:
     """(2, 2) rad^2 on the direction's tangent basis: by the marker's rotation, and the focal length in it."""
     marker = tracked.marker
     assert marker is not None
     total = np.zeros((2, 2))
     if marker.covariance is not None:
         of_turn = marker.covariance[:3, :3]
-        if has_wobble and marker.wobble is not None:
-            by_wobble = marker.T_cam_marker[:3, :3] @ marker.wobble.pose[:3]
-            of_turn = of_turn - by_wobble @ by_wobble.T
+        if has_shape_errors and marker.pose_shape_errors is not None:
+            by_shape = marker.T_cam_marker[:3, :3] @ marker.pose_shape_errors.pose[:3]
+            of_turn = of_turn - by_shape @ by_shape.T
         # A turn about the eastward axis moves a direction up, one about the upward axis moves it east.
         east, up = tangent_basis(to_light_marker) @ marker.T_cam_marker[:3, :3].T
         by_turn = np.array([up, -east])

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import Proxy, Wobble
+from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import LOWEST_Z
 
@@ -49,16 +49,16 @@ class ShadowEdges:
         places = _along(self.corners.places, self.side, self.share) / self.inverse_depth
         return places.T, (self.corners.lines[:3, self.side] * self.inverse_depth).T
 
-    def by_wobble(self, wobble: Wobble, light: Float) -> Float:
+    def by_errors(self, errors: PoseShapeErrors, light: Float) -> Float:
         """(n, r) pixels along the normal by each cause of a body's and its frame's errors, in the light (4,)."""
         places, by_place = self.on_plane()
         turned = np.cross(np.column_stack([places, np.zeros(len(places))]), by_place)
-        by_pose = np.concatenate([turned, by_place], axis=1) @ wobble.pose
+        by_pose = np.concatenate([turned, by_place], axis=1) @ errors.pose
         # Evenly in the picture is not evenly along the body's edge that casts a side.
         after, scales = (self.side + 1) % len(self.corners.rim), self.corners.scales
         to_first, to_last = (1 - self.share) / scales[self.side], self.share / scales[after]
         way = (to_last / (to_first + to_last))[:, None, None]
-        at_corners = wobble.points[self.corners.rim]
+        at_corners = errors.points[self.corners.rim]
         moved = at_corners[self.side] + way * (at_corners[after] - at_corners[self.side])
         s, nearness = light[:2] / light[2], float(light[3] / light[2])
         # A point at the height z casts its shadow at (x, y) - s z over 1 - z w.

@@ -8,7 +8,7 @@ generalised least squares (docs/maths, "Folds").
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import Wobble
+from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import (
     EARLY_LOSS,
@@ -25,7 +25,7 @@ ROUNDS = 4  # of reweighted least squares
 
 
 def beside_folds(
-    fit: EdgeFit, image: EdgeImage, darkening: float, wobble: Wobble, with_nearness: bool
+    fit: EdgeFit, image: EdgeImage, darkening: float, errors: PoseShapeErrors, with_nearness: bool
 ) -> tuple[Float, Float] | None:
     """The light (4,), z = 1, as it is if the body is off as the edges of a fit say, and its (p, p) covariance: of
     s = (x, y) / z and, `with_nearness`, of w / z. None where the fit's shadow has no edges in the picture.
@@ -40,7 +40,7 @@ def beside_folds(
     edges = profiles.edges
     # A whole side is off where stains, the hidden sky's gradient, or what bulges, shift it.
     by_sides = EDGE_SIGMA_PX * (edges.side[:, None] == np.arange(len(edges.corners_px)))
-    causes = np.concatenate([edges.by_wobble(wobble, light), by_sides], axis=1)
+    causes = np.concatenate([edges.by_errors(errors, light), by_sides], axis=1)
     J = np.concatenate([edges.by_light[:, : len(parameters)], causes], axis=1)
     start, of_light = prior_of(light, height, with_nearness)
     of_light = of_light / (EDGE_SIGMA_PX**2 * POINTS_A_SAMPLE)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float, Float32, Mask, upper_median, upper_quantile
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Float32, Mask, upper_median, upper_quantile
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.room import Room
 
@@ -109,7 +109,7 @@ class Profiles:
             determinant = (one + 1e-12) * (xx + 1e-12) - x * x
             blur, squared = ((xx + 1e-12) * y - x * xy) / determinant, ((one + 1e-12) * xy - x * y) / determinant
             rest = np.abs(variance - blur - squared * spreads)
-            scale = SIGMA_OVER_MEDIAN * upper_median(rest) + 1e-3
+            scale = SIGMA_OVER_MAD * upper_median(rest) + 1e-3
             w = full / (1 + (rest / (2 * scale)) ** 2)
         error = scale * math.sqrt(POINTS_A_SAMPLE * abs((one + 1e-12) / determinant))
         blur = min(max(blur, 0.3), 9.0)

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import SIGMA_OVER_MEDIAN, Float32, Mask, upper_median
+from ashe_live.core.arrays import SIGMA_OVER_MAD, Float32, Mask, upper_median
 
 AROUND_PX = 5  # width of the squares over which light is averaged
 # Robust scatter of pixels around these means, over the lit table's light, from which on a table is rough: of 42
@@ -40,4 +40,4 @@ def _scatter(light: Float32, is_ground: Mask) -> float:
     strips = light[: height - height % EVERY].reshape(-1, EVERY, width)[:, :AROUND_PX]
     means = cv2.blur(strips.mean(axis=1), (AROUND_PX, 1))
     away = np.abs(strips[:, AROUND_PX // 2] - means)[is_ground[AROUND_PX // 2 :: EVERY][: len(strips)]]
-    return SIGMA_OVER_MEDIAN * upper_median(away) if len(away) else 0.0
+    return SIGMA_OVER_MAD * upper_median(away) if len(away) else 0.0
