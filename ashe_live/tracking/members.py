@@ -1,6 +1,7 @@
 """The markers that are followed as one rigid object, and where the corners of each are on it."""
 
 from collections.abc import Container, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,14 @@ from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
 # Once a cube's folds are known, only this many of its faces are measured in a frame: measuring all three takes half as
 # long again.
 FACES_MEASURED = 2
+
+
+class Posed(NamedTuple):
+    """The pose by the squares of a frame, and what it was computed from."""
+
+    pose: MarkerPose | None
+    squares: dict[int, FittedSquare]  # by member, without the flat marker beside a cube if that has moved
+    sightings: list[Sighting]  # of these squares
 
 
 class Members:
@@ -78,24 +87,24 @@ class Members:
 
     def pose(
         self, squares: dict[int, FittedSquare], camera: Camera, previous: MarkerPose | None, refines: bool
-    ) -> tuple[MarkerPose | None, list[Sighting]]:
-        """The pose by the squares of a frame, and the sightings that it was computed from.
+    ) -> Posed:
+        """The pose by the squares of a frame, by member.
 
         previous: the pose of the frame before. refines: as in `pose_of_squares`. If the flat marker beside a cube has
-        moved, its place is forgotten, and it is removed from `squares`.
+        moved, its place is forgotten.
         """
         seen = [self.sighting(number, square) for number, square in squares.items()]
         if self._folding is None:
-            return pose_of_squares(seen, camera, self.side_m, previous, refines), seen
+            return Posed(pose_of_squares(seen, camera, self.side_m, previous, refines), squares, seen)
         pose = pose_of_squares(seen, camera, self.side_m, previous, refines, OF_FOLDED_CUBE)
         if self.beside is not None and self.beside.has_moved(squares, pose, camera):
             self.beside.forget()
-            squares.pop(BESIDE_NUMBER, None)
-            return self.pose(squares, camera, previous, refines)
+            faces_alone = {number: square for number, square in squares.items() if number != BESIDE_NUMBER}
+            return self.pose(faces_alone, camera, previous, refines)
         if pose is None:
-            return None, seen
+            return Posed(None, squares, seen)
         faces = {number: one for number, one in zip(squares, seen, strict=True) if number < BESIDE_NUMBER}
         if faces and self._folding.add(faces, pose.T_cam_marker, camera):
             seen = [self.sighting(number, square) for number, square in squares.items()]
             pose = pose_of_squares(seen, camera, self.side_m, pose, refines, OF_FOLDED_CUBE) or pose
-        return self._folding.stated(pose), seen
+        return Posed(self._folding.stated(pose), squares, seen)

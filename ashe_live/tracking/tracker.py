@@ -6,6 +6,7 @@ In each frame the marker is looked for along the edges where it is expected, the
 import dataclasses
 import time
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import Layout
 from ashe_live.tracking.families.markers import Marker
-from ashe_live.tracking.members import Members
+from ashe_live.tracking.members import Members, Posed
 from ashe_live.tracking.memory import Memory, remembered
 from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.poses.pose import Sighting, poses_of_square
@@ -35,6 +36,15 @@ FLOW_SIGMA_PX = 1.0
 THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
 # A frame is searched for a second marker like the followed one this often.
 DUPLICATE_CHECK_EVERY_S = 1.0
+SEVERAL = "{} equal markers in view: one of them is tracked, cover the others"
+
+
+class _Looked(NamedTuple):
+    """What looking for the members shows in a frame."""
+
+    squares: dict[int, FittedSquare]  # by member
+    equal: int | None  # number of markers found that are like a member; None: they were not counted
+    is_unfolded: bool = False  # whether the frame shows the cube's sheet before it is folded
 
 
 class MarkerTracker:
@@ -64,7 +74,6 @@ class MarkerTracker:
         self._lost_frames = 0
         self._duplicates_s: float | None = None
         self._note: str | None = None
-        self._is_unfolded = False  # whether the last frame shows the cube's sheet before it is folded
         self._before_jump: MarkerPose | None = None
         self._filter.reset()
         self.others.reset()
@@ -94,14 +103,17 @@ class MarkerTracker:
         start = time.perf_counter()
         camera = self._camera_for(frame.size)
         last = self._recent(frame.time_s)
-        self._is_unfolded = False
-        squares = self._look(frame, camera, last)
-        pose, last = self._pose(squares, camera, last)
+        looked = self._look(frame, camera, last)
+        if looked.equal is not None:
+            self._note = SEVERAL.format(looked.equal) if looked.equal > 1 else None
+        posed, last = self._posed(looked.squares, camera, last)
         bridged = 0
-        if pose is None and last is not None and last.bridged < BRIDGED_FRAMES:
-            squares, bridged = self._flowed(frame.image_bgr, camera, last), last.bridged + 1
-            pose, last = self._pose(squares, camera, last)
+        if posed.pose is None and last is not None and last.bridged < BRIDGED_FRAMES:
+            flowed, bridged = self._flowed(frame.image_bgr, camera, last), last.bridged + 1
+            posed, last = self._posed(flowed, camera, last)
+        pose, squares, self._sightings = posed
         if pose is None:
+            self._last = last
             self._lost_frames += 1
         else:
             pose = self._smoothed(pose, frame.time_s, bridged > 0)
@@ -118,7 +130,7 @@ class MarkerTracker:
                 beside.learn(frame, camera, pose, self.preset)
             others += () if beside.placed is None else (beside.placed,)
         detect_ms = (time.perf_counter() - start) * 1e3
-        note = UNFOLDED if self._is_unfolded else self._note if pose else None
+        note = UNFOLDED if looked.is_unfolded else self._note if pose else None
         return TrackedFrame(frame, camera, pose, detect_ms, note, others)
 
     def _camera_for(self, size: Size) -> Camera:
@@ -129,29 +141,30 @@ class MarkerTracker:
 
     def _recent(self, time_s: float) -> Memory | None:
         """The last frame with a marker, unless it is too old or from after `time_s`."""
-        if self._last is None or not 0 <= time_s - self._last.time_s <= MEMORY_S:
-            self._last = None
-        return self._last
+        return self._last if self._last is not None and 0 <= time_s - self._last.time_s <= MEMORY_S else None
 
-    def _look(self, frame: Frame, camera: Camera, last: Memory | None) -> dict[int, FittedSquare]:
-        """The squares found in `frame`, by member: where expected, else near their last place, else anywhere."""
+    def _look(self, frame: Frame, camera: Camera, last: Memory | None) -> _Looked:
+        """Looks for all members where expected, else near their last place, else anywhere."""
         image = frame.image_bgr
         squares: dict[int, FittedSquare | None] = {}
+        equal: int | None = None
         if last is not None:
             squares = self._where_expected(image, camera, last, frame.time_s)
             if not any(squares.values()):
                 for number, corners_px in last.corners_px.items():
                     marker = self._members.all[number].marker
-                    coarse_px = self._nearest(nearby(marker, image, corners_px), corners_px)
-                    if coarse_px is not None:
+                    found = nearby(marker, image, corners_px)
+                    if found:
+                        equal, coarse_px = len(found), _nearest(found, corners_px)
                         squares[number] = refined(marker, image, camera, coarse_px, self.preset.edge_samples)
         if not any(squares.values()):
-            squares = self._with_others(self._search(image, camera, last), image, camera)
-        elif self._duplicates_s is None or not 0 <= frame.time_s - self._duplicates_s < DUPLICATE_CHECK_EVERY_S:
+            searched = self._search(image, camera, last)
+            return searched if searched.equal is not None else searched._replace(equal=equal)
+        if self._duplicates_s is None or not 0 <= frame.time_s - self._duplicates_s < DUPLICATE_CHECK_EVERY_S:
             self._duplicates_s = frame.time_s
-            (equal,) = anywhere([self._members.all[0].marker], image, self.preset.detection_width_px, thorough=False)
-            self._count(equal)
-        return {number: square for number, square in squares.items() if square is not None}
+            (alike,) = anywhere([self._members.all[0].marker], image, self.preset.detection_width_px, thorough=False)
+            equal = len(alike)
+        return _Looked({number: square for number, square in squares.items() if square is not None}, equal)
 
     def _where_expected(
         self, image: Image, camera: Camera, last: Memory, time_s: float
@@ -167,65 +180,48 @@ class MarkerTracker:
         }
         return first_along_edges(where, most, image, camera, self.preset.edge_samples, last.is_predictable)
 
-    def _search(self, image: Image, camera: Camera, last: Memory | None) -> dict[int, FittedSquare | None]:
-        """Searches the whole frame; of a layout, returns the first of its markers that is found."""
+    def _search(self, image: Image, camera: Camera, last: Memory | None) -> _Looked:
+        """Searches the whole frame for the first member that is found, and those that are seen by its pose."""
         is_thorough = self._lost_frames < THOROUGH_FRAMES or self._lost_frames % THOROUGH_EVERY == 0
         markers = [member.marker for member in self._members.all]
+        equal: int | None = None
         for thorough in (False, True) if is_thorough else (False,):
             several = anywhere(markers, image, self.preset.detection_width_px, thorough)
-            self._is_unfolded = lies_unfolded(self._members.faces_among(several))
-            if self._is_unfolded:
-                return {}
+            if lies_unfolded(self._members.faces_among(several)):
+                return _Looked({}, equal, is_unfolded=True)
             for number, (marker, found) in enumerate(zip(markers, several, strict=True)):
-                chosen = self._nearest(found, None if last is None else last.corners_px.get(number))
-                if chosen is not None:
-                    square = refined(marker, image, camera, chosen, self.preset.edge_samples)
-                    if square is not None:
-                        return {number: square}
-        return {}
+                if not found:
+                    continue
+                equal, chosen = len(found), _nearest(found, None if last is None else last.corners_px.get(number))
+                square = refined(marker, image, camera, chosen, self.preset.edge_samples)
+                if square is not None:
+                    return _Looked(self._with_others(number, square, image, camera), equal)
+        return _Looked({}, equal)
 
-    def _with_others(
-        self, found: dict[int, FittedSquare | None], image: Image, camera: Camera
-    ) -> dict[int, FittedSquare | None]:
+    def _with_others(self, number: int, square: FittedSquare, image: Image, camera: Camera) -> dict[int, FittedSquare]:
         """The one member that was found, and all others that are seen where its pose predicts them.
 
         Of the two poses of a single square, the one that finds more of the other members is right.
         """
-        best = found
-        for number, square in found.items() if len(self._members.all) > 1 else ():
-            assert square is not None
-            for T_cam_marker in poses_of_square(self._members.sighting(number, square), camera):
-                expected = self._members.projected(camera, T_cam_marker, found)
-                where = [
-                    Expected(self._members.all[other].marker, corners_px) for other, corners_px in expected.items()
-                ]
-                others = along_edges(where, image, camera, self.preset.edge_samples)
-                seen = found | dict(zip(expected, others, strict=True))
-                if sum(one is not None for one in seen.values()) > sum(one is not None for one in best.values()):
-                    best = seen
+        best = found = {number: square}
+        if len(self._members.all) == 1:
+            return found
+        for T_cam_marker in poses_of_square(self._members.sighting(number, square), camera):
+            expected = self._members.projected(camera, T_cam_marker, found)
+            where = [Expected(self._members.all[other].marker, corners_px) for other, corners_px in expected.items()]
+            others = zip(expected, along_edges(where, image, camera, self.preset.edge_samples), strict=True)
+            seen = found | {other: one for other, one in others if one is not None}
+            if len(seen) > len(best):
+                best = seen
         return best
 
-    def _nearest(self, found: list[Float], last_px: Float | None) -> Float | None:
-        """Of several equal markers, the one nearest to the last place, or else the first, which is the likeliest."""
-        if not found:
-            return None
-        self._count(found)
-        if last_px is None:
-            return found[0]
-        return min(found, key=lambda corners: float(np.linalg.norm(corners.mean(axis=0) - last_px.mean(axis=0))))
-
-    def _count(self, found: list[Float]) -> None:
-        several = f"{len(found)} equal markers in view: one of them is tracked, cover the others"
-        self._note = several if len(found) > 1 else None
-
-    def _pose(
+    def _posed(
         self, squares: dict[int, FittedSquare], camera: Camera, last: Memory | None
-    ) -> tuple[MarkerPose | None, Memory | None]:
+    ) -> tuple[Posed, Memory | None]:
         """The pose, and the last frame's memory without a flat marker that was forgotten as it has moved."""
         previous = self._before_jump if last is None else last.pose
-        pose, self._sightings = self._members.pose(squares, camera, previous, self.preset.refines_pose)
-        self._last = last and last.of_members(range(len(self._members.all)))
-        return pose, self._last
+        posed = self._members.pose(squares, camera, previous, self.preset.refines_pose)
+        return posed, last and last.of_members(range(len(self._members.all)))
 
     def _flowed(self, image: Image, camera: Camera, last: Memory) -> dict[int, FittedSquare]:
         squares = {}
@@ -240,9 +236,14 @@ class MarkerTracker:
         if not self.filters:
             return dataclasses.replace(pose, bridged=bridged)
         preset = self.preset
-        smoothed = self._filter.add(
+        T = self._filter.add(
             pose.T_cam_marker, pose.noise_covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
         )
-        return dataclasses.replace(
-            pose, T_cam_marker=smoothed, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged
-        )
+        return dataclasses.replace(pose, T_cam_marker=T, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
+
+
+def _nearest(found: list[Float], last_px: Float | None) -> Float:
+    """Of several equal markers, the one nearest to the last place, or else the first, which is the likeliest."""
+    if last_px is None:
+        return found[0]
+    return min(found, key=lambda corners: float(np.linalg.norm(corners.mean(axis=0) - last_px.mean(axis=0))))
