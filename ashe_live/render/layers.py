@@ -48,12 +48,12 @@ class LayerPasses:
             self.real = RealObject(self._ctx, self._programs, proxy)
         return former is not None and former is not self.real
 
-    def follow_sheet(self, scene: Scene, at_once: bool) -> HiddenMarker | None:
-        """The cover of the marker's sheet, once there is one. `at_once`: as in `HiddenMarker.follow`."""
+    def follow_sheet(self, scene: Scene, waits: bool) -> HiddenMarker | None:
+        """The cover of the marker's sheet, once there is one. `waits`: as in `HiddenMarker.follow`."""
         if not scene.hides_marker or scene.tracked is None:
             self.hidden_marker.forget()
             return None
-        self.hidden_marker.follow(scene.tracked, scene.illumination, at_once)
+        self.hidden_marker.follow(scene.tracked, scene.illumination, waits)
         return self.hidden_marker if len(self.hidden_marker.corners) else None
 
     def draw(self, content: LayerContent, with_models: bool = True, with_ground: bool = True) -> None:

@@ -72,17 +72,17 @@ class ModelsOnVideo:
         self.layers.hidden_marker.forget()
         self.photometry = Photometry(self._preset)
 
-    def draw(self, surface: Surface, models: StandingGroup, scene: Scene, bends: bool, at_once: bool) -> None:
+    def draw(self, surface: Surface, models: StandingGroup, scene: Scene, bends: bool, waits: bool) -> None:
         """Draws onto the video in `surface`; the scene must have a marker.
 
-        `bends`: the picture has the distortion of the camera's lens; else it is that of a pinhole camera. `at_once`:
-        the cover that hides the marker appears in the very next picture, however long that takes.
+        `bends`: the picture has the distortion of the camera's lens; else it is that of a pinhole camera. `waits`:
+        for the cover that hides the marker, however long it takes.
         """
         tracked = scene.tracked
         assert tracked is not None
         assert tracked.marker is not None
         lighting = self.photometry.lighting(scene.illumination)
-        hidden = self._followed(models, scene, lighting, at_once)
+        hidden = self._followed(models, scene, lighting, waits)
         viewport = letterbox(tracked.frame.size, surface.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         T_cam_marker = tracked.marker.T_cam_marker
@@ -131,11 +131,11 @@ class ModelsOnVideo:
             with surface.drawing(within, several_samples=True, over_drawn=not with_ground):
                 self.layers.draw(content, with_ground=with_ground)
 
-    def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, at_once: bool) -> HiddenMarker | None:
+    def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> HiddenMarker | None:
         """Readies shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
         self.shadows.render((models,) if self.layers.real is None else (models, self.layers.real), lighting)
         self._ground_shadows.render(self.shadows, lighting)
-        hidden = self.layers.follow_sheet(scene, at_once)
+        hidden = self.layers.follow_sheet(scene, waits)
         self.layers.catcher.fit(models, lighting, self.shadows, _covered(hidden))
         self.layers.catcher.follow(models, lighting, self._ground_shadows)
         return hidden

@@ -59,29 +59,29 @@ class HiddenMarker:
         left, bottom, right, top = self._cover.extent_m
         return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
 
-    def follow(self, tracked: TrackedFrame, illumination: Illumination, at_once: bool) -> None:
+    def follow(self, tracked: TrackedFrame, illumination: Illumination, waits: bool) -> None:
         """Takes a cover that is ready, has another made where that is called for, and follows the exposure.
 
-        `at_once`: waits for it, as a picture without a window does; else another thread makes it. Beside a window that
-        one's covers are taken, whether they fit or not; `at_once` only those that do.
+        `waits`: for that one, as a picture without a window does; else another thread makes it. Beside a window that
+        one's covers are taken, whether they fit or not; where the picture `waits`, only those that do.
         """
         if self._followed is not None and self._followed.T_room_marker is not tracked.T_room_marker:
             self._moved_s = tracked.frame.time_s
         self._followed = tracked
         self._take()
         if self.shown is not None:
-            self._take_shown(self.shown, tracked, illumination, at_once)
+            self._take_shown(self.shown, tracked, illumination, waits)
         self._follow_sheet(tracked)
-        if self.shown is not None and not at_once:
+        if self.shown is not None and not waits:
             return
         steady = self._seen_lit_by is not None and is_same_scene(illumination, self._seen_lit_by)
         self._seen_lit_by = illumination
         # While a light eases to another one, or the sheet is moved, each frame has one of its own.
         lies_still = abs(tracked.frame.time_s - self._moved_s) >= LEFT_ALONE_S
-        is_time = self._cover is None or (lies_still and (steady or at_once))
+        is_time = self._cover is None or (lies_still and (steady or waits))
         if self._coming is None and is_time and self._is_due(tracked, illumination):
             self._asked_for = tracked, illumination
-            if at_once:
+            if waits:
                 self._accept(ground_cover(tracked, illumination))
                 self._follow_sheet(tracked)
             else:
@@ -114,16 +114,16 @@ class HiddenMarker:
             self._accept(coming.result())
 
     def _take_shown(
-        self, shown: "HiddenMarker", tracked: TrackedFrame, illumination: Illumination, at_once: bool
+        self, shown: "HiddenMarker", tracked: TrackedFrame, illumination: Illumination, waits: bool
     ) -> None:
-        """Takes the window's cover, or its being without one; `at_once`: only a cover that fits better than its own."""
+        """Takes the window's cover, or its being without one; `waits`: only a cover that fits better than its own."""
         if shown._followed is not tracked:  # the window is minimised
-            shown.follow(tracked, illumination, at_once=False)
+            shown.follow(tracked, illumination, waits=False)
         asked_for = shown._asked_for
-        if at_once and shown._coming and asked_for and is_same_scene(illumination, asked_for[1]):
+        if waits and shown._coming and asked_for and is_same_scene(illumination, asked_for[1]):
             wait([shown._coming])  # it is there sooner than another one would be
             shown._take()
-        if at_once and (shown._is_due(tracked, illumination) or not self._is_due(tracked, illumination)):
+        if waits and (shown._is_due(tracked, illumination) or not self._is_due(tracked, illumination)):
             return
         if shown._cover is None:
             self.forget()

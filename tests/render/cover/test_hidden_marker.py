@@ -268,11 +268,11 @@ def test_the_marker_stays_where_no_ground_is_seen(make_renderer, stage) -> None:
 def test_another_thread_makes_the_cover_where_pictures_cannot_wait_and_a_draft_first(ctx, stage) -> None:
     hidden = HiddenMarker(ctx)
     tracked = _view(stage)
-    hidden.follow(tracked, Illumination(), at_once=False)
+    hidden.follow(tracked, Illumination(), waits=False)
     sizes = []
     while not hidden.is_settled:
         hidden._coming.result()
-        hidden.follow(tracked, Illumination(), at_once=False)
+        hidden.follow(tracked, Illumination(), waits=False)
         assert len(hidden.corners) == 4
         sizes.append(hidden._texture.size[0])
     assert sizes == [round(2 * HALF_SIDES * DRAFT_SIDE_PX), len(known_cover(tracked, Illumination()).image_rgba)]
@@ -312,29 +312,26 @@ def test_ground_of_the_last_source_is_not_laid_into_the_next(make_renderer, stag
     renderer = make_renderer(FAST.render)
     first, second = _view(stage), _view(stage, gain=0.15)
     renderer.render(Scene(first, _aside(stage), Illumination(seen_in=first), hides_marker=True))
-    renderer.switches_at_once = False
     renderer.begin_anew()
-    renderer.render(Scene(second, _aside(stage), Illumination(seen_in=second), hides_marker=True))
+    renderer.render(Scene(second, _aside(stage), Illumination(seen_in=second), hides_marker=True), waits=False)
     within = _on_sheet(second, -0.004)
     assert _difference(renderer.read_bgr(), second.frame.image_bgr)[within].max() < 3
 
 
-@pytest.mark.parametrize("at_once", [False, True])
-def test_what_is_saved_beside_a_window_is_covered_as_the_window_is(make_renderer, stage, at_once) -> None:
+@pytest.mark.parametrize("waits", [False, True])
+def test_what_is_saved_beside_a_window_is_covered_as_the_window_is(make_renderer, stage, waits) -> None:
     """From its first picture on: a recording, whose pictures wait for nothing, and a snapshot."""
     window, tracked = make_renderer(FAST.render), _view(stage)
     scene = Scene(tracked, _aside(stage), Illumination(seen_in=tracked), hides_marker=True)
     window.render(scene)
-    window.switches_at_once = False
-    saved = window.beside(FAST.render, window.size)
-    saved.switches_at_once = at_once
-    saved.render(scene)
+    saved = window.beside(window.size)
+    saved.render(scene, waits)
     np.testing.assert_array_equal(saved.read_bgr(), window.read_bgr())
     window.begin_anew()
-    window.render(scene)
-    saved.render(scene)
+    window.render(scene, waits=False)
+    saved.render(scene, waits)
     is_paper = _difference(saved.read_bgr(), tracked.frame.image_bgr)[_on_sheet(tracked, -0.004)].max() < 3
-    assert is_paper == (not at_once)
+    assert is_paper == (not waits)
     saved.release()
 
 
@@ -349,11 +346,11 @@ def test_a_snapshot_waits_for_the_cover_that_the_window_has_begun(ctx, stage, mo
     window, saved, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
     saved.shown = window
     light = Illumination(seen_in=tracked)
-    window.follow(tracked, light, at_once=False)
+    window.follow(tracked, light, waits=False)
     window._coming.result()
-    window.follow(tracked, light, at_once=False)
+    window.follow(tracked, light, waits=False)
     assert not window.is_settled
-    saved.follow(tracked, light, at_once=True)
+    saved.follow(tracked, light, waits=True)
     assert window.is_settled
     assert len(made) == 2  # the draft, and one without haste
     assert saved._cover is window._cover
@@ -364,10 +361,10 @@ def test_a_snapshot_waits_for_the_cover_that_the_window_has_begun(ctx, stage, mo
 def test_a_recording_is_covered_also_while_the_window_draws_nothing(ctx, stage) -> None:
     window, recorded, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
     recorded.shown = window
-    recorded.follow(tracked, Illumination(), at_once=False)
+    recorded.follow(tracked, Illumination(), waits=False)
     assert len(recorded.corners) == 0
     window._coming.result()
-    recorded.follow(replace(tracked), Illumination(), at_once=False)
+    recorded.follow(replace(tracked), Illumination(), waits=False)
     assert len(recorded.corners) == 4
     for hidden in (recorded, window):
         hidden.release()
@@ -377,10 +374,10 @@ def _settled(hidden: HiddenMarker, tracked: TrackedFrame, lit: Illumination) -> 
     """The covers that are shown until no other is being made."""
     shown = []
     for _ in range(2):  # the first time the light may be another one
-        hidden.follow(tracked, lit, at_once=False)
+        hidden.follow(tracked, lit, waits=False)
     while not hidden.is_settled:
         hidden._coming.result()
-        hidden.follow(tracked, lit, at_once=False)
+        hidden.follow(tracked, lit, waits=False)
         shown.append(hidden._cover)
     return shown
 
@@ -392,7 +389,7 @@ def test_a_sheet_that_was_moved_is_covered_by_the_ground_where_it_lies_a_draft_f
     assert _settled(hidden, lies, Illumination()) == []
     # The ground beside it is another one, by which no exposure can be compared.
     brighter = replace(_view(stage, gain=1.5, index=1), T_room_marker=moved.T_room_marker)
-    hidden.follow(brighter, Illumination((Light(np.array([0.0, 0.6, 0.8])),)), at_once=False)
+    hidden.follow(brighter, Illumination((Light(np.array([0.0, 0.6, 0.8])),)), waits=False)
     assert hidden._sheet.gain == pytest.approx(1, abs=0.05)
     assert _settled(hidden, moved, Illumination()) == []  # the hand that has moved it may still be there
     alone = replace(moved, frame=Frame(moved.frame.image_bgr, 30, 1.0))
@@ -408,11 +405,11 @@ def test_a_hand_on_the_sheet_becomes_no_part_of_the_next_cover(ctx, stage) -> No
     picture = moved.frame.image_bgr.copy()
     left = np.arange(picture.shape[1]) < moved.marker.corners_px[:, 0].mean()
     picture[_on_sheet(moved) & left] = (80, 110, 190)
-    hidden.follow(moved, Illumination(), at_once=False)
+    hidden.follow(moved, Illumination(), waits=False)
     touched = replace(moved, frame=Frame(picture, 30, 1.0))
     assert _settled(hidden, touched, Illumination()) == []
     assert _settled(hidden, replace(moved, frame=Frame(moved.frame.image_bgr, 31, 1.1)), Illumination())
-    hidden.follow(replace(moved, frame=Frame(picture, 32, 1.1)), Illumination(), at_once=False)
+    hidden.follow(replace(moved, frame=Frame(picture, 32, 1.1)), Illumination(), waits=False)
     hidden.forget()
     assert _settled(hidden, touched, Illumination()), "where there is no cover, one is made in any case"
     hidden.release()
@@ -452,11 +449,11 @@ def test_in_another_light_the_sheet_is_covered_anew_also_where_something_seems_t
 def test_a_cover_that_was_given_up_meanwhile_is_not_taken(ctx, stage) -> None:
     hidden = HiddenMarker(ctx)
     tracked = _view(stage)
-    hidden.follow(tracked, Illumination(), at_once=False)
+    hidden.follow(tracked, Illumination(), waits=False)
     coming = hidden._coming
     hidden.forget()
     coming.result()
-    hidden.follow(tracked, Illumination(), at_once=False)
+    hidden.follow(tracked, Illumination(), waits=False)
     assert len(hidden.corners) == 0
     hidden.release()
 
