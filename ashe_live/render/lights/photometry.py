@@ -68,7 +68,7 @@ class Photometry:
         return self._read[1]
 
     def border_share(self, of: Illumination) -> float:
-        """Standard deviation of the real shadow's border beyond what lens and light make, over the picture's width."""
+        """Standard deviation of the real shadow's border beyond that by lens and light, over the picture's width."""
         of = of.as_it_lay or of
         lighting = self._as_it_lay(of).lighting
         if self._border is None or self._border[0] is not lighting:

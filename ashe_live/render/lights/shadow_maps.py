@@ -29,7 +29,7 @@ CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
 UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))
 
 
-class Caster(Protocol):
+class ShadowCaster(Protocol):
     """Whatever casts shadows; the same object always casts the same ones."""
 
     @property
@@ -75,7 +75,7 @@ class ShadowMaps:
         self._texture: moderngl.Texture | None = None
         self._framebuffer: moderngl.Framebuffer | None = None
         self._lights = Lighting((), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)).constants
-        self._content: tuple[tuple[Caster, ...], bytes] | None = None
+        self._content: tuple[tuple[ShadowCaster, ...], bytes] | None = None
         self._uniforms: dict[str, Float] = {}
 
     @property
@@ -97,7 +97,7 @@ class ShadowMaps:
         """How far the filter blurs a hard edge, at most; the penumbra comes on top."""
         return 2 * (self._preset.pcf_radius + 1)
 
-    def render(self, casters: Sequence[Caster], lighting: Lighting) -> None:
+    def render(self, casters: Sequence[ShadowCaster], lighting: Lighting) -> None:
         """Draws the maps of one or two casters (the model first), unless they hold that already."""
         lights = lighting.lights
         drawn_for = np.array([[*light.homogeneous, light.angular_size_rad] for light in lights]).tobytes()
@@ -110,7 +110,7 @@ class ShadowMaps:
         if lights:
             self._draw(casters, lighting)
 
-    def _find_overlaps(self, casters: Sequence[Caster], lights: Sequence[ShadingLight]) -> None:
+    def _find_overlaps(self, casters: Sequence[ShadowCaster], lights: Sequence[ShadingLight]) -> None:
         """Which shadows may meet or lie on the other caster, conservatively by boxes, and which are seen to be soft."""
         model, *real = casters
         pairs = [(_overlaps(other, model, light), _overlaps(model, other, light)) for other in real for light in lights]
@@ -121,7 +121,7 @@ class ShadowMaps:
         self._is_soft_on_model = any(_is_seen_soft(caster, model, light) for caster in shading for light in lights)
         self._is_dithered = any(caster.is_clear for caster in casters)
 
-    def _draw(self, casters: Sequence[Caster], lighting: Lighting) -> None:
+    def _draw(self, casters: Sequence[ShadowCaster], lighting: Lighting) -> None:
         """A tile for each caster and light, and the uniforms by which shaders look them up."""
         lights, size = lighting.lights, self._preset.shadow_map_size
         tiles = tile_corners(len(lights) * len(casters)) * size
@@ -187,7 +187,7 @@ class ShadowMaps:
         self._texture = self._framebuffer = None
 
 
-def _overlaps(caster: Caster, receiver: Caster, light: ShadingLight) -> tuple[bool, bool]:
+def _overlaps(caster: ShadowCaster, receiver: ShadowCaster, light: ShadingLight) -> tuple[bool, bool]:
     """Whether their shadows may meet on the ground, and whether the caster may shade the receiver; by their boxes."""
     points = np.concatenate([caster.points, receiver.points])
     view = view_of(light, points)
@@ -201,7 +201,7 @@ def _overlaps(caster: Caster, receiver: Caster, light: ShadingLight) -> tuple[bo
     return bool(meets), bool(meets and high[2] > receiver_low[2])
 
 
-def _is_seen_soft(caster: Caster, receiver: Caster, light: ShadingLight) -> bool:
+def _is_seen_soft(caster: ShadowCaster, receiver: ShadowCaster, light: ShadingLight) -> bool:
     """Whether the caster's shadow on the receiver, which may be itself, has a penumbra that is seen as one."""
     view = view_of(light, np.concatenate([caster.points, receiver.points])) if light.angular_size_rad > 0 else None
     if view is None:

@@ -16,7 +16,7 @@ GL_DEPTH_CLAMP = 0x864F
 
 
 class RealObject:
-    """A proxy on the graphics card; casts shadows as a Caster."""
+    """A proxy on the graphics card, which is a ShadowCaster."""
 
     is_clear = False
 
