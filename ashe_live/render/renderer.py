@@ -7,6 +7,7 @@ import moderngl
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.models.placement import PlacedModel
+from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.gl.driver import is_software
 from ashe_live.render.gl.framing import letterbox
 from ashe_live.render.gl.geometry import GpuModel
@@ -35,8 +36,9 @@ class SceneRenderer:
         preset: RenderPreset,
         size: Size,
         known: Known | None = None,
+        cover: MarkerCover | None = None,
     ) -> None:
-        """`known`: what each model hides of sky and ground, computed once and shared with other renderers."""
+        """Shared with other renderers: `known`, what each model hides of sky and ground, and the marker's `cover`."""
         self._known = Known() if known is None else known
         self._ctx = ctx
         self._preset = preset
@@ -44,15 +46,13 @@ class SceneRenderer:
         self.overlays = OverlayPass(ctx)
         self._mirror = Mirror(ctx)
         self._programs = Programs(ctx)
-        self._models_on_video = ModelsOnVideo(ctx, self._programs, preset, self.video)
+        self._models_on_video = ModelsOnVideo(ctx, self._programs, preset, self.video, cover)
         self._models = ModelSwitches(ctx, self._programs, self._build_shaders, self._known)
         self._surface = self._new_surface(size)
 
     def beside(self, size: Size) -> "SceneRenderer":
         """Another renderer of the same context and preset, for other pictures of what this one shows."""
-        other = SceneRenderer(self._ctx, self._preset, size, self._known)
-        other._models_on_video.cover_as(self._models_on_video)
-        return other
+        return SceneRenderer(self._ctx, self._preset, size, self._known, self._models_on_video.layers.cover)
 
     @property
     def size(self) -> Size:
@@ -79,7 +79,7 @@ class SceneRenderer:
     @property
     def is_settled(self) -> bool:
         """Whether the same scene would give the same picture again, as nothing is being prepared for later ones."""
-        return self._models.is_settled and self._models_on_video.layers.hidden_marker.is_settled
+        return self._models.is_settled and self._models_on_video.layers.cover.is_settled
 
     @property
     def preset(self) -> RenderPreset:

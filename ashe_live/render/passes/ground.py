@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.lights.cast_shadows import LEAST_DISTANCE, MAX_SHADOW_HEIGHTS, shadow_hull
 from ashe_live.render.lights.ground_shadows import GroundShadows
@@ -28,7 +28,7 @@ class CatchingGround:
 
     video: Video  # as the framing's pinhole camera sees it
     lit_rgb: Float | None  # (3,) linear RGB where it is lit, if that is known
-    hidden: HiddenMarker | None  # what covers the marker's sheet
+    cover: MarkerCover | None  # of the marker's sheet
     darkens: bool  # whether the models take light away from it
     # Standard deviation, pixels of the framebuffer, of the real shadow's border beyond what lens and light explain.
     border_px: float
@@ -78,7 +78,7 @@ class ShadowCatcher:
             return
         casters = 2 if inputs.looked_up.shadows.shadows_meet else 1
         constants: dict[str, float] = {**lighting.constants, "casters": casters}
-        if ground.hidden is not None:
+        if ground.cover is not None:
             constants["covers"] = 1
         if ground.border_px >= LEAST_BORDER_PX:
             constants["soft_border"] = 1
@@ -100,8 +100,8 @@ class ShadowCatcher:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         first, *others = models.members
         program = self._programs.get("catchers/ground", **constants)
-        if ground.hidden is not None:
-            ground.hidden.bind(program)
+        if ground.cover is not None:
+            ground.cover.bind(program)
         self._draw_fan(program, first, self._walls[0], shadows, uniforms)
         if others and ground.darkens:
             # What each lets through multiplies: 1 - (1 - removed) (1 - drawn).

@@ -18,9 +18,9 @@ from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.exposure import gain_and_slope
 from ashe_live.render.camera.in_frame import project_distorted
-from ashe_live.render.cover import hidden_marker
+from ashe_live.render.cover import cover_maker
 from ashe_live.render.cover.ground_cover import DRAFT_SIDE_PX, HALF_SIDES, MOST_AROUND, GroundCover, ground_cover
-from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
 from ashe_live.render.scene import Scene
@@ -41,7 +41,7 @@ def known_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: boo
 
 @pytest.fixture(autouse=True)
 def _covers_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hidden_marker, "ground_cover", known_cover)
+    monkeypatch.setattr(cover_maker, "ground_cover", known_cover)
 
 
 def _ground(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -266,17 +266,17 @@ def test_the_marker_stays_where_no_ground_is_seen(make_renderer, stage) -> None:
 
 
 def test_another_thread_makes_the_cover_where_pictures_cannot_wait_and_a_draft_first(ctx, stage) -> None:
-    hidden = HiddenMarker(ctx)
+    cover = MarkerCover(ctx)
     tracked = _view(stage)
-    hidden.follow(tracked, Illumination(), waits=False)
+    cover.follow(tracked, Illumination(), waits=False)
     sizes = []
-    while not hidden.is_settled:
-        hidden._coming.result()
-        hidden.follow(tracked, Illumination(), waits=False)
-        assert len(hidden.corners) == 4
-        sizes.append(hidden._texture.size[0])
+    while not cover.is_settled:
+        _finish(cover)
+        cover.follow(tracked, Illumination(), waits=False)
+        assert len(cover.corners) == 4
+        sizes.append(cover._texture.size[0])
     assert sizes == [round(2 * HALF_SIDES * DRAFT_SIDE_PX), len(known_cover(tracked, Illumination()).image_rgba)]
-    hidden.release()
+    cover.release()
 
 
 def test_what_is_small_in_the_picture_has_no_draft(stage) -> None:
@@ -342,120 +342,144 @@ def test_a_snapshot_waits_for_the_cover_that_the_window_has_begun(ctx, stage, mo
         made.append(asked)
         return known_cover(*asked)
 
-    monkeypatch.setattr(hidden_marker, "ground_cover", counted)
-    window, saved, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
-    saved.shown = window
+    monkeypatch.setattr(cover_maker, "ground_cover", counted)
+    cover, tracked = MarkerCover(ctx), _view(stage)
     light = Illumination(seen_in=tracked)
-    window.follow(tracked, light, waits=False)
-    window._coming.result()
-    window.follow(tracked, light, waits=False)
-    assert not window.is_settled
-    saved.follow(tracked, light, waits=True)
-    assert window.is_settled
+    cover.follow(tracked, light, waits=False)
+    _finish(cover)
+    cover.follow(tracked, light, waits=False)
+    assert not cover.is_settled
+    cover.follow_beside(tracked, light, waits=True)
+    assert cover.is_settled
     assert len(made) == 2  # the draft, and one without haste
-    assert saved._cover is window._cover
-    for hidden in (saved, window):
-        hidden.release()
+    cover.release()
 
 
 def test_a_recording_is_covered_also_while_the_window_draws_nothing(ctx, stage) -> None:
-    window, recorded, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
-    recorded.shown = window
-    recorded.follow(tracked, Illumination(), waits=False)
-    assert len(recorded.corners) == 0
-    window._coming.result()
-    recorded.follow(replace(tracked), Illumination(), waits=False)
-    assert len(recorded.corners) == 4
-    for hidden in (recorded, window):
-        hidden.release()
+    cover, tracked = MarkerCover(ctx), _view(stage)
+    cover.follow_beside(tracked, Illumination(), waits=False)
+    assert len(cover.corners) == 0
+    _finish(cover)
+    cover.follow_beside(replace(tracked), Illumination(), waits=False)
+    assert len(cover.corners) == 4
+    cover.release()
 
 
-def _settled(hidden: HiddenMarker, tracked: TrackedFrame, lit: Illumination) -> list[GroundCover | None]:
+def test_a_recorded_picture_brings_no_other_cover_than_the_window_has(ctx, stage) -> None:
+    """While a light eases to another one, the frame's light is seen twice, which does not make it one that stays."""
+    cover, tracked = MarkerCover(ctx), _view(stage)
+    _settled(cover, tracked, Illumination())
+    for index in range(1, 4):
+        frame, easing = _view(stage, index=index), Illumination(seen_in=_view(stage))
+        cover.follow(frame, easing, waits=False)
+        cover.follow_beside(frame, easing, waits=False)
+        assert cover.is_settled
+    cover.release()
+
+
+def test_what_is_saved_without_the_cover_leaves_it_to_the_window(make_renderer, stage) -> None:
+    window, tracked = make_renderer(FAST.render), _view(stage)
+    scene = Scene(tracked, _aside(stage), hides_marker=True)
+    window.render(scene)
+    covered = window.read_bgr()
+    saved = window.beside(window.size)
+    saved.render(replace(scene, hides_marker=False))
+    saved.release()
+    window.render(scene, waits=False)
+    np.testing.assert_array_equal(window.read_bgr(), covered)
+
+
+def _finish(cover: MarkerCover) -> None:
+    """Waits until the cover that is being made is ready to be taken."""
+    cover._maker._coming.result()
+
+
+def _settled(cover: MarkerCover, tracked: TrackedFrame, lit: Illumination) -> list[GroundCover | None]:
     """The covers that are shown until no other is being made."""
     shown = []
     for _ in range(2):  # the first time the light may be another one
-        hidden.follow(tracked, lit, waits=False)
-    while not hidden.is_settled:
-        hidden._coming.result()
-        hidden.follow(tracked, lit, waits=False)
-        shown.append(hidden._cover)
+        cover.follow(tracked, lit, waits=False)
+    while not cover.is_settled:
+        _finish(cover)
+        cover.follow(tracked, lit, waits=False)
+        shown.append(cover._maker.made.cover)
     return shown
 
 
 def test_a_sheet_that_was_moved_is_covered_by_the_ground_where_it_lies_a_draft_first(ctx, stage) -> None:
-    hidden = HiddenMarker(ctx)
+    cover = MarkerCover(ctx)
     lies, moved = (replace(_view(stage), T_room_marker=place) for place in (np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])))
-    _settled(hidden, lies, Illumination())
-    assert _settled(hidden, lies, Illumination()) == []
+    _settled(cover, lies, Illumination())
+    assert _settled(cover, lies, Illumination()) == []
     # The ground beside it is another one, by which no exposure can be compared.
     brighter = replace(_view(stage, gain=1.5, index=1), T_room_marker=moved.T_room_marker)
-    hidden.follow(brighter, Illumination((Light(np.array([0.0, 0.6, 0.8])),)), waits=False)
-    assert hidden._sheet.gain == pytest.approx(1, abs=0.05)
-    assert _settled(hidden, moved, Illumination()) == []  # the hand that has moved it may still be there
+    cover.follow(brighter, Illumination((Light(np.array([0.0, 0.6, 0.8])),)), waits=False)
+    assert cover._sheet.gain == pytest.approx(1, abs=0.05)
+    assert _settled(cover, moved, Illumination()) == []  # the hand that has moved it may still be there
     alone = replace(moved, frame=Frame(moved.frame.image_bgr, 30, 1.0))
-    covers = _settled(hidden, alone, Illumination())
+    covers = _settled(cover, alone, Illumination())
     assert [cover.is_draft for cover in covers] == [True, False]
-    hidden.release()
+    cover.release()
 
 
 def test_a_hand_on_the_sheet_becomes_no_part_of_the_next_cover(ctx, stage) -> None:
-    hidden = HiddenMarker(ctx)
+    cover = MarkerCover(ctx)
     lies, moved = (replace(_view(stage), T_room_marker=place) for place in (np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])))
-    _settled(hidden, lies, Illumination())
+    _settled(cover, lies, Illumination())
     picture = moved.frame.image_bgr.copy()
     left = np.arange(picture.shape[1]) < moved.marker.corners_px[:, 0].mean()
     picture[_on_sheet(moved) & left] = (80, 110, 190)
-    hidden.follow(moved, Illumination(), waits=False)
+    cover.follow(moved, Illumination(), waits=False)
     touched = replace(moved, frame=Frame(picture, 30, 1.0))
-    assert _settled(hidden, touched, Illumination()) == []
-    assert _settled(hidden, replace(moved, frame=Frame(moved.frame.image_bgr, 31, 1.1)), Illumination())
-    hidden.follow(replace(moved, frame=Frame(picture, 32, 1.1)), Illumination(), waits=False)
-    hidden.forget()
-    assert _settled(hidden, touched, Illumination()), "where there is no cover, one is made in any case"
-    hidden.release()
+    assert _settled(cover, touched, Illumination()) == []
+    assert _settled(cover, replace(moved, frame=Frame(moved.frame.image_bgr, 31, 1.1)), Illumination())
+    cover.follow(replace(moved, frame=Frame(picture, 32, 1.1)), Illumination(), waits=False)
+    cover.forget()
+    assert _settled(cover, touched, Illumination()), "where there is no cover, one is made in any case"
+    cover.release()
 
 
 def test_a_finger_at_the_sheets_edge_becomes_no_part_of_the_next_cover_and_what_stays_there_does(ctx, stage) -> None:
-    hidden, lies = HiddenMarker(ctx), _view(stage)
+    cover, lies = MarkerCover(ctx), _view(stage)
     near, nearer = (Illumination((Light(np.array(towards)),)) for towards in ((0, 0.6, 0.8), (0, 0.65, 0.76)))
-    _settled(hidden, lies, near)
+    _settled(cover, lies, near)
     picture = lies.frame.image_bgr.copy()
     rows, columns = np.nonzero(_on_sheet(lies))
     tip = (rows > np.quantile(rows, 0.9)) & (np.abs(columns - np.median(columns)) < 0.1 * np.ptp(columns))
     picture[rows[tip], columns[tip]] = (80, 110, 190)
     touches, stays = (replace(lies, frame=Frame(picture, 30 * s, float(s))) for s in (1, 12))
-    assert _settled(hidden, touches, nearer) == []
-    assert _settled(hidden, stays, nearer), "a shadow's rest that stays must not keep the cover of an older answer"
-    hidden.release()
+    assert _settled(cover, touches, nearer) == []
+    assert _settled(cover, stays, nearer), "a shadow's rest that stays must not keep the cover of an older answer"
+    cover.release()
 
 
 def test_in_another_light_the_sheet_is_covered_anew_also_where_something_seems_to_lie_on_it(ctx, stage) -> None:
     """What a light that has gone out leaves is not told from a thing, and would stay for ever."""
-    hidden, tracked = HiddenMarker(ctx), _view(stage)
+    cover, tracked = MarkerCover(ctx), _view(stage)
     low, near, high = (
         Illumination((Light(np.array(towards)),)) for towards in ((0, 0.6, 0.8), (0, 0.65, 0.76), (0, 0, 1))
     )
-    _settled(hidden, tracked, low)
+    _settled(cover, tracked, low)
     picture = tracked.frame.image_bgr.copy()
     left = np.arange(picture.shape[1]) < tracked.marker.corners_px[:, 0].mean()
     picture[_on_sheet(tracked) & left] = (80, 110, 190)
     touched = replace(tracked, frame=Frame(picture, 30, 1.0))
-    assert _settled(hidden, touched, near) == []
-    assert _settled(hidden, touched, high)
-    assert _settled(hidden, touched, Illumination())
-    hidden.release()
+    assert _settled(cover, touched, near) == []
+    assert _settled(cover, touched, high)
+    assert _settled(cover, touched, Illumination())
+    cover.release()
 
 
 def test_a_cover_that_was_given_up_meanwhile_is_not_taken(ctx, stage) -> None:
-    hidden = HiddenMarker(ctx)
+    cover = MarkerCover(ctx)
     tracked = _view(stage)
-    hidden.follow(tracked, Illumination(), waits=False)
-    coming = hidden._coming
-    hidden.forget()
+    cover.follow(tracked, Illumination(), waits=False)
+    coming = cover._maker._coming
+    cover.forget()
     coming.result()
-    hidden.follow(tracked, Illumination(), waits=False)
-    assert len(hidden.corners) == 0
-    hidden.release()
+    cover.follow(tracked, Illumination(), waits=False)
+    assert len(cover.corners) == 0
+    cover.release()
 
 
 @pytest.mark.parametrize("half_sides", [0.62, 0.75, 1.1])
