@@ -112,7 +112,7 @@ def _aside(stage):
 def test_sheet_is_covered_by_ground_like_that_around_it(make_renderer, stage) -> None:
     tracked, bare = _view(stage, noise=0.7), _view(stage, has_sheet=False)
     renderer = make_renderer(BALANCED.render)
-    renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+    renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
     picture = renderer.read_bgr()
     around = _on_sheet(tracked, 0.008)
     assert _difference(picture, bare.frame.image_bgr)[around].mean() < 3
@@ -140,7 +140,7 @@ def test_a_lens_bends_the_cover_as_it_bends_the_ground(make_renderer, stage) -> 
     dist = (-0.25, 0.06, 0.0, 0.0, 0.0)
     tracked, bare = (_through_lens(_view(stage, has_sheet=each), dist) for each in (True, False))
     renderer = make_renderer(BALANCED.render)
-    renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+    renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
 
@@ -181,7 +181,7 @@ def test_cover_is_steady_at_rest(make_renderer, stage) -> None:
     renderer = make_renderer(replace(FAST.render, matches_noise=False))
     pictures = []
     for index in range(10):
-        renderer.render(Scene(_view(stage, noise=0.7, index=index), _aside(stage), hides_marker=True))
+        renderer.render(Scene(_view(stage, noise=0.7, index=index), _aside(stage), covers_marker=True))
         pictures.append(renderer.read_bgr().astype(float))
     inside = _on_sheet(_view(stage), -0.005)
     changes = [np.abs(b - a)[inside].mean() for a, b in itertools.pairwise(pictures)]
@@ -190,20 +190,20 @@ def test_cover_is_steady_at_rest(make_renderer, stage) -> None:
 
 def test_cover_follows_the_exposure_in_the_frame_that_it_changes_in(make_renderer, stage) -> None:
     renderer = make_renderer(FAST.render)
-    renderer.render(Scene(_view(stage), _aside(stage), hides_marker=True))
+    renderer.render(Scene(_view(stage), _aside(stage), covers_marker=True))
     for index, gain in enumerate((0.9, 0.6, 0.8), start=1):
         tracked = _view(stage, gain=gain, index=index)
-        renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+        renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
         bare = _view(stage, has_sheet=False, gain=gain)
         assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
 
 def test_cover_follows_sheen_that_moves_over_the_table(make_renderer, stage) -> None:
     renderer, sheen = make_renderer(FAST.render), 5.0
-    renderer.render(Scene(_view(stage), _aside(stage), hides_marker=True))
+    renderer.render(Scene(_view(stage), _aside(stage), covers_marker=True))
     for index in (1, 2):
         tracked = _view(stage, sheen=sheen, index=index)
-        renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+        renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
     bare = _view(stage, has_sheet=False, sheen=sheen)
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
@@ -222,7 +222,7 @@ def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage) ->
     renderer = make_renderer(FAST.render)
     mesh = box((0.006, 0.006, 0.002))
     aside = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((0.09, -0.06, 0.0), np.float32)))
-    renderer.render(Scene(tracked, aside, illumination, hides_marker=True))
+    renderer.render(Scene(tracked, aside, illumination, covers_marker=True))
     picture = renderer.read_bgr()
     places = project(
         tracked.camera, tracked.marker.T_cam_marker, [(middle[0], y, 0.0) for y in np.linspace(0.03, -0.01, 9)]
@@ -242,7 +242,7 @@ def test_models_shadow_lies_on_the_cover(make_renderer, stage) -> None:
     renderer = make_renderer(FAST.render)
     pictures = []
     for casts_shadow in (False, True):
-        renderer.render(Scene(tracked, model, Illumination((light,)), casts_shadow=casts_shadow, hides_marker=True))
+        renderer.render(Scene(tracked, model, Illumination((light,)), casts_shadow=casts_shadow, covers_marker=True))
         pictures.append(LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[..., ::-1]])
     way = light.to_light_marker[:2] / light.to_light_marker[2]
     place = project(tracked.camera, tracked.marker.T_cam_marker, [(*(-0.036 * way), 0.0)])
@@ -261,7 +261,7 @@ def test_the_marker_stays_where_no_ground_is_seen(make_renderer, stage) -> None:
     tracked = TrackedFrame(Frame(image, 0, 0.0), stage.camera(), MarkerPose(T, corners, SIDE, 0.0, None))
     assert known_cover(tracked, Illumination()) is None
     renderer = make_renderer(FAST.render)
-    renderer.render(Scene(tracked, stage.placed(box((0.001, 0.001, 0.001))), hides_marker=True))
+    renderer.render(Scene(tracked, stage.placed(box((0.001, 0.001, 0.001))), covers_marker=True))
     assert (np.abs(renderer.read_bgr().astype(int) - 200).max(axis=2) > 1).mean() < 0.01
 
 
@@ -302,7 +302,7 @@ def test_another_source_is_covered_by_its_own_ground(make_renderer, stage) -> No
     dim = 0.15  # beyond what passes for a change of exposure
     renderer = make_renderer(FAST.render)
     for tracked in (_view(stage), _view(stage, gain=dim)):
-        renderer.render(Scene(tracked, _aside(stage), Illumination(seen_in=tracked), hides_marker=True))
+        renderer.render(Scene(tracked, _aside(stage), Illumination(seen_in=tracked), covers_marker=True))
     bare = _view(stage, has_sheet=False, gain=dim)
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
@@ -311,9 +311,9 @@ def test_ground_of_the_last_source_is_not_laid_into_the_next(make_renderer, stag
     """Where pictures cannot wait for the next cover, the sheet is seen until that is there."""
     renderer = make_renderer(FAST.render)
     first, second = _view(stage), _view(stage, gain=0.15)
-    renderer.render(Scene(first, _aside(stage), Illumination(seen_in=first), hides_marker=True))
+    renderer.render(Scene(first, _aside(stage), Illumination(seen_in=first), covers_marker=True))
     renderer.begin_anew()
-    renderer.render(Scene(second, _aside(stage), Illumination(seen_in=second), hides_marker=True), waits=False)
+    renderer.render(Scene(second, _aside(stage), Illumination(seen_in=second), covers_marker=True), waits=False)
     within = _on_sheet(second, -0.004)
     assert _difference(renderer.read_bgr(), second.frame.image_bgr)[within].max() < 3
 
@@ -322,7 +322,7 @@ def test_ground_of_the_last_source_is_not_laid_into_the_next(make_renderer, stag
 def test_what_is_saved_beside_a_window_is_covered_as_the_window_is(make_renderer, stage, waits) -> None:
     """From its first picture on: a recording, whose pictures wait for nothing, and a snapshot."""
     window, tracked = make_renderer(FAST.render), _view(stage)
-    scene = Scene(tracked, _aside(stage), Illumination(seen_in=tracked), hides_marker=True)
+    scene = Scene(tracked, _aside(stage), Illumination(seen_in=tracked), covers_marker=True)
     window.render(scene)
     saved = window.beside(window.size)
     saved.render(scene, waits)
@@ -379,11 +379,11 @@ def test_a_recorded_picture_brings_no_other_cover_than_the_window_has(ctx, stage
 
 def test_what_is_saved_without_the_cover_leaves_it_to_the_window(make_renderer, stage) -> None:
     window, tracked = make_renderer(FAST.render), _view(stage)
-    scene = Scene(tracked, _aside(stage), hides_marker=True)
+    scene = Scene(tracked, _aside(stage), covers_marker=True)
     window.render(scene)
     covered = window.read_bgr()
     saved = window.beside(window.size)
-    saved.render(replace(scene, hides_marker=False))
+    saved.render(replace(scene, covers_marker=False))
     saved.release()
     window.render(scene, waits=False)
     np.testing.assert_array_equal(window.read_bgr(), covered)
