@@ -1,4 +1,7 @@
-"""Timing of the viewer's loop, offscreen: as fast as possible, and at a display's rate."""
+"""Timing of the viewer's loop, offscreen: as fast as possible, and at a display's rate.
+
+As in a window, pictures do not wait for what takes longer, such as the marker's cover.
+"""
 
 import time
 from collections import defaultdict
@@ -54,7 +57,7 @@ def time_unpaced(
         times.stage("decode")
         tracked = tracker.track(frame)
         times.stage("track")
-        renderer.render(scene(tracked))
+        renderer.render(scene(tracked), waits=False)
         renderer.finish()
         times.stage("render")
     times.sum_up("whole", ("decode", "track", "render"))
@@ -69,7 +72,7 @@ def time_blit(
     for _ in range(frames):
         bare = Scene(TrackedFrame(_next_frame(source, tracker, times), camera, None))
         times.start()
-        renderer.render(bare)
+        renderer.render(bare, waits=False)
         renderer.finish()
         times.stage("blit")
     return times
@@ -114,7 +117,7 @@ def time_paced(
         time.sleep(max(0.0, due_s - time.perf_counter()))
         started_s = time.perf_counter()
         tracked = pipeline.frames.take(0.0) or tracked
-        renderer.render(scene(tracked))
+        renderer.render(scene(tracked), waits=False)
         renderer.finish()
         last_s, drawn_s = drawn_s, time.perf_counter()
         times.work_ms.append((drawn_s - started_s) * 1e3)

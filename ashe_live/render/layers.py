@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import moderngl
 
 from ashe_live.core.proxy import Proxy
-from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.passes.ground import CatchingGround, ShadowCatcher
 from ashe_live.render.passes.light_sign import LightSign, LightSigns
@@ -29,12 +29,14 @@ class LayerContent:
 class LayerPasses:
     """Real object, model, lights' signs and ground, in the order in which depth and blending want them."""
 
-    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: Programs, cover: MarkerCover | None) -> None:
+        """`cover`: of the window beside which this draws; None: its own."""
         self._ctx = ctx
         self._light_signs = LightSigns(ctx)
         self.model_pass = ModelPass(ctx, programs)
         self.catcher = ShadowCatcher(ctx, programs)
-        self.hidden_marker = HiddenMarker(ctx)
+        self.cover = MarkerCover(ctx) if cover is None else cover
+        self._is_beside = cover is not None
         self.real: RealObject | None = None
         self._programs = programs
 
@@ -48,13 +50,15 @@ class LayerPasses:
             self.real = RealObject(self._ctx, self._programs, proxy)
         return former is not None and former is not self.real
 
-    def follow_sheet(self, scene: Scene, at_once: bool) -> HiddenMarker | None:
-        """The cover of the marker's sheet, once there is one. `at_once`: as in `HiddenMarker.follow`."""
-        if not scene.hides_marker or scene.tracked is None:
-            self.hidden_marker.forget()
+    def follow_sheet(self, scene: Scene, waits: bool) -> MarkerCover | None:
+        """The cover of the marker's sheet, once there is one. `waits`: as in `MarkerCover.follow`."""
+        if not scene.covers_marker or scene.tracked is None:
+            if not self._is_beside:
+                self.cover.forget()
             return None
-        self.hidden_marker.follow(scene.tracked, scene.illumination, at_once)
-        return self.hidden_marker if len(self.hidden_marker.corners) else None
+        follow = self.cover.follow_beside if self._is_beside else self.cover.follow
+        follow(scene.tracked, scene.illumination, waits)
+        return self.cover if len(self.cover.corners) else None
 
     def draw(self, content: LayerContent, with_models: bool = True, with_ground: bool = True) -> None:
         """Without models and their signs, which are then drawn later, or without ground that was drawn before."""
@@ -77,5 +81,6 @@ class LayerPasses:
     def release(self) -> None:
         self.follow_real_object(None)
         self.catcher.release()
-        self.hidden_marker.release()
+        if not self._is_beside:
+            self.cover.release()
         self._light_signs.release()

@@ -8,7 +8,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.compositing.outlines import Outlines
-from ashe_live.render.cover.hidden_marker import HiddenMarker, SeenCover
+from ashe_live.render.cover.marker_cover import MarkerCover, SeenCover
 from ashe_live.render.gl.framing import Rectangle, common, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
@@ -30,8 +30,15 @@ from ashe_live.render.scene import Scene
 class ModelsOnVideo:
     """All passes between the bare video and the overlays, for one renderer."""
 
-    def __init__(self, ctx: moderngl.Context, programs: Programs, preset: RenderPreset, video: Video) -> None:
-        """`video`: what is shown behind the models."""
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        programs: Programs,
+        preset: RenderPreset,
+        video: Video,
+        cover: MarkerCover | None,
+    ) -> None:
+        """`video`: what is shown behind the models. `cover`: as of LayerPasses."""
         self._ctx = ctx
         self._programs = programs
         self._preset = preset
@@ -40,7 +47,7 @@ class ModelsOnVideo:
         self._lens = Lens(ctx)
         self._outlines = Outlines(ctx, programs)
         self._composite = Composite(ctx, programs)
-        self.layers = LayerPasses(ctx, programs)
+        self.layers = LayerPasses(ctx, programs, cover)
         self._make_for_preset()
 
     def use_preset(self, preset: RenderPreset) -> None:
@@ -63,26 +70,22 @@ class ModelsOnVideo:
         self.shadows.forget()
         self.layers.catcher.forget()
 
-    def cover_as(self, shown: "ModelsOnVideo") -> None:
-        """Covers the marker's sheet by the ground by which `shown` covers it."""
-        self.layers.hidden_marker.shown = shown.layers.hidden_marker
-
     def begin_anew(self) -> None:
         """Forgets what was seen of the video: the next one shows another table by another camera."""
-        self.layers.hidden_marker.forget()
+        self.layers.cover.forget()
         self.photometry = Photometry(self._preset)
 
-    def draw(self, surface: Surface, models: StandingGroup, scene: Scene, bends: bool, at_once: bool) -> None:
+    def draw(self, surface: Surface, models: StandingGroup, scene: Scene, bends: bool, waits: bool) -> None:
         """Draws onto the video in `surface`; the scene must have a marker.
 
-        `bends`: the picture has the distortion of the camera's lens; else it is that of a pinhole camera. `at_once`:
-        the cover that hides the marker appears in the very next picture, however long that takes.
+        `bends`: the picture has the distortion of the camera's lens; else it is that of a pinhole camera. `waits`:
+        for the cover that hides the marker, however long it takes.
         """
         tracked = scene.tracked
         assert tracked is not None
         assert tracked.marker is not None
         lighting = self.photometry.lighting(scene.illumination)
-        hidden = self._followed(models, scene, lighting, at_once)
+        cover = self._followed(models, scene, lighting, waits)
         viewport = letterbox(tracked.frame.size, surface.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         T_cam_marker = tracked.marker.T_cam_marker
@@ -95,18 +98,18 @@ class ModelsOnVideo:
         if frame is None:
             return
         look = self.photometry.look(tracked, scene.illumination)
-        self._environment.show(scene.illumination, look.white_rgb, _covered(hidden))
+        self._environment.show(scene.illumination, look.white_rgb, _covered(cover))
         straight = self._video
         if bends and self.shadows.shadows_meet:
             straight = self._straight_video
             straight.show(tracked, viewport, camera)
-        cover = None
-        if hidden is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
-            cover = SeenCover(hidden, frame.ground_from_pixel)
+        seen = None
+        if cover is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
+            seen = SeenCover(cover, frame.ground_from_pixel)
         relief, lens = self.photometry.relief(scene.illumination), self._lens if bends else None
-        onto = Footage(viewport, self._video, tracked, look, relief, cover, lens, scene.is_split)
+        onto = Footage(viewport, self._video, tracked, look, relief, seen, lens, scene.is_split)
         inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
-        ground = self._ground(scene, straight, hidden, viewport)
+        ground = self._ground(scene, straight, cover, viewport)
         content = LayerContent(models, inputs, scene.shows_model, signs, ground)
         with surface.drawing(grown(frame.region, 2 * onto.blurs.farthest + 1, surface.size)):
             self.layers.draw(content, with_models=surface.samples == 0)
@@ -131,23 +134,23 @@ class ModelsOnVideo:
             with surface.drawing(within, several_samples=True, over_drawn=not with_ground):
                 self.layers.draw(content, with_ground=with_ground)
 
-    def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, at_once: bool) -> HiddenMarker | None:
+    def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
         """Readies shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
         self.shadows.render((models,) if self.layers.real is None else (models, self.layers.real), lighting)
         self._ground_shadows.render(self.shadows, lighting)
-        hidden = self.layers.follow_sheet(scene, at_once)
-        self.layers.catcher.fit(models, lighting, self.shadows, _covered(hidden))
+        cover = self.layers.follow_sheet(scene, waits)
+        self.layers.catcher.fit(models, lighting, self.shadows, _covered(cover))
         self.layers.catcher.follow(models, lighting, self._ground_shadows)
-        return hidden
+        return cover
 
     def _ground(
-        self, scene: Scene, straight: Video, hidden: HiddenMarker | None, viewport: Rectangle
+        self, scene: Scene, straight: Video, cover: MarkerCover | None, viewport: Rectangle
     ) -> CatchingGround | None:
         """The ground of `straight`, a pinhole camera's video; None where nothing is drawn on it."""
-        if hidden is None and not scene.casts_shadow:
+        if cover is None and not scene.casts_shadow:
             return None
         border_px = self.photometry.border_share(scene.illumination) * viewport[2]
-        return CatchingGround(straight, scene.illumination.ground_rgb, hidden, scene.casts_shadow, border_px)
+        return CatchingGround(straight, scene.illumination.ground_rgb, cover, scene.casts_shadow, border_px)
 
     def release(self) -> None:
         for held in (self.layers, self._straight_video, self._outlines, self._composite, self._lens):
@@ -166,6 +169,6 @@ class ModelsOnVideo:
         self._environment.release()
 
 
-def _covered(hidden: HiddenMarker | None) -> Float:
+def _covered(cover: MarkerCover | None) -> Float:
     """(n, 2) metres, corners of what is covered on the plane."""
-    return np.zeros((0, 2)) if hidden is None else hidden.corners
+    return np.zeros((0, 2)) if cover is None else cover.corners

@@ -7,6 +7,7 @@ import moderngl
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.models.placement import PlacedModel
+from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.gl.driver import is_software
 from ashe_live.render.gl.framing import letterbox
 from ashe_live.render.gl.geometry import GpuModel
@@ -34,13 +35,10 @@ class SceneRenderer:
         ctx: moderngl.Context,
         preset: RenderPreset,
         size: Size,
-        switches_at_once: bool = True,
         known: Known | None = None,
+        cover: MarkerCover | None = None,
     ) -> None:
-        """`switches_at_once`: a new model appears in the next picture, however long that takes; else when it is ready.
-
-        `known`: results computed once for each model (what it hides of sky and ground), shared with other renderers.
-        """
+        """Shared with other renderers: `known`, what each model hides of sky and ground, and the marker's `cover`."""
         self._known = Known() if known is None else known
         self._ctx = ctx
         self._preset = preset
@@ -48,15 +46,13 @@ class SceneRenderer:
         self.overlays = OverlayPass(ctx)
         self._mirror = Mirror(ctx)
         self._programs = Programs(ctx)
-        self._models_on_video = ModelsOnVideo(ctx, self._programs, preset, self.video)
-        self._models = ModelSwitches(ctx, self._programs, self._build_shaders, switches_at_once, self._known)
+        self._models_on_video = ModelsOnVideo(ctx, self._programs, preset, self.video, cover)
+        self._models = ModelSwitches(ctx, self._programs, self._build_shaders, self._known)
         self._surface = self._new_surface(size)
 
-    def beside(self, preset: RenderPreset, size: Size) -> "SceneRenderer":
-        """Another renderer of the same context, for other pictures of what this one shows."""
-        other = SceneRenderer(self._ctx, preset, size, known=self._known)
-        other._models_on_video.cover_as(self._models_on_video)
-        return other
+    def beside(self, size: Size) -> "SceneRenderer":
+        """Another renderer of the same context and preset, for other pictures of what this one shows."""
+        return SceneRenderer(self._ctx, self._preset, size, self._known, self._models_on_video.layers.cover)
 
     @property
     def size(self) -> Size:
@@ -66,15 +62,6 @@ class SceneRenderer:
     def shown_models(self) -> tuple[PlacedModel, ...]:
         """The models drawn last: for some pictures after a switch, the former ones."""
         return self._models.shown
-
-    @property
-    def switches_at_once(self) -> bool:
-        """Whether a new model appears in the very next picture, however long that takes; else when it is ready."""
-        return self._models.at_once
-
-    @switches_at_once.setter
-    def switches_at_once(self, at_once: bool) -> None:
-        self._models.at_once = at_once
 
     @property
     def shadow_map_renders(self) -> int:
@@ -92,7 +79,7 @@ class SceneRenderer:
     @property
     def is_settled(self) -> bool:
         """Whether the same scene would give the same picture again, as nothing is being prepared for later ones."""
-        return self._models.is_settled and self._models_on_video.layers.hidden_marker.is_settled
+        return self._models.is_settled and self._models_on_video.layers.cover.is_settled
 
     @property
     def preset(self) -> RenderPreset:
@@ -119,9 +106,13 @@ class SceneRenderer:
         self._surface.colour.use()
         former.release()
 
-    def render(self, scene: Scene) -> None:
-        """Draws the scene into the renderer's own framebuffer."""
-        self._follow_models([model for model, _ in scene.models])
+    def render(self, scene: Scene, waits: bool = True) -> None:
+        """Draws the scene into the renderer's own framebuffer.
+
+        `waits`: for new models and the marker's cover, however long they take; else they appear in a later picture,
+        once they are ready.
+        """
+        self._follow_models([model for model, _ in scene.models], waits)
         self._models_on_video.follow_real_object(scene.real_object)
         if scene.tracked is None:
             self._surface.colour.clear()
@@ -135,7 +126,7 @@ class SceneRenderer:
                 self.video.copy_or_draw(self._surface.colour, viewport)
             standing = self._models.standing([placement for _, placement in scene.models], scene.time_s)
             if standing is not None and scene.tracked.marker is not None:
-                self._models_on_video.draw(self._surface, standing, scene, bends, self.switches_at_once)
+                self._models_on_video.draw(self._surface, standing, scene, bends, waits)
             if scene.is_mirrored:
                 self._mirror.turn(self._surface.colour)
         self._surface.colour.use()
@@ -164,7 +155,7 @@ class SceneRenderer:
 
     def release(self) -> None:
         """Releases all OpenGL objects; the renderer cannot be used afterwards."""
-        self._follow_models(())
+        self._follow_models((), waits=True)
         self._ctx.detect_framebuffer(0).use()
         for held in (
             self.video,
@@ -181,8 +172,8 @@ class SceneRenderer:
         samples = preset.software_msaa_samples if is_software(self._ctx.info) else preset.msaa_samples
         return Surface(self._ctx, size, samples)
 
-    def _follow_models(self, placed: Sequence[PlacedModel]) -> None:
-        if self._models.follow(placed):
+    def _follow_models(self, placed: Sequence[PlacedModel], waits: bool) -> None:
+        if self._models.follow(placed, waits):
             self._models_on_video.forget_models()
 
     def _build_shaders(self, model: GpuModel) -> Iterator[None]:

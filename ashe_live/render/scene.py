@@ -50,7 +50,7 @@ class Scene:
     shows_model: bool = True  # itself, and not its shadow alone
     is_cut_out: bool = False  # without the video: transparent, so that it gives the same picture when put over it
     # The sheet, or the body that it is on, is covered by ground like that around it, where there is a model.
-    hides_marker: bool = False
+    covers_marker: bool = False
     time_s: float = 0.0  # since the motion of a model that moves began
     is_split: bool = False  # the video's left half is shown alone
     is_mirrored: bool = False  # left to right, below the overlays
@@ -64,6 +64,6 @@ class Scene:
     def real_object(self) -> Proxy | None:
         """The real object beside the model; None for a body with the marker on it that is covered."""
         marker = None if self.tracked is None else self.tracked.marker
-        if self.hides_marker and marker is not None and marker.body is not None:
+        if self.covers_marker and marker is not None and marker.body is not None:
             return None
         return self.illumination.real_object

@@ -39,7 +39,7 @@ def bare_scene(session: Session) -> Scene:
         others=tuple(others),
         casts_shadow=session.view.parts in (WHOLE, SPLIT, SHADOW_ALONE),
         shows_model=session.view.parts != SHADOW_ALONE,
-        hides_marker=session.hides_marker,
+        covers_marker=session.covers_marker,
         is_split=session.view.parts == SPLIT,
         time_s=session.table.motion_s,
     )
@@ -51,7 +51,7 @@ def cut_out(scene: Scene) -> Scene:
     The cover of the marker is this clip's ground: it belongs to the shadow that lies on it, and not to a model alone,
     which would hide that shadow once it is put over it.
     """
-    return replace(scene, is_cut_out=True, shows_light=False, hides_marker=scene.hides_marker and scene.casts_shadow)
+    return replace(scene, is_cut_out=True, shows_light=False, covers_marker=scene.covers_marker and scene.casts_shadow)
 
 
 @dataclass(frozen=True, slots=True)

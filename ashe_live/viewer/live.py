@@ -67,8 +67,8 @@ class LiveViewer:
         self._keeper.flags = lambda: [*options.flags, *self.followed.flags]
         self._stillness = Stillness()
         self._commands: dict[Command, Callable[[float], None]] = {
-            Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
-            Command.CUT_OUT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s, is_cut_out=True),
+            Command.SNAPSHOT: self._keeper.snapshot,
+            Command.CUT_OUT: lambda now_s: self._keeper.snapshot(now_s, is_cut_out=True),
             Command.KEEP_LIGHT: self._keeper.light,
             Command.RECORD: lambda now_s: self._keeper.record(self._pipeline.fps, now_s),
             Command.QUALITY: lambda _now: self._quality.step(self._pipeline),
@@ -105,7 +105,7 @@ class LiveViewer:
                 self._quality.adapt(self._pipeline, now_s)
                 self._window.swap()
                 self._stillness.shown()
-                self._keeper.take(self._renderer.preset, is_new, now_s)
+                self._keeper.take(is_new, now_s)
                 if is_new and frames_left is not None:
                     frames_left -= 1
                     self._quit = self._quit or frames_left <= 0
@@ -162,7 +162,7 @@ class LiveViewer:
         self._stillness.add(scene, screen.size, self._renderer.preset, self._renderer.is_settled)
         # Nothing changes (a pause, a photo, the end of a clip): the last picture is shown again.
         if not self._is_idle:
-            self._renderer.render(scene)
+            self._renderer.render(scene, waits=False)
         self._window.present(self._renderer)
 
     @property

@@ -70,9 +70,9 @@ class Session:
         return None if self.estimate is None else self._light.seen_by(self.tracked, self.estimate)
 
     @property
-    def hides_marker(self) -> bool:
+    def covers_marker(self) -> bool:
         """Whether ground is painted over the marker."""
-        return self.view.hides_marker(self.tracked)
+        return self.view.covers_marker(self.tracked)
 
     @property
     def has_seen_marker(self) -> bool:
@@ -104,7 +104,7 @@ class Session:
         if is_being_moved:
             self._show(now_s)
         self.table.motion.tick(now_s)
-        self.arrangement.stand_clear(tracked, self._light.now(tracked).light, self.hides_marker)
+        self.arrangement.stand_clear(tracked, self._light.now(tracked).light, self.covers_marker)
         is_steady = self._first.add(tracked)
         if has_gone_round and self.settle_for_last(now_s):
             return
@@ -190,7 +190,7 @@ class Session:
                 view.shows_light = not view.shows_light
                 if view.shows_light and self.lit_by.light is None:
                     self.say(f"the arrow appears when the light is known: {self.how_it_gets_known}", now_s)
-            case Command.TOGGLE_MASKS:
+            case Command.TOGGLE_STEPS:
                 view.shows_steps = not view.shows_steps
                 if not view.shows_steps:
                     self.notice.withdraw(ANSWER_ALONE)
@@ -198,9 +198,11 @@ class Session:
                     self.say(f"nothing has been estimated yet: {self.how_it_gets_known}", now_s)
                 elif self.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
-            case Command.HIDE_MARKER:
-                view.covers_marker = not self.hides_marker
-                self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.hides_marker)
+            case Command.COVER_MARKER:
+                view.wants_cover = not self.covers_marker
+                self.arrangement.stand_clear_again(
+                    self.tracked, self._light.now(self.tracked).light, self.covers_marker
+                )
             case Command.MIRROR:
                 view.is_mirrored = not view.is_mirrored
             case Command.BEFORE_AFTER:
@@ -235,7 +237,7 @@ class Session:
             return None
         new, frozen = found.estimate, found.frozen
         self._light.take(new.illumination.as_seen_in(frozen), frozen)
-        self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.hides_marker)
+        self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.covers_marker)
         self.estimate, self.estimated_from, self.steps_bgr = new, frozen, found.steps_bgr
         if self.view.shows_steps and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)

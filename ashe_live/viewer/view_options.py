@@ -16,15 +16,15 @@ class ViewOptions:
         self.shows_light = False  # as an arrow or a bulb
         self.shows_steps = False  # to the estimate, or its masks
         self.shows_hud = True
-        self.covers_marker: bool | None = None  # None: nobody has chosen
+        self.wants_cover: bool | None = None  # None: nobody has chosen
         self.is_mirrored = False  # in the window only: what is saved is as the camera sees it
         self.parts = WHOLE
         self.help = Help()
 
-    def hides_marker(self, tracked: TrackedFrame | None) -> bool:
+    def covers_marker(self, tracked: TrackedFrame | None) -> bool:
         """Whether ground is painted over the marker: as chosen; if nobody chose, over a sheet and not over a body."""
         marker = None if tracked is None else tracked.marker
-        return self.covers_marker if self.covers_marker is not None else marker is None or marker.body is None
+        return self.wants_cover if self.wants_cover is not None else marker is None or marker.body is None
 
     def next_parts(self) -> str:
         """Shows the next of `PARTS`, which it returns."""

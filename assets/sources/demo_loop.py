@@ -63,7 +63,7 @@ def pictures():
                 placed[latest(MODELS, frame.time_s)],
                 easing.at(illumination, frame.time_s),
                 shows_light=frame.time_s < ARROW_UNTIL_S,
-                hides_marker=is_estimated,
+                covers_marker=is_estimated,
                 overlays=hud.overlays(HudText(hint=(latest(CAPTIONS, frame.time_s),)), Screen(SIZE, LETTERS)),
             )
             renderer.render(scene)

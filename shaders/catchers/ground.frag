@@ -29,7 +29,7 @@ uniform mat4 marker_from_placed;
 uniform vec3 model_albedo;  // mean over the model, linear RGB
 uniform vec3 ground_bounce;
 #if LIGHTS > 0
-uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
+uniform vec3 light_irradiance[LIGHTS];  // irradiance over pi across the light's direction
 #endif
 
 #ifdef COVERS
@@ -41,7 +41,7 @@ uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
 const float TEXEL_SIDES = 0.45;
 uniform float strength;  // 0: the model darkens nothing
 #ifdef SOFT_BORDER
-uniform float border_px;  // standard deviation of the real shadow's border beyond what lens and sun explain
+uniform float border_px;  // standard deviation of the real shadow's border beyond what lens and light explain
 #endif
 
 in vec2 ground;
@@ -82,7 +82,7 @@ float lit_past_real(int light, float covered, bool matters) {
     gradient *= sign(across.x * along.y - across.y * along.x);
     vec2 towards = light_point[light].xy - light_point[light].w * ground;
     float is_foot = smoothstep(FOOT.x, FOOT.y, dot(gradient, towards) / max(length(gradient) * length(towards), 1e-9));
-    float share = dot(sun_on_ground[light], LUMINANCE) * ground_falloff(light, ground);
+    float share = dot(light_ground_share[light], LUMINANCE) * ground_falloff(light, ground);
     float level = dot(level_at(ground), LUMINANCE);
     float seen = dot(video_at(gl_FragCoord.xy), LUMINANCE) / lit_ground;
     float gone = clamp((level - seen) / max(share, 1e-3), 0.0, 1.0);
@@ -145,7 +145,7 @@ void main() {
 #else
         float lit = lit_around(0, light, ground, texel_m);
 #endif
-        vec3 seen = sun_on_ground[light] * ground_falloff(light, ground);
+        vec3 seen = light_ground_share[light] * ground_falloff(light, ground);
         float share = 1.0;
 #if CASTERS > 1
         share = lit_past_real(light, covered, max(hidden.x * contact_here.a, 1.0 - lit) > MATTERS);
@@ -156,7 +156,7 @@ void main() {
         after += seen * lit;
         shaded = max(shaded, 1.0 - lit);
         // A shadow that reaches a wall on the ground continues up the wall.
-        on_walls += sun[light] * (falloff * share * lit * max(dot(outward, towards.xy), 0.0));
+        on_walls += light_irradiance[light] * (falloff * share * lit * max(dot(outward, towards.xy), 0.0));
     }
 #endif
     vec3 from_ground = ground_bounce * after / max(before, 1e-3);

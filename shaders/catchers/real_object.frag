@@ -7,7 +7,7 @@
 uniform vec3 sky;
 uniform vec3 ground_bounce;
 #if LIGHTS > 0
-uniform vec3 sun[LIGHTS];
+uniform vec3 light_irradiance[LIGHTS];
 #endif
 
 in vec3 position;
@@ -23,7 +23,7 @@ void main() {
     for (int light = 0; light < LIGHTS; ++light) {
         // Parts of the object that face away from a light receive none of it anyway.
         float falloff;
-        vec3 seen = sun[light] * max(0.0, dot(normal, towards_light(light, position, falloff)));
+        vec3 seen = light_irradiance[light] * max(0.0, dot(normal, towards_light(light, position, falloff)));
         seen *= falloff;
         before += seen;
         after += seen * lit_past(0, light, position);

@@ -57,7 +57,7 @@ float lit_around(int caster, int light, vec2 ground, float width_m) {
 vec3 light_on_ground(vec2 at, float width_m) {
     vec3 light = vec3(1.0);
     for (int number = 0; number < LIGHTS; ++number) {
-        light += sun_on_ground[number] * (ground_falloff(number, at) * lit_around(0, number, at, width_m) - 1.0);
+        light += light_ground_share[number] * (ground_falloff(number, at) * lit_around(0, number, at, width_m) - 1.0);
     }
     return light;
 }

@@ -1,6 +1,6 @@
 // LIGHTS lights as homogeneous points. LAMPS is 1 if any of them is near by.
 #if LIGHTS > 0
-uniform vec3 sun_on_ground[LIGHTS];  // fraction of the light on level ground at the marker's centre, linear RGB
+uniform vec3 light_ground_share[LIGHTS];  // fraction of the light on level ground at the marker's centre, linear RGB
 uniform vec4 light_point[LIGHTS];  // unit vector from the marker's centre, and one over the distance in 1/m: 0 for a sun
 
 #if LAMPS
@@ -38,7 +38,7 @@ vec3 level_at(vec2 ground) {
     vec3 level = vec3(1.0);
 #if LAMPS
     for (int light = 0; light < LIGHTS; ++light) {
-        level += sun_on_ground[light] * (ground_falloff(light, ground) - 1.0);
+        level += light_ground_share[light] * (ground_falloff(light, ground) - 1.0);
     }
 #endif
     return level;

@@ -1,4 +1,4 @@
-// A surface lit by the sky, suns, and light reflected from the ground, in linear light.
+// A surface lit by the sky, the scene's lights, and light reflected from the ground, in linear light.
 // Each macro switches on a feature of the material or the scene.
 #version 330 core
 #include "lights/lights.glsl"
@@ -12,7 +12,7 @@ uniform vec3 ground_bounce;
 uniform vec3 eye;  // metres, marker frame
 uniform vec3 exposure;  // value in the picture of a radiance of 1
 #if LIGHTS > 0
-uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
+uniform vec3 light_irradiance[LIGHTS];  // irradiance over pi across the light's direction
 #endif
 uniform float metallic;
 uniform float roughness;
@@ -208,7 +208,7 @@ void main() {
     vec3 unshaded;
     vec3 ground = from_ground(n, unshaded);
     vec3 from_around = ambient(n, open, ground) * (0.5 + 0.5 * dot(n, facing));
-    vec3 from_suns = vec3(0.0);
+    vec3 from_lights = vec3(0.0);
     float through = 0.0;  // sum over the lights of the fractions that arrive
     vec3 diffuse = from_around;
     vec3 mirrored = vec3(0.0);
@@ -258,7 +258,7 @@ void main() {
     for (int light = 0; light < LIGHTS; ++light) {
         float falloff;
         vec3 to_light = towards_light(light, position, falloff);
-        from_suns += sun[light] * falloff;
+        from_lights += light_irradiance[light] * falloff;
         float cosine = max(dot(n, to_light), 0.0);
 #ifdef COATED
         float coat_cosine = max(dot(coat_n, to_light), 0.0);
@@ -269,7 +269,7 @@ void main() {
         if (dot(surface, to_light) <= 0.0) continue;
         float lit = shadow(light, on_surface, surface, to_light);
         through += lit;
-        vec3 arrives = sun[light] * (falloff * lit);
+        vec3 arrives = light_irradiance[light] * (falloff * lit);
         vec3 direct = arrives * cosine;
         diffuse += direct;
 #ifdef GLOSSY
@@ -286,11 +286,11 @@ void main() {
     }
 #endif
     // Where the model hides sky and ground from itself, it shows itself instead. These parts are taken to have the colour of
-    // this place, and the same light from sky and ground; from the suns they get what a surface facing anywhere gets that
+    // this place, and the same light from sky and ground; from the lights they get what a surface facing anywhere gets that
     // sees as much of the sky. Interreflections sum up to a geometric series (the fit for grey cavities of Jimenez, Wu,
     // Pesce, Jarabo, "Practical realtime strategies for accurate indirect occlusion", 2016).
     vec3 thrown = hidden * min(base.rgb, MOST_ALBEDO);
-    vec3 on_parts = (from_around + ANYHOW * open.x * from_suns) / (1.0 - thrown);
+    vec3 on_parts = (from_around + ANYHOW * open.x * from_lights) / (1.0 - thrown);
     diffuse += thrown * on_parts;
 #ifdef GLOSSY
     mirrored += mix(base.rgb * on_parts, AROUND(mirror, rough), open_lobe(open, mirror, rough, n_v)) * reflectance;

@@ -248,16 +248,18 @@ class FakeRenderer:
     def __init__(self, _context: object = None, _preset: object = None, size: tuple[int, int] = SIZE) -> None:
         self.size = size
         self.scenes = []
+        self.waited = []  # for each scene, whether it waited for what was not ready
         self.begun_after = []  # the numbers of scenes after which another video began
 
-    def render(self, scene) -> None:
+    def render(self, scene, waits: bool = True) -> None:
         self.scenes.append(scene)
+        self.waited.append(waits)
 
     def begin_anew(self) -> None:
         self.begun_after.append(len(self.scenes))
 
-    def beside(self, preset: object, size: tuple[int, int]) -> "FakeRenderer":
-        return FakeRenderer(None, preset, size)
+    def beside(self, size: tuple[int, int]) -> "FakeRenderer":
+        return FakeRenderer(None, self.preset, size)
 
     def finish(self) -> None: ...
 

@@ -309,7 +309,7 @@ def test_a_graphics_driver_that_fails_ends_it_in_one_line_with_the_recording_fin
     stage.put(0)
 
     def lose_context() -> None:
-        def render(_scene) -> None:
+        def render(_scene, **_how) -> None:
             raise moderngl.Error("GL_CONTEXT_LOST")
 
         stage.renderer.render = render
@@ -340,18 +340,22 @@ def test_a_snapshot_carries_the_estimate(stage, tmp_path, capfd):
 
 def test_what_covers_the_marker_is_cut_out_with_the_shadow_and_not_with_a_model_alone(stage, monkeypatch):
     cut_out, said = stage.fakes.Renderer(), []
-    monkeypatch.setattr(stage.renderer, "beside", lambda _preset, _size: cut_out)
+    monkeypatch.setattr(stage.renderer, "beside", lambda _size: cut_out)
 
     def listen() -> None:
         said.append(stage.session.notice.text)
 
     stage.put(0)
     once = (Command.CUT_OUT, listen)
-    stage.run(None, Command.TOGGLE_LIGHT, *once, Command.BEFORE_AFTER, *once, Command.RESET, Command.HIDE_MARKER, *once)
-    assert [scene.hides_marker for scene in cut_out.scenes] == [True, False, False]
+    stage.run(
+        None, Command.TOGGLE_LIGHT, *once, Command.BEFORE_AFTER, *once, Command.RESET, Command.COVER_MARKER, *once
+    )
+    assert [scene.covers_marker for scene in cut_out.scenes] == [True, False, False]
     assert [scene.casts_shadow for scene in cut_out.scenes] == [True, False, True]
     assert not any(scene.shows_light for scene in cut_out.scenes)
     assert ["ground over the marker" in text for text in said] == [True, False, False]
+    assert all(cut_out.waited)
+    assert not any(stage.renderer.waited)
 
 
 def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):

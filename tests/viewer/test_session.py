@@ -97,7 +97,7 @@ def test_the_estimate_holds_wherever_the_clip_goes(make, fakes):
         assert session.shown.seen_in is session.estimated_from
 
 
-@pytest.mark.parametrize("command", [Command.TOGGLE_LIGHT, Command.TOGGLE_MASKS])
+@pytest.mark.parametrize("command", [Command.TOGGLE_LIGHT, Command.TOGGLE_STEPS])
 def test_nobody_who_waits_for_an_estimate_is_advised_to_ask_for_one(make, fakes, command):
     session = make()
     session.take(fakes.tracked(0), 0.0)
@@ -197,11 +197,11 @@ def test_switches_toggle(make):
     session = make()
     for command, switch in (
         (Command.TOGGLE_LIGHT, "shows_light"),
-        (Command.TOGGLE_MASKS, "shows_steps"),
-        (Command.HIDE_MARKER, "hides_marker"),
+        (Command.TOGGLE_STEPS, "shows_steps"),
+        (Command.COVER_MARKER, "covers_marker"),
         (Command.TOGGLE_HUD, "shows_hud"),
     ):
-        holder = session if switch == "hides_marker" else session.view
+        holder = session if switch == "covers_marker" else session.view
         before = getattr(holder, switch)
         for expected in (not before, before):
             session.handle(Request(command), 0.0)
@@ -221,12 +221,12 @@ def test_a_sheet_is_covered_and_a_cube_is_not_unless_somebody_chooses(make, fake
     cube = dataclasses.replace(sheet, marker=dataclasses.replace(sheet.marker, body=body))
     for tracked, is_covered in ((sheet, True), (cube, False)):
         session.take(tracked, 0.0)
-        assert session.hides_marker is is_covered
+        assert session.covers_marker is is_covered
     for chosen in (True, False):
-        session.handle(Request(Command.HIDE_MARKER), 0.0)
+        session.handle(Request(Command.COVER_MARKER), 0.0)
         for tracked in (sheet, cube):
             session.take(tracked, 0.0)
-            assert session.hides_marker is chosen
+            assert session.covers_marker is chosen
 
 
 def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
@@ -240,7 +240,7 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
         return session.steps_bgr
 
     picture = np.zeros((8, 8, 3), np.uint8)
-    toggle = Request(Command.TOGGLE_MASKS)
+    toggle = Request(Command.TOGGLE_STEPS)
     assert estimated(0.0) is None
     assert session.notice.text is None
     session.handle(toggle, 1.0)

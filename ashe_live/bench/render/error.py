@@ -112,7 +112,7 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     is_object = silhouette.ravel()
     # Points of the real object are taken to be as far from the light as its foot.
     level = np.where(is_object[:, None], lighting.level_at(proxy.foot_marker[None, :2]), lighting.level_at(ground))
-    is_lit = is_object | ~is_inside(shadow_hull(proxy.points_marker(), lighting.suns[0]), ground)
+    is_lit = is_object | ~is_inside(shadow_hull(proxy.points_marker(), lighting.lights[0]), ground)
     tracked = TrackedFrame(Frame(bare, 0, 0.0), camera, marker)
     scene = Scene(
         tracked,

@@ -161,7 +161,7 @@ def relief_ratio(ours: Image, expected: Image, where: Mask) -> float:
 
 def hidden_errors(ctx: Context, pair: Pair, preset: RenderPreset) -> tuple[float, float]:
     """`hidden_de` and `hidden_relief_ratio` of a PairError: the covered sheet compared with ground without a sheet."""
-    scene = replace(pair.scene, placement=Placement(scale=TINY), hides_marker=True)
+    scene = replace(pair.scene, placement=Placement(scale=TINY), covers_marker=True)
     covered = drawn(ctx, scene, preset)
     return (
         mean_where(smooth_difference(covered, pair.without_sheet, 2.0), pair.is_sheet),

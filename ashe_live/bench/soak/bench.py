@@ -94,7 +94,7 @@ class SoakBench(Bench):
             worker = stack.enter_context(LightWorker(self.estimator))
             session = Session(Shelf(MODEL, clip.marker_side_m), worker, FirstEstimate())
             session.watch.preset = self.quality.light
-            renderer = SceneRenderer(ctx, self.quality.render, camera.size, switches_at_once=False)
+            renderer = SceneRenderer(ctx, self.quality.render, camera.size)
             stack.callback(renderer.release)
             tracker = SoakTracker(
                 parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, self.quality.tracking

@@ -70,8 +70,7 @@ class ViewerBench(Bench):
         clip, size = self.clip, self.size or self.clip.camera.size
         leave_cores_to_renderer()
         with contextlib.ExitStack() as stack:
-            # As in a window: what takes longer than a picture, such as the cover, is made beside the loop.
-            renderer = SceneRenderer(offscreen_context(), self.quality.render, size, switches_at_once=False)
+            renderer = SceneRenderer(offscreen_context(), self.quality.render, size)
             stack.callback(renderer.release)
             source = stack.enter_context(ClipSource(clip.path))
             tracker = MarkerTracker(

@@ -103,7 +103,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
         session = Session(shelf, worker, first_estimate, setup.true_to_light_marker, others, options.auto)
         session.arrangement.followed = setup.tracker.marker.spec
         session.view.shows_light = setup.shows_light
-        session.view.covers_marker = options.hide_marker
+        session.view.wants_cover = options.hide_marker
         session.view.is_mirrored = options.mirror
         session.watch.preset = preset
         for line in (*setup.notes, *(shelf.take_notes() if options.headless else ())):

@@ -42,7 +42,7 @@ def show_in_window(setup: ViewerSetup) -> int:
         stack.callback(pipeline.close)
         pipeline.start()
         preset = quality_of(options).render
-        renderer = SceneRenderer(window.context, preset, window.screen.size, switches_at_once=False)
+        renderer = SceneRenderer(window.context, preset, window.screen.size)
         recording = None
         if options.out is not None:
             recording = Recording(options.out, drawn_size(setup.source.size), pipeline.fps, options.overwrite)

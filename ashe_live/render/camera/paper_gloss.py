@@ -1,4 +1,4 @@
-"""The gloss of printed paper: opposite a sun, paper and ink are brighter than their albedo."""
+"""The gloss of printed paper: opposite a light, paper and ink are brighter than their albedo."""
 
 import math
 from collections.abc import Iterable
@@ -6,25 +6,25 @@ from collections.abc import Iterable
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, Sun
+from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, ShadingLight
 
 MIRRORED = 0.04  # of light that falls straight on paper or toner, whose refractive index is 1.5; as in model/glass.glsl
 # GGX, perceptual: of uncoated paper, whose gloss is a broad sheen. Chosen on rendered pictures (docs/rendering.md).
 ROUGHNESS = 0.7
 
 
-def mirrored_by_paper(suns: Iterable[Sun], to_eye: Float, place: Float) -> Float:
+def mirrored_by_paper(lights: Iterable[ShadingLight], to_eye: Float, place: Float) -> Float:
     """(3,) radiance of level paper at `place` (3,), metres, marker frame, by what it mirrors of the lights.
 
     Beyond the part of even light that paper mirrors, which albedos include. White in the light at the marker's centre
     has 1. `to_eye`: (3,) unit.
     """
     mirrored = np.zeros(3)
-    for sun in suns:
-        (towards,) = sun.towards(place[None])
+    for light in lights:
+        (towards,) = light.towards(place[None])
         distance = max(float(np.linalg.norm(towards)), LEAST_LAMP_DISTANCE)
         excess = max(0.0, _brdf(to_eye, towards / distance) - MIRRORED)
-        mirrored += np.array(sun.irradiance) * (excess * max(float(towards[2]), 0.0) / distance**3)
+        mirrored += np.array(light.irradiance) * (excess * max(float(towards[2]), 0.0) / distance**3)
     return mirrored
 
 

@@ -71,7 +71,7 @@ def _regions(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> _Region
     assert tracked.marker is not None
     size, T = tracked.frame.size, tracked.marker.T_cam_marker
     body = proxy.points_marker()
-    cast = cast_by_point(body, lighting.suns[0].homogeneous)
+    cast = cast_by_point(body, lighting.lights[0].homogeneous)
     ground = np.column_stack([cast, np.zeros(len(cast))])
     if min((points @ T[2, :3] + T[2, 3]).min() for points in (ground, body)) <= 1e-3:
         return None

@@ -1,4 +1,4 @@
-"""How much softer the border of the real object's shadow is than lens and sun make it."""
+"""How much softer the border of the real object's shadow is than lens and light make it."""
 
 import math
 
@@ -24,7 +24,7 @@ from ashe_live.render.camera.edges import (
 )
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import cast_by_point
-from ashe_live.render.lights.lighting import Sun
+from ashe_live.render.lights.lighting import ShadingLight
 
 MOST_PX = 1.5  # largest softness that is believed, in a picture 640 pixels wide
 # The border is sought within this distance (over the picture's width) of where the proxy, which is convex, casts it.
@@ -38,16 +38,16 @@ LEAST_SINE = 0.1  # limit of the sine of a light's elevation
 NEAREST = 0.1  # limit of a lamp's distance from the body, over that from the marker's centre
 
 
-def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> float:
-    """Standard deviation (px) by which the real shadow's border is softer than lens and sun make it; 0 if by none.
+def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, light: ShadingLight) -> float:
+    """Standard deviation (px) by which the real shadow's border is softer than lens and light make it; 0 if by none.
 
     A camera's sharpening makes the marker's strong edges steeper than the weak ones of shadows, its denoising makes
-    those softer, and a sun of unknown size counts as a bare one.
+    those softer, and a light of unknown size counts as a bare one.
     """
     assert tracked.marker is not None
     T = tracked.marker.T_cam_marker
     body = proxy.points_marker()
-    cast = cast_by_point(body, sun.homogeneous)
+    cast = cast_by_point(body, light.homogeneous)
     outline = cv2.convexHull(cast.astype(np.float32), returnPoints=False).ravel()
     ground = np.column_stack([cast[outline], np.zeros(len(outline))])
     if len(outline) < 3 or (ground @ T[2, :3] + T[2, 3]).min() <= 1e-3:
@@ -59,11 +59,11 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> floa
     above, below = above[is_cast], below[is_cast]
     points, outwards = points.reshape(-1, 2)[is_cast], np.repeat(outwards, AROUND, axis=0)[is_cast]
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
-    ratio = 1 - float(np.array(sun.ground_share) @ REC709_LUMINANCE)
+    ratio = 1 - float(np.array(light.ground_share) @ REC709_LUMINANCE)
     profile = profile_at(grey, _on_border(grey, points, outwards), outwards, REACH_PX, ratio)
     if profile is None:
         return 0.0
-    radii = _penumbra_px(tracked.camera, T, below, above, sun, outwards)[profile.used]
+    radii = _penumbra_px(tracked.camera, T, below, above, light, outwards)[profile.used]
     lens = math.sqrt(edge_blur_px(grey, tracked.marker.corners_px) ** 2 + BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2)
     explained = blur_of_step_px(_step_by(radii, lens, len(profile.step)))
     # The shadow maps' own texels blur about as much as a pixel does.
@@ -98,13 +98,15 @@ def _on_border(grey: Image, points: Float, outwards: Float) -> Float:
     return np.asarray(points + offsets[np.gradient(rows, axis=1).argmax(axis=1), None] * outwards)
 
 
-def _penumbra_px(camera: Camera, T_cam_marker: Float, ground: Float, body: Float, sun: Sun, outwards: Float) -> Float:
+def _penumbra_px(
+    camera: Camera, T_cam_marker: Float, ground: Float, body: Float, light: ShadingLight, outwards: Float
+) -> Float:
     """(n,) radii of the penumbra across borders at points (n, 3) of the ground, cast by points (n, 3)."""
     ray = body - ground
     length = np.maximum(np.linalg.norm(ray, axis=1), 1e-9)
     sine = np.maximum(ray[:, 2] / length, LEAST_SINE)
     # A lamp is as much larger seen from the body as that is nearer to it than the marker's centre.
-    radius = sun.tan_half_size * length / np.maximum(np.linalg.norm(sun.towards(body), axis=1), NEAREST)
+    radius = light.tan_half_size * length / np.maximum(np.linalg.norm(light.towards(body), axis=1), NEAREST)
     azimuth = ray[:, :2] / np.maximum(np.hypot(*ray[:, :2].T), 1e-9)[:, None]
     level = np.column_stack([azimuth, np.zeros(len(ray))]), np.column_stack([azimuth[:, ::-1] * (-1, 1), 0 * sine])
     axes = (radius / sine)[:, None] * level[0], radius[:, None] * level[1]

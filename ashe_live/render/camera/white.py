@@ -14,7 +14,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.camera.paper_gloss import mirrored_by_paper
 from ashe_live.render.lights.cast_shadows import lit_past
-from ashe_live.render.lights.lighting import RGB, Lighting, Sun
+from ashe_live.render.lights.lighting import RGB, Lighting, ShadingLight
 
 PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
 # Brightness of printed black over that of paper: a laser printer's toner (0.045 over 0.8), and 1 % that a lens
@@ -52,14 +52,14 @@ class LightOnPrint:
     """The light on the paper and ink of the marker's print, by which its brightness becomes that of white."""
 
     lighting: Lighting  # of lamps the paper is brighter towards them
-    reaching: tuple[Sun, ...]  # those of its lights that reach any of the print past the real object
+    reaching: tuple[ShadingLight, ...]  # those of its lights that reach any of the print past the real object
 
     def level_at(self, ground: Float) -> Float:
         """(n, 3) of full light at the marker's centre, at places (n, 2) of the plane."""
         level = self.lighting.level_at(ground)
-        for sun in self.lighting.suns:
-            if sun not in self.reaching:
-                level = level - np.outer(sun.ground_falloff(ground), sun.ground_share)
+        for light in self.lighting.lights:
+            if light not in self.reaching:
+                level = level - np.outer(light.ground_falloff(ground), light.ground_share)
         return np.maximum(level, LEAST_LEVEL)
 
 
@@ -70,10 +70,10 @@ def light_on_print(tracked: TrackedFrame, lighting: Lighting, real_object: Proxy
     picture tells them apart better than an estimated light does.
     """
     if real_object is None:
-        return LightOnPrint(lighting, lighting.suns)
+        return LightOnPrint(lighting, lighting.lights)
     ring = print_side_m(tracked) * _ring(RING_SIDES)
-    reaches = [np.nan_to_num(lit_past(real_object, sun, ring), nan=1.0).any() for sun in lighting.suns]
-    return LightOnPrint(lighting, tuple(compress(lighting.suns, reaches)))
+    reaches = [np.nan_to_num(lit_past(real_object, light, ring), nan=1.0).any() for light in lighting.lights]
+    return LightOnPrint(lighting, tuple(compress(lighting.lights, reaches)))
 
 
 def white_of(tracked: TrackedFrame, light: LightOnPrint | None = None) -> RGB:
@@ -130,13 +130,13 @@ def print_side_m(tracked: TrackedFrame) -> float:
     return tracked.marker.side_m * (1.0 if tracked.marker.body is None else BODY_PRINT_SHARE)
 
 
-def _mirrored(tracked: TrackedFrame, suns: tuple[Sun, ...]) -> Float:
+def _mirrored(tracked: TrackedFrame, lights: tuple[ShadingLight, ...]) -> Float:
     """(3,) what the print's middle mirrors of the lights into the camera, as `mirrored_by_paper`."""
     assert tracked.marker is not None
     middle = np.array([0.0, 0.0, 0.0 if tracked.marker.body is None else tracked.marker.side_m])
     T = tracked.marker.T_cam_marker
     to_eye = -T[:3, :3].T @ T[:3, 3] - middle
-    return mirrored_by_paper(suns, to_eye / np.linalg.norm(to_eye), middle)
+    return mirrored_by_paper(lights, to_eye / np.linalg.norm(to_eye), middle)
 
 
 def _as_exposed(paper: Float, ink: Float, mirrored: float) -> Float:

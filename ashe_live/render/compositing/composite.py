@@ -22,7 +22,7 @@ from ashe_live.render.camera.white import OVEREXPOSED
 from ashe_live.render.compositing.coarse import KERNEL_SIGMAS, CoarseBlur, CoarseLayers
 from ashe_live.render.compositing.ground_means import GroundMeans
 from ashe_live.render.compositing.lens import Lens
-from ashe_live.render.cover.hidden_marker import SeenCover
+from ashe_live.render.cover.marker_cover import SeenCover
 from ashe_live.render.gl.framing import Rectangle, common, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle

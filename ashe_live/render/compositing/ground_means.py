@@ -5,7 +5,7 @@ import math
 import moderngl
 
 from ashe_live.render.camera.relief import MEANS_ACROSS
-from ashe_live.render.cover.hidden_marker import SeenCover
+from ashe_live.render.cover.marker_cover import SeenCover
 from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms

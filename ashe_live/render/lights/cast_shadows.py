@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import light_view
-from ashe_live.render.lights.lighting import Sun
+from ashe_live.render.lights.lighting import ShadingLight
 
 MAX_SHADOW_HEIGHTS = 30.0  # a shadow is drawn this many heights of the model long at most
 RIM_POINTS = 8  # number of points that stand for a light's disc
 LEAST_DISTANCE = 1e-9  # of a lamp from what it shines on, over that from the marker's centre
 
 
-def shadow_hull(points: Float, sun: Sun) -> Float:
+def shadow_hull(points: Float, light: ShadingLight) -> Float:
     """(n, 2) convex: the shadow on the ground, penumbra and all, of a body whose hull is that of points (m, 3)."""
-    return _hull(_cast(points, _around(sun)))
+    return _hull(_cast(points, _around(light)))
 
 
 def shadow_hull_of_point(points: Float, light: Float) -> Float:
@@ -34,11 +34,11 @@ def cast_by_point(points: Float, light: Float) -> Float:
     return np.asarray(_cast(points, light[None])[0])
 
 
-def lit_past(body: Proxy, sun: Sun, ground: Float) -> Float:
+def lit_past(body: Proxy, light: ShadingLight, ground: Float) -> Float:
     """(n,) 1 where all of a light reaches points (n, 2) of the ground past a body, 0 where none does, NaN between."""
     points = body.points_marker()
-    inside = np.array([is_inside(_hull(shadow), ground) for shadow in _cast(points, _around(sun))])
-    shaded, lit = inside.all(axis=0), ~is_inside(shadow_hull(points, sun), ground)
+    inside = np.array([is_inside(_hull(shadow), ground) for shadow in _cast(points, _around(light))])
+    shaded, lit = inside.all(axis=0), ~is_inside(shadow_hull(points, light), ground)
     return np.where(lit, 1.0, np.where(shaded, 0.0, np.nan))
 
 
@@ -55,13 +55,13 @@ def is_inside(hull: Float, points: Float) -> NDArray[np.bool_]:
     return np.asarray((sides >= 0).all(axis=1) | (sides <= 0).all(axis=1))
 
 
-def _around(sun: Sun) -> Float:
+def _around(light: ShadingLight) -> Float:
     """(RIM_POINTS, 4) homogeneous points around the light, between which it lies."""
-    across, along = light_view(sun.to_light)[:2, :3]
+    across, along = light_view(light.to_light)[:2, :3]
     angles = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
-    radius = sun.tan_half_size / math.cos(math.pi / RIM_POINTS)
-    rim = sun.to_light + radius * (np.outer(np.cos(angles), across) + np.outer(np.sin(angles), along))
-    return np.column_stack([rim, np.full(RIM_POINTS, sun.inverse_distance)])
+    radius = light.tan_half_size / math.cos(math.pi / RIM_POINTS)
+    rim = light.to_light + radius * (np.outer(np.cos(angles), across) + np.outer(np.sin(angles), along))
+    return np.column_stack([rim, np.full(RIM_POINTS, light.inverse_distance)])
 
 
 def _cast(points: Float, lights: Float) -> Float:

@@ -1,4 +1,4 @@
-"""The shadows on the ground, filtered once: they depend on casters and suns only, so that a frame just looks them up.
+"""The shadows on the ground, filtered once: they depend on casters and lights only, so that a frame just looks them up.
 
 Each caster and light has a tile that shows the ground as that light sees it, so that it is as fine as the depth map
 even where the ground is lit at a grazing angle.
@@ -45,7 +45,7 @@ class GroundShadows:
 
     def render(self, shadows: ShadowMaps, lighting: Lighting) -> None:
         """Filters the depth maps if these have changed."""
-        if self._drawn == shadows.renders or not lighting.suns:
+        if self._drawn == shadows.renders or not lighting.lights:
             return
         self._drawn = shadows.renders
         boxes = shadows.boxes
@@ -62,7 +62,7 @@ class GroundShadows:
         self._ctx.enable_only(moderngl.NOTHING)
         texture_from_marker = []
         for number, (box, corner) in enumerate(zip(boxes, corners, strict=True)):
-            caster, light = divmod(number, len(lighting.suns))
+            caster, light = divmod(number, len(lighting.lights))
             # Wider by the penumbra of a caster that is a tenth higher, and by a rim of two lit texels.
             beyond = np.minimum(1.1 * box.penumbra_m / box.extent[:2], WIDEST_PENUMBRA)
             beyond = (beyond + 2 / self._size) / (1 - 4 / self._size)

@@ -36,13 +36,13 @@ def light_map(illumination: Illumination) -> NDArray[np.float32]:
     radiance = np.zeros((HEIGHT_PX, 2 * HEIGHT_PX, 3))
     # What gives level ground an irradiance of pi times this, from everywhere above.
     radiance[is_above] = lighting.sky
-    for sun in lighting.suns:
-        along = directions @ sun.to_light
-        disc = (along >= math.cos(sun.angular_size_rad / 2)) & is_above[:, None]
+    for light in lighting.lights:
+        along = directions @ light.to_light
+        disc = (along >= math.cos(light.angular_size_rad / 2)) & is_above[:, None]
         if not disc.any():
             disc = along >= along[is_above].max()
         # Energy is kept whatever the texels make of the disc.
-        radiance[disc] += math.pi * np.array(sun.irradiance) / texel_sr[disc].sum()
+        radiance[disc] += math.pi * np.array(light.irradiance) / texel_sr[disc].sum()
     return radiance.astype(np.float32)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import light_view, normalised
 from ashe_live.core.types import Light
-from ashe_live.render.lights.lighting import Sun, lighting_of
+from ashe_live.render.lights.lighting import ShadingLight, lighting_of
 
 # Limit of a lamp's view: a wider cone does not fit into one projection, and the lamp is inside the casters or near
 # them.
@@ -54,7 +54,7 @@ class LightView:
         return float(along @ divisor / (divisor @ divisor)) if divisor.any() else -np.inf
 
 
-def view_of(light: Sun, points: Float) -> LightView | None:
+def view_of(light: ShadingLight, points: Float) -> LightView | None:
     """How `light` sees a body whose hull is that of points (n, 3), marker frame; None from inside or too near it."""
     axis = light.to_light
     if light.inverse_distance > 0:
@@ -90,7 +90,7 @@ def sees(light: Light, points: Float) -> bool:
     # Beyond a ball of twice its radius a body is within a narrow cone.
     if away > 2 * light.inverse_distance * np.linalg.norm(points - centre, axis=1).max():
         return True
-    return all(view_of(each, points) is not None for each in lighting_of((light,)).suns)
+    return all(view_of(each, points) is not None for each in lighting_of((light,)).lights)
 
 
 def _enclosing_cone(directions: Float) -> tuple[Float, float]:

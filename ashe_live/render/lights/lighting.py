@@ -17,7 +17,7 @@ SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
 # Nearer to a lamp than this share of its distance from the marker's centre, light grows no further (as in lights.glsl).
 LEAST_LAMP_DISTANCE = 0.01
 LAMP_RADIUS_M = 0.03  # of a household bulb (A60), for a lamp whose size was not measured
-# Below this sine of the elevation a sun's irradiance is no longer raised to match its share on level ground.
+# Below this sine of the elevation a light's irradiance is no longer raised to match its share on level ground.
 MIN_BALANCED_SINE = 0.2
 LEAST_REST = 0.5  # least ambient light, as a share of the product of the shadows' ratios
 # The albedo of ground whose colour is not known, and the largest that is accepted.
@@ -26,8 +26,8 @@ MAX_ALBEDO = 0.9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sun:
-    """One light, far away or (a lamp) near by. Units as in Lighting, at the marker's centre.
+class ShadingLight:
+    """A light as shading wants it: a sun, or a lamp near by. Units as in Lighting, at the marker's centre.
 
     In the terms of glTF's KHR_lights_punctual a sun is a directional light, a lamp a point light, whose light falls by
     the square of the distance in metres: its intensity in candela, where our unit is a lux, is its irradiance here over
@@ -67,40 +67,42 @@ class Lighting:
     White ground then has radiance 1 there, and under suns everywhere.
     """
 
-    suns: tuple[Sun, ...]  # and lamps; strongest first, MAX_LIGHTS at most
-    sky: RGB  # on level ground; with the suns' shares it makes 1 at the marker's centre
+    lights: tuple[ShadingLight, ...]  # strongest first, MAX_LIGHTS at most
+    sky: RGB  # on level ground; with the lights' shares it makes 1 at the marker's centre
     bounce: RGB  # from the ground at the marker's centre, on a surface that faces it
     # (2, 3) what surfaces that face x and y get of the sky beyond what an even one gives them.
     sky_slope: Float = field(default_factory=lambda: np.zeros((2, 3)))
 
     @property
     def has_lamps(self) -> bool:
-        return any(sun.inverse_distance > 0 for sun in self.suns)
+        return any(light.inverse_distance > 0 for light in self.lights)
 
     @property
     def constants(self) -> dict[str, int]:
         """The macros of a shader that includes lights.glsl."""
-        return {"lights": len(self.suns), "lamps": int(self.has_lamps)}
+        return {"lights": len(self.lights), "lamps": int(self.has_lamps)}
 
     @property
     def light_points(self) -> Float:
-        """(n, 4) the suns as homogeneous points, marker frame, metres."""
-        return np.array([sun.homogeneous for sun in self.suns])
+        """(n, 4) the lights as homogeneous points, marker frame, metres."""
+        return np.array([light.homogeneous for light in self.lights])
 
     def level_at(self, ground: Float) -> Float:
         """(n, 3) the light on level ground at points (n, 2), which nothing shades, over that at the marker's centre."""
-        falloff = np.array([sun.ground_falloff(ground) for sun in self.suns]).reshape(len(self.suns), len(ground))
+        falloff = np.array([light.ground_falloff(ground) for light in self.lights]).reshape(
+            len(self.lights), len(ground)
+        )
         return np.asarray(1 + (falloff - 1).T @ self.ground_shares.reshape(-1, 3))
 
     @property
     def irradiances(self) -> Float:
-        """(n, 3) irradiances of the suns, on surfaces that face them."""
-        return np.array([sun.irradiance for sun in self.suns])
+        """(n, 3) irradiances of the lights, on surfaces that face them."""
+        return np.array([light.irradiance for light in self.lights])
 
     @property
     def ground_shares(self) -> Float:
-        """(n, 3) shares of the suns in the light on level ground."""
-        return np.array([sun.ground_share for sun in self.suns])
+        """(n, 3) shares of the lights in the light on level ground."""
+        return np.array([light.ground_share for light in self.lights])
 
 
 def lighting_of(
@@ -109,11 +111,11 @@ def lighting_of(
     ground_albedo: Float | None = None,
     sky_slope_rgb: Float | None = None,
 ) -> Lighting:
-    """Sky and suns from the shadows' ratios: a light whose shadow has the ratio r gives 1 - r of level ground's light.
+    """Sky and lights from the shadows' ratios: one whose shadow has the ratio r gives 1 - r of level ground's light.
 
-    Where ratios and ambient (3,) contradict each other, the ambient is kept and the suns share the rest. The ambient
+    Where ratios and ambient (3,) contradict each other, the ambient is kept and the lights share the rest. The ambient
     was measured where the shadow lies; a lamp's share that was measured at the marker's centre takes precedence over
-    it. Lights below the horizon give nothing; without any light the sky gives all: no sun is invented. From below,
+    it. Lights below the horizon give nothing; without any light the sky gives all: no light is invented. From below,
     surfaces get the light of the ground in its own colour (3,). The sky's slope (2, 3) is limited such that no surface
     gets negative light.
     """
@@ -133,11 +135,11 @@ def lighting_of(
     sines = np.array([light.to_light_marker[2] for light in lights])
     across = shares / np.maximum(sines, MIN_BALANCED_SINE)[:, None]
     level = sky + sines @ across
-    suns = tuple(
-        Sun(light.to_light_marker, _rgb(share), _rgb(irradiance), angular_size(light), light.inverse_distance)
+    shading = tuple(
+        ShadingLight(light.to_light_marker, _rgb(share), _rgb(irradiance), angular_size(light), light.inverse_distance)
         for light, share, irradiance in zip(lights, shares, across, strict=True)
     )
-    return Lighting(suns, _rgb(sky), _rgb(albedo * level), _slope_within(sky_slope_rgb, sky))
+    return Lighting(shading, _rgb(sky), _rgb(albedo * level), _slope_within(sky_slope_rgb, sky))
 
 
 def _slope_within(slope: Float | None, sky: Float) -> Float:

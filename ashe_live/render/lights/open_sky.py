@@ -59,7 +59,7 @@ def open_sky(seen_in: TrackedFrame, body: Proxy, lighting: Lighting, white_rgb: 
     """
     in_shadow = np.array(lighting.sky)
     hull = _hull_of(body)
-    shadow = shadow_hull_of_point(hull.points, lighting.suns[0].homogeneous)
+    shadow = shadow_hull_of_point(hull.points, lighting.lights[0].homogeneous)
     assert seen_in.marker is not None
     T = seen_in.marker.T_cam_marker
     eye = camera_centre(T)
@@ -123,7 +123,7 @@ def _albedo_of(
 
 def _irradiance(lighting: Lighting, shadow: Float, places: Float, normals: Float) -> Float:
     """(n, 3) over pi, on places (n, 3) of its sides: of sky, light and ground, with the shadow (m, 2) on it."""
-    (light,) = lighting.suns
+    (light,) = lighting.lights
     below = [is_inside(shadow, places[:, :2] + third * places[:, 2:] * normals[:, :2]) for third in THIRDS]
     shaded = np.mean(below, axis=0)[:, None]
     upwards = 0.5 + 0.5 * normals[:, 2:]

@@ -68,14 +68,14 @@ class Photometry:
         return self._read[1]
 
     def border_share(self, of: Illumination) -> float:
-        """Standard deviation of the real shadow's border beyond what lens and sun explain, over the picture's width."""
+        """Standard deviation of the real shadow's border beyond that by lens and light, over the picture's width."""
         of = of.as_it_lay or of
         lighting = self._as_it_lay(of).lighting
         if self._border is None or self._border[0] is not lighting:
             share = 0.0
-            if self._preset.matches_blur and of.seen_in is not None and of.real_object is not None and lighting.suns:
+            if self._preset.matches_blur and of.seen_in is not None and of.real_object is not None and lighting.lights:
                 width_px = of.seen_in.frame.size[0]
-                share = unexplained_border_px(of.seen_in, of.real_object, lighting.suns[0]) / width_px
+                share = unexplained_border_px(of.seen_in, of.real_object, lighting.lights[0]) / width_px
             self._border = lighting, share
         return self._border[1]
 
@@ -88,7 +88,7 @@ class Photometry:
         of = of.as_it_lay or of
         lighting = self._as_it_lay(of).lighting
         is_steady, self._relief_asked_by = lighting is self._relief_asked_by, lighting
-        if of.seen_in is None or of.real_object is None or not lighting.suns:
+        if of.seen_in is None or of.real_object is None or not lighting.lights:
             return None
         known = of.seen_in, of.real_object
         if self._relief is None or not same_objects(self._relief[0], known):

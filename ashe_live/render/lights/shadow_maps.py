@@ -18,7 +18,7 @@ from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.light_view import LightView, view_of
-from ashe_live.render.lights.lighting import Lighting, Sun
+from ashe_live.render.lights.lighting import Lighting, ShadingLight
 
 # No side of a map is shorter than this share of the longest, so that a flat model seen edge on still has one.
 MIN_EXTENT_RATIO = 1e-3
@@ -29,7 +29,7 @@ CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
 UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))
 
 
-class Caster(Protocol):
+class ShadowCaster(Protocol):
     """Whatever casts shadows; the same object always casts the same ones."""
 
     @property
@@ -75,7 +75,7 @@ class ShadowMaps:
         self._texture: moderngl.Texture | None = None
         self._framebuffer: moderngl.Framebuffer | None = None
         self._lights = Lighting((), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)).constants
-        self._content: tuple[tuple[Caster, ...], bytes] | None = None
+        self._content: tuple[tuple[ShadowCaster, ...], bytes] | None = None
         self._uniforms: dict[str, Float] = {}
 
     @property
@@ -97,39 +97,39 @@ class ShadowMaps:
         """How far the filter blurs a hard edge, at most; the penumbra comes on top."""
         return 2 * (self._preset.pcf_radius + 1)
 
-    def render(self, casters: Sequence[Caster], lighting: Lighting) -> None:
+    def render(self, casters: Sequence[ShadowCaster], lighting: Lighting) -> None:
         """Draws the maps of one or two casters (the model first), unless they hold that already."""
-        suns = lighting.suns
-        lights = np.array([[*sun.homogeneous, sun.angular_size_rad] for sun in suns]).tobytes()
-        if self._content is not None and self._content[1] == lights and same_objects(self._content[0], casters):
+        lights = lighting.lights
+        drawn_for = np.array([[*light.homogeneous, light.angular_size_rad] for light in lights]).tobytes()
+        if self._content is not None and self._content[1] == drawn_for and same_objects(self._content[0], casters):
             return
-        self._content = tuple(casters), lights
+        self._content = tuple(casters), drawn_for
         self._lights, self.caster_count = lighting.constants, len(casters)
-        self._find_overlaps(casters, suns)
+        self._find_overlaps(casters, lights)
         self.renders += 1
-        if suns:
+        if lights:
             self._draw(casters, lighting)
 
-    def _find_overlaps(self, casters: Sequence[Caster], suns: Sequence[Sun]) -> None:
+    def _find_overlaps(self, casters: Sequence[ShadowCaster], lights: Sequence[ShadingLight]) -> None:
         """Which shadows may meet or lie on the other caster, conservatively by boxes, and which are seen to be soft."""
         model, *real = casters
-        pairs = [(_overlaps(other, model, sun), _overlaps(model, other, sun)) for other in real for sun in suns]
+        pairs = [(_overlaps(other, model, light), _overlaps(model, other, light)) for other in real for light in lights]
         self.shadows_meet = any(onto_model[0] for onto_model, _ in pairs)
         self.real_shades_model = any(onto_model[1] for onto_model, _ in pairs)
         self.model_shades_real = any(onto_real[1] for _, onto_real in pairs)
         shading = casters if self.real_shades_model else (model,)
-        self._is_soft_on_model = any(_is_seen_soft(caster, model, sun) for caster in shading for sun in suns)
+        self._is_soft_on_model = any(_is_seen_soft(caster, model, light) for caster in shading for light in lights)
         self._is_dithered = any(caster.is_clear for caster in casters)
 
-    def _draw(self, casters: Sequence[Caster], lighting: Lighting) -> None:
-        """A tile for each caster and sun, and the uniforms by which shaders look them up."""
-        suns, size = lighting.suns, self._preset.shadow_map_size
-        tiles = tile_corners(len(suns) * len(casters)) * size
+    def _draw(self, casters: Sequence[ShadowCaster], lighting: Lighting) -> None:
+        """A tile for each caster and light, and the uniforms by which shaders look them up."""
+        lights, size = lighting.lights, self._preset.shadow_map_size
+        tiles = tile_corners(len(lights) * len(casters)) * size
         framebuffer = self._allocated(tiles.max(axis=0) + size)
         self.boxes = tuple(
-            _fitted(view_of(sun, caster.points), caster.points, size, self._margin)
+            _fitted(view_of(light, caster.points), caster.points, size, self._margin)
             for caster in casters
-            for sun in suns
+            for light in lights
         )
         framebuffer.viewport = (0, 0, *framebuffer.size)
         framebuffer.use()
@@ -138,7 +138,7 @@ class ShadowMaps:
         for number, (box, corner) in enumerate(zip(self.boxes, tiles, strict=True)):
             self._ctx.viewport = (int(corner[0]), int(corner[1]), size, size)
             if box.unit_from_marker is not NOTHING_SEEN:
-                casters[number // len(suns)].render_depth(CLIP_FROM_UNIT @ box.unit_from_marker)
+                casters[number // len(lights)].render_depth(CLIP_FROM_UNIT @ box.unit_from_marker)
         extents = np.array([box.extent for box in self.boxes])
         self.texel_m = float(extents[:, :2].max()) / size
         self._uniforms = {
@@ -187,10 +187,10 @@ class ShadowMaps:
         self._texture = self._framebuffer = None
 
 
-def _overlaps(caster: Caster, receiver: Caster, sun: Sun) -> tuple[bool, bool]:
+def _overlaps(caster: ShadowCaster, receiver: ShadowCaster, light: ShadingLight) -> tuple[bool, bool]:
     """Whether their shadows may meet on the ground, and whether the caster may shade the receiver; by their boxes."""
     points = np.concatenate([caster.points, receiver.points])
-    view = view_of(sun, points)
+    view = view_of(light, points)
     if view is None:
         return True, True
     seen, seen_receiver = view.seen(caster.points), view.seen(receiver.points)
@@ -201,9 +201,9 @@ def _overlaps(caster: Caster, receiver: Caster, sun: Sun) -> tuple[bool, bool]:
     return bool(meets), bool(meets and high[2] > receiver_low[2])
 
 
-def _is_seen_soft(caster: Caster, receiver: Caster, sun: Sun) -> bool:
+def _is_seen_soft(caster: ShadowCaster, receiver: ShadowCaster, light: ShadingLight) -> bool:
     """Whether the caster's shadow on the receiver, which may be itself, has a penumbra that is seen as one."""
-    view = view_of(sun, np.concatenate([caster.points, receiver.points])) if sun.angular_size_rad > 0 else None
+    view = view_of(light, np.concatenate([caster.points, receiver.points])) if light.angular_size_rad > 0 else None
     if view is None:
         return False
     shaded = view.seen(receiver.points)

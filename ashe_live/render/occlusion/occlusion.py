@@ -19,7 +19,7 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.preset import FAST
 from ashe_live.render.gl.programs import Programs
-from ashe_live.render.lights.lighting import Lighting, Sun
+from ashe_live.render.lights.lighting import Lighting, ShadingLight
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.contact import ContactPatch
 from ashe_live.render.occlusion.self_occlusion import SelfOcclusion
@@ -86,8 +86,8 @@ def _found(
             # Not in the order of the rounds, which go around, and from above to below.
             moment_s = duration_s * (number * GOLDEN_SHARE % 1.0)
             caster.pose(moment_s)
-            suns = tuple(Sun(direction, NO_LIGHT, NO_LIGHT, 0.0) for direction in directions)
-            depth_map.render((caster,), Lighting(suns, NO_LIGHT, NO_LIGHT))
+            lights = tuple(ShadingLight(direction, NO_LIGHT, NO_LIGHT, 0.0) for direction in directions)
+            depth_map.render((caster,), Lighting(lights, NO_LIGHT, NO_LIGHT))
             if directions[0, 2] > 0:
                 contact.add(depth_map, share)
             on_model.add(depth_map, share, moment_s)

@@ -39,7 +39,7 @@ class WallLight:
             model_bounds=tuple(contact.model_bounds[:, :2].ravel()),
             model_height=float(contact.model_bounds[1, 2]),
             ground_bounce=lighting.bounce,
-            sun_on_ground=lighting.ground_shares,
+            light_ground_share=lighting.ground_shares,
         )
         _, framebuffer = self._canvas.of_size((PATCH_SIZE, PATCH_SIZE))
         framebuffer.use()

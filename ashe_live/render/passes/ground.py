@@ -8,11 +8,11 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.lights.cast_shadows import LEAST_DISTANCE, MAX_SHADOW_HEIGHTS, shadow_hull
 from ashe_live.render.lights.ground_shadows import GroundShadows
-from ashe_live.render.lights.lighting import Lighting, Sun
+from ashe_live.render.lights.lighting import Lighting, ShadingLight
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.walls import WallLight
 from ashe_live.render.passes.model_pass import ShadingInputs
@@ -28,9 +28,9 @@ class CatchingGround:
 
     video: Video  # as the framing's pinhole camera sees it
     lit_rgb: Float | None  # (3,) linear RGB where it is lit, if that is known
-    hidden: HiddenMarker | None  # what covers the marker's sheet
+    cover: MarkerCover | None  # of the marker's sheet
     darkens: bool  # whether the models take light away from it
-    # Standard deviation, pixels of the framebuffer, of the real shadow's border beyond what lens and sun explain.
+    # Standard deviation, pixels of the framebuffer, of the real shadow's border beyond what lens and light explain.
     border_px: float
 
 
@@ -56,8 +56,8 @@ class ShadowCatcher:
         if known is not None and known[0] is models and known[1] is lighting and known[2] == key:
             return
         blur_m = shadows.blur_texels * shadows.texel_m
-        shadows_of_suns = (_shadow_points(models.points, sun, blur_m) for sun in lighting.suns)
-        points = np.concatenate([*(each.contact_corners for each in models.members), covered, *shadows_of_suns])
+        cast = (_shadow_points(models.points, light, blur_m) for light in lighting.lights)
+        points = np.concatenate([*(each.contact_corners for each in models.members), covered, *cast])
         hull = cv2.convexHull(points.astype(np.float32)).reshape(-1, 2)
         self.polygon = np.column_stack([hull, np.zeros(len(hull))]).astype(np.float64)
         self.forget()
@@ -78,7 +78,7 @@ class ShadowCatcher:
             return
         casters = 2 if inputs.looked_up.shadows.shadows_meet else 1
         constants: dict[str, float] = {**lighting.constants, "casters": casters}
-        if ground.hidden is not None:
+        if ground.cover is not None:
             constants["covers"] = 1
         if ground.border_px >= LEAST_BORDER_PX:
             constants["soft_border"] = 1
@@ -91,8 +91,8 @@ class ShadowCatcher:
             "sky": lighting.sky,
             "sky_slope": lighting.sky_slope,
             "strength": 1.0 if ground.darkens else 0.0,
-            "sun_on_ground": lighting.ground_shares,
-            "sun": lighting.irradiances,
+            "light_ground_share": lighting.ground_shares,
+            "light_irradiance": lighting.irradiances,
             "border_px": ground.border_px,
         }
         # Behind a model that is flat on the ground.
@@ -100,8 +100,8 @@ class ShadowCatcher:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         first, *others = models.members
         program = self._programs.get("catchers/ground", **constants)
-        if ground.hidden is not None:
-            ground.hidden.bind(program)
+        if ground.cover is not None:
+            ground.cover.bind(program)
         self._draw_fan(program, first, self._walls[0], shadows, uniforms)
         if others and ground.darkens:
             # What each lets through multiplies: 1 - (1 - removed) (1 - drawn).
@@ -158,14 +158,14 @@ class ShadowCatcher:
         self._walls.clear()
 
 
-def _shadow_points(points: Float, sun: Sun, blur_m: float) -> Float:
+def _shadow_points(points: Float, light: ShadingLight, blur_m: float) -> Float:
     """(n, 2) hull of the shadows that points (n, 3) cast, widened by the penumbra and by the filter's blur."""
-    hull = shadow_hull(points, sun)
+    hull = shadow_hull(points, light)
     # A texel grows with its distance from a lamp, relative to the caster's, and with the slant of the light.
-    towards = sun.towards(np.column_stack([hull, np.zeros(len(hull))]))
+    towards = light.towards(np.column_stack([hull, np.zeros(len(hull))]))
     distance = np.linalg.norm(towards, axis=1)
-    sine = np.maximum(sun.to_light[2] / distance, 1 / MAX_SHADOW_HEIGHTS)
-    nearest = np.linalg.norm(sun.towards(points), axis=1).min()
+    sine = np.maximum(light.to_light[2] / distance, 1 / MAX_SHADOW_HEIGHTS)
+    nearest = np.linalg.norm(light.towards(points), axis=1).min()
     blur = (blur_m * distance / np.maximum(nearest, LEAST_DISTANCE) / sine)[:, None, None]
     corners = blur * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     return np.asarray(hull[:, None] + corners).reshape(-1, 2)

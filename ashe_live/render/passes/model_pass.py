@@ -142,8 +142,8 @@ class ModelPass:
             sky=inputs.lighting.sky,
             sky_slope=inputs.lighting.sky_slope,
             ground_bounce=inputs.lighting.bounce,
-            sun=inputs.lighting.irradiances,
-            sun_on_ground=inputs.lighting.ground_shares,
+            light_irradiance=inputs.lighting.irradiances,
+            light_ground_share=inputs.lighting.ground_shares,
         )
         part.draw(program)
 

@@ -78,9 +78,8 @@ class PreparedModel:
 class ModelSwitch:
     """The model that is shown, and the one being prepared to replace it."""
 
-    def __init__(self, make: Callable[[PlacedModel], PreparedModel], at_once: bool) -> None:
+    def __init__(self, make: Callable[[PlacedModel], PreparedModel]) -> None:
         self.shown: PreparedModel | None = None
-        self.at_once = at_once
         self._coming: PreparedModel | None = None
         self._make = make
         self._followed_s = -math.inf
@@ -103,8 +102,8 @@ class ModelSwitch:
         """Whether the model that it shows is one of these."""
         return self.shown is not None and any(self.shown.placed is each for each in wanted)
 
-    def follow(self, placed: PlacedModel | None) -> bool:
-        """Shows `placed` as soon as it is ready, which is at once when there is nothing to show until then.
+    def follow(self, placed: PlacedModel | None, waits: bool) -> bool:
+        """Shows `placed` once it is ready; `waits` for that, as it does where there is nothing to show until then.
 
         True when another model, or none, is shown than before.
         """
@@ -119,7 +118,7 @@ class ModelSwitch:
             return False
         if self._coming is None:
             self._coming = self._make(placed)
-        if self.at_once or self.shown is None:
+        if waits or self.shown is None:
             self._coming.finish()
         elif not self._coming.advance(budget_s):
             return False
@@ -136,10 +135,7 @@ class ModelSwitch:
 class ModelSwitches:
     """The models that stand side by side: a switch for each place in the scene's order."""
 
-    def __init__(
-        self, ctx: moderngl.Context, programs: Programs, last_steps: LastSteps, at_once: bool, known: Known
-    ) -> None:
-        self.at_once = at_once
+    def __init__(self, ctx: moderngl.Context, programs: Programs, last_steps: LastSteps, known: Known) -> None:
         self._make = lambda placed: PreparedModel(ctx, programs, placed, last_steps, known)
         self._switches: list[ModelSwitch] = []
         self._group: StandingGroup | None = None
@@ -154,18 +150,17 @@ class ModelSwitches:
         """The models that can be drawn, place by place."""
         return tuple(switch.shown.placed for switch in self._switches if switch.shown is not None)
 
-    def follow(self, wanted: Sequence[PlacedModel]) -> bool:
+    def follow(self, wanted: Sequence[PlacedModel], waits: bool) -> bool:
         """As ModelSwitch.follow for each place; one that is gone takes its place along. True when any changed."""
         changed = False
         while len(self._switches) > len(wanted):
             switch = next((each for each in self._switches if not each.is_among(wanted)), self._switches[-1])
             self._switches.remove(switch)
-            changed |= switch.follow(None)
+            changed |= switch.follow(None, waits)
         while len(self._switches) < len(wanted):
-            self._switches.append(ModelSwitch(self._make, self.at_once))
+            self._switches.append(ModelSwitch(self._make))
         for switch, placed in zip(self._switches, wanted, strict=True):
-            switch.at_once = self.at_once
-            changed |= switch.follow(placed)
+            changed |= switch.follow(placed, waits)
         if changed:
             self._group = None
         return changed

@@ -16,7 +16,7 @@ GL_DEPTH_CLAMP = 0x864F
 
 
 class RealObject:
-    """A proxy on the graphics card; casts shadows as a Caster."""
+    """A proxy on the graphics card, which is a ShadowCaster."""
 
     is_clear = False
 
@@ -45,8 +45,8 @@ class RealObject:
                 program,
                 sky=lighting.sky,
                 ground_bounce=lighting.bounce,
-                sun_on_ground=lighting.ground_shares,
-                sun=lighting.irradiances,
+                light_ground_share=lighting.ground_shares,
+                light_irradiance=lighting.irradiances,
             )
         set_uniforms(program, clip_from_marker=framing.clip_from_marker)
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)

@@ -11,7 +11,7 @@ from ashe_live.render.occlusion.contact import ContactPatch
 
 
 class StandingModel:
-    """A Caster; another object for another placement, or another moment of its motion."""
+    """A ShadowCaster; another object for another placement, or another moment of its motion."""
 
     def __init__(self, model: GpuModel, contact: ContactPatch, placement: Placement, pose_s: float = 0.0) -> None:
         self.model = model
@@ -42,7 +42,7 @@ class StandingModel:
 
 
 class StandingGroup:
-    """All models of one picture, which cast their shadows together: a Caster; another object for another member.
+    """All models of one picture, which cast their shadows together: a ShadowCaster; another object for another member.
 
     One shadow map holds them all, so that they shade each other as one model's parts do.
     """

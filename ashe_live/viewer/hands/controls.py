@@ -33,8 +33,8 @@ BINDINGS = (
     Binding(("SPACE",), Command.ESTIMATE, "Space", "estimate the light"),
     Binding(("A",), Command.AUTOMATIC, "A", "watch for a changed light"),
     Binding(("L",), Command.TOGGLE_LIGHT, "L", "show where the light is"),
-    Binding(("D",), Command.TOGGLE_MASKS, "D", "show what was found"),
-    Binding(("C",), Command.HIDE_MARKER, "C", "cover or show the marker"),
+    Binding(("D",), Command.TOGGLE_STEPS, "D", "show what was found"),
+    Binding(("C",), Command.COVER_MARKER, "C", "cover or show the marker"),
     Binding(
         tuple(CTRL + arrow for arrow in ARROWS),
         Command.MOVE_LIGHT,

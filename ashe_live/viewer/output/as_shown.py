@@ -34,18 +34,18 @@ class Shown:
     by_hand: Illumination | None  # the light set by hand; None: the estimated one is shown
     by_hand_frame: int  # the frame in which it was set
     parts: str  # of PARTS
-    covers_marker: bool | None  # None: nobody has chosen
+    wants_cover: bool | None  # None: nobody has chosen
 
     def is_as(self, other: "Shown") -> bool:
         """Whether nothing was done in between; every light by hand is an object of its own."""
-        same_switches = (self.parts, self.covers_marker) == (other.parts, other.covers_marker)
+        same_switches = (self.parts, self.wants_cover) == (other.parts, other.wants_cover)
         return self.by_hand is other.by_hand and self.stands == other.stands and same_switches
 
     @property
     def is_plain(self) -> bool:
         """Whether the same models stand as they come, in the estimated light."""
         moved = any(stand.placement != UNMOVED or _is_turned_up(stand) for stand in self.stands)
-        return not (moved or self.by_hand is not None or self.covers_marker is not None or self.parts != WHOLE)
+        return not (moved or self.by_hand is not None or self.wants_cover is not None or self.parts != WHOLE)
 
 
 def _is_turned_up(stand: Stand) -> bool:
@@ -56,9 +56,7 @@ def _is_turned_up(stand: Stand) -> bool:
 
 def shown_now(session: Session) -> Shown:
     hand = session.hand
-    return Shown(
-        session.arrangement.stands, hand.light, hand.frame_index, session.view.parts, session.view.covers_marker
-    )
+    return Shown(session.arrangement.stands, hand.light, hand.frame_index, session.view.parts, session.view.wants_cover)
 
 
 class AsShown:
@@ -97,7 +95,7 @@ class AsShown:
             lights, ambient = shown.by_hand.lights, shown.by_hand.ambient_rgb_ratio
             session.hand.light = replace(session.lit_by, lights=lights, ambient_rgb_ratio=ambient)
         session.arrangement.stand_as(shown.stands)
-        session.view.parts, session.view.covers_marker = shown.parts, shown.covers_marker
+        session.view.parts, session.view.wants_cover = shown.parts, shown.wants_cover
         session.shown = session.lit_by
 
     def _changes(self) -> list[tuple[int, Shown]]:
@@ -142,7 +140,7 @@ def _shown_json(frame: int, shown: Shown) -> Json:
         ],
         "estimate": light,
         "parts": shown.parts,
-        "hides_marker": shown.covers_marker,
+        "hides_marker": shown.wants_cover,
     }
 
 

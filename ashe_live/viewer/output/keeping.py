@@ -13,7 +13,6 @@ from ashe_live.core.contract import SNAPSHOT_KEYWORD, Json, estimated_light_json
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.files.writing import unused, unused_name, write_json
-from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.light_map import write_light_map
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
@@ -52,7 +51,7 @@ class Keeper:
     def is_recording(self) -> bool:
         return self._recording is not None
 
-    def snapshot(self, preset: RenderPreset, now_s: float, is_cut_out: bool = False) -> None:
+    def snapshot(self, now_s: float, is_cut_out: bool = False) -> None:
         """Writes a PNG that carries the estimate into the current folder; does nothing before the first frame.
 
         `is_cut_out`: without the video, and with transparency.
@@ -62,10 +61,10 @@ class Keeper:
             return
         scene = bare_scene(session)
         scene = cut_out(scene) if is_cut_out else scene
-        has_cover = is_cut_out and scene.hides_marker and session.tracked.marker is not None
+        has_cover = is_cut_out and scene.covers_marker and session.tracked.marker is not None
         texts = {SNAPSHOT_KEYWORD: json.dumps(self._known(session.tracked))}
         try:
-            path = write_png(_new_path(".png"), self._picture(preset, scene), texts=texts, beside=True)
+            path = write_png(_new_path(".png"), self._picture(scene), texts=texts, beside=True)
             self._announce(f"saved {path}{COVER_NOTE if has_cover else ''}", now_s)
         except UserError as error:
             self._announce(str(error), now_s)
@@ -110,7 +109,7 @@ class Keeper:
         except UserError as error:
             self._announce(str(error), now_s)
 
-    def take(self, preset: RenderPreset, is_new: bool, now_s: float) -> None:
+    def take(self, is_new: bool, now_s: float) -> None:
         """Adds what is shown to the recording. `is_new`: it has a frame of the source that was not shown before."""
         if self._recording is None or self._session.tracked is None:
             return
@@ -118,7 +117,7 @@ class Keeper:
         if self._recording.size == drawn_size(self._session.tracked.frame.size):
             if self.clip_path is not None:
                 self._as_shown.add(self._session.tracked.frame.index, shown_now(self._session))
-            self._recording.take(lambda: self._picture(preset, bare_scene(self._session)), is_new, now_s)
+            self._recording.take(lambda: self._picture(bare_scene(self._session)), is_new, now_s)
             if self._recording.failure is None:
                 return
         self.finish(now_s)
@@ -150,18 +149,17 @@ class Keeper:
                 return f"not as it was moved by hand: {error}"
         return shlex.join(["ashe-live", *words, "--headless", "--out", "FILE.mp4"])
 
-    def _picture(self, preset: RenderPreset, scene: Scene) -> Image:
+    def _picture(self, scene: Scene) -> Image:
         """(h, w, 3) uint8 BGR, or BGRA where it is cut out."""
         assert self._session.tracked is not None
         size = drawn_size(self._session.tracked.frame.size)
         if self._renderer is None:
-            self._renderer = self._shown.beside(preset, size)
+            self._renderer = self._shown.beside(size)
         if self._renderer.size != size:
             self._renderer.resize(size)
-        self._renderer.preset = preset
+        self._renderer.preset = self._shown.preset
         # A snapshot must show the model that was chosen; a recording must not stall the window.
-        self._renderer.switches_at_once = self._recording is None
-        self._renderer.render(scene)
+        self._renderer.render(scene, waits=self._recording is None)
         return self._renderer.read_bgra() if scene.is_cut_out else self._renderer.read_bgr()
 
 

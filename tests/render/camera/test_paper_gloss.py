@@ -9,7 +9,7 @@ from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Light
 from ashe_live.render.camera.paper_gloss import mirrored_by_paper
 from ashe_live.render.camera.white import INK_RATIO, PAPER_ALBEDO, light_on_print, white_of
-from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, Lighting, Sun, lighting_of
+from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, Lighting, ShadingLight, lighting_of
 from tests.render.camera.test_video_look import _sheet
 
 ORIGIN = np.zeros(3)
@@ -21,8 +21,8 @@ def _direction(azimuth_deg: float, elevation_deg: float) -> np.ndarray:
     return direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
 
 
-def _sun(azimuth_deg: float, elevation_deg: float, inverse_distance: float = 0.0) -> Sun:
-    return Sun(_direction(azimuth_deg, elevation_deg), (0.7,) * 3, (1.0,) * 3, 0.01, inverse_distance)
+def _sun(azimuth_deg: float, elevation_deg: float, inverse_distance: float = 0.0) -> ShadingLight:
+    return ShadingLight(_direction(azimuth_deg, elevation_deg), (0.7,) * 3, (1.0,) * 3, 0.01, inverse_distance)
 
 
 def _lighting(azimuth_deg: float, elevation_deg: float) -> Lighting:
@@ -71,7 +71,7 @@ def test_a_lamp_at_the_paper_is_no_brighter_than_at_the_least_distance(left: flo
 def test_what_paper_and_ink_mirror_is_no_exposure(stage, white: float) -> None:
     """Painted as it mirrors a sun: white is found as of the same paper with the sun elsewhere, clipped or not."""
     opposite, behind = _lighting(*OPPOSITE), _lighting(*BEHIND)
-    mirrored = float(mirrored_by_paper(opposite.suns, _direction(*CAMERA), ORIGIN)[1])
+    mirrored = float(mirrored_by_paper(opposite.lights, _direction(*CAMERA), ORIGIN)[1])
     ink = INK_RATIO * PAPER_ALBEDO * white
     glossy = _sheet(stage, (white * (1 + mirrored / PAPER_ALBEDO),) * 3, ink=ink + mirrored * white)
     matte = _sheet(stage, (white,) * 3, ink=ink)

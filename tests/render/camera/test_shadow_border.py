@@ -14,7 +14,7 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
 from ashe_live.render.camera.shadow_border import unexplained_border_px
 from ashe_live.render.lights.cast_shadows import cast_by_point
-from ashe_live.render.lights.lighting import Sun, lighting_of
+from ashe_live.render.lights.lighting import ShadingLight, lighting_of
 
 FINE = 4
 SIDE = 0.08
@@ -29,7 +29,7 @@ def _painted(stage, blur_px: float, ratio: float = RATIO, shift_m: float = 0.0, 
     And that sun.
     """
     light = Light((0.5, 0.8, 1.0), angular_size_rad=math.radians(sun_deg), shadow_rgb_ratio=np.full(3, RATIO))
-    (sun,) = lighting_of((light,)).suns
+    (sun,) = lighting_of((light,)).lights
     T_cam_marker, camera = stage.pose(-80, 60, 0.5, target=(0, 0, 0)), stage.camera()
 
     def fill(ground: np.ndarray, value: float) -> np.ndarray:
@@ -51,7 +51,7 @@ def _painted(stage, blur_px: float, ratio: float = RATIO, shift_m: float = 0.0, 
     return TrackedFrame(Frame(image, 0, 0.0), camera, marker), sun
 
 
-def _disc(sun: Sun) -> np.ndarray:
+def _disc(sun: ShadingLight) -> np.ndarray:
     """(n, 3) unit directions to places spread evenly over the sun (Vogel's spiral)."""
     count = 60
     radius, turn = np.sqrt((np.arange(count) + 0.5) / count), np.arange(count) * math.pi * (3 - math.sqrt(5))

@@ -61,7 +61,7 @@ def test_cube_and_shadow_are_covered_also_while_the_camera_moves(make_renderer, 
     for azimuth_deg in (30.0, 30.0 + np.degrees(turned_rad)):
         T = looking(0.45, 45, azimuth_deg)
         tracked, table = seen(T), bare(T)
-        renderer.render(Scene(tracked, far_away(stage), LIT_BY, hides_marker=True))
+        renderer.render(Scene(tracked, far_away(stage), LIT_BY, covers_marker=True))
     there = cube_and_shadow(tracked, table)
     assert there.mean() > 0.02
     off = differences(renderer.read_bgr(), table)
@@ -73,10 +73,10 @@ def test_cube_and_shadow_are_covered_also_while_the_camera_moves(make_renderer, 
 def test_what_is_covered_is_no_real_object() -> None:
     tracked = seen(looking(0.45, 45, 30))
     assert Scene(tracked, None, LIT_BY).real_object is BODY
-    assert Scene(tracked, None, LIT_BY, hides_marker=True).real_object is None
+    assert Scene(tracked, None, LIT_BY, covers_marker=True).real_object is None
     assert tracked.marker is not None
     flat = replace(tracked, marker=replace(tracked.marker, body=None))
-    assert Scene(flat, None, LIT_BY, hides_marker=True).real_object is BODY
+    assert Scene(flat, None, LIT_BY, covers_marker=True).real_object is BODY
 
 
 def test_where_no_ground_is_seen_nothing_is_covered(make_renderer, stage) -> None:
@@ -90,5 +90,5 @@ def test_where_no_ground_is_seen_nothing_is_covered(make_renderer, stage) -> Non
         camera=replace(tracked.camera, size=(80, 80), K=K),
     )
     renderer = make_renderer(FAST.render, (80, 80))
-    renderer.render(Scene(near, far_away(stage), LIT_BY, hides_marker=True))
+    renderer.render(Scene(near, far_away(stage), LIT_BY, covers_marker=True))
     np.testing.assert_array_equal(renderer.read_bgr(), near.frame.image_bgr)

@@ -145,7 +145,7 @@ def test_a_hand_is_drawn_before_the_cover_and_the_rest_stays_covered(make_render
     before, now = view(stage), view(stage, hand=finger)
     pictures = []
     for tracked in (before, now):
-        renderer.render(Scene(tracked, aside, hides_marker=True))
+        renderer.render(Scene(tracked, aside, covers_marker=True))
         pictures.append(renderer.read_bgr().astype(float))
     T, camera = now.marker.T_cam_marker, now.camera
     x, y = np.mgrid[-PAPER_HALF:PAPER_HALF:60j, -PAPER_HALF:PAPER_HALF:60j]
@@ -164,7 +164,7 @@ def test_the_models_shadow_takes_no_light_that_another_shadow_has_taken(make_ren
     renderer = make_renderer(BALANCED.render)
     pictures = []
     for tracked in (view(stage), view(stage, shaded=lambda x, y: np.hypot(x, y) < 0.9 * SIDE)):
-        renderer.render(Scene(tracked, model, illumination, hides_marker=True))
+        renderer.render(Scene(tracked, model, illumination, covers_marker=True))
         pictures.append(LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[..., ::-1]])
     way = light.to_light_marker[:2] / light.to_light_marker[2]
     aside = 0.02 * np.array((-way[1], way[0])) / np.linalg.norm(way)

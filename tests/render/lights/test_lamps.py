@@ -187,7 +187,7 @@ def test_every_place_of_a_lamp_gives_a_picture(make_renderer, stage, quality: st
 def test_rays_from_the_lamp_are_parallel_in_its_view(distance_m: float) -> None:
     """And the depth orders what lies on one ray."""
     light = Light(direction_from_angles(0.4, 0.9), inverse_distance=1 / distance_m)
-    (lamp,) = lighting_of((light,)).suns
+    (lamp,) = lighting_of((light,)).lights
     points = box_corners(np.array([(-0.03, -0.02, 0), (0.03, 0.02, 0.06)]))
     view = view_of(lamp, points)
     assert view is not None
@@ -200,10 +200,10 @@ def test_rays_from_the_lamp_are_parallel_in_its_view(distance_m: float) -> None:
 def test_what_is_within_reach_of_the_lamp_has_no_view() -> None:
     points = box_corners(np.array([(-0.03, -0.02, 0), (0.03, 0.02, 0.06)]))
     for place in ((0.0, 0.0, 0.03), (0.0, 0.0, 0.06), (0.03, 0.02, 0.06), (0.0301, 0.0, 0.03)):
-        (lamp,) = lighting_of((lamp_at(place),)).suns
+        (lamp,) = lighting_of((lamp_at(place),)).lights
         assert view_of(lamp, points) is None
     for place in ((0.0, 0.0, 0.08), (0.06, 0.0, 0.03)):
-        (lamp,) = lighting_of((lamp_at(place),)).suns
+        (lamp,) = lighting_of((lamp_at(place),)).lights
         assert view_of(lamp, points) is not None
 
 
@@ -218,5 +218,5 @@ def test_ground_below_a_lamp_that_lies_on_it_is_lit_finitely() -> None:
 def test_a_share_measured_at_the_marker_holds_against_a_shadow_elsewhere() -> None:
     lamp = replace(lamp_at((0.2, 0.0, 0.3)), intensity_rgb_ratio=np.array((1.0, 3.0, 0.25)))
     lighting = lighting_of((lamp,), ambient_rgb_ratio=np.full(3, 0.1))
-    np.testing.assert_allclose(lighting.suns[0].ground_share, (0.5, 0.75, 0.2))
+    np.testing.assert_allclose(lighting.lights[0].ground_share, (0.5, 0.75, 0.2))
     np.testing.assert_allclose(lighting.sky, (0.5, 0.25, 0.8))

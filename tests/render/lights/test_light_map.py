@@ -41,7 +41,7 @@ def test_it_gives_level_ground_the_light_that_it_was_made_from(size_deg, azimuth
     radiance = light_map(Illumination((light,)))
     np.testing.assert_allclose(level_over_pi(radiance), 1.0, rtol=0.03)
     # Without the disc there is the shadow's share, and no more.
-    (sun,) = lighting_of((light,)).suns
+    (sun,) = lighting_of((light,)).lights
     around, solid = directions(radiance.shape[0])
     disc = around @ towards > math.cos(math.radians(size_deg / 2 + 1))
     np.testing.assert_allclose(level_over_pi(np.where(disc[..., None], 0, radiance)), RATIO, atol=0.06)

@@ -62,7 +62,7 @@ def test_a_wide_penumbra_has_no_dots(make_renderer, stage, quality: str) -> None
 
 
 def test_light_of_unknown_size_is_as_wide_as_the_sun() -> None:
-    assert lighting_of((_light(0, 40, None),)).suns[0].angular_size_rad == SUN_ANGULAR_SIZE_RAD == math.radians(0.53)
+    assert lighting_of((_light(0, 40, None),)).lights[0].angular_size_rad == SUN_ANGULAR_SIZE_RAD == math.radians(0.53)
 
 
 @pytest.mark.parametrize("quality", list(QUALITIES))
@@ -86,7 +86,7 @@ def test_each_light_casts_its_own_shadow(make_renderer, stage, quality: str) -> 
 def test_shares_that_cannot_be_are_made_to_fit() -> None:
     """Two shadows that each claim most of the light: white stays white, and where both fall it is not black."""
     lighting = lighting_of((_light(0, 40, None, 0.2), _light(90, 40, None, 0.3)))
-    shares = np.array([sun.ground_share for sun in lighting.suns])
+    shares = np.array([sun.ground_share for sun in lighting.lights])
     np.testing.assert_allclose(lighting.sky + shares.sum(axis=0), 1.0)
     assert 0.02 < lighting.sky[0] < 0.06
 

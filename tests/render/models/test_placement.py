@@ -177,10 +177,9 @@ def test_a_mirror_turns_the_picture_and_not_what_is_written_on_it(make_renderer,
     assert (straight[below] != straight[below, ::-1]).any()
 
 
-@pytest.mark.parametrize("at_once", [True, False])
-def test_a_model_that_moves_is_drawn_as_one_that_stands_there(make_renderer, stage, at_once: bool) -> None:
+@pytest.mark.parametrize("waits", [True, False])
+def test_a_model_that_moves_is_drawn_as_one_that_stands_there(make_renderer, stage, waits: bool) -> None:
     renderer = make_renderer()
-    renderer.switches_at_once = at_once
     tracked = stage.tracked(150, stage.pose(-90, 45, 0.4))
     sun = Illumination((Light((1.0, 0.2, 1.0)),))
     still = box((0.03, 0.03, 0.03))
@@ -190,9 +189,9 @@ def test_a_model_that_moves_is_drawn_as_one_that_stands_there(make_renderer, sta
 
     def drawn(model: PlacedModel, time_s: float) -> np.ndarray:
         scene = Scene(tracked, model, sun, time_s=time_s)
-        renderer.render(scene)
+        renderer.render(scene, waits)
         while not renderer.is_settled:
-            renderer.render(scene)
+            renderer.render(scene, waits)
         return renderer.read_bgr().astype(int)
 
     for time_s, x in ((0.0, -0.03), (0.5, -0.015), (3.0, 0.0)):

@@ -114,16 +114,15 @@ def test_one_whose_marker_is_not_in_view_is_not_drawn_and_comes_back_at_once(mak
     mug, tree = (placed_on_marker(load_model(name), 0.08) for name in ("mug", "tree"))
     tracked, lit = stage.tracked(GROUND, stage.pose(-90, 40, 0.6)), Illumination((stage.light(120, 40),))
     renderer = make_renderer(FAST.render)
-    renderer.switches_at_once = False
     both, one = (Scene(tracked, mug, lit, others=((tree, place),)) for place in (RIGHT, None))
-    renderer.render(both)
+    renderer.render(both, waits=False)
     together, objects = renderer.read_bgr(), live_gl_objects()
-    renderer.render(one)
+    renderer.render(one, waits=False)
     alone = renderer.read_bgr()
     assert live_gl_objects() <= objects
-    renderer.render(both)
+    renderer.render(both, waits=False)
     np.testing.assert_array_equal(renderer.read_bgr(), together)
-    renderer.render(Scene(tracked, mug, lit))
+    renderer.render(Scene(tracked, mug, lit), waits=False)
     np.testing.assert_array_equal(renderer.read_bgr(), alone)
     assert (together != alone).any(axis=2).sum() > 3000
 
@@ -134,10 +133,9 @@ def test_one_that_is_taken_away_leaves_the_others_where_they_are(make_renderer, 
     tracked, lit = stage.tracked(GROUND, stage.pose(-90, 40, 0.7)), Illumination((stage.light(120, 40),))
     renderer = make_renderer(FAST.render)
     renderer.render(Scene(tracked, mug, lit, others=((tree, RIGHT), (cube, LEFT))))
-    renderer.switches_at_once = False
     for left in (Scene(tracked, mug, lit, others=((cube, LEFT),)), Scene(tracked, cube, lit, placement=LEFT)):
         fresh = make_renderer(FAST.render)
         fresh.render(left)
-        renderer.render(left)
+        renderer.render(left, waits=False)
         assert renderer.is_settled
         np.testing.assert_array_equal(renderer.read_bgr(), fresh.read_bgr())

@@ -46,7 +46,7 @@ def test_lit_faces_of_a_convex_box_have_one_shade(make_renderer, stage, quality:
         pixels = _face(picture, tracked, corners)
         assert len(pixels) > 500
         upward = 0.5 + 0.5 * normal[2]
-        sunlight = lighting.suns[0].irradiance[0] * max(0.0, float(np.dot(normal, light.to_light_marker)))
+        sunlight = lighting.lights[0].irradiance[0] * max(0.0, float(np.dot(normal, light.to_light_marker)))
         radiance = EXPOSURE * (lighting.sky[0] * upward + lighting.bounce[0] * (1 - upward) + sunlight)
         # Rounded to half precision, to 8 bits and by the GPU's own powers; acne would be tens of levels.
         np.testing.assert_allclose(pixels, 255 * srgb_from_linear(min(radiance, 1.0)), atol=1.5)
@@ -153,7 +153,7 @@ def test_lit_level_white_has_radiance_one(stage) -> None:
     for elevation_deg in (15, 40, 90):
         light = stage.light(30, elevation_deg, (0.2, 0.3, 0.4))
         lighting = lighting_of((light,))
-        level = np.array(lighting.sky) + np.array(lighting.suns[0].irradiance) * light.to_light_marker[2]
+        level = np.array(lighting.sky) + np.array(lighting.lights[0].irradiance) * light.to_light_marker[2]
         np.testing.assert_allclose(level, 1.0, atol=1e-9)
         np.testing.assert_allclose(lighting.bounce, GROUND_ALBEDO, atol=1e-9)
 
@@ -161,9 +161,9 @@ def test_lit_level_white_has_radiance_one(stage) -> None:
 def test_no_sun_is_invented_and_a_low_one_is_bounded(stage) -> None:
     for lights in ((), (stage.light(10, 0),), (stage.light(10, -30),)):
         lighting = lighting_of(lights)
-        assert not lighting.suns
+        assert not lighting.lights
         assert lighting.sky == (1.0, 1.0, 1.0)
-    assert max(lighting_of((stage.light(10, 0.01, (0.0, 0.0, 0.0)),)).suns[0].irradiance) <= 1 / MIN_BALANCED_SINE
+    assert max(lighting_of((stage.light(10, 0.01, (0.0, 0.0, 0.0)),)).lights[0].irradiance) <= 1 / MIN_BALANCED_SINE
     assert lighting_of((stage.light(10, 40, (1.4, -0.1, 0.5)),)).sky == (1.0, 0.0, 0.5)
 
 

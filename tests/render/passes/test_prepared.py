@@ -19,14 +19,15 @@ def test_the_model_before_is_shown_until_the_next_is_ready(ctx, stage, monkeypat
     monkeypatch.setattr(prepared, "MOST_S", 0.0)  # one step a picture
     tracked = stage.tracked(90, stage.pose(20, 40))
     small, large = stage.placed(box((0.02, 0.02, 0.02))), stage.placed(box((0.06, 0.06, 0.06)))
-    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360))
     at_once = SceneRenderer(ctx, FAST.render, (480, 360))
 
     # Each model has a place of its own, which no other is drawn at.
     placements = {small: Placement(1.3, 0.4, (0.01, 0.0)), large: UNMOVED, None: UNMOVED}
 
     def picture(of: SceneRenderer, model) -> np.ndarray:
-        of.render(Scene(tracked, model, Illumination((stage.light(10, 40),)), placement=placements[model]))
+        scene = Scene(tracked, model, Illumination((stage.light(10, 40),)), placement=placements[model])
+        of.render(scene, waits=of is at_once)
         return of.read_bgr()
 
     small_alone, large_alone = picture(at_once, small), picture(at_once, large)
@@ -50,15 +51,15 @@ def test_what_is_dropped_while_it_is_prepared_leaves_nothing(ctx, stage, monkeyp
     monkeypatch.setattr(prepared, "MOST_S", 0.0)
     tracked = stage.tracked(90, stage.pose(20, 40))
     small, large = stage.placed(box((0.02, 0.02, 0.02))), stage.placed(box((0.06, 0.06, 0.06)))
-    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360))
     for _ in range(2):
-        renderer.render(Scene(tracked, small))
+        renderer.render(Scene(tracked, small), waits=False)
     before = live_gl_objects()
     for _ in range(10):
-        renderer.render(Scene(tracked, large))
+        renderer.render(Scene(tracked, large), waits=False)
     assert not renderer.is_settled
     assert live_gl_objects() > before
-    renderer.render(Scene(tracked, small))
+    renderer.render(Scene(tracked, small), waits=False)
     assert live_gl_objects() == before
     renderer.release()
     assert ctx.error == "GL_NO_ERROR"
@@ -70,15 +71,15 @@ def test_the_quality_may_change_while_a_model_of_several_parts_is_prepared(ctx, 
     tracked, lit = stage.tracked(90, stage.pose(20, 40)), Illumination((stage.light(10, 40),))
     small, goblet = stage.placed(box((0.02, 0.02, 0.02))), placed_on_marker(load_model("goblet"), 0.08)
     assert len(goblet.model.parts) > 1
-    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
-    renderer.render(Scene(tracked, small, lit))
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360))
+    renderer.render(Scene(tracked, small, lit), waits=False)
     pictures = 0
     while pictures == 0 or not renderer.is_settled:
         renderer.preset = (FAST, BALANCED)[pictures % 2].render
-        renderer.render(Scene(tracked, goblet, lit))
+        renderer.render(Scene(tracked, goblet, lit), waits=False)
         pictures += 1
     renderer.preset = FAST.render
-    renderer.render(Scene(tracked, goblet, lit))
+    renderer.render(Scene(tracked, goblet, lit), waits=False)
     shown = renderer.read_bgr()
     at_once = SceneRenderer(ctx, FAST.render, (480, 360))
     at_once.render(Scene(tracked, goblet, lit))
@@ -93,12 +94,12 @@ def test_a_model_that_was_shown_before_is_not_looked_at_again(ctx, stage, monkey
     monkeypatch.setattr(prepared, "MOST_S", 0.0)
     tracked = stage.tracked(90, stage.pose(20, 40))
     models = [stage.placed(box((side, side, side))) for side in (0.02, 0.06)]
-    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360))
 
     def pictures_until_shown(model) -> int:
         count = 0
         while count == 0 or not renderer.is_settled:
-            renderer.render(Scene(tracked, model, Illumination((stage.light(10, 40),))))
+            renderer.render(Scene(tracked, model, Illumination((stage.light(10, 40),))), waits=False)
             count += 1
         return count
 
@@ -109,7 +110,7 @@ def test_a_model_that_was_shown_before_is_not_looked_at_again(ctx, stage, monkey
         assert count < 10
         np.testing.assert_array_equal(picture, before)
     monkeypatch.setattr(occlusion, "SelfOcclusion", None)  # looking at it would fail
-    beside = renderer.beside(FAST.render, (480, 360))
+    beside = renderer.beside((480, 360))
     beside.render(Scene(tracked, models[0], Illumination((stage.light(10, 40),))))
     np.testing.assert_array_equal(beside.read_bgr(), first[0][1])
     beside.release()
@@ -125,11 +126,11 @@ def test_a_slow_machine_gets_on_as_well(ctx, stage, monkeypatch) -> None:
     monkeypatch.setattr(prepared.time, "perf_counter", lambda: now_s[0])
     tracked = stage.tracked(90, stage.pose(20, 40))
     first, second = (stage.placed(box((side, side, side))) for side in (0.02, 0.06))
-    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
-    renderer.render(Scene(tracked, first))
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360))
+    renderer.render(Scene(tracked, first), waits=False)
     for passed_s in (0.001, 0.06, 0.5, 60.0):
         now_s[0] += passed_s
-        renderer.render(Scene(tracked, second))
+        renderer.render(Scene(tracked, second), waits=False)
     assert budgets == [prepared.LEAST_S, pytest.approx(0.02), pytest.approx(0.5 / 3), prepared.MOST_S]
     assert prepared.MOST_S <= 0.2  # which a person who waits for an answer to a key hardly notices
     renderer.release()

@@ -107,7 +107,7 @@ def test_models_shadow_falls_on_the_object(make_renderer, stage, preset) -> None
     picture = renderer.read_bgr()
     lighting = lighting_of((light,))
     upright = (np.array(lighting.sky) + np.array(lighting.bounce)) / 2
-    sun = np.array(lighting.suns[0].irradiance) * np.cos(np.radians(30))
+    sun = np.array(lighting.lights[0].irradiance) * np.cos(np.radians(30))
     shaded = LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, (0.07, 0.015, 0.03))] / LINEAR_FROM_SRGB_8BIT[GREY]
     np.testing.assert_allclose(shaded, upright / (upright + sun), rtol=0.03)
     np.testing.assert_array_equal(_pixel(picture, tracked, (0.07, 0.0, 0.1)), GREY)

@@ -109,7 +109,7 @@ def test_a_sun_comes_nearer_until_it_is_the_lamp(radius_m):
 
 def test_a_lamp_whose_share_was_measured_at_the_marker_fades_by_it():
     lamp = Light(SUN, shadow_rgb_ratio=np.full(3, 0.9), inverse_distance=2.0, intensity_rgb_ratio=np.full(3, 3.0))
-    shares = [lighting_of(shown.lights).suns[0].ground_share[0] for shown in passage(NONE, Illumination((lamp,)))]
+    shares = [lighting_of(shown.lights).lights[0].ground_share[0] for shown in passage(NONE, Illumination((lamp,)))]
     assert (shares[0], shares[-1]) == pytest.approx((0.0, 0.75))
     assert max(np.diff(shares)) < 0.1
 

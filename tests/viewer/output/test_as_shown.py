@@ -47,7 +47,7 @@ def test_every_frame_is_as_it_was_shown(begun, fakes, tmp_path: Path) -> None:
     window.hand.placement, window.hand.light = MOVED, Illumination((LAMP,))
     as_shown.add(5, shown_now(window))
     as_shown.add(6, shown_now(window))
-    window.hand.light, window.view.parts, window.view.covers_marker = Illumination((SUN,)), PARTS[1], False
+    window.hand.light, window.view.parts, window.view.wants_cover = Illumination((SUN,)), PARTS[1], False
     as_shown.add(9, shown_now(window))
     assert not as_shown.is_plain
     assert [each["frame"] for each in as_shown.to_json()["shown"]] == [3, 5, 9]
@@ -68,7 +68,7 @@ def test_every_frame_is_as_it_was_shown(begun, fakes, tmp_path: Path) -> None:
             np.testing.assert_allclose(session.shown.light.shadow_rgb_ratio, light.shadow_rgb_ratio)
             assert session.shown.light.radius_m == light.radius_m
             assert session.shown.light.angular_size_rad == pytest.approx(light.angular_size_rad)
-        assert (session.view.parts, session.hides_marker) == ((PARTS[1], False) if frame == 20 else (WHOLE, True))
+        assert (session.view.parts, session.covers_marker) == ((PARTS[1], False) if frame == 20 else (WHOLE, True))
 
 
 def test_models_turned_onto_another_side_come_back_so(begun, fakes, tmp_path: Path) -> None:

@@ -18,9 +18,9 @@ from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.exposure import gain_and_slope
 from ashe_live.render.camera.in_frame import project_distorted
-from ashe_live.render.cover import hidden_marker
+from ashe_live.render.cover import cover_maker
 from ashe_live.render.cover.ground_cover import DRAFT_SIDE_PX, HALF_SIDES, MOST_AROUND, GroundCover, ground_cover
-from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
 from ashe_live.render.scene import Scene
@@ -41,7 +41,7 @@ def known_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: boo
 
 @pytest.fixture(autouse=True)
 def _covers_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hidden_marker, "ground_cover", known_cover)
+    monkeypatch.setattr(cover_maker, "ground_cover", known_cover)
 
 
 def _ground(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -112,7 +112,7 @@ def _aside(stage):
 def test_sheet_is_covered_by_ground_like_that_around_it(make_renderer, stage) -> None:
     tracked, bare = _view(stage, noise=0.7), _view(stage, has_sheet=False)
     renderer = make_renderer(BALANCED.render)
-    renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+    renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
     picture = renderer.read_bgr()
     around = _on_sheet(tracked, 0.008)
     assert _difference(picture, bare.frame.image_bgr)[around].mean() < 3
@@ -140,7 +140,7 @@ def test_a_lens_bends_the_cover_as_it_bends_the_ground(make_renderer, stage) -> 
     dist = (-0.25, 0.06, 0.0, 0.0, 0.0)
     tracked, bare = (_through_lens(_view(stage, has_sheet=each), dist) for each in (True, False))
     renderer = make_renderer(BALANCED.render)
-    renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+    renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
 
@@ -181,7 +181,7 @@ def test_cover_is_steady_at_rest(make_renderer, stage) -> None:
     renderer = make_renderer(replace(FAST.render, matches_noise=False))
     pictures = []
     for index in range(10):
-        renderer.render(Scene(_view(stage, noise=0.7, index=index), _aside(stage), hides_marker=True))
+        renderer.render(Scene(_view(stage, noise=0.7, index=index), _aside(stage), covers_marker=True))
         pictures.append(renderer.read_bgr().astype(float))
     inside = _on_sheet(_view(stage), -0.005)
     changes = [np.abs(b - a)[inside].mean() for a, b in itertools.pairwise(pictures)]
@@ -190,20 +190,20 @@ def test_cover_is_steady_at_rest(make_renderer, stage) -> None:
 
 def test_cover_follows_the_exposure_in_the_frame_that_it_changes_in(make_renderer, stage) -> None:
     renderer = make_renderer(FAST.render)
-    renderer.render(Scene(_view(stage), _aside(stage), hides_marker=True))
+    renderer.render(Scene(_view(stage), _aside(stage), covers_marker=True))
     for index, gain in enumerate((0.9, 0.6, 0.8), start=1):
         tracked = _view(stage, gain=gain, index=index)
-        renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+        renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
         bare = _view(stage, has_sheet=False, gain=gain)
         assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
 
 def test_cover_follows_sheen_that_moves_over_the_table(make_renderer, stage) -> None:
     renderer, sheen = make_renderer(FAST.render), 5.0
-    renderer.render(Scene(_view(stage), _aside(stage), hides_marker=True))
+    renderer.render(Scene(_view(stage), _aside(stage), covers_marker=True))
     for index in (1, 2):
         tracked = _view(stage, sheen=sheen, index=index)
-        renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+        renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
     bare = _view(stage, has_sheet=False, sheen=sheen)
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
@@ -222,7 +222,7 @@ def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage) ->
     renderer = make_renderer(FAST.render)
     mesh = box((0.006, 0.006, 0.002))
     aside = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((0.09, -0.06, 0.0), np.float32)))
-    renderer.render(Scene(tracked, aside, illumination, hides_marker=True))
+    renderer.render(Scene(tracked, aside, illumination, covers_marker=True))
     picture = renderer.read_bgr()
     places = project(
         tracked.camera, tracked.marker.T_cam_marker, [(middle[0], y, 0.0) for y in np.linspace(0.03, -0.01, 9)]
@@ -242,7 +242,7 @@ def test_models_shadow_lies_on_the_cover(make_renderer, stage) -> None:
     renderer = make_renderer(FAST.render)
     pictures = []
     for casts_shadow in (False, True):
-        renderer.render(Scene(tracked, model, Illumination((light,)), casts_shadow=casts_shadow, hides_marker=True))
+        renderer.render(Scene(tracked, model, Illumination((light,)), casts_shadow=casts_shadow, covers_marker=True))
         pictures.append(LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[..., ::-1]])
     way = light.to_light_marker[:2] / light.to_light_marker[2]
     place = project(tracked.camera, tracked.marker.T_cam_marker, [(*(-0.036 * way), 0.0)])
@@ -261,22 +261,22 @@ def test_the_marker_stays_where_no_ground_is_seen(make_renderer, stage) -> None:
     tracked = TrackedFrame(Frame(image, 0, 0.0), stage.camera(), MarkerPose(T, corners, SIDE, 0.0, None))
     assert known_cover(tracked, Illumination()) is None
     renderer = make_renderer(FAST.render)
-    renderer.render(Scene(tracked, stage.placed(box((0.001, 0.001, 0.001))), hides_marker=True))
+    renderer.render(Scene(tracked, stage.placed(box((0.001, 0.001, 0.001))), covers_marker=True))
     assert (np.abs(renderer.read_bgr().astype(int) - 200).max(axis=2) > 1).mean() < 0.01
 
 
 def test_another_thread_makes_the_cover_where_pictures_cannot_wait_and_a_draft_first(ctx, stage) -> None:
-    hidden = HiddenMarker(ctx)
+    cover = MarkerCover(ctx)
     tracked = _view(stage)
-    hidden.follow(tracked, Illumination(), at_once=False)
+    cover.follow(tracked, Illumination(), waits=False)
     sizes = []
-    while not hidden.is_settled:
-        hidden._coming.result()
-        hidden.follow(tracked, Illumination(), at_once=False)
-        assert len(hidden.corners) == 4
-        sizes.append(hidden._texture.size[0])
+    while not cover.is_settled:
+        _finish(cover)
+        cover.follow(tracked, Illumination(), waits=False)
+        assert len(cover.corners) == 4
+        sizes.append(cover._texture.size[0])
     assert sizes == [round(2 * HALF_SIDES * DRAFT_SIDE_PX), len(known_cover(tracked, Illumination()).image_rgba)]
-    hidden.release()
+    cover.release()
 
 
 def test_what_is_small_in_the_picture_has_no_draft(stage) -> None:
@@ -302,7 +302,7 @@ def test_another_source_is_covered_by_its_own_ground(make_renderer, stage) -> No
     dim = 0.15  # beyond what passes for a change of exposure
     renderer = make_renderer(FAST.render)
     for tracked in (_view(stage), _view(stage, gain=dim)):
-        renderer.render(Scene(tracked, _aside(stage), Illumination(seen_in=tracked), hides_marker=True))
+        renderer.render(Scene(tracked, _aside(stage), Illumination(seen_in=tracked), covers_marker=True))
     bare = _view(stage, has_sheet=False, gain=dim)
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
@@ -311,30 +311,27 @@ def test_ground_of_the_last_source_is_not_laid_into_the_next(make_renderer, stag
     """Where pictures cannot wait for the next cover, the sheet is seen until that is there."""
     renderer = make_renderer(FAST.render)
     first, second = _view(stage), _view(stage, gain=0.15)
-    renderer.render(Scene(first, _aside(stage), Illumination(seen_in=first), hides_marker=True))
-    renderer.switches_at_once = False
+    renderer.render(Scene(first, _aside(stage), Illumination(seen_in=first), covers_marker=True))
     renderer.begin_anew()
-    renderer.render(Scene(second, _aside(stage), Illumination(seen_in=second), hides_marker=True))
+    renderer.render(Scene(second, _aside(stage), Illumination(seen_in=second), covers_marker=True), waits=False)
     within = _on_sheet(second, -0.004)
     assert _difference(renderer.read_bgr(), second.frame.image_bgr)[within].max() < 3
 
 
-@pytest.mark.parametrize("at_once", [False, True])
-def test_what_is_saved_beside_a_window_is_covered_as_the_window_is(make_renderer, stage, at_once) -> None:
+@pytest.mark.parametrize("waits", [False, True])
+def test_what_is_saved_beside_a_window_is_covered_as_the_window_is(make_renderer, stage, waits) -> None:
     """From its first picture on: a recording, whose pictures wait for nothing, and a snapshot."""
     window, tracked = make_renderer(FAST.render), _view(stage)
-    scene = Scene(tracked, _aside(stage), Illumination(seen_in=tracked), hides_marker=True)
+    scene = Scene(tracked, _aside(stage), Illumination(seen_in=tracked), covers_marker=True)
     window.render(scene)
-    window.switches_at_once = False
-    saved = window.beside(FAST.render, window.size)
-    saved.switches_at_once = at_once
-    saved.render(scene)
+    saved = window.beside(window.size)
+    saved.render(scene, waits)
     np.testing.assert_array_equal(saved.read_bgr(), window.read_bgr())
     window.begin_anew()
-    window.render(scene)
-    saved.render(scene)
+    window.render(scene, waits=False)
+    saved.render(scene, waits)
     is_paper = _difference(saved.read_bgr(), tracked.frame.image_bgr)[_on_sheet(tracked, -0.004)].max() < 3
-    assert is_paper == (not at_once)
+    assert is_paper == (not waits)
     saved.release()
 
 
@@ -345,120 +342,144 @@ def test_a_snapshot_waits_for_the_cover_that_the_window_has_begun(ctx, stage, mo
         made.append(asked)
         return known_cover(*asked)
 
-    monkeypatch.setattr(hidden_marker, "ground_cover", counted)
-    window, saved, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
-    saved.shown = window
+    monkeypatch.setattr(cover_maker, "ground_cover", counted)
+    cover, tracked = MarkerCover(ctx), _view(stage)
     light = Illumination(seen_in=tracked)
-    window.follow(tracked, light, at_once=False)
-    window._coming.result()
-    window.follow(tracked, light, at_once=False)
-    assert not window.is_settled
-    saved.follow(tracked, light, at_once=True)
-    assert window.is_settled
+    cover.follow(tracked, light, waits=False)
+    _finish(cover)
+    cover.follow(tracked, light, waits=False)
+    assert not cover.is_settled
+    cover.follow_beside(tracked, light, waits=True)
+    assert cover.is_settled
     assert len(made) == 2  # the draft, and one without haste
-    assert saved._cover is window._cover
-    for hidden in (saved, window):
-        hidden.release()
+    cover.release()
 
 
 def test_a_recording_is_covered_also_while_the_window_draws_nothing(ctx, stage) -> None:
-    window, recorded, tracked = HiddenMarker(ctx), HiddenMarker(ctx), _view(stage)
-    recorded.shown = window
-    recorded.follow(tracked, Illumination(), at_once=False)
-    assert len(recorded.corners) == 0
-    window._coming.result()
-    recorded.follow(replace(tracked), Illumination(), at_once=False)
-    assert len(recorded.corners) == 4
-    for hidden in (recorded, window):
-        hidden.release()
+    cover, tracked = MarkerCover(ctx), _view(stage)
+    cover.follow_beside(tracked, Illumination(), waits=False)
+    assert len(cover.corners) == 0
+    _finish(cover)
+    cover.follow_beside(replace(tracked), Illumination(), waits=False)
+    assert len(cover.corners) == 4
+    cover.release()
 
 
-def _settled(hidden: HiddenMarker, tracked: TrackedFrame, lit: Illumination) -> list[GroundCover | None]:
+def test_a_recorded_picture_brings_no_other_cover_than_the_window_has(ctx, stage) -> None:
+    """While a light eases to another one, the frame's light is seen twice, which does not make it one that stays."""
+    cover, tracked = MarkerCover(ctx), _view(stage)
+    _settled(cover, tracked, Illumination())
+    for index in range(1, 4):
+        frame, easing = _view(stage, index=index), Illumination(seen_in=_view(stage))
+        cover.follow(frame, easing, waits=False)
+        cover.follow_beside(frame, easing, waits=False)
+        assert cover.is_settled
+    cover.release()
+
+
+def test_what_is_saved_without_the_cover_leaves_it_to_the_window(make_renderer, stage) -> None:
+    window, tracked = make_renderer(FAST.render), _view(stage)
+    scene = Scene(tracked, _aside(stage), covers_marker=True)
+    window.render(scene)
+    covered = window.read_bgr()
+    saved = window.beside(window.size)
+    saved.render(replace(scene, covers_marker=False))
+    saved.release()
+    window.render(scene, waits=False)
+    np.testing.assert_array_equal(window.read_bgr(), covered)
+
+
+def _finish(cover: MarkerCover) -> None:
+    """Waits until the cover that is being made is ready to be taken."""
+    cover._maker._coming.result()
+
+
+def _settled(cover: MarkerCover, tracked: TrackedFrame, lit: Illumination) -> list[GroundCover | None]:
     """The covers that are shown until no other is being made."""
     shown = []
     for _ in range(2):  # the first time the light may be another one
-        hidden.follow(tracked, lit, at_once=False)
-    while not hidden.is_settled:
-        hidden._coming.result()
-        hidden.follow(tracked, lit, at_once=False)
-        shown.append(hidden._cover)
+        cover.follow(tracked, lit, waits=False)
+    while not cover.is_settled:
+        _finish(cover)
+        cover.follow(tracked, lit, waits=False)
+        shown.append(cover._maker.made.cover)
     return shown
 
 
 def test_a_sheet_that_was_moved_is_covered_by_the_ground_where_it_lies_a_draft_first(ctx, stage) -> None:
-    hidden = HiddenMarker(ctx)
+    cover = MarkerCover(ctx)
     lies, moved = (replace(_view(stage), T_room_marker=place) for place in (np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])))
-    _settled(hidden, lies, Illumination())
-    assert _settled(hidden, lies, Illumination()) == []
+    _settled(cover, lies, Illumination())
+    assert _settled(cover, lies, Illumination()) == []
     # The ground beside it is another one, by which no exposure can be compared.
     brighter = replace(_view(stage, gain=1.5, index=1), T_room_marker=moved.T_room_marker)
-    hidden.follow(brighter, Illumination((Light(np.array([0.0, 0.6, 0.8])),)), at_once=False)
-    assert hidden._sheet.gain == pytest.approx(1, abs=0.05)
-    assert _settled(hidden, moved, Illumination()) == []  # the hand that has moved it may still be there
+    cover.follow(brighter, Illumination((Light(np.array([0.0, 0.6, 0.8])),)), waits=False)
+    assert cover._sheet.gain == pytest.approx(1, abs=0.05)
+    assert _settled(cover, moved, Illumination()) == []  # the hand that has moved it may still be there
     alone = replace(moved, frame=Frame(moved.frame.image_bgr, 30, 1.0))
-    covers = _settled(hidden, alone, Illumination())
+    covers = _settled(cover, alone, Illumination())
     assert [cover.is_draft for cover in covers] == [True, False]
-    hidden.release()
+    cover.release()
 
 
 def test_a_hand_on_the_sheet_becomes_no_part_of_the_next_cover(ctx, stage) -> None:
-    hidden = HiddenMarker(ctx)
+    cover = MarkerCover(ctx)
     lies, moved = (replace(_view(stage), T_room_marker=place) for place in (np.eye(4), np.diag([-1.0, -1.0, 1.0, 1.0])))
-    _settled(hidden, lies, Illumination())
+    _settled(cover, lies, Illumination())
     picture = moved.frame.image_bgr.copy()
     left = np.arange(picture.shape[1]) < moved.marker.corners_px[:, 0].mean()
     picture[_on_sheet(moved) & left] = (80, 110, 190)
-    hidden.follow(moved, Illumination(), at_once=False)
+    cover.follow(moved, Illumination(), waits=False)
     touched = replace(moved, frame=Frame(picture, 30, 1.0))
-    assert _settled(hidden, touched, Illumination()) == []
-    assert _settled(hidden, replace(moved, frame=Frame(moved.frame.image_bgr, 31, 1.1)), Illumination())
-    hidden.follow(replace(moved, frame=Frame(picture, 32, 1.1)), Illumination(), at_once=False)
-    hidden.forget()
-    assert _settled(hidden, touched, Illumination()), "where there is no cover, one is made in any case"
-    hidden.release()
+    assert _settled(cover, touched, Illumination()) == []
+    assert _settled(cover, replace(moved, frame=Frame(moved.frame.image_bgr, 31, 1.1)), Illumination())
+    cover.follow(replace(moved, frame=Frame(picture, 32, 1.1)), Illumination(), waits=False)
+    cover.forget()
+    assert _settled(cover, touched, Illumination()), "where there is no cover, one is made in any case"
+    cover.release()
 
 
 def test_a_finger_at_the_sheets_edge_becomes_no_part_of_the_next_cover_and_what_stays_there_does(ctx, stage) -> None:
-    hidden, lies = HiddenMarker(ctx), _view(stage)
+    cover, lies = MarkerCover(ctx), _view(stage)
     near, nearer = (Illumination((Light(np.array(towards)),)) for towards in ((0, 0.6, 0.8), (0, 0.65, 0.76)))
-    _settled(hidden, lies, near)
+    _settled(cover, lies, near)
     picture = lies.frame.image_bgr.copy()
     rows, columns = np.nonzero(_on_sheet(lies))
     tip = (rows > np.quantile(rows, 0.9)) & (np.abs(columns - np.median(columns)) < 0.1 * np.ptp(columns))
     picture[rows[tip], columns[tip]] = (80, 110, 190)
     touches, stays = (replace(lies, frame=Frame(picture, 30 * s, float(s))) for s in (1, 12))
-    assert _settled(hidden, touches, nearer) == []
-    assert _settled(hidden, stays, nearer), "a shadow's rest that stays must not keep the cover of an older answer"
-    hidden.release()
+    assert _settled(cover, touches, nearer) == []
+    assert _settled(cover, stays, nearer), "a shadow's rest that stays must not keep the cover of an older answer"
+    cover.release()
 
 
 def test_in_another_light_the_sheet_is_covered_anew_also_where_something_seems_to_lie_on_it(ctx, stage) -> None:
     """What a light that has gone out leaves is not told from a thing, and would stay for ever."""
-    hidden, tracked = HiddenMarker(ctx), _view(stage)
+    cover, tracked = MarkerCover(ctx), _view(stage)
     low, near, high = (
         Illumination((Light(np.array(towards)),)) for towards in ((0, 0.6, 0.8), (0, 0.65, 0.76), (0, 0, 1))
     )
-    _settled(hidden, tracked, low)
+    _settled(cover, tracked, low)
     picture = tracked.frame.image_bgr.copy()
     left = np.arange(picture.shape[1]) < tracked.marker.corners_px[:, 0].mean()
     picture[_on_sheet(tracked) & left] = (80, 110, 190)
     touched = replace(tracked, frame=Frame(picture, 30, 1.0))
-    assert _settled(hidden, touched, near) == []
-    assert _settled(hidden, touched, high)
-    assert _settled(hidden, touched, Illumination())
-    hidden.release()
+    assert _settled(cover, touched, near) == []
+    assert _settled(cover, touched, high)
+    assert _settled(cover, touched, Illumination())
+    cover.release()
 
 
 def test_a_cover_that_was_given_up_meanwhile_is_not_taken(ctx, stage) -> None:
-    hidden = HiddenMarker(ctx)
+    cover = MarkerCover(ctx)
     tracked = _view(stage)
-    hidden.follow(tracked, Illumination(), at_once=False)
-    coming = hidden._coming
-    hidden.forget()
+    cover.follow(tracked, Illumination(), waits=False)
+    coming = cover._maker._coming
+    cover.forget()
     coming.result()
-    hidden.follow(tracked, Illumination(), at_once=False)
-    assert len(hidden.corners) == 0
-    hidden.release()
+    cover.follow(tracked, Illumination(), waits=False)
+    assert len(cover.corners) == 0
+    cover.release()
 
 
 @pytest.mark.parametrize("half_sides", [0.62, 0.75, 1.1])
