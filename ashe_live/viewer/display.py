@@ -17,7 +17,6 @@ from ashe_live.viewer.drawn.estimate_inset import EstimateInset, Span
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
-from ashe_live.viewer.view_options import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
 
 # Numbers that change with every frame are updated this often: to be legible, and because drawing text takes as long as
 # tracking does.
@@ -30,17 +29,18 @@ def bare_scene(session: Session) -> Scene:
     """Video, models and light, as recordings and snapshots want them."""
     models = [(model, placement) for _, model, placement in session.arrangement.models(session.tracked)]
     (model, placement), *others = models
+    parts = session.view.parts
     return Scene(
         session.tracked,
-        None if session.view.parts == VIDEO_ALONE else model,
+        model if parts.shows_model or parts.casts_shadow else None,
         session.shown,
         session.view.shows_light,
         placement=placement,
         others=tuple(others),
-        casts_shadow=session.view.parts in (WHOLE, SPLIT, SHADOW_ALONE),
-        shows_model=session.view.parts != SHADOW_ALONE,
+        casts_shadow=parts.casts_shadow,
+        shows_model=parts.shows_model,
         covers_marker=session.covers_marker,
-        is_split=session.view.parts == SPLIT,
+        is_split=parts.is_split,
         time_s=session.table.motion_s,
     )
 
@@ -91,7 +91,7 @@ class Display:
             bar = self._time_bar.overlays(readings.moment, screen)
             screen = screen.without_bottom(bar_at(screen).height)  # everything else stands above it
         width, height = screen.size
-        if session.view.parts == SPLIT:
+        if session.view.parts.is_split:
             line = max(1, screen.px(LINE_PT))
             bar = Overlay(SPLIT_LINE, (width - line) // 2, 0, (line, height)), *bar
         masks = self._masks(session, screen.size, models)

@@ -1,12 +1,40 @@
 """What of the picture is shown, as keys and options choose: parts to compare with the video, arrow, steps, text."""
 
+from enum import Enum
+
 from ashe_live.core.types import TrackedFrame
 from ashe_live.viewer.hands.help import Help
 
-WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
-SPLIT = "the video alone in one half"
-SHADOW_ALONE = "the shadow without its model"
-PARTS = WHOLE, "the model without its shadow", SHADOW_ALONE, VIDEO_ALONE, SPLIT  # in the order of key B
+
+class ShownParts(Enum):
+    """Which of models and shadows are in the picture, in the order of key B."""
+
+    # The values are in the files of --as-shown, and stay when notices are worded anew.
+    WHOLE = "the model and its shadow"
+    MODEL_ALONE = "the model without its shadow"
+    SHADOW_ALONE = "the shadow without its model"
+    VIDEO_ALONE = "the video alone"
+    SPLIT = "the video alone in one half"
+
+    @property
+    def notice(self) -> str:
+        return self.value
+
+    @property
+    def shows_model(self) -> bool:
+        return self not in (ShownParts.SHADOW_ALONE, ShownParts.VIDEO_ALONE)
+
+    @property
+    def casts_shadow(self) -> bool:
+        return self not in (ShownParts.MODEL_ALONE, ShownParts.VIDEO_ALONE)
+
+    @property
+    def is_split(self) -> bool:
+        """Whether one half of the picture shows the video alone."""
+        return self is ShownParts.SPLIT
+
+
+WHOLE = ShownParts.WHOLE  # at first, and after a reset
 
 
 class ViewOptions:
@@ -27,6 +55,7 @@ class ViewOptions:
         return self.wants_cover if self.wants_cover is not None else marker is None or marker.body is None
 
     def next_parts(self) -> str:
-        """Shows the next of `PARTS`, which it returns."""
-        self.parts = PARTS[(PARTS.index(self.parts) + 1) % len(PARTS)]
-        return self.parts
+        """Shows the next ones, and returns their notice."""
+        in_order = list(ShownParts)
+        self.parts = in_order[(in_order.index(self.parts) + 1) % len(in_order)]
+        return self.parts.notice

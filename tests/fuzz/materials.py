@@ -71,7 +71,7 @@ SHOWN = {
                 }
             ],
             "estimate": light_by_hand_json(Illumination((LAMP,), ambient_rgb_ratio=(0.5, 0.5, 0.5)), 3),
-            "parts": WHOLE,
+            "parts": WHOLE.value,
             "hides_marker": True,
         }
     ],

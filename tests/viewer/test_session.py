@@ -803,7 +803,7 @@ def test_before_and_after(make, fakes):
         scene = bare_scene(session)
         shown.append((session.view.parts, scene.shows_model, scene.casts_shadow, scene.is_split))
         session.handle(Request(Command.BEFORE_AFTER), 0.0)
-    assert [each[1] for each in shown] == [True, True, False, True, True]
+    assert [each[1] for each in shown] == [True, True, False, False, True]
     assert [each[2] for each in shown] == [True, False, True, False, True]
     assert [each[3] for each in shown] == [False, False, False, False, True]
     assert session.view.parts == shown[0][0]

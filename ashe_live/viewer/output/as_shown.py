@@ -17,7 +17,7 @@ from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import Stand
-from ashe_live.viewer.view_options import PARTS, WHOLE
+from ashe_live.viewer.view_options import WHOLE, ShownParts
 
 MOST_LIGHTS = 16  # at once, by hand: more than are drawn
 KINDS = ("directional", "lamp")
@@ -33,7 +33,7 @@ class Shown:
     stands: tuple[Stand, ...]
     by_hand: Illumination | None  # the light set by hand; None: the estimated one is shown
     by_hand_frame: int  # the frame in which it was set
-    parts: str  # of PARTS
+    parts: ShownParts
     wants_cover: bool | None  # None: nobody has chosen
 
     def is_as(self, other: "Shown") -> bool:
@@ -139,13 +139,14 @@ def _shown_json(frame: int, shown: Shown) -> Json:
             for stand in shown.stands
         ],
         "estimate": light,
-        "parts": shown.parts,
+        "parts": shown.parts.value,
         "hides_marker": shown.wants_cover,
     }
 
 
 def _shown(known: Json, shelf: Shelf) -> Shown:
-    if known["parts"] not in PARTS or not known["models"]:
+    parts = next((each for each in ShownParts if each.value == known["parts"]), None)
+    if parts is None or not known["models"]:
         raise ValueError("a frame shows nothing")
     if len(known["models"]) > MOST_MODELS:
         raise ValueError(f"a frame shows {len(known['models'])} models, and {MOST_MODELS} are the most")
@@ -163,7 +164,7 @@ def _shown(known: Json, shelf: Shelf) -> Shown:
     covers = known["hides_marker"]
     if not (covers is None or isinstance(covers, bool)):
         raise TypeError(f"hides_marker is {covers!r:.40}, not true, false or null")
-    return Shown(stands, by_hand, frame, known["parts"], covers)
+    return Shown(stands, by_hand, frame, parts, covers)
 
 
 def _stand(known: Json, shelf: Shelf) -> Stand:

@@ -9,7 +9,7 @@ import pytest
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.commands.demo import Thumbnails
-from ashe_live.viewer.view_options import VIDEO_ALONE, WHOLE
+from ashe_live.viewer.view_options import ShownParts
 
 
 def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, instant, tmp_path, monkeypatch):  # noqa: ARG001
@@ -34,8 +34,8 @@ def test_what_was_recorded_in_a_window_is_shown_again_without_text(run, instant,
     monkeypatch.chdir(tmp_path)
     stand = {"model": "mug", "marker": None, "seat": 0, "scale": 1.5, "turn_rad": 1.0, "shift_m": [0.0, 0.0]}
     shown = [
-        {"frame": frame, "models": [stand], "estimate": None, "parts": parts, "hides_marker": False}
-        for frame, parts in ((0, WHOLE), (3, VIDEO_ALONE))
+        {"frame": frame, "models": [stand], "estimate": None, "parts": parts.value, "hides_marker": False}
+        for frame, parts in ((0, ShownParts.WHOLE), (3, ShownParts.VIDEO_ALONE))
     ]
     (tmp_path / "shown.json").write_text(json.dumps({"schema": 1, "shown": shown}))
     flags = ("--headless", "--frames", "6", "--quality", "fast", "--out", "again.mp4")

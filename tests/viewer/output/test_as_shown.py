@@ -19,7 +19,8 @@ from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.output.as_shown import AsShown, read_as_shown, shown_now
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
-from ashe_live.viewer.view_options import PARTS, WHOLE
+from ashe_live.viewer.view_options import WHOLE, ShownParts
+from tests.checkout import CHECKOUT
 
 MOVED = Placement(1.5, 0.7, (0.02, -0.04))
 LAMP = Light((0.2, -0.3, 0.7), shadow_rgb_ratio=(0.5, 0.4, 0.3), inverse_distance=2.5, radius_m=0.02)
@@ -47,7 +48,8 @@ def test_every_frame_is_as_it_was_shown(begun, fakes, tmp_path: Path) -> None:
     window.hand.placement, window.hand.light = MOVED, Illumination((LAMP,))
     as_shown.add(5, shown_now(window))
     as_shown.add(6, shown_now(window))
-    window.hand.light, window.view.parts, window.view.wants_cover = Illumination((SUN,)), PARTS[1], False
+    window.hand.light, window.view.wants_cover = Illumination((SUN,)), False
+    window.view.parts = ShownParts.MODEL_ALONE
     as_shown.add(9, shown_now(window))
     assert not as_shown.is_plain
     assert [each["frame"] for each in as_shown.to_json()["shown"]] == [3, 5, 9]
@@ -68,7 +70,8 @@ def test_every_frame_is_as_it_was_shown(begun, fakes, tmp_path: Path) -> None:
             np.testing.assert_allclose(session.shown.light.shadow_rgb_ratio, light.shadow_rgb_ratio)
             assert session.shown.light.radius_m == light.radius_m
             assert session.shown.light.angular_size_rad == pytest.approx(light.angular_size_rad)
-        assert (session.view.parts, session.covers_marker) == ((PARTS[1], False) if frame == 20 else (WHOLE, True))
+        expected = (ShownParts.MODEL_ALONE, False) if frame == 20 else (WHOLE, True)
+        assert (session.view.parts, session.covers_marker) == expected
 
 
 def test_models_turned_onto_another_side_come_back_so(begun, fakes, tmp_path: Path) -> None:
@@ -182,3 +185,9 @@ def test_a_damaged_light_or_place_is_refused(begun, tmp_path: Path) -> None:
         with pytest.raises(UserError, match="does not say") as caught:
             read_as_shown(tmp_path / "shown.json", begun().table.shelf)
         assert not any(words in str(caught.value) for words in ("unpack", "division", "os.PathLike"))  # Python's own
+
+
+def test_the_words_that_files_have_stay() -> None:
+    """Those that `docs/contract.md` lists: a recording of an older version is read by them."""
+    contract = (CHECKOUT / "docs" / "contract.md").read_text()
+    assert all(f"`{parts.value}`" in contract for parts in ShownParts)
