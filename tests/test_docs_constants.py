@@ -71,7 +71,7 @@ STATED = {
     "the nearness of lamps": ("docs/maths/lamps.md", "A lamp has k ~ N(0, {:g}²/m²), positive", (LAMPS_NEARNESS,)),
     "a sun's direction stays": ("docs/maths/lamps.md", "Below D = {:g} (one in twenty by chance,", (CHANCE_DEVIANCE,)),
     "a second light": ("docs/maths/colours.md", "the region would cost {:g} more by (15)", (LEAST_GAIN,)),
-    "where it is looked for": ("docs/maths/lamps.md", "or known to less than {:g} / m", (OPEN_NEARNESS_SIGMA,)),
+    "where it is looked for": ("docs/maths/lamps.md", "or uncertain by more than {:g} / m", (OPEN_NEARNESS_SIGMA,)),
     "a picture's effective sample size": (
         "docs/maths/explanation.md",
         "the {:g} px (`PIXELS_PER_SAMPLE`)",

@@ -133,14 +133,18 @@ def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
         "--together", action="store_true", help="one answer from all files: photos of one table, with nothing moved"
     )
     estimate.add_argument(
-        "--views", type=values.views, default=12, metavar="N", help="frames of a clip to answer from (default up to 12)"
+        "--views",
+        type=values.views,
+        default=12,
+        metavar="N",
+        help="most frames of a clip to answer from (default 12, of which fast uses 4 and balanced 8)",
     )
     estimate.add_argument(
         "--frames",
         type=values.frame_range,
         default=(0, None),
         metavar="FIRST:LAST",
-        help="frames of a clip to choose them from (default: from the first usable one on, for ten seconds)",
+        help="frames of a clip to choose them from (default: until ten seconds after the first steady one)",
     )
     add_scene_options(estimate)
     estimate.set_defaults(no_filter=False)

@@ -160,15 +160,17 @@ class LightWatch:
             self._doubted = self._frozen
             self.key_views.drop([view for view in self.key_views.views if view is self._frozen])
             return None
-        estimate, steps_bgr, is_in_doubt = None, None, False
-        if isinstance(outcome, Followed | Estimated):
-            estimate = outcome.estimate
-            self.held.move_to(self._frozen)
-        if isinstance(outcome, Followed):
-            self.held.follow(outcome.estimate)
-            self.sharpening.verified()
-        if isinstance(outcome, Estimated):
-            steps_bgr, is_in_doubt = outcome.picture_bgr, self._offer(outcome)
+        estimate: LightEstimate | None = None
+        steps_bgr: Image | None = None
+        is_in_doubt = False
+        match outcome:
+            case Followed(estimate):
+                self.held.move_to(self._frozen)
+                self.held.follow(estimate)
+                self.sharpening.verified()
+            case Estimated(estimate, steps_bgr):
+                self.held.move_to(self._frozen)
+                is_in_doubt = self._offer(outcome)
         # While a hand is before the camera, no view shows what it shows; they are of use again when it has gone.
         if not is_in_doubt:
             self._doubted = None
