@@ -119,7 +119,8 @@ def over_sheet(tracked: TrackedFrame, sheet: SheetAsMade, gain: Float, slope: Fl
     light = _light(change @ BRIGHTNESS, hides, sheet)
     if not hides.any() and not light.any():
         return None
-    share = cv2.GaussianBlur(hides.astype(np.float32), (3, 3), 0)
+    # From its border inwards, as texels there are mixed with paper, which would show as a white rim.
+    share = np.clip(2 * cv2.GaussianBlur(hides.astype(np.float32), (5, 5), 0) - 1, 0, 1)
     return np.asarray(np.dstack([share, light]), np.float32)
 
 

@@ -16,7 +16,7 @@ from ashe_live.quality import BALANCED
 from ashe_live.render.camera.exposure import gain_and_slope
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover.ground_cover import ground_cover
-from ashe_live.render.cover.over_sheet import over_sheet
+from ashe_live.render.cover.over_sheet import TEXELS_A_SIDE, over_sheet
 from ashe_live.render.scene import Scene
 
 SIDE = 0.08
@@ -99,6 +99,15 @@ def test_a_hand_is_seen_on_paper_and_ink_alike(stage, gain, dist) -> None:
     within, beside = inside(x, y, finger)
     assert over[within, 0].min() > 0.5
     assert over[beside, 0].max() < 0.5
+
+
+def test_a_hand_has_no_rim_of_the_paper_beside_it(stage) -> None:
+    x, y, over = compared(view(stage), view(stage, hand=finger))
+    texel = SIDE / TEXELS_A_SIDE
+    is_near = finger(x + texel, y) | finger(x - texel, y) | finger(x, y + texel) | finger(x, y - texel)
+    on_sheet = np.maximum(np.abs(x), np.abs(y)) < PAPER_HALF - 0.004
+    assert over[is_near & ~finger(x, y) & on_sheet, 0].mean() < 0.1
+    assert over[finger(x, y) & on_sheet, 0].mean() > 0.75
 
 
 def test_a_shadow_is_seen_on_paper_and_goes_on_across_the_ink(stage) -> None:
