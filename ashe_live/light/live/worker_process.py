@@ -66,14 +66,14 @@ class OtherScene(Answered):
     """The frame shows another scene than all others, and nothing was estimated: it may be a hand that passes."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Followed(Answered):
     """The frame shows the scene of the others in the held light."""
 
     estimate: "LightEstimate"  # the held one, with its lights moved to what the frame shows
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Estimated(Answered):
     """An estimate was made."""
 

@@ -17,7 +17,7 @@ from ashe_live.viewer.estimates.brightness import Brightness
 from ashe_live.viewer.estimates.sharpening import EVERY_S, Sharpening
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class NewAnswer:
     """An estimate that is the answer from now on."""
 
