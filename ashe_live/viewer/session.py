@@ -166,17 +166,22 @@ class Session:
         self._show(now_s)
         return new
 
-    def _show(self, now_s: float) -> None:
-        # A light that follows the mouse must not lag behind it.
-        by_hand, light = self.hand.light, self._light
-        self.shown = light.shown(self.tracked, now_s) if by_hand is None else light.show_by_hand(self.tracked, by_hand)
-
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> NewAnswer | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
         new = self._accepted(self.watch.wait(timeout_s), now_s)
-        by_hand, light = self.hand.light, self._light
-        self.shown = light.jump(self.tracked) if by_hand is None else light.show_by_hand(self.tracked, by_hand)
+        self._show(None)
         return new
+
+    def _show(self, now_s: float | None) -> None:
+        """Shows the light set by hand at once, or the estimated one as far as it has eased by then; None: wholly."""
+        by_hand, light = self.hand.light, self._light
+        if by_hand is not None:
+            self.shown = light.show_by_hand(self.tracked, by_hand)
+        else:
+            self.shown = light.jump(self.tracked) if now_s is None else light.shown(self.tracked, now_s)
+
+    def _stand_clear_again(self) -> None:
+        self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.covers_marker)
 
     def handle(self, request: Request, now_s: float) -> bool:
         """Handles a request that needs neither window nor source; returns False for any other."""
@@ -200,9 +205,7 @@ class Session:
                     self.say(ANSWER_ALONE, now_s)
             case Command.COVER_MARKER:
                 view.wants_cover = not self.covers_marker
-                self.arrangement.stand_clear_again(
-                    self.tracked, self._light.now(self.tracked).light, self.covers_marker
-                )
+                self._stand_clear_again()
             case Command.MIRROR:
                 view.is_mirrored = not view.is_mirrored
             case Command.BEFORE_AFTER:
@@ -237,7 +240,7 @@ class Session:
             return None
         new, frozen = found.estimate, found.frozen
         self._light.take(new.illumination.as_seen_in(frozen), frozen)
-        self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.covers_marker)
+        self._stand_clear_again()
         self.estimate, self.estimated_from, self.steps_bgr = new, frozen, found.steps_bgr
         if self.view.shows_steps and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)

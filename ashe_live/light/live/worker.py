@@ -28,7 +28,7 @@ THREAD_TIMEOUT_S = 0.05
 # The paper's estimator takes ten seconds, and several times that on a busy machine.
 LONGEST_ESTIMATE_S = 120.0
 
-TASK = EstimateTask(BALANCED)
+BALANCED_ALONE = EstimateTask(BALANCED)  # nothing drawn, awaited or followed
 Outcome = Answer | WorkerFailure
 
 
@@ -59,7 +59,7 @@ class LightWorker:
         tracked: TrackedFrame,
         others: Sequence[TrackedFrame] = (),
         doubted: TrackedFrame | None = None,
-        task: EstimateTask = TASK,
+        task: EstimateTask = BALANCED_ALONE,
     ) -> bool:
         """Requests an estimate of `tracked`; returns False, and does nothing, while busy.
 
