@@ -23,7 +23,7 @@ from ashe_live.light.live.worker_process import (
     WorkerFailure,
 )
 from ashe_live.models.mesh import Model
-from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, placed_on_marker
+from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.tracking.families.markers import parse_marker
 
@@ -182,6 +182,7 @@ class FakeShelf:
 
     moves = False
     marker_side_m = 0.08
+    shown = MODEL
 
     def __init__(self) -> None:
         self.names = ["cube", "lantern", "mug", "tree"]
@@ -223,8 +224,8 @@ class FakeShelf:
     def step(self, by: int) -> None:
         self.at = (self.at + by) % len(self.names)
 
-    def model(self) -> PlacedModel:
-        return MODEL
+    def poll(self) -> None:
+        pass
 
     def turn_up(self, by: int = 1) -> str:
         self.turned += by

@@ -108,7 +108,7 @@ def test_the_name_is_that_of_the_model_in_the_picture(session, monkeypatch):
     monkeypatch.setattr(display_module, "status_lines", noted)
     before, chosen = object(), object()
     for drawn, model in ((before, before), (before, chosen), (chosen, chosen)):
-        monkeypatch.setattr(session.table.shelf, "model", lambda model=model: model)
+        session.table.shelf.shown = model
         session.table.drawn = (drawn,)
         display.scene(session, SCREEN, Readings("fast"), 0.0)
         if drawn is model:

@@ -827,10 +827,10 @@ def test_each_model_stays_where_it_was_put(make, fakes):
     assert session.hand.placement == large
 
 
-def test_a_model_that_was_moved_out_of_the_picture_is_reported(make, fakes, monkeypatch):
+def test_a_model_that_was_moved_out_of_the_picture_is_reported(make, fakes):
     session = make()
     model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
-    monkeypatch.setattr(session.table.shelf, "model", lambda: model)
+    session.table.shelf.shown = model
     session.take(fakes.tracked(), 0.0)
     for shift_m, said in (((0.0, 0.0), ()), ((0.01, 0.0), ()), ((90.0, 0.0), (OUT_OF_PICTURE,))):
         session.hand.placement = Placement(shift_m=shift_m)
@@ -848,10 +848,10 @@ def test_a_model_that_was_moved_out_of_the_picture_is_reported(make, fakes, monk
         ((0.1, 0.0, 0.05), None),
     ],
 )
-def test_a_lamp_where_no_light_can_come_from_is_reported(make, fakes, monkeypatch, place, said):
+def test_a_lamp_where_no_light_can_come_from_is_reported(make, fakes, place, said):
     session = make()
     model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
-    monkeypatch.setattr(session.table.shelf, "model", lambda: model)
+    session.table.shelf.shown = model
     session.take(fakes.tracked(), 0.0)
     lamp = Light(place, inverse_distance=1 / np.linalg.norm(place))
     session.hand.light = Illumination((lamp,))

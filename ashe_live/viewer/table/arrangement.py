@@ -24,7 +24,7 @@ class Arrangement:
         self.followed: str | None = None  # spec of the marker that is followed; None: no model's own one
         self._shelf = shelf
         self._hand = hand
-        self._stands = [Stand(shelf.shown_name, shelf.model())]
+        self._stands = [Stand(shelf.shown_name, shelf.shown)]
         for other in others:
             seat = self._free_seat(other.marker)
             self._stands.append(Stand(other.name, shelf.loaded(other.name), UNMOVED, seat, other.marker))
@@ -207,9 +207,8 @@ class Arrangement:
 
     def _as_it_is(self) -> Stand:
         """How the model in hand stands now."""
-        model = self._shelf.model()  # first, as it may be another one from here on
-        name, placement = self._shelf.shown_name, self._hand.placement
-        return replace(self._stands[self.in_hand], name=name, model=model, placement=placement)
+        name, model = self._shelf.shown_name, self._shelf.shown
+        return replace(self._stands[self.in_hand], name=name, model=model, placement=self._hand.placement)
 
     def _put_down(self) -> None:
         self.keep_places()

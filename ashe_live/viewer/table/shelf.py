@@ -128,39 +128,43 @@ class Shelf:
         return self.names[self._chosen]
 
     @property
+    def shown(self) -> PlacedModel:
+        """The chosen model if it is loaded, until then the one before; changed by `poll` and `take_up` alone."""
+        return self._shown
+
+    @property
     def shown_name(self) -> str:
-        """The name of the model that `model` returned last."""
         return self._shown_name
 
     @property
     def moves(self) -> bool:
-        """Whether the model that `model` returned last moves."""
+        """Whether the model that is shown moves."""
         return self._shown.model.duration_s > 0
 
-    def model(self) -> PlacedModel:
-        """The chosen model as soon as it is loaded, until then the one before."""
-        loading = self._load(self.chosen_name)
-        if loading.done():
-            try:
-                shown, self._shown_name = loading.result(), self.chosen_name
-                if shown is not self._shown:
-                    self._shown = shown
-                    self._note(self.chosen_name, shown)
-                self._untried.discard(self.chosen_name)
-            except UserError as error:
-                # Forgotten, so that a mended file can be chosen again.
-                failed = self.chosen_name
-                del self._loading[failed]
-                if failed in self._untried:
-                    self._untried.remove(failed)
-                    self.names.remove(failed)
-                self._error, self._chosen = error, self.names.index(self._shown_name)
-        return self._shown
+    def poll(self) -> None:
+        """Shows the chosen model if it has been loaded since; begins to load it if nobody has."""
+        name = self.chosen_name
+        loading = self._load(name)
+        if not loading.done():
+            return
+        try:
+            model = loading.result()
+        except UserError as error:
+            del self._loading[name]  # so that a mended file can be chosen again
+            if name in self._untried:
+                self._untried.remove(name)
+                self.names.remove(name)
+            self._error, self._chosen = error, self.names.index(self._shown_name)
+            return
+        self._untried.discard(name)
+        if model is not self._shown:
+            self._note(name, model)
+        self._shown, self._shown_name = model, name
 
     def progress(self, is_drawn: bool) -> str | None:
         """A message until the chosen model is loaded and in the picture, if that takes long.
 
-        `is_drawn`: whether the model that `model` returned last is in the picture.
+        `is_drawn`: whether the model that is shown is in the picture.
         """
         loading = self._loading.get(self.chosen_name)
         if is_drawn and (loading is None or loading.done()):

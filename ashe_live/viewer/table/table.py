@@ -43,7 +43,7 @@ class Table:
     @property
     def model(self) -> PlacedModel:
         """The one in the hand."""
-        return self.shelf.model()
+        return self.shelf.shown
 
     @property
     def model_name(self) -> str:
@@ -89,6 +89,7 @@ class Table:
 
         `is_quiet`: no message is shown that a hint could hide.
         """
+        self.shelf.poll()
         if (error := self.shelf.take_error()) is not None:
             is_quiet = False
             self._say(str(error), now_s)
@@ -137,6 +138,11 @@ class Table:
         """Stands the model in the hand on another side; says which axis is up then."""
         return f"{self.model_name}: {self.shelf.turn_up(by)} is up"
 
+    def _finish_choice(self, now_s: float) -> None:
+        """A model that was chosen just now, and is loaded, is the one that the next request is for."""
+        self.shelf.poll()
+        self._follow_shelf(now_s)
+
     def _follow_shelf(self, now_s: float, is_quiet: bool = False) -> None:
         if self.arrangement.follow_shelf():
             self._undo.forget_model()
@@ -149,8 +155,7 @@ class Table:
 
     def _rearrange(self, command: Command, now_s: float) -> None:
         models = self.arrangement
-        # The request is for the model that was in the hand until now.
-        self._follow_shelf(now_s)
+        self._finish_choice(now_s)
         if command is Command.NEXT_IN_HAND:
             self._note_other_taken_up(models.step(), now_s)
             if len(models) == 1:
@@ -173,7 +178,7 @@ class Table:
     def _obey_hand(self, request: Request, tracked: TrackedFrame | None, estimated: Illumination, now_s: float) -> None:
         match request:
             case Request(Command.MOVE_MODEL, Drag(begin_px, is_first=True)) if tracked is not None:
-                self._follow_shelf(now_s)
+                self._finish_choice(now_s)
                 self._note_other_taken_up(self.arrangement.take_up_at(begin_px, tracked), now_s)
         self._undo.note(self.hand, request, now_s)
         anchor = self.arrangement.anchor(tracked)

@@ -19,14 +19,16 @@ PATIENCE_S = 20.0
 def awaited(shelf: Shelf):
     """The model that is shown once the chosen one has been read, or could not be."""
     wait([shelf._load(shelf.chosen_name)], PATIENCE_S)
-    return shelf.model()
+    shelf.poll()
+    return shelf.shown
 
 
 def test_it_begins_with_the_shipped_models_and_the_chosen_one():
     shelf = Shelf("lantern", 0.08)
     assert tuple(shelf.names) == model_names()
     assert shelf.chosen_name == "lantern"
-    assert shelf.model() is shelf.model()
+    shelf.poll()
+    assert shelf.shown_name == "lantern"
 
 
 def test_a_file_comes_before_the_shipped_ones(tmp_path):
@@ -52,9 +54,10 @@ def test_the_old_model_is_shown_until_the_new_one_is_there(monkeypatch):
 
     monkeypatch.setattr(shelf_module, "read_model", slowly)
     shelf = Shelf("cube", 0.08)
-    cube = shelf.model()
+    cube = shelf.shown
     shelf.step(+1)
-    assert shelf.model() is cube
+    shelf.poll()
+    assert shelf.shown is cube
     go_on.set()
     assert awaited(shelf) is not cube
 
@@ -71,7 +74,7 @@ def test_who_waits_sees_for_how_long(monkeypatch):
     monkeypatch.setattr(shelf_module, "SILENT_S", 0.0)
     assert shelf.progress(True) is None
     shelf.choose(shelf.names.index("tree"))
-    shelf.model()
+    shelf.poll()
     assert shelf.progress(True) == "loading tree: 0 s"
     go_on.set()
     awaited(shelf)
@@ -87,7 +90,7 @@ def test_nothing_that_a_model_does_ends_the_viewer(monkeypatch, error):
     def failing(_name: str, _side_m: float, _up: str | None):
         raise error
 
-    cube = shelf.model()
+    cube = shelf.shown
     monkeypatch.setattr(shelf_module, "read_model", failing)
     shelf.choose(shelf.names.index("tree"))
     assert awaited(shelf) is cube
@@ -96,7 +99,7 @@ def test_nothing_that_a_model_does_ends_the_viewer(monkeypatch, error):
 
 def test_a_mended_file_can_be_chosen_again(monkeypatch):
     shelf = Shelf("cube", 0.08)
-    cube = shelf.model()
+    cube = shelf.shown
 
     def failing(_name: str, _side_m: float, _up: str | None):
         raise UserError("tree.glb is torn", "mend it")
@@ -124,7 +127,7 @@ def test_a_model_that_fails_is_reported_once_and_the_last_good_one_stays(monkeyp
     assert shelf.chosen_name == "tree"
     assert "mug" in shelf.take_error().message
     assert shelf.take_error() is None
-    assert shelf.model() is tree
+    assert shelf.shown is tree
 
 
 def test_stepping_goes_round_and_no_number_is_out_of_reach():
@@ -143,7 +146,7 @@ def test_a_dropped_model_joins_after_the_others_and_is_chosen(tmp_path):
     path = tmp_path / "tile.obj"
     path.write_text(TILE)
     shelf = Shelf("cube", 0.08)
-    cube = shelf.model()
+    cube = shelf.shown
     shelf.add(str(path))
     tile = awaited(shelf)
     assert tile is not cube
@@ -164,7 +167,7 @@ def test_a_dropped_model_that_cannot_be_read_leaves_all_as_it_was(tmp_path, cont
     if content is not None:
         path.write_text(content)
     shelf = Shelf("mug", 0.08)
-    mug = shelf.model()
+    mug = shelf.shown
     shelf.add(str(path))
     assert awaited(shelf) is mug
     assert shelf.names == list(model_names())
@@ -173,7 +176,7 @@ def test_a_dropped_model_that_cannot_be_read_leaves_all_as_it_was(tmp_path, cont
 
 
 def height_over_width(shelf: Shelf) -> float:
-    (x, y, z), upper = shelf.model().bounds
+    (x, y, z), upper = shelf.shown.bounds
     return float((upper[2] - z) / max(upper[0] - x, upper[1] - y))
 
 
