@@ -102,6 +102,7 @@ class FakeTracker:
     """Finds the marker in every frame. `hook(frame)` runs first."""
 
     preset: object = None
+    note: str | None = None
     marker = parse_marker("aruco:4x4_50:0")
 
     def __init__(self) -> None:
@@ -110,7 +111,7 @@ class FakeTracker:
 
     def track(self, frame: Frame) -> TrackedFrame:
         self.hook(frame)
-        return TrackedFrame(frame, CAMERA, pose(), 1.0)
+        return TrackedFrame(frame, CAMERA, pose(), 1.0, self.note)
 
     def reset(self) -> None:
         self.resets += 1

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ashe_live.capture.sources import Seekable, Source, SourceLost
-from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.process.mailbox import Closed, LatestMailbox
@@ -18,6 +18,7 @@ from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.sources.pace import Pace
 from ashe_live.viewer.sources.scene_tracker import SceneTracker
+from ashe_live.viewer.sources.tracked_frames import AS_AT_FIRST, Following, TrackedFrames
 
 PHOTO_FPS = 30.0  # nominal: a photo has no rate of its own
 RECONNECT_EVERY_S = 0.5
@@ -26,21 +27,21 @@ LONGEST_WAIT_S = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class ClipPosition:
     """A frame of a clip."""
 
     time_s: float
     index: int | None = None  # None: the frame that is shown at `time_s`
 
 
-FIRST_FRAME = Place(0.0, 0)
+FIRST_FRAME = ClipPosition(0.0, 0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Jump:
     """A request to continue elsewhere. Compared by identity, because the same place may be asked for twice."""
 
-    place: Place
+    position: ClipPosition
     rewinds: bool = False  # to the first frame, with the tracker reset
 
 
@@ -53,16 +54,15 @@ class Wish:
     speed: float = 1.0  # times a clip's own pace
     jump: Jump | None = None  # the latest; carried out once
     tracking: TrackingPreset | None = None  # from the next frame on; None: the preset that the tracker was made with
-    marker: str | None = None  # spec of another marker; None: the one that the tracker was made for
-    hfov_deg: float | None = None  # another field of view; None: that of the tracker's camera
+    following: Following = AS_AT_FIRST  # from the next frame on
 
 
 @dataclass(frozen=True, slots=True)
 class State:
     """The state that the capture thread reports; only that thread replaces it."""
 
-    shown: Place = FIRST_FRAME  # the last frame that was handed over
-    at: Place = FIRST_FRAME  # the same, or the frame that a jump leads to
+    shown: ClipPosition = FIRST_FRAME  # the last frame that was handed over
+    at: ClipPosition = FIRST_FRAME  # the same, or the frame that a jump leads to
     obeyed: Jump | None = None  # the latest jump that was carried out
     has_ended: bool = False  # a clip has been played to its end
     status: str | None = None  # a message for the user about the source
@@ -74,7 +74,7 @@ class Exchange:
     """What the capture thread shares with the one that started it."""
 
     wishes: LatestMailbox[Wish]
-    frames: LatestMailbox[TrackedFrame]
+    frames: TrackedFrames
     key_views: KeyViews
 
 
@@ -147,9 +147,9 @@ class CaptureLoop:
         wish = self._wishes.take(timeout_s)
         if wish is None:
             return
-        is_other = (wish.marker, wish.hfov_deg) != (self._wish.marker, self._wish.hfov_deg)
+        is_other = wish.following != self._wish.following
         if is_other and self._tracker_for is not None:
-            self._scene.follow(self._tracker_for(wish.marker, wish.hfov_deg))
+            self._scene.follow(self._tracker_for(wish.following.marker, wish.following.hfov_deg))
         self._wish = wish
         self._pace.speed = wish.speed
         if wish.tracking is not None:
@@ -167,11 +167,11 @@ class CaptureLoop:
             self._take_wish(min(left_s, LONGEST_WAIT_S))
 
     def _hand_over(self, frame: Frame) -> None:
-        place = Place(frame.time_s, frame.index)
-        self._publish(shown=place, at=place)
+        position = ClipPosition(frame.time_s, frame.index)
+        self._publish(shown=position, at=position)
         self._shown = frame
         tracked = self._scene.track(frame)
-        self._frames.put(tracked)
+        self._frames.put_tracked(tracked, self._wish.following)
         # After handing over, so that the display does not wait for it.
         self._scene.keep_view(tracked)
 
@@ -224,13 +224,13 @@ class CaptureLoop:
         jump, before = self._wish.jump, self.state.at
         if jump is None or not self._is_sent:
             return
-        self._publish(obeyed=jump, at=jump.place)
-        index = jump.place.index
+        self._publish(obeyed=jump, at=jump.position)
+        index = jump.position.index
         if jump.rewinds:
             self._rewind()
         elif self._clip is not None:
             if index is None:
-                self._clip.seek(jump.place.time_s)
+                self._clip.seek(jump.position.time_s)
             else:
                 self._clip.seek_frame(index)
             if index is None or before.index is None or index != before.index + 1:

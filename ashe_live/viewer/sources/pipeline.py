@@ -8,12 +8,20 @@ from pathlib import Path
 from typing import Any
 
 from ashe_live.capture.sources import Seekable, Source
-from ashe_live.core.types import TrackedFrame
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
-from ashe_live.viewer.sources.capture_loop import FIRST_FRAME, PHOTO_FPS, CaptureLoop, Exchange, Jump, Place, Wish
+from ashe_live.viewer.sources.capture_loop import (
+    FIRST_FRAME,
+    PHOTO_FPS,
+    CaptureLoop,
+    ClipPosition,
+    Exchange,
+    Jump,
+    Wish,
+)
+from ashe_live.viewer.sources.tracked_frames import TrackedFrames
 
 # Longer than a disk takes to wake up, or a camera to adjust itself.
 STALLED_AFTER_S = 2.0
@@ -38,7 +46,7 @@ class Pipeline:
         """`tracker_for` makes a tracker for another marker (its spec) or for a camera with another field of view
         (degrees); it is called in the capture thread.
         """
-        self.frames = LatestMailbox[TrackedFrame]()
+        self.frames = TrackedFrames()
         self.key_views = KeyViews()  # of the scene that is shown; emptied by a jump
         self._source = source
         self._first_marker = tracker.marker.spec
@@ -57,7 +65,7 @@ class Pipeline:
     @property
     def marker(self) -> str:
         """The spec of the marker that is followed, or will be from the next frame on."""
-        return self._wish.marker or self._first_marker
+        return self._wish.following.marker or self._first_marker
 
     @property
     def fps(self) -> float:
@@ -136,7 +144,7 @@ class Pipeline:
         """Continues from the frame at `time_s`; while paused, shows that frame. Ignored if the source is no clip."""
         if self.is_clip:
             last_s = self.duration_s
-            self._ask(jump=Jump(Place(max(0.0, time_s if last_s is None else min(time_s, last_s)))))
+            self._ask(jump=Jump(ClipPosition(max(0.0, time_s if last_s is None else min(time_s, last_s)))))
 
     def seek_by(self, seconds: float) -> None:
         """Seeks by an amount of time, relative to the target of a pending jump if there is one."""
@@ -146,9 +154,9 @@ class Pipeline:
         """Pauses, and moves by `frames` frames (backwards if negative), within the clip."""
         if not self.is_clip:
             return
-        place, jump = self._bound_for, self._wish.jump
-        if place.index is not None:
-            jump = Jump(Place(place.time_s + frames / self.fps, max(0, place.index + frames)))
+        at, jump = self._bound_for, self._wish.jump
+        if at.index is not None:
+            jump = Jump(ClipPosition(at.time_s + frames / self.fps, max(0, at.index + frames)))
         self._ask(paused=True, jump=jump)
 
     def close(self, timeout_s: float = 0.7) -> None:
@@ -159,14 +167,16 @@ class Pipeline:
             self._thread.join(timeout_s)
 
     @property
-    def _bound_for(self) -> Place:
+    def _bound_for(self) -> ClipPosition:
         """The target of a pending jump, else the place where the capture thread is."""
         state, jump = self._capture.state, self._wish.jump
-        return state.at if jump is None or jump is state.obeyed else jump.place
+        return state.at if jump is None or jump is state.obeyed else jump.position
 
     def _track_otherwise(self, **changes: Any) -> None:
         if self.may_follow_others:
-            self._ask(**changes)
+            following = replace(self._wish.following, **changes)
+            self.frames.ask_for(following)  # first, as the capture thread may be quicker than this one
+            self._ask(following=following)
             if self.is_photo or self.has_ended:
                 self.restart()
 

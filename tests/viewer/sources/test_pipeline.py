@@ -198,6 +198,29 @@ def test_while_paused_the_frame_is_seen_anew_as_another_tracker_sees_it(fakes, i
         pipeline.close()
 
 
+def test_a_frame_that_was_tracked_for_the_marker_before_is_never_shown(fakes):
+    """The main thread asks for another marker while a frame is being tracked for the first one, and another waits."""
+    first, second = fakes.Tracker(), fakes.Tracker()
+    is_tracking, go_on = threading.Event(), threading.Event()
+
+    def track(frame) -> None:
+        if frame.index == 1:
+            is_tracking.set()
+            go_on.wait(PATIENCE_S)
+
+    first.hook = track
+    first.note, second.note = "by the first", "by the second"
+    pipeline = Pipeline(fakes.Clip(10_000), first, False, lambda _spec, _hfov_deg: second)
+    pipeline.start()
+    try:
+        assert is_tracking.wait(PATIENCE_S)
+        pipeline.follow("cube")  # frame 0 has not been taken
+        go_on.set()
+        assert pipeline.frames.take(PATIENCE_S).note == "by the second"
+    finally:
+        pipeline.close()
+
+
 @pytest.fixture
 def held(run, fakes) -> tuple[Pipeline, object, object]:
     """A pipeline that is paused at frame 50 of 1000, with its clip and tracker."""
