@@ -20,7 +20,7 @@ from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.playback import Playback
 from ashe_live.viewer.quality_choice import QualityChoice
 from ashe_live.viewer.session import Session
-from ashe_live.viewer.sources.followed import Followed
+from ashe_live.viewer.sources.followed_marker import FollowedMarker
 from ashe_live.viewer.sources.opening import Opener, Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.status import light_line
@@ -63,7 +63,7 @@ class LiveViewer:
         self._quit = False
         self._source_error: str | None = None
         self._take_up(pipeline)
-        self.followed = Followed(pipeline, session, self._announce, options.takes_any_marker)
+        self.followed = FollowedMarker(pipeline, session, self._announce, options.takes_any_marker)
         self._keeper.flags = lambda: [*options.flags, *self.followed.flags]
         self._stillness = Stillness()
         self._commands: dict[Command, Callable[[float], None]] = {

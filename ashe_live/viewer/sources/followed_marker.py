@@ -10,7 +10,7 @@ from ashe_live.viewer.sources.pipeline import Pipeline
 FIELDS_OF_VIEW_DEG = (50.0, 60.0, 70.0, 80.0)  # of webcams and phones, across the longer side of their pictures
 
 
-class Followed:
+class FollowedMarker:
     """The marker and the field of view for the source that is played. Used by the main thread only."""
 
     def __init__(
