@@ -83,6 +83,8 @@ class TrackedFrame:
     # (4, 4) rigid, metres, from the marker's frame to the room's, which is that of the marker where it lay at first. It
     # is the same array until the marker itself is moved. None: nobody has followed it, and it counts as unmoved.
     T_room_marker: Float | None = None
+    # (h, w, 3) uint8 sRGB, a clean plate: the same view without the object, by a camera that stood still; None: none.
+    clean_plate_bgr: Image | None = None
 
     def __post_init__(self) -> None:
         arguments.instance(self.frame, Frame, "frame")
@@ -92,6 +94,11 @@ class TrackedFrame:
         set_given_frozen(self, T_room_marker=(4, 4))
         if self.camera.size != self.frame.size:
             raise ValueError(f"a camera for {self.camera.size} cannot explain a frame of {self.frame.size}")
+        if self.clean_plate_bgr is not None:
+            plate = frozen_view(arguments.picture(self.clean_plate_bgr, "clean_plate_bgr"))
+            if plate.shape != self.frame.image_bgr.shape:
+                raise ValueError(f"a clean plate of {plate.shape[1::-1]} is no picture of a frame of {self.frame.size}")
+            set_frozen(self, clean_plate_bgr=plate)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

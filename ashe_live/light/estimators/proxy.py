@@ -69,6 +69,8 @@ class ProxyEstimator:
             # The marker is printed on a known body, which casts a shadow itself.
             estimate, view = estimate_by_body(tracked, tracked.marker.body, self._preset.fine_width_px, self.name)
             return estimate, Trace(view)
+        if tracked.clean_plate_bgr is not None:
+            others = ()  # they show the ground's pattern, and nothing in common with a view over plain ground
         compared = usable(tracked, others, min(COMPARED, self._preset.views - 1))
         height_m = height_above_ground([tracked, *compared])
         if height_m == 0:

@@ -39,6 +39,7 @@ LEAST_CUT_OFF = 0.1
 
 def fault_of_exposure(view: View) -> str | None:
     """What is wrong with the picture's brightness, as the ground shows it; None if nothing is."""
+    view = view.taken or view
     blue, green, red = cv2.split(view.image_bgr)
     brightest = cv2.max(cv2.max(blue, green), red)
     counts = cv2.calcHist([brightest], [0], view.is_ground.view(np.uint8), [256], [0, 256])

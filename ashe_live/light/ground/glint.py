@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.lit_ground import LitGround, as_taken
 from ashe_live.light.ground.sheen import slope_of
 from ashe_live.light.pixels.areas import areas_by_size, grown, shrunk
 from ashe_live.light.pixels.view import View
@@ -40,6 +40,7 @@ class Glint:
 
 def glint_in(view: View, ground: LitGround) -> Glint | None:
     """The glint in `view`, which `ground` was fitted to; None if there is none."""
+    view, ground = as_taken(view, ground)
     brightness = ground.colours[..., 0] - _brightest(ground)
     smooth = np.where(view.is_ground, cv2.GaussianBlur(brightness, (0, 0), BLUR_PX), -math.inf)
     peak = float(smooth.max())

@@ -64,6 +64,8 @@ class LitGround:
     divided: bool = False  # by edges into surfaces that are lit alike, where a lamp's fall would explain it as one
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
     broad: BroadAreas | None = None  # which count as unlit although the palette has their colours; None: none
+    # Of the view as the camera took it, where this one is of a view over plain ground (View.taken).
+    taken: "LitGround | None" = None
 
 
 def fit_lit_ground(
@@ -116,8 +118,16 @@ def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float
 
 
 def lit_rgb(ground: LitGround) -> Float:
-    """(3,) mean linear RGB of the lit ground."""
-    return np.asarray(np.average(linear_rgb(ground.palette.centres), axis=0, weights=ground.palette.weights))
+    """(3,) mean linear RGB of the lit ground, as the camera took it."""
+    palette = ground.palette if ground.taken is None else ground.taken.palette
+    return np.asarray(np.average(linear_rgb(palette.centres), axis=0, weights=palette.weights))
+
+
+def as_taken(view: View, ground: LitGround) -> tuple[View, LitGround]:
+    """A view and the ground that was fitted to it, or both as the camera took the picture, with its exposure, the fall
+    of light and what the ground mirrors, where they are over plain ground.
+    """
+    return (view, ground) if view.taken is None or ground.taken is None else (view.taken, ground.taken)
 
 
 def with_on_plane(ground: LitGround, on_plane: Float32) -> LitGround:

@@ -96,6 +96,7 @@ class _Strip:
 
 def sheet_shadow_in(view: View) -> SheetShadow | None:
     """The shadow beside the sheet of `view`; None where its edges are not seen, or the marker is on no small sheet."""
+    view = view.taken or view
     if view.body is not None or view.page is not None:
         return None
     luminance = (LINEAR_FROM_SRGB_8BIT[view.image_bgr] @ LUMINANCE_BGR).astype(np.float32)

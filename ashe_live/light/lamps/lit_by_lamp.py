@@ -24,8 +24,12 @@ LEAST_PX = 40  # of an unlit area: specks are texture
 def lit_ground_of(view: View, preset: GroundPreset, kind: str) -> LitGround | None:
     """The lit ground of a view, as `fit_lit_ground`, in the light of a lamp, or of gloss where it asks for one.
 
-    With the areas that are too broad for its joints. kind: one of KINDS.
+    With the areas that are too broad for its joints. kind: one of KINDS. Plain ground, by a clean plate, has no fall of
+    light any more: that is in the ground as the camera took it.
     """
+    if view.taken is not None:
+        taken, plain = lit_ground_of(view.taken, preset, kind), fit_lit_ground(view.image_bgr, view.is_ground, preset)
+        return None if plain is None or taken is None else replace(plain, taken=taken)
     ground = _ground_in_its_light(view, preset, kind)
     return None if ground is None else with_broad_areas(ground, view)
 
@@ -51,6 +55,7 @@ def lit_ground_beside(first: LitGround, view: View, preset: GroundPreset, kind: 
     Whether light falls off over a table, or its gloss shows, depends on the scene more than on who looks: where the
     first view does not ask for it, it is not looked for in others.
     """
+    first = first.taken or first
     if first.fall is None and not first.divided:
         kind = SUN
     return lit_ground_of(view, preset, kind)

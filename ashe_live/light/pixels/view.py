@@ -12,6 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose, TrackedFrame
+from ashe_live.light.pixels.clean_plate import over_plain_ground
 from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.page import Page, page_around
 from ashe_live.light.pixels.page_lines import PageLines
@@ -44,29 +45,35 @@ class View(MarkerPicture):
     # (h, w) of the whole picture: what the lens shows; None: all. Of one that bends lines inwards there is a blank rim.
     shown: Mask | None = None
     measured: MarkerPose | None = None  # the pose that it was given, about which T_cam_marker may be moved
+    plate_bgr: Image | None = None  # (h, w, 3) the same without the object (clean_plate.py), where it is known
+    # The view as the camera took it, where this one shows things over plain ground, by that plate.
+    taken: "View | None" = None
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
         """The frame scaled down to `width_px`, if it is wider, and undistorted. It must have a marker."""
         assert tracked.marker is not None
-        image, camera = _scaled(np.asarray(tracked.frame.image_bgr), tracked.camera, width_px)
-        shown = None
-        if camera.is_distorted:
-            image, shown = _undistorted(image, camera)
-            camera = camera.without_distortion()
+        (image, shown), camera = _straight(np.asarray(tracked.frame.image_bgr), tracked.camera, width_px)
+        given = tracked.clean_plate_bgr
+        plate = None if given is None else _straight(np.asarray(given), tracked.camera, width_px)[0][0]
         marker, unknown = tracked.marker, np.zeros(image.shape[:2], np.bool_)
         view = View(image, camera, marker.T_cam_marker, marker.side_m, unknown, measured=marker, shown=shown)
         sheet = measured_sheet(view) if marker.body is None else USUAL_SHEET
-        return replace(view, sheet=sheet, body=marker.body, beside=tracked.others)._with_ground()
+        return replace(view, sheet=sheet, body=marker.body, beside=tracked.others, plate_bgr=plate)._with_ground()
 
     def with_paper_as_ground(self) -> "View":
         """This view, in which paper that things or shadows fall onto is ground, and shown in its colour: a whole page
-        that the marker is printed on, and a sheet that a shadow falls onto.
+        that the marker is printed on, and a sheet that a shadow falls onto. By a clean plate all that lies there is.
 
         A device whose screen shows the marker is no ground.
         """
         if self.body is not None:
             return self
+        if self.plate_bgr is not None:
+            taken = replace(self, plate_bgr=None).with_paper_as_ground()
+            return replace(
+                self, image_bgr=over_plain_ground(self.image_bgr, self.plate_bgr), taken=taken
+            )._with_ground()
         lines = PageLines.of(self)
         screen = screen_around(lines)
         if screen is not None:
@@ -109,7 +116,8 @@ class View(MarkerPicture):
         if width_px >= self.size[0]:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
-        return replace(self, image_bgr=image, camera=camera)._with_ground()
+        taken = None if self.taken is None else self.taken.scaled(width_px)
+        return replace(self, image_bgr=image, camera=camera, taken=taken)._with_ground()
 
     def cut(self, window: Window) -> "View":
         """The part of the frame in `window`, seen by a camera whose principal point moves along."""
@@ -125,6 +133,7 @@ class View(MarkerPicture):
         printed = [self.sheet.corners(self.side_m) if self.body is None else self.body.points_marker()]
         printed += [one.on_plane(USUAL_SHEET.corners(one.side_m)) for one in self.beside]
         printed += [] if self.page is None else self.page.between(self.side_m)
+        printed = printed if self.taken is None else []
         is_ground, size = _ground_mask(self.camera, self.T_cam_marker, printed), self.size
         if self.paper_as_ground is not None:
             is_ground |= cv2.resize(self.paper_as_ground.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
@@ -141,6 +150,16 @@ def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]
     if size != (width, height):
         image = np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
     return image, camera.resized(size)
+
+
+def _straight(image: Image, camera: Camera, width_px: int) -> tuple[tuple[Image, Mask | None], Camera]:
+    """The picture scaled down to `width_px`, if it is wider, without distortion, and what the lens shows of it, as
+    `View.shown`; and its camera.
+    """
+    image, camera = _scaled(image, camera, width_px)
+    if camera.is_distorted:
+        return _undistorted(image, camera), camera.without_distortion()
+    return (image, None), camera
 
 
 def _undistorted(image: Image, camera: Camera) -> tuple[Image, Mask]:

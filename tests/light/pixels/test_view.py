@@ -1,5 +1,7 @@
 """The frame at a working size: points stay where projection puts them, and ground is where rays meet the plane."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -138,3 +140,33 @@ def test_any_pose_and_size_has_a_ground_or_none(T_cam_marker: Float, size: tuple
 def test_seen_from_afar_the_sky_is_no_ground() -> None:
     view = view_of(camera_towards((0.0, 0.0), 0.5, 0.0))
     assert not view.is_ground[: view.size[1] // 2].any()
+
+
+@pytest.mark.parametrize("page_m", [None, (0.1, 0.15, 0.1, 0.15)])
+def test_by_a_clean_plate_all_that_lies_on_the_plane_is_ground(page_m) -> None:
+    scene, empty = paint(BOX, ground="bricks", page_m=page_m), paint(ground="bricks", page_m=page_m)
+    plate = empty.tracked.frame.image_bgr
+    taken = View.of(scene.tracked, 320).with_paper_as_ground()
+    plain = View.of(replace(scene.tracked, clean_plate_bgr=plate), 320).with_paper_as_ground()
+    assert not taken.is_ground.all()
+    assert plain.is_ground.all()
+    # What lamps and mirror images are found by is the picture as it was taken, at each scale.
+    for view, expected in ((plain, taken), (plain.scaled(160), taken.scaled(160))):
+        assert view.taken is not None
+        assert view.size == view.taken.size
+        np.testing.assert_array_equal(view.taken.image_bgr, expected.image_bgr)
+        np.testing.assert_array_equal(view.taken.is_ground, expected.is_ground)
+
+
+def test_a_clean_plate_is_straightened_with_its_picture() -> None:
+    camera = replace(Camera.from_hfov((320, 240), 60.0), dist=np.array([-0.3, 0.1, 0.0, 0.0, 0.0]))
+    image = np.random.default_rng(0).integers(40, 200, (240, 320, 3), np.uint8)
+    tracked = replace(tracked_frame(image, camera), clean_plate_bgr=image)
+    shown = View.of(tracked, 320).with_paper_as_ground()
+    assert len(np.unique(shown.image_bgr[shown.is_ground], axis=0)) == 1  # nothing has changed
+
+
+def test_a_clean_plate_of_another_size_is_none() -> None:
+    tracked = paint(BOX).tracked
+    with pytest.raises(ValueError, match="clean plate"):
+        replace(tracked, clean_plate_bgr=np.zeros((10, 10, 3), np.uint8))

@@ -16,7 +16,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.ground.gloss import Gloss, mirrored, mirrored_and_slopes
-from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.lit_ground import LitGround, as_taken
 from ashe_live.light.ground.slow_shading import LEAST_LIGHT, irradiances, log_irradiance
 from ashe_live.light.lamps.fall.lit_samples import CONTRAST, LitSamples
 from ashe_live.light.pixels.view import View
@@ -53,6 +53,7 @@ class FallOff:
 
         view: the one that `ground` was fitted to.
         """
+        view, ground = as_taken(view, ground)
         samples = LitSamples.of(view, ground, free)
         gloss = None if ground.fall is None else ground.fall.gloss
         return None if samples is None else FallOff(samples, camera_centre(view.T_cam_marker), gloss)

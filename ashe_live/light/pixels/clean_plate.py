@@ -1,0 +1,67 @@
+"""What stands in a picture, over plain ground: by a clean plate, a picture of the same view without it.
+
+Film calls a picture of the empty set a clean plate. Light that reaches the ground multiplies its colour, so that in the
+ratio of the two pictures its pattern, the marker's print and whatever else stood there before are gone. What is left is
+the camera's exposure, the same everywhere, the shadows, by the share of light that they leave, and the object.
+"""
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float32, Image, Mask
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.light.pixels.log_colour import DARKEST
+
+# Linear light of the plain ground: things may be five times as bright until they are saturated, and shadows of a
+# fiftieth of it are still resolved by eight bits.
+SHOWN_AS = 0.2
+SATURATED = 250
+BIN, WIDEST = 0.02, 2.0  # of the histogram of log ratios: a fifth of a bin is what eight bits resolve
+BLUR_BINS = 2.0
+WITHIN = 0.06  # about the mode of log brightness: what the exposure is averaged over
+
+
+def over_plain_ground(image_bgr: Image, plate_bgr: Image) -> Image:
+    """The picture (h, w, 3) as it would be if all that `plate_bgr`, the same view without the object, shows were plain.
+
+    Its colour is that of the plate's ground on average, its brightness the same for all pictures.
+    """
+    ratio = log_ratio(image_bgr, plate_bgr)
+    exposed = is_exposed(image_bgr) & is_exposed(plate_bgr)
+    ratio -= exposure(ratio[exposed])
+    ratio[~is_exposed(image_bgr) & ~is_exposed(plate_bgr)] = 0.0  # of which nothing is known
+    plain_bgr = np.median(_log_linear(plate_bgr)[exposed], axis=0) if exposed.any() else np.zeros(3, np.float32)
+    plain_bgr += np.float32(np.log(SHOWN_AS)) - plain_bgr.mean()
+    encoded = srgb_from_linear(np.clip(np.exp(ratio + plain_bgr) - DARKEST, 0, 1))
+    return np.asarray(np.round(255 * encoded), dtype=np.uint8)
+
+
+def is_exposed(image_bgr: Image) -> Mask:
+    """(h, w) the pixels of a picture (h, w, 3) that are not saturated."""
+    return np.asarray(image_bgr.max(axis=2) < SATURATED)
+
+
+def log_ratio(image_bgr: Image, plate_bgr: Image) -> Float32:
+    """(h, w, 3) the log of a picture's linear light over the plate's, channel by channel."""
+    return _log_linear(image_bgr) - _log_linear(plate_bgr)
+
+
+def exposure(ratio: Float32) -> Float32:
+    """(3,) the log ratio of the exposures, by the pixels (n, 3) of two pictures' log ratio: their mode.
+
+    Neither the object nor its shadows count, as long as more of the pixels show what is unchanged.
+    """
+    if not len(ratio):
+        return np.zeros(3, np.float32)
+    brightness = ratio.mean(axis=1)
+    bins = round(2 * WIDEST / BIN)
+    counts, edges = np.histogram(brightness, bins, (-WIDEST, WIDEST))
+    smooth = cv2.GaussianBlur(counts.astype(np.float32)[:, None], (1, 0), 0, sigmaY=BLUR_BINS)
+    mode = edges[int(smooth.argmax())] + BIN / 2
+    near = np.abs(brightness - mode) < WITHIN
+    return np.asarray(np.median(ratio[near] if near.any() else ratio, axis=0), dtype=np.float32)
+
+
+def _log_linear(image_bgr: Image) -> Float32:
+    """(h, w, 3) the log of linear light, bounded from below as in log-opponent colours."""
+    return np.asarray(cv2.LUT(image_bgr, np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32)), dtype=np.float32)
