@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from ashe_live.commands.answers.empty_table import EmptyTable
 from ashe_live.commands.answers.file_answers import FileEstimator
 from ashe_live.commands.answers.light_page import LightPage
 from ashe_live.commands.flags.marker_choice import other_markers_hint
@@ -17,7 +18,7 @@ from ashe_live.commands.flags.setup import camera_chooser, light_preset, make_tr
 from ashe_live.core.contract import FileRecord
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_folder, check_outputs, make_folder
-from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.light.estimators.estimator import OF_ONE_FRAME, make_estimator
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import listed, print_answer, print_exactly, print_message, printable
 from ashe_live.process.signals import ended_by_signals
@@ -41,13 +42,14 @@ def run(options: argparse.Namespace) -> int:
         raise UserError(f"the sheet is a page, and {options.sheet} is not named as one", "let its name end in .html")
     makes_folder_of_sheet = _is_in_folder_to_be(options.sheet, options.debug)
     sheets = [] if makes_folder_of_sheet else [options.sheet]
-    check_outputs(sheets, [*named, options.camera_file, options.debug], options.overwrite)
+    check_outputs(sheets, [*named, options.empty, options.camera_file, options.debug], options.overwrite)
     estimator = make_estimator(options.estimator, light_preset(options))
     camera_for = camera_chooser(options)
+    empty = _empty_table(options, estimator.name)
     make_tracker(options, camera_for)  # reports a wrong --marker before any file is opened
     page = LightPage()
     statuses = set()
-    files = FileEstimator(estimator, camera_for, options)
+    files = FileEstimator(estimator, camera_for, options, empty)
     answers = files.of_all(named) if options.together else (files.of(path) for path in _watched(named))
     with ended_by_signals() as end_if_asked:
         try:
@@ -77,6 +79,16 @@ def _is_in_folder_to_be(sheet: Path | None, folder: Path | None) -> bool:
         and not folder.exists()
         and sheet.absolute().parent == folder.absolute()
     )
+
+
+def _empty_table(options: argparse.Namespace, estimator: str) -> EmptyTable | None:
+    if options.empty is None:
+        return None
+    if options.together:
+        raise UserError("--empty is for a camera that stands still, and --together for one that moves", "leave one out")
+    if estimator in OF_ONE_FRAME:
+        raise UserError(f"the estimator {estimator} makes no use of --empty", "choose proxy, or leave it out")
+    return EmptyTable.read(options.empty)
 
 
 def _check_frames(options: argparse.Namespace) -> None:

@@ -13,6 +13,7 @@ from ashe_live.capture.folder import refuse_folder
 from ashe_live.capture.opening import open_source, openable
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
+from ashe_live.commands.answers.empty_table import EmptyTable
 from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, renumbered
 from ashe_live.commands.answers.steps_sheet import write_steps
@@ -45,6 +46,7 @@ class FileEstimator:
     estimator: Estimator
     camera_for: CameraFor
     options: argparse.Namespace
+    empty: EmptyTable | None = None
     # What the user has been told, and is not told again for every file.
     faults: set[str] = dataclasses.field(default_factory=set)  # faults whose traceback has been shown
     followed: set[str] = dataclasses.field(default_factory=set)  # markers that are followed without having been named
@@ -111,6 +113,8 @@ class FileEstimator:
                 tracker = make_tracker(chosen, camera_for, source=source)
                 record = dataclasses.replace(record, is_photo=source.is_photo)
                 seen = look_at(source, tracker, wanted)
+                if self.empty is not None and seen.frozen.marker is not None:
+                    seen = LookedAt(self.empty.under(seen.frozen, tracker))
         except UserError as error:
             return dataclasses.replace(record, error=printable(error)), None
         tracked = seen.frozen
@@ -208,7 +212,7 @@ class FileEstimator:
         for _ in range(1 if repeat is None else repeat + 1):
             if repeat is not None:
                 tracker.reset()
-                tracked = tracker.track(tracked.frame)
+                tracked = dataclasses.replace(tracker.track(tracked.frame), clean_plate_bgr=tracked.clean_plate_bgr)
             estimate = self.estimator.estimate(tracked, others)
             runs.append({**estimate.timing_ms, "detect": tracked.detect_ms})
             runs[-1]["total"] = estimate.timing_ms["total"] + tracked.detect_ms

@@ -130,6 +130,12 @@ def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
     estimate.add_argument("--overwrite", action="store_true", help="replace an existing sheet")
     estimate.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
     estimate.add_argument(
+        "--empty",
+        type=values.path,
+        metavar="PHOTO",
+        help="the same view without the object, by a camera that stood still: what else is there does not count",
+    )
+    estimate.add_argument(
         "--together", action="store_true", help="one answer from all files: photos of one table, with nothing moved"
     )
     estimate.add_argument(

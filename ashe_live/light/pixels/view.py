@@ -12,7 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose, TrackedFrame
-from ashe_live.light.pixels.clean_plate import over_plain_ground
+from ashe_live.light.pixels.clean_plate.plain_ground import over_plain_ground
 from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.page import Page, page_around
 from ashe_live.light.pixels.page_lines import PageLines
@@ -45,7 +45,7 @@ class View(MarkerPicture):
     # (h, w) of the whole picture: what the lens shows; None: all. Of one that bends lines inwards there is a blank rim.
     shown: Mask | None = None
     measured: MarkerPose | None = None  # the pose that it was given, about which T_cam_marker may be moved
-    plate_bgr: Image | None = None  # (h, w, 3) the same without the object (clean_plate.py), where it is known
+    plate_bgr: Image | None = None  # (h, w, 3) the same without the object (clean_plate), where it is known
     # The view as the camera took it, where this one shows things over plain ground, by that plate.
     taken: "View | None" = None
 

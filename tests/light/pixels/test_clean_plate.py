@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
-from ashe_live.light.pixels.clean_plate import exposure, log_ratio, over_plain_ground
+from ashe_live.light.pixels.clean_plate.plain_ground import exposure, log_ratio, over_plain_ground
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, SHADOW_RATIO, paint
 
 EDGE = np.ones((7, 7), np.uint8)  # about masks: pixels there mix two colours

@@ -30,7 +30,7 @@ def over_plain_ground(image_bgr: Image, plate_bgr: Image) -> Image:
     exposed = is_exposed(image_bgr) & is_exposed(plate_bgr)
     ratio -= exposure(ratio[exposed])
     ratio[~is_exposed(image_bgr) & ~is_exposed(plate_bgr)] = 0.0  # of which nothing is known
-    plain_bgr = np.median(_log_linear(plate_bgr)[exposed], axis=0) if exposed.any() else np.zeros(3, np.float32)
+    plain_bgr = np.median(log_linear(plate_bgr)[exposed], axis=0) if exposed.any() else np.zeros(3, np.float32)
     plain_bgr += np.float32(np.log(SHOWN_AS)) - plain_bgr.mean()
     encoded = srgb_from_linear(np.clip(np.exp(ratio + plain_bgr) - DARKEST, 0, 1))
     return np.asarray(np.round(255 * encoded), dtype=np.uint8)
@@ -43,7 +43,7 @@ def is_exposed(image_bgr: Image) -> Mask:
 
 def log_ratio(image_bgr: Image, plate_bgr: Image) -> Float32:
     """(h, w, 3) the log of a picture's linear light over the plate's, channel by channel."""
-    return _log_linear(image_bgr) - _log_linear(plate_bgr)
+    return log_linear(image_bgr) - log_linear(plate_bgr)
 
 
 def exposure(ratio: Float32) -> Float32:
@@ -62,6 +62,6 @@ def exposure(ratio: Float32) -> Float32:
     return np.asarray(np.median(ratio[near] if near.any() else ratio, axis=0), dtype=np.float32)
 
 
-def _log_linear(image_bgr: Image) -> Float32:
+def log_linear(image_bgr: Image) -> Float32:
     """(h, w, 3) the log of linear light, bounded from below as in log-opponent colours."""
     return np.asarray(cv2.LUT(image_bgr, np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32)), dtype=np.float32)
