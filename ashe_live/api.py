@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Image
@@ -10,6 +12,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.ranges import MARKER_SIDE, TIME
 from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator as estimators
+from ashe_live.light.live.clean_plates import over_empty_table
 from ashe_live.light.live.same_scene import first_of_most, of_one_scene
 from ashe_live.models.caster import read_caster
 from ashe_live.quality import quality_named
@@ -40,6 +43,7 @@ def estimate_light(
     estimator: str = "proxy",
     light: str = "auto",
     caster: str | None = None,
+    empty_bgr: Image | None = None,
 ) -> LightEstimate:
     """Where the light is in a picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
 
@@ -50,14 +54,19 @@ def estimate_light(
     light: "sun", "lamp", or "auto": a lamp where the picture shows its distance.
     caster: the object that casts the shadow, where its shape and size are known: "box:WxDxH", "cylinder:RxH" or
     "sphere:R" in metres, or the path of a model, whose convex hull it is.
+    empty_bgr: the same view without the object, of the same size, by a camera that hardly moved: the ground's pattern,
+    paint and other things do not count then. For one picture.
 
     Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the marker's or
-    the caster's name or file cannot be used, or the camera has another aspect ratio; ValueError for wrong use.
+    the caster's name or file cannot be used, the camera has another aspect ratio, or `empty_bgr` shows another view;
+    ValueError for wrong use.
     """
     chosen, tracker = make_estimator(estimator, quality, light, caster), Tracker(camera, marker, side_m, quality)
     pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
     if not pictures:
         raise ValueError("there is no picture to look at")
+    if empty_bgr is not None and (len(pictures) > 1 or empty_bgr.shape != np.shape(pictures[0])):
+        raise ValueError("empty_bgr is for one picture, of the same size")
     views = []
     for picture in pictures:
         tracker.reset()
@@ -66,6 +75,9 @@ def estimate_light(
     if not with_marker:
         return chosen.estimate(views[0])
     first = first_of_most(with_marker)
+    if empty_bgr is not None:
+        tracker.reset()
+        first = over_empty_table(first, tracker.track(empty_bgr), "empty_bgr")
     return chosen.estimate(first, of_one_scene(first, [view for view in with_marker if view is not first]))
 
 

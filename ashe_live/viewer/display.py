@@ -118,10 +118,10 @@ class Display:
         return self._steady
 
     def _masks(self, session: Session, size: Size, models: Span | None) -> tuple[Overlay, ...]:
-        estimate, frozen = session.estimate, session.estimated_from
-        if not session.view.shows_steps or estimate is None or frozen is None:
+        answer = session.answer
+        if not session.view.shows_steps or answer is None:
             return ()
-        return self._inset.overlays(estimate, frozen, size, session.steps_bgr, models)
+        return self._inset.overlays(answer.estimate, answer.frozen, size, answer.steps_bgr, models)
 
 
 def _span_of_models(session: Session, framebuffer: Size) -> Span | None:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.live.worker import LightWorker
@@ -42,9 +42,7 @@ class Session:
         """
         self.true_to_light_marker = true_to_light_marker
         self.tracked: TrackedFrame | None = None
-        self.estimate: LightEstimate | None = None
-        self.estimated_from: TrackedFrame | None = None
-        self.steps_bgr: Image | None = None  # a sheet of the steps to the last estimate; None if nobody asked for one
+        self.answer: NewAnswer | None = None  # the last one
         self.shown = Illumination()  # on its way to `lit_by`
         self.notice = Notice()
         self.say = self.notice.say
@@ -63,6 +61,11 @@ class Session:
     def lit_by(self) -> Illumination:
         """The illumination that was set by hand, or else the estimated one."""
         return self._light.now(self.tracked) if self.hand.light is None else self.hand.light
+
+    @property
+    def estimate(self) -> LightEstimate | None:
+        """That of the last answer."""
+        return None if self.answer is None else self.answer.estimate
 
     @property
     def estimate_now(self) -> LightEstimate | None:
@@ -129,7 +132,7 @@ class Session:
 
     def begin_anew(self, is_photo: bool) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
-        self.tracked = self.estimate = self.estimated_from = self.steps_bgr = None
+        self.tracked = self.answer = None
         self.true_to_light_marker = None
         self._light = RoomLight()
         self.shown = self._light.jump(None)
@@ -189,6 +192,8 @@ class Session:
         match request.command:
             case Command.ESTIMATE:
                 self.request_estimate(now_s)
+            case Command.EMPTY_TABLE:
+                self.say(self.watch.show_empty_table(self.tracked), now_s)
             case Command.AUTOMATIC:
                 self._toggle_automatic(now_s)
             case Command.TOGGLE_LIGHT:
@@ -199,23 +204,17 @@ class Session:
                 view.shows_steps = not view.shows_steps
                 if not view.shows_steps:
                     self.notice.withdraw(ANSWER_ALONE)
-                elif self.estimate is None:
+                elif self.answer is None:
                     self.say(f"nothing has been estimated yet: {self.how_it_gets_known}", now_s)
-                elif self.steps_bgr is None:
+                elif self.answer.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
             case Command.COVER_MARKER:
                 view.wants_cover = not self.covers_marker
                 self._stand_clear_again()
-            case Command.MIRROR:
-                view.is_mirrored = not view.is_mirrored
             case Command.BEFORE_AFTER:
                 self.say(f"{view.next_parts()}: B goes on", now_s)
-            case Command.HELP:
-                view.help.turn()
-            case Command.TOGGLE_HUD:
-                view.shows_hud = not view.shows_hud
             case _:
-                return self._handle_by_hand(request, now_s)
+                return view.handle(request.command) or self._handle_by_hand(request, now_s)
         return True
 
     def _handle_by_hand(self, request: Request, now_s: float) -> bool:
@@ -241,8 +240,8 @@ class Session:
         new, frozen = found.estimate, found.frozen
         self._light.take(new.illumination.as_seen_in(frozen), frozen)
         self._stand_clear_again()
-        self.estimate, self.estimated_from, self.steps_bgr = new, frozen, found.steps_bgr
-        if self.view.shows_steps and self.steps_bgr is None:
+        self.answer = found
+        if self.view.shows_steps and found.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
         # An estimate that was requested before the light was set by hand does not replace it.
         if self.hand.light is not None and found.asked_s >= self._by_hand_s:

@@ -13,6 +13,7 @@ FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
 AWAITED = "estimated as soon as the marker is steady"
 AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain surface, clear of the marker; then Space"
 SET_BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
+WITHOUT_IT = "or take the thing away, press Shift+Space, put it back and press Space: then nothing else counts"
 KEYS = "H: keys"
 # An answer so sharp needs no advice, and where views over so wide an angle gave none, moving on will not.
 SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
@@ -59,6 +60,8 @@ def views_text(session: Session) -> str:
         return ""
     if estimate.span_rad is not None:
         return f", {len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°"
+    if session.answer is not None and session.answer.is_over_empty_table:
+        return ", over the empty table"
     sigma_rad = estimate.light.sigma_rad
     is_vague = sigma_rad is not None and sigma_rad > SHARP_ENOUGH_RAD
     may_gain = session.watch.camera_may_move and session.watch.sharpening.span_rad < WIDE_ENOUGH_RAD
@@ -154,5 +157,6 @@ def guidance(session: Session) -> tuple[str, ...]:
     if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
         return NO_MARKER if session.watch.camera_may_move else NOT_IN_FILE
     if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
-        return f"what helps: {AFTER_NONE}", SET_BY_HAND
+        stands_still = session.watch.camera_may_move and session.watch.empty is None
+        return f"what helps: {AFTER_NONE}", *([WITHOUT_IT] if stands_still else []), SET_BY_HAND
     return ()

@@ -4,6 +4,7 @@ from enum import Enum
 
 from ashe_live.core.types import TrackedFrame
 from ashe_live.viewer.hands.help import Help
+from ashe_live.viewer.hands.requests import Command
 
 
 class ShownParts(Enum):
@@ -48,6 +49,19 @@ class ViewOptions:
         self.is_mirrored = False  # in the window only: what is saved is as the camera sees it
         self.parts = WHOLE
         self.help = Help()
+
+    def handle(self, command: Command) -> bool:
+        """Handles a command that only changes this; returns False for any other."""
+        match command:
+            case Command.MIRROR:
+                self.is_mirrored = not self.is_mirrored
+            case Command.HELP:
+                self.help.turn()
+            case Command.TOGGLE_HUD:
+                self.shows_hud = not self.shows_hud
+            case _:
+                return False
+        return True
 
     def covers_marker(self, tracked: TrackedFrame | None) -> bool:
         """Whether ground is painted over the marker: as chosen; if nobody chose, over a sheet and not over a body."""

@@ -138,9 +138,11 @@ class FakeWorker:
         others: tuple[TrackedFrame, ...],
         doubted: TrackedFrame | None,
         task: EstimateTask,
+        empty: TrackedFrame | None = None,
     ) -> bool:
         if self.busy:
             return False
+        self.empty = empty
         self.busy, self.draws, self.is_awaited = True, task.draw is not None, task.is_awaited
         self.requested.append(frozen)
         self.others, self.doubted = others, doubted

@@ -25,6 +25,7 @@ from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_reported
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
+from ashe_live.viewer.estimates.light_watch import NewAnswer
 from ashe_live.viewer.hands.requests import Command, Files, MouseAction, MouseEvent, Request
 from ashe_live.viewer.live import LiveViewer, ViewerOptions
 from ashe_live.viewer.output import keeping
@@ -327,7 +328,7 @@ def test_a_graphics_driver_that_fails_ends_it_in_one_line_with_the_recording_fin
 
 def test_a_snapshot_carries_the_estimate(stage, tmp_path, capfd):
     stage.put(4)
-    stage.session.estimate = stage.fakes.estimate(2)
+    stage.session.answer = NewAnswer(stage.fakes.estimate(2), stage.fakes.tracked(2), 0.0, None, True)
     stage.run(Command.SNAPSHOT, None)
     (path,) = tmp_path.glob("*.png")
     with PIL.Image.open(path) as picture:

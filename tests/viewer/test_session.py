@@ -94,7 +94,7 @@ def test_the_estimate_holds_wherever_the_clip_goes(make, fakes):
         session.poll(1.0)
         assert session.estimate is held
         assert session.shown is session.lit_by
-        assert session.shown.seen_in is session.estimated_from
+        assert session.shown.seen_in is session.answer.frozen
 
 
 @pytest.mark.parametrize("command", [Command.TOGGLE_LIGHT, Command.TOGGLE_STEPS])
@@ -125,7 +125,7 @@ def test_the_estimate_goes_with_the_frame_it_was_made_from(make, fakes):
     session.take(fakes.tracked(5), 0.0)
     session.watch._worker.answer = fakes.estimate(4)
     session.poll(0.0)
-    assert session.estimated_from.frame.index == session.estimate.frame_index == 4
+    assert session.answer.frozen.frame.index == session.estimate.frame_index == 4
 
 
 def test_a_second_request_meanwhile_is_refused_and_said(make, fakes):
@@ -137,7 +137,7 @@ def test_a_second_request_meanwhile_is_refused_and_said(make, fakes):
     assert "still" in session.notice.shown(0.0)
     session.watch._worker.answer = fakes.estimate(1)
     session.poll(0.0)
-    assert session.estimated_from.frame.index == 1
+    assert session.answer.frozen.frame.index == 1
 
 
 @pytest.mark.parametrize("has_frame", [False, True])
@@ -237,7 +237,7 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
         session.request_estimate(now_s)
         session.watch._worker.answer, session.watch._worker.picture = fakes.estimate(), picture
         session.poll(now_s)
-        return session.steps_bgr
+        return session.answer.steps_bgr
 
     picture = np.zeros((8, 8, 3), np.uint8)
     toggle = Request(Command.TOGGLE_STEPS)
@@ -252,7 +252,7 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
     assert session.notice.shown(10.0) is None
     session.handle(toggle, 11.0)
     session.handle(toggle, 12.0)
-    assert session.steps_bgr is picture
+    assert session.answer.steps_bgr is picture
     assert session.notice.shown(12.0) is None
     picture = None  # as of an estimator that keeps no trace
     assert estimated(20.0) is None
@@ -301,7 +301,7 @@ def test_a_known_light_is_followed_and_shown_elsewhere_only_once_it_has_moved(ma
         worker.answer = fakes.estimate(int(now_s), towards=towards, sigma_rad=0.01)
         assert (session.poll(now_s) is not None) is is_taken
         assert (session.estimate is not held) is is_taken
-    assert session.estimated_from.frame.index == 60
+    assert session.answer.frozen.frame.index == 60
 
 
 def test_a_changed_scene_is_estimated_anew_and_its_views_are_dropped(make, fakes):
@@ -331,13 +331,13 @@ def test_automatically_nothing_is_asked_without_a_steady_marker(make, fakes):
 def test_an_outlier_changes_neither_light_nor_masks_and_a_changed_light_does(make, fakes):
     session = make(automatic=True)
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0)
-    before = session.estimate, session.estimated_from
+    before = session.estimate, session.answer.frozen
     for answers in range(3):
         session.take(fakes.tracked(1000 + answers), 9.0 + 2 * answers)
         assert session.watch.is_estimating
         session.watch._worker.answer = fakes.estimate(with_light=False)
         assert (session.poll(9.0) is None) is (answers < 2)
-        assert ((session.estimate, session.estimated_from) == before) is (answers < 2)
+        assert ((session.estimate, session.answer.frozen) == before) is (answers < 2)
     assert session.estimate.light is None
 
 
@@ -677,7 +677,7 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
     session.begin_anew(is_photo=True)
     session.watch._worker.answer = None
     assert not session.watch.is_estimating
-    assert session.estimate is session.estimated_from is None
+    assert session.estimate is session.answer is None
     assert session.lit_by is session.shown
     assert session.shown.light is session.shown.seen_in is session.shown.real_object is None
     assert session.true_to_light_marker is None

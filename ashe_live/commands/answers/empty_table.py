@@ -6,7 +6,7 @@ from pathlib import Path
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.light.pixels.clean_plate.registration import registered
+from ashe_live.light.live.clean_plates import over_empty_table
 from ashe_live.tracking.tracker import MarkerTracker
 
 
@@ -28,20 +28,12 @@ class EmptyTable:
     def under(self, tracked: TrackedFrame, tracker: MarkerTracker) -> TrackedFrame:
         """The frame, in which `tracker` found the marker, with this picture as its clean plate.
 
-        Raises UserError if this picture does not show the same view, or no marker.
+        Raises UserError if this picture shows another view, or no marker.
         """
-        assert tracked.marker is not None
-        if tracked.marker.body is not None:
-            raise UserError("the paper cube's light is found without --empty", "leave it out")
         if self.frame.size != tracked.frame.size:
             sizes = " and ".join(f"{width}x{height}" for width, height in (self.frame.size, tracked.frame.size))
             raise UserError(f"{self.path} is of another size ({sizes})", "take both pictures by one camera")
         tracker.reset()
         empty = tracker.track(self.frame)
         tracker.reset()
-        if empty.marker is None:
-            raise UserError(f"{self.path} shows no marker", "leave it where it is, and take only the object away")
-        plate = registered(tracked, replace(empty, camera=tracked.camera))
-        if plate is None:
-            raise UserError(f"{self.path} shows another view", "keep the camera where it is, and move only the object")
-        return replace(tracked, clean_plate_bgr=plate)
+        return over_empty_table(tracked, replace(empty, camera=tracked.camera), str(self.path))

@@ -56,6 +56,13 @@ ESTIMATORS: Mapping[str, Callable[[ProxyPreset], Estimator]] = {"proxy": _proxy,
 OF_ONE_FRAME = frozenset({"paper"})  # those that ignore other views
 
 
+def shows_nothing(estimate: LightEstimate) -> bool:
+    """Whether the estimate's frame shows an empty table, as far as can be seen: nothing stands on the ground."""
+    from ashe_live.light.explanation.no_answer import NOTHING_THERE
+
+    return estimate.reason == NOTHING_THERE
+
+
 def make_estimator(name: str, preset: ProxyPreset = BALANCED) -> Estimator:
     """A new estimator of that name in ESTIMATORS; the estimator `paper`, as published, has no presets.
 

@@ -60,13 +60,15 @@ class LightWorker:
         others: Sequence[TrackedFrame] = (),
         doubted: TrackedFrame | None = None,
         task: EstimateTask = BALANCED_ALONE,
+        empty: TrackedFrame | None = None,
     ) -> bool:
         """Requests an estimate of `tracked`; returns False, and does nothing, while busy.
 
         `others` are views, with markers, that may be of the same scene; those that are not are left out and named in
         the answer. Where none of them is, an estimate that nobody awaits is made only if `doubted`, an earlier frame of
-        which this was so, shows the same scene. A frame that was in the request before is not sent again. Raises
-        ValueError when closed.
+        which this was so, shows the same scene. `empty` is a picture of the empty table, of the size of `tracked`: its
+        clean plate, if it shows the same view and no others are used. A frame that was in the request before is not
+        sent again. Raises ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -76,7 +78,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
-        self._process.send((tracked, *others), doubted, task)
+        self._process.send((tracked, *others), doubted, empty, task)
         return True
 
     def wait(self, timeout_s: float) -> Outcome | None:
@@ -137,18 +139,24 @@ class _Process:
     def has_ended(self) -> bool:
         return self.outcomes.is_closed or not self._process.is_alive()
 
-    def send(self, views: Sequence[TrackedFrame], doubted: TrackedFrame | None, task: EstimateTask) -> None:
+    def send(
+        self,
+        views: Sequence[TrackedFrame],
+        doubted: TrackedFrame | None,
+        empty: TrackedFrame | None,
+        task: EstimateTask,
+    ) -> None:
         """Sends a Request, in a thread, as writing to the pipe blocks until the process reads."""
         numbers = {id(view): number for number, view in self._held.items()}
         before, self._held = self._held, {}
-        for view in views if doubted is None else (*views, doubted):
+        for view in (*views, *(each for each in (doubted, empty) if each is not None)):
             if id(view) not in numbers:
                 numbers[id(view)] = self._next_number
                 self._next_number += 1
             self._held[numbers[id(view)]] = view
         new = {number: view for number, view in self._held.items() if number not in before}
-        doubted_number = None if doubted is None else numbers[id(doubted)]
-        request = Request(tuple(numbers[id(view)] for view in views), doubted_number, new, task)
+        doubted_number, empty_number = (None if each is None else numbers[id(each)] for each in (doubted, empty))
+        request = Request(tuple(numbers[id(view)] for view in views), doubted_number, empty_number, new, task)
         self._threads[1:] = [self._thread(_send, self._connection, request)]
 
     def kill(self) -> None:

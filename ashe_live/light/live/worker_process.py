@@ -3,10 +3,10 @@
 import os
 import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
@@ -47,6 +47,7 @@ class Request:
 
     numbers: tuple[int, ...]  # of the frozen frame, then of the other views, which are kept for the next request
     doubted: int | None  # of a frame that showed a scene which none of the other views shows
+    empty: int | None  # of a frame that shows the empty table
     new: "Mapping[int, TrackedFrame]"
     task: EstimateTask
 
@@ -82,6 +83,8 @@ class Estimated(Answered):
     is_of_changed_scene: bool = False  # all others show another one
     # Whether there is no light in a changed scene, and the shadows of the held answer's lights are gone from it.
     has_lost_shadows: bool = False
+    shows_empty_table: bool = False  # nothing stands there
+    is_over_empty_table: bool = False  # by the picture of that, as the frame's clean plate
 
 
 Answer = Unchanged | OtherScene | Followed | Estimated
@@ -121,18 +124,26 @@ class HeldViews:
         self._planes: dict[int, PlanePicture] = {}
         self._numbers: tuple[int, ...] = ()
         self._doubted: int | None = None
+        self._empty: int | None = None
 
     def take(self, request: Request) -> None:
         """Takes the new frames of a request and forgets those that it does not name."""
-        self._numbers, self._doubted = request.numbers, request.doubted
+        self._numbers, self._doubted, self._empty = request.numbers, request.doubted, request.empty
         known = {**self._views, **request.new}
-        named = self._numbers if self._doubted is None else (*self._numbers, self._doubted)
+        named = (*self._numbers, *(each for each in (self._doubted, self._empty) if each is not None))
         self._views = {number: known[number] for number in named}
         self._planes = {number: plane for number, plane in self._planes.items() if number in self._views}
 
     @property
     def frozen(self) -> "TrackedFrame":
         return self._views[self._numbers[0]]
+
+    def frozen_over_empty(self) -> "TrackedFrame":
+        """The frozen frame with its clean plate; as it is where the empty table was not seen so."""
+        from ashe_live.light.pixels.clean_plate.registration import registered
+
+        plate = None if self._empty is None else registered(self.frozen, self._views[self._empty])
+        return self.frozen if plate is None else replace(self.frozen, clean_plate_bgr=plate)
 
     @property
     def others(self) -> "list[TrackedFrame]":
@@ -182,7 +193,7 @@ def _outcome(
 
 
 def _answer(estimator: "Estimator", views: HeldViews, task: EstimateTask) -> Answer:
-    from ashe_live.light.estimators.estimator import TracingEstimator
+    from ashe_live.light.estimators.estimator import shows_nothing
     from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
     from ashe_live.light.views.following import follow, has_lost_shadows
 
@@ -200,12 +211,31 @@ def _answer(estimator: "Estimator", views: HeldViews, task: EstimateTask) -> Ans
         if (followed := follow(held, frozen)) is not None:
             return Followed(followed, outdated=outdated)
     others = same if span_of([frozen, *same]) >= LEAST_SPAN_RAD else []
-    picture = None
-    if task.draw is not None and isinstance(estimator, TracingEstimator):
-        estimate, trace = estimator.traced(frozen, others)
-        picture = task.draw(frozen, estimate, trace)
-    else:
-        estimate = estimator.estimate(frozen, others)
+    over = frozen if others else views.frozen_over_empty()
+    estimate, picture = _estimated(estimator, over, others, task.draw)
+    if over is not frozen and shows_nothing(estimate):  # what stands there stood there before: the plate tells nothing
+        over = frozen
+        estimate, picture = _estimated(estimator, frozen, others, task.draw)
     may_have_lost = is_of_changed_scene and estimate.light is None
     has_lost = may_have_lost and held is not None and has_lost_shadows(held, frozen)
-    return Estimated(estimate, picture, is_of_changed_scene, has_lost, outdated=outdated)
+    return Estimated(
+        estimate,
+        picture,
+        is_of_changed_scene,
+        has_lost,
+        shows_empty_table=shows_nothing(estimate),
+        is_over_empty_table=over is not frozen,
+        outdated=outdated,
+    )
+
+
+def _estimated(
+    estimator: "Estimator", frozen: "TrackedFrame", others: "Sequence[TrackedFrame]", draw: Draw | None
+) -> "tuple[LightEstimate, Image | None]":
+    """The estimate, and the picture of its trace."""
+    from ashe_live.light.estimators.estimator import TracingEstimator
+
+    if draw is None or not isinstance(estimator, TracingEstimator):
+        return estimator.estimate(frozen, others), None
+    estimate, trace = estimator.traced(frozen, others)
+    return estimate, draw(frozen, estimate, trace)

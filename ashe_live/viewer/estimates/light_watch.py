@@ -16,6 +16,9 @@ from ashe_live.light.live.worker_process import Draw, Estimated, EstimateTask, F
 from ashe_live.viewer.estimates.brightness import Brightness
 from ashe_live.viewer.estimates.sharpening import EVERY_S, Sharpening
 
+# By then the sun has moved by more than a degree, and with it the shadows of what stands around.
+EMPTY_FOR_S = 300.0
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NewAnswer:
@@ -26,6 +29,7 @@ class NewAnswer:
     asked_s: float
     steps_bgr: Image | None  # a sheet of the steps to it, where one was asked for and the estimator keeps them
     is_news: bool  # whether it is another light than before, or the first
+    is_over_empty_table: bool = False  # whether only what came onto the table counts
 
 
 class LightWatch:
@@ -36,6 +40,7 @@ class LightWatch:
         self.key_views = KeyViews()  # of the scene that is shown; the capture thread adds to them
         self.camera_may_move = False  # whether the source is a camera that the user may move
         self.held = HeldAnswer()  # since the user's last request
+        self.empty: TrackedFrame | None = None  # a frame that shows the table without the object
         self.sharpening = Sharpening()
         self._asked_s = -math.inf
         self._frozen: TrackedFrame | None = None  # of the last request
@@ -61,7 +66,7 @@ class LightWatch:
     def begin_anew(self) -> None:
         """Forgets the scene, and gives up an estimate in progress."""
         self._frozen, self._others, self._doubted, self._waiting = None, (), None, None
-        self.held, self.sharpening = HeldAnswer(), Sharpening()
+        self.held, self.sharpening, self.empty = HeldAnswer(), Sharpening(), None
         self.key_views.drop()
         self._worker.give_up()
 
@@ -102,12 +107,28 @@ class LightWatch:
         shown = self.held.estimate
         held = shown and replace(shown, object_mask=None, shadow_mask=None)  # which nobody needs there
         task = EstimateTask(self.preset, draw, is_awaited, held, follows)
-        if not self._worker.request(frozen, others, self._doubted, task):
+        if not self._worker.request(frozen, others, self._doubted, task, self._empty_for(frozen)):
             return False
         self._frozen, self._others, self._asked_s, self._is_awaited = frozen, others, now_s, is_awaited
         self._brightness.note(frozen.frame)
         self.sharpening.asked(views, now_s)
         return True
+
+    def show_empty_table(self, tracked: TrackedFrame | None) -> str:
+        """The user says that a frame shows the table without the object; returns what to do next."""
+        if tracked is None or tracked.marker is None:
+            return "no marker in view"
+        if tracked.marker.body is not None:
+            return "the paper cube's light is found without an empty table"
+        self.empty = tracked
+        return "the empty table is known: put the object there, leave the camera where it is, press Space"
+
+    def _empty_for(self, frozen: TrackedFrame) -> TrackedFrame | None:
+        """The empty table, if it was seen by the same camera, not long ago, beside the marker where it lies now."""
+        empty = self.empty
+        if empty is None or not fits(empty, frozen) or empty.frame.size != frozen.frame.size:
+            return None
+        return empty if abs(frozen.frame.time_s - empty.frame.time_s) <= EMPTY_FOR_S else None
 
     def sharpen(self, seen: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
         """Requests an estimate of the key views if there is an answer to refine and they show more; returns whether.
@@ -160,6 +181,8 @@ class LightWatch:
             self._doubted = self._frozen
             self.key_views.drop([view for view in self.key_views.views if view is self._frozen])
             return None
+        if isinstance(outcome, Estimated) and outcome.shows_empty_table:
+            self.show_empty_table(self._frozen)
         estimate: LightEstimate | None = None
         steps_bgr: Image | None = None
         is_in_doubt = False
@@ -177,7 +200,8 @@ class LightWatch:
             self.key_views.drop([self._others[place] for place in outcome.outdated])
         if estimate is None or estimate is not self.held.estimate:
             return None
-        return NewAnswer(estimate, self._frozen, self._asked_s, steps_bgr, self.held.is_news)
+        is_over_empty = isinstance(outcome, Estimated) and outcome.is_over_empty_table
+        return NewAnswer(estimate, self._frozen, self._asked_s, steps_bgr, self.held.is_news, is_over_empty)
 
     def _offer(self, new: Estimated) -> bool:
         """Offers an estimate to the held answer; returns whether it may be of a scene with a hand in it."""

@@ -31,6 +31,7 @@ BINDINGS = (
     Binding(("LEFT",), Command.PREVIOUS_MODEL, "Left", "previous model"),
     Binding(("RIGHT",), Command.NEXT_MODEL, "Right", "next model"),
     Binding(("SPACE",), Command.ESTIMATE, "Space", "estimate the light"),
+    Binding((SHIFT + "SPACE",), Command.EMPTY_TABLE, "Shift+Space", "this is the empty table"),
     Binding(("A",), Command.AUTOMATIC, "A", "watch for a changed light"),
     Binding(("L",), Command.TOGGLE_LIGHT, "L", "show where the light is"),
     Binding(("D",), Command.TOGGLE_STEPS, "D", "show what was found"),

@@ -11,6 +11,7 @@ class Command(Enum):
     PREVIOUS_MODEL = auto()
     NEXT_MODEL = auto()
     ESTIMATE = auto()
+    EMPTY_TABLE = auto()
     AUTOMATIC = auto()
     TOGGLE_LIGHT = auto()
     TOGGLE_STEPS = auto()
