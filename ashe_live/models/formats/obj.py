@@ -102,7 +102,7 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
     found: dict[str, Material] = {}
 
     def texels(name: str) -> Image | None:
-        return pictures.named(name, f"texture {name}")
+        return pictures.named(name, f"texture {name}", covers=True)
 
     is_any_missing = False
     for library in lines.libraries:

@@ -59,11 +59,12 @@ class Materials:
 
     def _converted(self, given: Json, uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:
         extensions = given.get("extensions", {})
-        maps = Maps(uv_sets)
+        maps, alpha = Maps(uv_sets), ALPHAS[given.get("alphaMode", "OPAQUE")]
+        covers = alpha is not Alpha.OPAQUE
         if SPECULAR_GLOSSINESS in extensions:
-            surface = self._specular_glossiness(extensions[SPECULAR_GLOSSINESS], maps)
+            surface = self._specular_glossiness(extensions[SPECULAR_GLOSSINESS], maps, covers)
         else:
-            surface = self._metallic_roughness(given.get("pbrMetallicRoughness", {}), maps)
+            surface = self._metallic_roughness(given.get("pbrMetallicRoughness", {}), maps, covers)
         normal, occlusion = given.get("normalTexture", {}), given.get("occlusionTexture", {})
         strength = extensions.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0)
         for name, key, texture in (
@@ -75,9 +76,7 @@ class Materials:
         is_lost = "emissiveTexture" in given and "emissive_map" not in maps.texels | maps.unplaced
         emissive = tuple(strength * value for value in given.get("emissiveFactor", BLACK))
         # Without its map all of the surface would glow.
-        surface |= {"emissive": BLACK if is_lost else emissive, "alpha": ALPHAS[given.get("alphaMode", "OPAQUE")]}
-        if surface["alpha"] is not Alpha.OPAQUE and "base_map" in maps.texels:
-            maps.texels["base_map"] = self._filled(maps.texels["base_map"])
+        surface |= {"emissive": BLACK if is_lost else emissive, "alpha": alpha}
         surface = in_one_place(surface, maps.unplaced)
         surface |= self._see_through(extensions, surface, maps) | _coat(extensions)
         if "KHR_materials_unlit" in extensions:
@@ -97,8 +96,8 @@ class Materials:
         )
         return material, tuple(maps.sets)
 
-    def _metallic_roughness(self, given: Json, maps: Maps) -> dict[str, Any]:
-        self._add(maps, "base_map", "baseColorTexture", given.get("baseColorTexture", {}))
+    def _metallic_roughness(self, given: Json, maps: Maps, covers: bool) -> dict[str, Any]:
+        self._add(maps, "base_map", "baseColorTexture", given.get("baseColorTexture", {}), covers)
         self._add(maps, "metallic_roughness_map", "metallicRoughnessTexture", given.get("metallicRoughnessTexture", {}))
         # Without its map all of the surface would be metal.
         is_lost = "metallicRoughnessTexture" in given and "metallic_roughness_map" not in maps.texels | maps.unplaced
@@ -108,7 +107,7 @@ class Materials:
             "roughness": given.get("roughnessFactor", 1.0),
         }
 
-    def _specular_glossiness(self, given: Json, maps: Maps) -> dict[str, Any]:
+    def _specular_glossiness(self, given: Json, maps: Maps, covers: bool) -> dict[str, Any]:
         diffuse, shine = given.get("diffuseTexture", {}), given.get("specularGlossinessTexture", {})
         layouts = [self._layout(texture) for texture in (diffuse, shine) if texture]
         are_apart = len(set(layouts)) > 1
@@ -118,13 +117,13 @@ class Materials:
             tuple(given.get("diffuseFactor", WHITE)),
             tuple(given.get("specularFactor", WHITE[:3])),
             given.get("glossinessFactor", 1.0),
-            self._texels(diffuse, "diffuseTexture") if diffuse else None,
+            self._texels(diffuse, "diffuseTexture", covers) if diffuse else None,
             self._texels(shine, "specularGlossinessTexture") if shine else None,
         )
         converted = (surface.with_mean_shine() if are_apart else surface).as_metal_rough()
         for name, texels in (("base_map", converted.base_map), ("metallic_roughness_map", converted.roughness_map)):
             if texels is not None:
-                key = SPECULAR_GLOSSINESS, name, diffuse.get("index"), shine.get("index"), str(given)
+                key = SPECULAR_GLOSSINESS, name, diffuse.get("index"), shine.get("index"), str(given), covers
                 maps.add(name, layouts[0], self._mirrored(self._shared(key, texels), layouts[0]))
         return {"base_colour": converted.base_colour, "metallic": converted.metallic, "roughness": converted.roughness}
 
@@ -167,11 +166,11 @@ class Materials:
         red, green, blue, opacity = surface["base_colour"]
         return {"base_colour": (red, green, blue, (1.0 if is_opaque else opacity) * (1 - share)), "alpha": Alpha.BLEND}
 
-    def _add(self, maps: Maps, name: str, key: str, texture: Json) -> None:
+    def _add(self, maps: Maps, name: str, key: str, texture: Json, covers: bool = False) -> None:
         if not texture:
             return
         layout = self._layout(texture)
-        if maps.takes(layout) and (texels := self._texels(texture, key)) is not None:
+        if maps.takes(layout) and (texels := self._texels(texture, key, covers)) is not None:
             maps.add(name, layout, self._mirrored(texels, layout))
 
     def _mirrored(self, texels: Image, layout: MapLayout) -> Image:
@@ -191,8 +190,11 @@ class Materials:
         sampler = self._header["textures"][texture["index"]].get("sampler")
         return layout_of(texture, {} if sampler is None else self._header["samplers"][sampler])
 
-    def _texels(self, texture: Json, name: str) -> Image | None:
-        """(h, w, 4) uint8 of a texture; None, with a note, where it has no picture that can be read."""
+    def _texels(self, texture: Json, name: str, covers: bool = False) -> Image | None:
+        """(h, w, 4) uint8 of a texture; None, with a note, where it has no picture that can be read.
+
+        `covers` as in Pictures.texels: what nobody sees has then the colours beside it.
+        """
         found = self._header["textures"][texture["index"]]
         extensions = found.get("extensions", {})
         source = extensions.get("EXT_texture_webp", {}).get("source", found.get("source"))
@@ -205,9 +207,12 @@ class Materials:
                 self._notes.add(basis.LEFT_OUT)
                 return None
         uri = self._header["images"][source].get("uri", "data:")
-        if not uri.startswith("data:"):
-            return self._pictures.named(uri, name)
-        return self._pictures.texels(source, lambda: self._image(source, name), name)
+        texels = (
+            self._pictures.texels(source, lambda: self._image(source, name), name, covers)
+            if uri.startswith("data:")
+            else self._pictures.named(uri, name, covers)
+        )
+        return self._filled(texels) if covers and texels is not None else texels
 
     def _image(self, source: int, name: str) -> bytes:
         image = self._header["images"][source]

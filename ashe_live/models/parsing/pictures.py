@@ -31,24 +31,27 @@ class Pictures:
         self._texels: dict[Hashable, Image] = {}
         self._decoded = 0  # texels, of all pictures so far
 
-    def named(self, file: str, name: str) -> Image | None:
+    def named(self, file: str, name: str, covers: bool = False) -> Image | None:
         """As `texels`, from a file beside the model's; None, with a note, where there is none."""
         if file in self._missing:
             return None
         try:
-            return self.texels(file, lambda: self._folder.get(file), name)
+            return self.texels(file, lambda: self._folder.get(file), name, covers)
         except MissingFileError:
             self._missing.add(file)
             self._notes.add(f"its picture {printable(file, NAME_CHARACTERS)} is not beside it, and is left out")
             return None
 
-    def texels(self, key: Hashable, content: Callable[[], bytes], name: str) -> Image:
+    def texels(self, key: Hashable, content: Callable[[], bytes], name: str, covers: bool = False) -> Image:
         """(h, w, 4) uint8 as the file has it, no side longer than MAX_TEXTURE_PX; `content` is asked for a new `key`.
 
-        Raises UserError when it is too large or of a kind that is not read, MalformedError naming `name` when it is
-        damaged.
+        `covers`: its alpha says how much of its colours is seen; else that is a number like the other three. Raises
+        UserError when it is too large or of a kind that is not read, MalformedError naming `name` when it is damaged.
         """
-        return self.made(key, lambda: self._decoded_from(content(), name))
+        texels = self.made((key, covers), lambda: self._decoded_from(content(), name, covers))
+        if max(texels.shape) < MAX_TEXTURE_PX or texels[..., 3].min() == 255:
+            self._texels[key, not covers] = texels  # where nothing was reduced, or by nothing, it is the same
+        return texels
 
     def made(self, key: Hashable, make: Callable[[], Image]) -> Image:
         """(h, w, 4) uint8 that is made of the file's pictures; `make` is called for a new `key`.
@@ -57,15 +60,16 @@ class Pictures:
         """
         if key not in self._texels:
             self._texels[key] = make()
-            check_texels(self._model, sum(kept.size // 4 for kept in self._texels.values()))
+            each = {id(kept): kept.size // 4 for kept in self._texels.values()}
+            check_texels(self._model, sum(each.values()))
         return self._texels[key]
 
-    def _decoded_from(self, content: bytes, name: str) -> Image:
+    def _decoded_from(self, content: bytes, name: str, covers: bool) -> Image:
         if content.startswith(KTX2):
             texels = basis.texels_of(self._model, content, name)
             self._decoded += texels.size // 4
             check_decoded(self._model, self._decoded)
-            return _reduced(PillowImage.fromarray(texels))
+            return _reduced(PillowImage.fromarray(texels), covers)
         try:
             picture = PillowImage.open(io.BytesIO(content))
         except PillowImage.DecompressionBombError:
@@ -85,12 +89,15 @@ class Pictures:
                 raise
             except Exception:  # Pillow's decoders raise anything
                 raise MalformedError(f"its {name} is damaged") from None
-        return _reduced(reduced)
+        return _reduced(reduced, covers)
 
 
-def _reduced(picture: PillowImage.Image) -> Image:
-    picture.thumbnail((MAX_TEXTURE_PX, MAX_TEXTURE_PX), PillowImage.Resampling.LANCZOS)
-    return np.asarray(picture, dtype=np.uint8)
+def _reduced(picture: PillowImage.Image, covers: bool) -> Image:
+    # Of four channels together Pillow weighs three by the fourth, which makes all black where that is 0.
+    channels = (picture,) if covers else picture.split()
+    for channel in channels:
+        channel.thumbnail((MAX_TEXTURE_PX, MAX_TEXTURE_PX), PillowImage.Resampling.LANCZOS)
+    return np.asarray(picture if covers else PillowImage.merge("RGBA", channels), dtype=np.uint8)
 
 
 def _in_8_bits(picture: PillowImage.Image) -> PillowImage.Image:
@@ -152,7 +159,8 @@ def opaque(colours: Image) -> Image:
 
 
 def resized(texels: Image, size: tuple[int, int]) -> Image:
-    """(h, w, 4) uint8 brought to `size`, width and height."""
+    """(h, w, 4) uint8 brought to `size`, width and height, each channel by itself."""
     if (texels.shape[1], texels.shape[0]) == size:
         return texels
-    return np.asarray(PillowImage.fromarray(texels).resize(size, PillowImage.Resampling.BILINEAR))
+    channels = PillowImage.fromarray(texels).split()
+    return np.dstack([np.asarray(each.resize(size, PillowImage.Resampling.BILINEAR)) for each in channels])

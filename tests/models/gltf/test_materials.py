@@ -14,6 +14,7 @@ from ashe_live.models.gltf.specular import SpecularGlossiness
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import BLACK, Alpha, MapLayout, Material
 from ashe_live.models.mesh import Model
+from ashe_live.models.parsing.limits import MAX_TEXTURE_PX
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES
 from tests.models.gltf_files import UVS, Document, png
 
@@ -327,3 +328,46 @@ def test_texels_beyond_a_cut_out_have_its_colour(tmp_path: Path, mode: str, beyo
     assert part.material.base_map is not None
     np.testing.assert_array_equal(part.material.base_map[..., 3], texels[..., 3])
     np.testing.assert_array_equal(np.unique(part.material.base_map[texels[..., 3] == 0][:, :3], axis=0), [beyond])
+
+
+@pytest.mark.parametrize("name", ["base_map", "metallic_roughness_map", "normal_map", "emissive_map"])
+def test_large_pictures_keep_their_colours_where_alpha_is_nothing(tmp_path: Path, name: str) -> None:
+    """3.9.2, 3.9.4: alpha is ignored where the material is opaque, and no other map has one."""
+    document = Document()
+    texture = document.embedded(png((200, 100, 50, 0), (2 * MAX_TEXTURE_PX, 2)))
+    materials = {
+        "base_map": {"pbrMetallicRoughness": {"baseColorTexture": texture}},
+        "metallic_roughness_map": {"pbrMetallicRoughness": {"metallicRoughnessTexture": texture}},
+        "normal_map": {"normalTexture": texture},
+        "emissive_map": {"emissiveTexture": texture, "emissiveFactor": [1, 1, 1]},
+    }
+    texels = quad_of(tmp_path, materials[name], document).parts[0].material.maps[name]
+    assert texels.shape[1] == MAX_TEXTURE_PX
+    np.testing.assert_array_equal(np.unique(texels[..., :3].reshape(-1, 3), axis=0), [(200, 100, 50)])
+
+
+def test_large_cut_outs_have_no_dark_rims(tmp_path: Path) -> None:
+    """What nobody sees, which is black as a rule, is not averaged with what is seen."""
+    texels = np.zeros((2, 2 * MAX_TEXTURE_PX, 4), np.uint8)
+    texels[:, 1001:] = 200, 100, 50, 255
+    encoded = io.BytesIO()
+    Image.fromarray(texels).save(encoded, "PNG")
+    document = Document()
+    textured = {"baseColorTexture": document.embedded(encoded.getvalue())}
+    material = quad_of(tmp_path, {"alphaMode": "MASK", "pbrMetallicRoughness": textured}, document).parts[0].material
+    seen = material.base_map[material.base_map[..., 3] > 50]
+    assert (seen[:, :3].min(axis=0) >= (190, 95, 45)).all()  # a sharp filter overshoots a little
+
+
+def test_a_smaller_map_of_specular_colours_keeps_them_where_it_is_matt(tmp_path: Path) -> None:
+    """Its alpha is the glossiness: rough silver, whose map has another size than the diffuse one."""
+    document = Document()
+    old = {
+        "diffuseTexture": document.embedded(png((0, 0, 0, 255), (8, 8))),
+        "specularGlossinessTexture": document.embedded(png((250, 250, 250, 0), (4, 4))),
+    }
+    material = (
+        quad_of(tmp_path, {"extensions": {"KHR_materials_pbrSpecularGlossiness": old}}, document).parts[0].material
+    )
+    assert (material.metallic, material.roughness) == pytest.approx((1, 1), abs=0.01)
+    assert material.base_map[..., :3].min() > 240
