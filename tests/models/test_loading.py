@@ -86,6 +86,18 @@ def test_normals_of_the_file_are_kept(tmp_path: Path) -> None:
     np.testing.assert_allclose(part.normals, part.vertices, atol=0.02)
 
 
+@pytest.mark.parametrize(("suffix", "with_normals"), [(".ply", "vertex_normal"), (".glb", "include_normals")])
+def test_vertices_of_no_triangle_do_not_count(tmp_path: Path, suffix: str, with_normals: str) -> None:
+    """They are not seen. Scans have stray points, and primitives of a glTF share their arrays with points and lines."""
+    box = _box()
+    stray = np.vstack([box.vertices, [(100.0, 100.0, 100.0)]])
+    normals = stray / np.linalg.norm(stray, axis=1, keepdims=True)
+    with_stray = trimesh.Trimesh(stray, box.faces, vertex_normals=normals, process=False)
+    with_stray.export(tmp_path / f"stray{suffix}", **{with_normals: True})
+    model = load_model_file(tmp_path / f"stray{suffix}", "z")
+    np.testing.assert_allclose(model.bounds, np.outer((-0.5, 0.5), EXTENTS), atol=1e-6)
+
+
 def test_computed_normals_are_smooth_on_a_sphere_and_sharp_on_a_box(tmp_path: Path) -> None:
     trimesh.creation.icosphere(subdivisions=3).export(tmp_path / "sphere.stl")
     part = load_model_file(tmp_path / "sphere.stl").parts[0]

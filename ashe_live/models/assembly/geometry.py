@@ -57,7 +57,7 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
     may_be_turned = raw.material.double_sided
     attributes = _attributes(raw)
     normals = _file_normals(raw, T)
-    source: NDArray[np.integer] = np.arange(len(vertices))
+    source: NDArray[np.integer]  # the file's vertices that are kept
     motion_normals = None if raw.motion is None else raw.motion.normals
     if normals is None:
         motion_normals = None
@@ -72,13 +72,17 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         kept, triangles = _welded(vertices[each], normals, *alike)
         source = each[kept]
         normals, vertices = normals[kept], vertices[source]
-        attributes = {name: values[each[kept]] for name, values in attributes.items()}
+        attributes = {name: values[source] for name, values in attributes.items()}
     else:
         triangles = _wound_like_normals(vertices, triangles, normals)
         faces_inwards = is_inside_out(vertices, triangles)
         if faces_inwards and may_be_turned:
             triangles, normals = triangles[:, ::-1], -normals
             motion_normals = None if motion_normals is None else -motion_normals
+        # What no triangle uses is not seen, and must not count where the model's size is measured.
+        source, triangles = _used(triangles, len(vertices))
+        vertices, normals = vertices[source], normals[source]
+        attributes = {name: values[source] for name, values in attributes.items()}
     motion = None
     if raw.motion is not None:
         motion = _placed_motion(raw.motion, motion_normals, T, source, triangles)
@@ -162,6 +166,14 @@ def _welded(places: Float32, normals: Float32, *attributes: Float32) -> tuple[ND
     keys = row_keys(np.hstack([places, np.round(normals, 3), *attributes]))
     _, kept, indices = np.unique(keys, return_index=True, return_inverse=True)
     return kept, indices.reshape(-1, 3).astype(np.uint32)
+
+
+def _used(triangles: Indices, count: int) -> tuple[NDArray[np.int64], Indices]:
+    """Which of `count` vertices triangles use (k,), and triangles (m, 3) of indices to those."""
+    is_used = np.zeros(count, np.bool_)
+    is_used[triangles.ravel()] = True
+    numbers = np.cumsum(is_used, dtype=np.uint32) - np.uint32(1)
+    return np.flatnonzero(is_used), numbers[triangles]
 
 
 def _wound_like_normals(vertices: Float32, triangles: Indices, normals: Float32) -> Indices:
