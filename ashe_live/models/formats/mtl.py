@@ -136,9 +136,9 @@ def _take(one: _Described, key: str, value: str) -> None:
 
 
 def _numbers(value: str) -> tuple[float, ...]:
-    """None of them for what is said in other terms, as a spectrum or in CIE XYZ."""
+    """None of them for what is said in other terms, as a spectrum or in CIE XYZ. A comment may follow them."""
     try:
-        numbers = tuple(float(word) for word in value.split())
+        numbers = tuple(float(word) for word in value.partition("#")[0].split())
     except ValueError:
         return ()
     if not np.isfinite(numbers).all():

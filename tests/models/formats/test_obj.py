@@ -277,3 +277,11 @@ def test_comments_may_stand_behind_numbers(tmp_path: Path) -> None:
     commented = read(tmp_path, "".join(f"{line} # {line}\n" for line in TRIANGLE.splitlines()))
     np.testing.assert_array_equal(plain.parts[0].vertices, commented.parts[0].vertices)
     np.testing.assert_array_equal(plain.parts[0].uvs, commented.parts[0].uvs)
+
+
+def test_comments_may_stand_behind_a_materials_numbers(tmp_path: Path) -> None:
+    lines = "Kd 1.0 0.0 0.0 # red\nKe 0 0 1# glows\nd 0.5 # half\nPr 0.25 # smooth"
+    material = surface(tmp_path, lines)
+    assert material.base_colour == pytest.approx((1, 0, 0, 0.5))
+    assert material.emissive == (0, 0, 1)
+    assert material.roughness == 0.25
