@@ -16,10 +16,10 @@ from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import read_mtl, text_of
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.formats.words import numbers_in
-from ashe_live.models.material import UNKNOWN, Material
+from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder, MissingFileError
 from ashe_live.models.parsing.malformed import MalformedError
-from ashe_live.models.parsing.notes import NAME_CHARACTERS, Notes
+from ashe_live.models.parsing.notes import NAME_CHARACTERS, WITHOUT_COORDINATES, Notes
 from ashe_live.models.parsing.pictures import Pictures
 from ashe_live.process.messages import printable
 
@@ -63,8 +63,10 @@ def read_obj(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
     for number in np.unique(faces):
         some = faces == number
         triangles = triangulated(places, corners[np.repeat(some, counts), 0], counts[some])
-        own = corners[np.repeat(some, counts)]
-        yield _mesh(own, triangles, (places, uvs, normals), colours, materials.get(names[number], UNKNOWN))
+        own, material = corners[np.repeat(some, counts)], materials.get(names[number], UNKNOWN)
+        if material.maps and (own[:, 1] < 0).any():
+            notes.add(WITHOUT_COORDINATES)
+        yield _mesh(own, triangles, (places, uvs, normals), colours, material)
 
 
 def _sorted(content: bytes) -> _Lines:
@@ -173,6 +175,9 @@ def _corners(lines: _Lines, there: tuple[int, int, int]) -> tuple[Indices, Indic
     if is_outside.any():
         row, column = np.argwhere(is_outside)[0]
         raise MalformedError(f"a face names {NAMED[column]} {indices[row, column]} of {there[column]:,}")
+    # A face lies on a picture with all of its corners, or not at all.
+    is_bare = np.logical_or.reduceat(absolute[:, 1] < 0, np.cumsum(counts) - counts)
+    absolute[np.repeat(is_bare, counts), 1] = -1
     return absolute, counts
 
 
@@ -204,13 +209,14 @@ def _mesh(
     places, uvs, normals = tables
     _, first, vertex = np.unique(_keys(corners), return_index=True, return_inverse=True)
     used = corners[first]
-    has_uvs, has_normals = (bool((used[:, column] >= 0).all()) for column in (1, 2))
+    has_uvs, has_normals = used[:, 1] >= 0, bool((used[:, 2] >= 0).all())
     return RawMesh(
         vertices=places[used[:, 0]],
         triangles=vertex[triangles],
         material=material,
         normals=normals[used[:, 2], :3] if has_normals else None,
-        uvs=uvs[used[:, 1], :2] if has_uvs else None,
+        # One mesh of a material may have coordinates, and another none.
+        uvs=np.where(has_uvs[:, None], uvs[used[:, 1], :2], NO_COORDINATES) if has_uvs.any() else None,
         colours=None if colours is None else colours[used[:, 0]],
     )
 

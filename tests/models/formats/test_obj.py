@@ -10,8 +10,9 @@ from ashe_live.errors import UserError
 from ashe_live.models.assembly.shading_normals import face_normals
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.loading import load_model_file
-from ashe_live.models.material import Alpha, Material
+from ashe_live.models.material import NO_COORDINATES, Alpha, Material
 from ashe_live.models.mesh import Model
+from ashe_live.models.parsing.notes import WITHOUT_COORDINATES
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
 
@@ -285,3 +286,16 @@ def test_comments_may_stand_behind_a_materials_numbers(tmp_path: Path) -> None:
     assert material.base_colour == pytest.approx((1, 0, 0, 0.5))
     assert material.emissive == (0, 0, 1)
     assert material.roughness == 0.25
+
+
+def test_a_picture_is_seen_wherever_there_are_texture_coordinates(tmp_path: Path) -> None:
+    """One object has them; another of the same material has none, and the colour of the picture's corner."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    bare = "v 5 0 0\nv 6 0 0\nv 5 1 0\nf 4 5 6\n"
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}{bare}", a="newmtl m\nmap_Kd red.png\n")
+    (part,) = model.parts
+    assert part.material.base_map is not None
+    of_first = part.vertices[:, 0] < 5
+    np.testing.assert_array_equal(sorted(map(tuple, part.uvs[of_first])), [(0, 0), (0, 1), (1, 0)])
+    np.testing.assert_array_equal(part.uvs[~of_first], [NO_COORDINATES] * 3)
+    assert model.notes == (WITHOUT_COORDINATES,)
