@@ -233,6 +233,18 @@ def test_between_keyframes_it_moves_as_the_format_says(tmp_path: Path, interpola
         np.testing.assert_allclose(motion.normals[number], np.tile((0, -1, 0), (4, 1)), atol=1e-5)
 
 
+def test_a_spline_that_comes_back_to_where_it_began_moves_in_between(tmp_path: Path) -> None:
+    """Appendix C: between two keyframes of the same value it follows their tangents."""
+    document = Document()
+    bare_quad(document)
+    still, out, back = (0, 0, 0), (4, 0, 0), (-4, 0, 0)
+    animated(document, "translation", np.float32([still, still, out, back, still, still]), "CUBICSPLINE")
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    motion = model.parts[0].motion
+    assert motion is not None
+    assert_there(motion.at(0.5)[0], CORNERS + np.array((4 / 8 + 4 / 8, 0, 0)), within=1e-2)
+
+
 def test_a_rotation_goes_the_shorter_way_at_an_even_pace(tmp_path: Path) -> None:
     document = Document()
     bare_quad(document)

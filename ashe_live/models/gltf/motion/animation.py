@@ -42,7 +42,7 @@ class Animation:
         times = [track.times for track in self._tracks.values()]
         self.begin_s = min((float(each[0]) for each in times), default=0.0)
         self.duration_s = max((float(each[-1]) for each in times), default=0.0) - self.begin_s
-        changing = (target for target, track in self._tracks.items() if np.any(np.ptp(track.values, axis=0)))
+        changing = (target for target, track in self._tracks.items() if track.changes)
         self.moving = frozenset(changing)  # nodes and paths that are not the same all the time
 
     def at(self, time_s: float) -> Changes:
@@ -67,6 +67,12 @@ class _Track:
     tangents: tuple[Float, Float] | None  # (k, n) into and out of each, of a cubic spline
     is_stepped: bool
     is_rotation: bool
+
+    @property
+    def changes(self) -> bool:
+        """Whether it is not the same all the time: a spline may also leave a value and come back to it."""
+        leaves = self.tangents is not None and (np.any(self.tangents[0][1:]) or np.any(self.tangents[1][:-1]))
+        return bool(leaves or np.any(np.ptp(self.values, axis=0)))
 
     def at(self, time_s: float) -> Float:
         """(n,) the value at a time; before the first keyframe that of the first, after the last that of the last."""
