@@ -355,6 +355,15 @@ def test_a_node_that_is_not_seen_is_left_out(tmp_path: Path) -> None:
     assert load_model_file(document.save(tmp_path / "a.glb")).triangle_count == 2
 
 
+def test_a_skin_follows_joints_that_are_not_seen(tmp_path: Path) -> None:
+    """KHR_node_visibility is about what is drawn: a joint is where it is all the same."""
+    document = Document()
+    skinned_quad(document)
+    seen = places(load_model_file(document.save(tmp_path / "a.glb")))
+    document.json["nodes"][1]["extensions"] = {"KHR_node_visibility": {"visible": False}}
+    np.testing.assert_allclose(places(load_model_file(document.save(tmp_path / "b.glb"))), seen)
+
+
 def test_quantised_places_are_placed_by_their_node(tmp_path: Path) -> None:
     """KHR_mesh_quantization: integers that a node scales, and normals as shares of the largest."""
     document = Document()

@@ -28,18 +28,20 @@ class Pose:
         self._skins: list[Json] = header["skins"]
         self._changes = changes
         self.worlds: dict[int, Float] = {}  # (4, 4) of every node of the scene that is seen
+        self._all_worlds: dict[int, Float] = {}  # of the others too: what is not seen may move a skin that is
         self._place(roots_of(header))
         self._joints: dict[int, Float] = {}
 
     def _place(self, roots: list[int]) -> None:
-        waiting = [(place, np.eye(4)) for place in roots]
+        waiting = [(place, np.eye(4), True) for place in roots]
         while waiting:
-            place, parent = waiting.pop()
+            place, parent, is_seen = waiting.pop()
             node = self._nodes[place]
-            if not node.get("extensions", {}).get("KHR_node_visibility", {}).get("visible", True):
-                continue
-            self.worlds[place] = world = parent @ self._local(place, node)
-            waiting += [(child, world) for child in node.get("children", [])]
+            is_seen &= node.get("extensions", {}).get("KHR_node_visibility", {}).get("visible", True)
+            self._all_worlds[place] = world = parent @ self._local(place, node)
+            if is_seen:
+                self.worlds[place] = world
+            waiting += [(child, world, is_seen) for child in node.get("children", [])]
 
     def _local(self, place: int, node: Json) -> Float:
         moved = {path: self._changes.get((place, path), node.get(path)) for path in PATHS}
@@ -66,7 +68,7 @@ class Pose:
                 if stored.shape[1] != 16 or len(stored) < len(joints):
                     raise MalformedError(f"skins[{skin}] has fewer inverse bind matrices than joints")
                 bound = stored[: len(joints)].reshape(-1, 4, 4).swapaxes(1, 2)
-            self._joints[skin] = np.stack([self.worlds.get(joint, np.eye(4)) for joint in joints]) @ bound
+            self._joints[skin] = np.stack([self._all_worlds.get(joint, np.eye(4)) for joint in joints]) @ bound
         return self._joints[skin]
 
     def moved_by(self, targets: frozenset[tuple[int, str]]) -> frozenset[int]:
