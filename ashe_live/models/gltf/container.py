@@ -113,6 +113,7 @@ def named_content(uri: str, folder: Folder) -> bytes:
     if not comma:
         raise MalformedError("a data URI has no comma")
     try:
-        return base64.b64decode(data) if kind.endswith(";base64") else unquote_to_bytes(data)
+        content = unquote_to_bytes(data)
+        return base64.b64decode(content) if kind.endswith(";base64") else content
     except (binascii.Error, ValueError):
         raise MalformedError("a data URI is no base64") from None

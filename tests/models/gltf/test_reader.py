@@ -1,9 +1,11 @@
 """Everything that glTF's metallic-roughness materials say arrives, from wherever its textures lie."""
 
 import base64
+import json
 import struct
 import zlib
 from pathlib import Path
+from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -89,6 +91,21 @@ def test_no_texture_comes_from_outside_the_folder(tmp_path: Path, uri: str) -> N
     model = load_model_file(document.save(tmp_path / "model" / "quad.glb"))
     assert not model.parts[0].material.maps
     assert model.notes == (f"its picture {uri} is not beside it, and is left out",)
+
+
+def test_data_in_an_address_may_be_percent_encoded(tmp_path: Path) -> None:
+    """As any part of an address, base64 too: RFC 3986, 2.1, and RFC 2397."""
+    document = Document()
+    document.quad()
+    path = document.save(tmp_path / "quad.gltf")
+    plain = load_model_file(path).parts[0]
+    content = json.loads(path.read_text())
+    (buffer,) = content["buffers"]
+    kind, _, data = buffer["uri"].partition(",")
+    buffer["uri"] = f"{kind},{quote(data, safe='')}"
+    assert "%2" in buffer["uri"]
+    path.write_text(json.dumps(content))
+    np.testing.assert_array_equal(load_model_file(path).parts[0].vertices, plain.vertices)
 
 
 def test_texture_that_cannot_be_read_is_said(tmp_path: Path) -> None:
