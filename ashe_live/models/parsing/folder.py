@@ -55,8 +55,10 @@ class Folder:
         # Before it is looked at: on Windows that of another machine would be asked for.
         is_elsewhere = bool(PureWindowsPath(relative).anchor) or "\0" in relative or not self._is_within(relative)
         if not is_elsewhere:
-            if (path := self._named_like(relative)) is not None:
-                return path
+            # A downloaded file may have %20 in its name, and formats other than glTF have no such codes.
+            for spelled in (relative, name.strip().replace("\\", "/")):
+                if (path := self._named_like(spelled)) is not None:
+                    return path
         elif "\0" not in relative and "://" not in relative:
             parts = [part for part in PurePosixPath(relative).parts if part not in ("..", "/")]
             for first in range(max(1 if len(parts) > 1 else 0, len(parts) - 3), len(parts)):

@@ -95,6 +95,12 @@ def test_a_picture_beside_the_model_is_found(tmp_path: Path, name: str) -> None:
     assert tuple(surface(tmp_path, f"map_Kd {name}").base_map[0, 0]) == (255, 0, 0, 255)
 
 
+@pytest.mark.parametrize("name", ["my%20red.png", "100%25.png", "MY%20RED.png"])
+def test_a_picture_may_have_a_percent_sign_in_its_name(tmp_path: Path, name: str) -> None:
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / name.replace("MY%20RED", "my%20red"))
+    assert surface(tmp_path, f"map_Kd {name}").base_map is not None
+
+
 def test_a_picture_in_a_folder_beside_the_model_is_found_by_the_end_of_its_path(tmp_path: Path) -> None:
     (tmp_path / "Textures").mkdir()
     Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "Textures" / "my red.png")
