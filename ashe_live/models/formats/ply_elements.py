@@ -72,7 +72,8 @@ def _header(content: bytes) -> tuple[str, list[Element], int]:
     end = content.find(HEADER_END)
     if not content.startswith(b"ply") or end < 0:
         raise MalformedError("it has no PLY header")
-    newline = content.find(b"\n", end)
+    # The format was written for carriage returns alone; bytes that follow them may hold a line feed.
+    newline = content.find(b"\n" if b"\n" in content[:end] else b"\r", end)
     begin = newline + 1 if newline >= 0 else len(content)
     order: str | None = None
     elements: list[Element] = []

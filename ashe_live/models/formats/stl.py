@@ -67,6 +67,7 @@ def _colours(header: bytes, attributes: NDArray[np.uint16]) -> Float | None:
 
 def _of_text(content: bytes) -> np.ndarray:
     """The corners, which stand between the word vertex and the end of the line."""
+    content = content.replace(b"\r", b"\n")
     lines = [piece.split(b"\n", 1)[0] for piece in VERTEX.split(NAMES.sub(b"", content))[1:]]
     numbers = numbers_in(b" ".join(lines))
     if numbers.size != 3 * len(lines) or len(lines) % 3:

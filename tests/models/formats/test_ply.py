@@ -159,3 +159,15 @@ def test_of_several_textures_one_is_drawn_with_a_word(tmp_path: Path) -> None:
         "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"
     )
     assert load_model_file(tmp_path / "a.ply").notes == ("one of its 2 textures is drawn, on all of it",)
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_lines_may_end_in_carriage_returns_alone(tmp_path: Path, kind: str) -> None:
+    """As the format's description has them."""
+    content = written(kind, tmp_path / "a.ply").read_bytes()
+    begin = content.index(b"end_header\n") + len(b"end_header\n")
+    rest = content[begin:].replace(b"\n", b"\r") if kind == "ascii" else content[begin:]
+    (tmp_path / "b.ply").write_bytes(content[:begin].replace(b"\n", b"\r") + rest)
+    (plain,), (other,) = (load_model_file(tmp_path / name, up="z").parts for name in ("a.ply", "b.ply"))
+    np.testing.assert_array_equal(other.vertices, plain.vertices)
+    np.testing.assert_array_equal(other.triangles, plain.triangles)

@@ -67,10 +67,12 @@ def test_a_binary_file_that_speaks_of_facets_is_counted_as_binary(monkeypatch: p
         limits.check_text(Path("a.stl"), content)
 
 
+@pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("name", ["vertex cover", "a solid vertex 1 2 3", ""])
-def test_a_solid_may_have_any_name(tmp_path: Path, name: str) -> None:
+def test_a_solid_may_have_any_name(tmp_path: Path, name: str, line_end: str) -> None:
     corners = "".join(f"    vertex {place}\n" for place in ("0 0 0", "1 0 0", "0 1 0"))
     facet = f"  facet normal 0 0 1\n   outer loop\n{corners}   endloop\n  endfacet\n"
-    (tmp_path / "a.stl").write_text(2 * f"solid {name}\n{facet}endsolid {name}\n")
+    text = 2 * f"solid {name}\n{facet}endsolid {name}\n"
+    (tmp_path / "a.stl").write_text(text, newline=line_end)
     model = load_model_file(tmp_path / "a.stl", "z")
     np.testing.assert_array_equal(model.bounds, [(0, 0, 0), (1, 1, 0)])
