@@ -390,6 +390,19 @@ def test_what_is_far_from_the_origin_is_not_torn(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.ptp(load_model_file(tmp_path / "a.obj").bounds, axis=0), (1, 1, 0), atol=1e-6)
 
 
+def test_what_moves_far_from_the_origin_is_not_torn(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    document.json["nodes"][0]["translation"] = [4_400_000.3, 0, 5_300_000.7]
+    half = math.sin(math.radians(45))
+    animated(document, "rotation", np.float32([(0, 0, 0, 1), (0, 0, half, half)]))
+    motion = load_model_file(document.save(tmp_path / "a.glb")).parts[0].motion
+    assert motion is not None
+    for vertices in motion.vertices:
+        apart = np.sort(np.linalg.norm(vertices[:, None] - vertices, axis=2), axis=1)
+        np.testing.assert_allclose(apart, np.tile((0, 1, 1, math.sqrt(2)), (4, 1)), atol=1e-6)  # a square, turned
+
+
 def test_points_and_lines_are_left_out_and_said(tmp_path: Path) -> None:
     document = Document()
     bare_quad(document)

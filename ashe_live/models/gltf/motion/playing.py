@@ -51,28 +51,31 @@ def played(
     times = animation.times(sum(len(drawn[place].mesh.vertices) for place in moving))
     if not moving or times is None:
         return None if moving else meshes
-    kept = {place: _Poses(drawn[place].mesh, len(times)) for place in moving}
+    kept = {place: _Poses(drawn[place], len(times)) for place in moving}
     for number, time_s in enumerate(times):
         pose = Pose(header, arrays, animation.at(time_s))
         for place, poses in kept.items():
             poses.keep(number, *drawn[place].posed(header, pose))
     for place, poses in kept.items():
-        meshes[place] = np.eye(4), poses.mesh(animation.duration_s)
+        meshes[place] = poses.T, poses.mesh(animation.duration_s)
     return meshes
 
 
 class _Poses:
-    """The poses of one moving mesh, in the scene."""
+    """The poses of one moving mesh in the scene, from where it begins: far away, single precision would tear them."""
 
-    def __init__(self, mesh: RawMesh, count: int) -> None:
+    def __init__(self, drawn: Drawn, count: int) -> None:
+        mesh = self._mesh = drawn.mesh
         shape = count, len(mesh.vertices), 3
-        self._mesh = mesh
+        self._begin: Float = drawn.T[:3, :3] @ mesh.vertices.mean(axis=0, dtype=np.float64) + drawn.T[:3, 3]
+        self.T = np.eye(4)  # (4, 4) from the poses to the scene
+        self.T[:3, 3] = self._begin
         self._vertices = np.empty(shape, np.float32)
         self._normals = None if mesh.normals is None else np.empty(shape, np.float32)
         self._mirrored = np.zeros(count, np.bool_)
 
     def keep(self, number: int, vertices: Float, normals: Float | None, is_mirrored: bool) -> None:
-        self._vertices[number], self._mirrored[number] = vertices, is_mirrored
+        self._vertices[number], self._mirrored[number] = vertices - self._begin, is_mirrored
         if normals is not None and self._normals is not None:
             self._normals[number] = normals
 
