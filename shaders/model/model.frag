@@ -192,8 +192,10 @@ void main() {
     base *= texture(base_map, laid_out(BASE), -0.5);
 #endif
 #ifdef CUT_OUT
-    // The part of the pixel that is not cut away: the distance to where alpha crosses the cut-off, in pixels.
-    float kept = (base.a - alpha_cutoff) / max(length(vec2(dFdx(base.a), dFdy(base.a))), LEAST_ALPHA) + 0.5;
+    // The part of the pixel that is not cut away: the distance to where alpha crosses the cut-off, in pixels. All that has
+    // the cut-off's own alpha is kept, and nothing that has a step less.
+    float above = base.a - alpha_cutoff + 0.5 * LEAST_ALPHA;
+    float kept = above / max(length(vec2(dFdx(base.a), dFdy(base.a))), LEAST_ALPHA) + 0.5;
 #endif
     vec3 n = surface_normal();
     vec3 facing = triangle_normal(position, n);

@@ -352,6 +352,17 @@ def test_cut_out_has_holes_in_the_model_and_in_its_shadow(make_renderer, stage) 
             assert (np.abs(seen - ASSUMED_WHITE) < 0.02).all() != is_open
 
 
+@pytest.mark.parametrize(("alpha", "is_kept"), [(1.0, True), (0.5, True), (0.5 - 1 / 255, False), (0.0, True)])
+def test_what_has_the_alpha_of_the_cut_off_is_kept_whole(make_renderer, stage, alpha: float, is_kept: bool) -> None:
+    """glTF 2.0, 3.9.4: with an alpha of at least the cut-off it is fully opaque, and else nothing."""
+    studio = _Studio(make_renderer, stage)
+    cutoff = alpha if is_kept else 0.5
+    red = Material(base_colour=(1.0, 0.0, 0.0, alpha), alpha=Alpha.CUT_OUT, alpha_cutoff=cutoff)
+    studio.picture(_sheet(red))
+    covered = _layer(studio)[..., 3][np.abs(np.stack(_on_sheet(studio, 1))).max(axis=0) < 0.9]
+    np.testing.assert_allclose(covered, float(is_kept), atol=1e-3)
+
+
 def _layer(studio: _Studio) -> np.ndarray:
     """(h, w, 4) the light that the model added to the last picture, and what it covers of each pixel."""
     width, height = studio.tracked.frame.size
