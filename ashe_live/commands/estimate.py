@@ -13,6 +13,7 @@ from ashe_live.commands.answers.empty_table import EmptyTable
 from ashe_live.commands.answers.file_answers import FileEstimator
 from ashe_live.commands.answers.light_page import LightPage
 from ashe_live.commands.flags.marker_choice import other_markers_hint
+from ashe_live.commands.flags.model_choice import marker_files
 from ashe_live.commands.flags.named_files import named_files
 from ashe_live.commands.flags.setup import camera_chooser, light_preset, make_tracker
 from ashe_live.core.contract import FileRecord
@@ -42,7 +43,9 @@ def run(options: argparse.Namespace) -> int:
         raise UserError(f"the sheet is a page, and {options.sheet} is not named as one", "let its name end in .html")
     makes_folder_of_sheet = _is_in_folder_to_be(options.sheet, options.debug)
     sheets = [] if makes_folder_of_sheet else [options.sheet]
-    check_outputs(sheets, [*named, options.empty, options.camera_file, options.debug], options.overwrite)
+    caster = None if options.caster is None else Path(options.caster)  # it may be a model's file
+    inputs = [*named, options.empty, options.camera_file, options.debug, caster, *marker_files(options)]
+    check_outputs(sheets, inputs, options.overwrite)
     estimator = make_estimator(options.estimator, light_preset(options))
     camera_for = camera_chooser(options)
     empty = _empty_table(options, estimator.name)

@@ -368,6 +368,19 @@ def test_the_sheet_has_a_picture_of_every_file_that_has_one_and_escapes_what_it_
     assert not re.search(r"""(src|href)=["'](?!data:)""", text)
 
 
+@pytest.mark.parametrize("flags", [("--caster", "{}"), ("--marker", "pattern:{}"), ("--marker", "cube+image:{}")])
+def test_what_a_flag_reads_is_not_replaced_by_the_sheet(run, files, tmp_path, flags):
+    path, other = tmp_path / "mine.html", tmp_path / "other.html"
+    path.write_bytes(b"precious")
+    other.hardlink_to(path)
+    for sheet in (path, other):
+        named = (flag.format(path) for flag in flags)
+        outcome = run("estimate", *KNOWN, files["photo"], *named, "--sheet", sheet, "--overwrite")
+        assert outcome.status == 2
+        assert "is also read" in outcome.err[0]
+    assert path.read_bytes() == other.read_bytes() == b"precious"
+
+
 def test_a_batch_that_is_interrupted_leaves_a_sheet_of_what_was_answered(run, folder, fail_on_dark):
     sheet = folder / "sheet.html"
     fail_on_dark(KeyboardInterrupt())
