@@ -67,8 +67,9 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         normals = (flat_normals if raw.is_flat else corner_normals)(vertices, triangles)
         each = triangles.ravel()
         alike = [values[each] for values in attributes.values()]
-        if raw.motion is not None:  # what is in one place now may move apart
-            alike.append(each[:, None].astype(np.float32))
+        if raw.motion is not None:  # what is in one place now may move apart, and what is in one plane may be folded
+            own = np.arange(len(each)) // 3 if raw.is_flat else each
+            alike.append(own[:, None].astype(np.float32))
         kept, triangles = _welded(vertices[each], normals, *alike)
         source = each[kept]
         normals, vertices = normals[kept], vertices[source]

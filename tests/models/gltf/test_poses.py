@@ -170,6 +170,21 @@ def test_what_moves_apart_is_not_welded(tmp_path: Path) -> None:
     assert_there(motion.vertices[-1], corners + swung)
 
 
+def test_what_is_folded_has_an_edge_where_it_has_no_normals(tmp_path: Path) -> None:
+    """3.7.2.1: flat normals, also of triangles that share vertices and lie in one plane at first."""
+    document = Document()
+    bare_quad(document)
+    lifted = document.accessor(np.float32([(0, 0, 0), (0, 0, 1), (0, 0, 0), (0, 0, 0)]))
+    document.json["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": lifted}]
+    animated(document, "weights", np.float32([0, 1]))
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    folded, normals = part.motion.vertices[-1], part.motion.normals[-1]
+    flat = face_normals(folded, part.triangles)
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    assert flat[0] @ flat[1] < 0.8
+    np.testing.assert_allclose(normals[part.triangles], np.repeat(flat[:, None], 3, axis=1), atol=1e-6)
+
+
 def test_weights_count_by_their_share(tmp_path: Path) -> None:
     document = Document()
     skinned_quad(document)
@@ -230,7 +245,7 @@ def test_between_keyframes_it_moves_as_the_format_says(tmp_path: Path, interpola
     count = len(motion.vertices)
     for number, vertices in enumerate(motion.vertices):
         assert_there(vertices, CORNERS + at(number / (count - 1)))
-        np.testing.assert_allclose(motion.normals[number], np.tile((0, -1, 0), (4, 1)), atol=1e-5)
+        np.testing.assert_allclose(motion.normals[number], np.tile((0, -1, 0), (len(vertices), 1)), atol=1e-5)
 
 
 def test_a_spline_that_comes_back_to_where_it_began_moves_in_between(tmp_path: Path) -> None:
@@ -398,9 +413,10 @@ def test_what_moves_far_from_the_origin_is_not_torn(tmp_path: Path) -> None:
     animated(document, "rotation", np.float32([(0, 0, 0, 1), (0, 0, half, half)]))
     motion = load_model_file(document.save(tmp_path / "a.glb")).parts[0].motion
     assert motion is not None
-    for vertices in motion.vertices:
+    for pose in motion.vertices:
+        vertices = np.unique(np.round(pose, 6), axis=0)
         apart = np.sort(np.linalg.norm(vertices[:, None] - vertices, axis=2), axis=1)
-        np.testing.assert_allclose(apart, np.tile((0, 1, 1, math.sqrt(2)), (4, 1)), atol=1e-6)  # a square, turned
+        np.testing.assert_allclose(apart, np.tile((0, 1, 1, math.sqrt(2)), (4, 1)), atol=1e-5)  # a square, turned
 
 
 def test_points_and_lines_are_left_out_and_said(tmp_path: Path) -> None:
