@@ -22,7 +22,7 @@ from ashe_live.models.parsing.pictures import resized
 # The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
 # files, which begin with these words, colours are linear, the exponent is 1000 (1 - roughness)^2, and where the model
 # of illumination is one of mirrors the ambient colour is how much of a metal it is.
-BLENDERS_FIRST_WORDS, BLENDERS_SHININESS, MIRRORS = "# Blender", 1000.0, (3, 6)
+BLENDERS_FIRST_WORDS, BLENDERS_SHININESS, MIRRORS = b"# Blender", 1000.0, (3, 6)
 COLOURS = {"ka": "ambient", "kd": "diffuse", "ke": "emission"}
 # How many numbers follow an option of a map; what is left is the file's name, spaces and all.
 OPTIONS = {
@@ -84,10 +84,11 @@ def read_mtl(model: Path, content: bytes, texels: Callable[[str], Image | None],
     described: dict[str, _Described] = {}
     one = _Described()
     count = 0
-    text = text_of(in_utf8(content))
-    for line in text.splitlines():
-        key, _, value = line.strip().partition(" ") if "\t" not in line.strip() else _parted(line)
-        key, value = key.lower(), value.strip()
+    content = in_utf8(content)
+    for line in content.splitlines():
+        word, rest = (*line.split(None, 1), b"", b"")[:2]
+        # Each by itself, as the OBJ's names are: a path may be of another encoding, whose bytes may end lines of text.
+        key, value = text_of(word).lower(), text_of(rest.strip())
         if key == "newmtl":
             one = described[value] = _Described()
             count += 1
@@ -96,15 +97,10 @@ def read_mtl(model: Path, content: bytes, texels: Callable[[str], Image | None],
             _take(one, key, value)
             if key in NOT_DRAWN:
                 notes.add(f"{NOT_DRAWN[key]} of its materials are left out")
-    is_blenders = text.lstrip().startswith(BLENDERS_FIRST_WORDS)
+    is_blenders = content.lstrip().startswith(BLENDERS_FIRST_WORDS)
     if any(one.cut_out is not None and one.picture is None for one in described.values()):
         notes.add("masks of its materials without a picture are left out")
     return {name: _material(one, texels, is_blenders) for name, one in described.items()}
-
-
-def _parted(line: str) -> tuple[str, str, str]:
-    key, *rest = line.split(None, 1)
-    return key, " ", rest[0] if rest else ""
 
 
 def _take(one: _Described, key: str, value: str) -> None:

@@ -305,3 +305,15 @@ def test_a_picture_is_seen_wherever_there_are_texture_coordinates(tmp_path: Path
     np.testing.assert_array_equal(sorted(map(tuple, part.uvs[of_first])), [(0, 0), (0, 1), (1, 0)])
     np.testing.assert_array_equal(part.uvs[~of_first], [NO_COORDINATES] * 3)
     assert model.notes == (WITHOUT_COORDINATES,)
+
+
+@pytest.mark.parametrize(
+    ("name", "beside"), [("rot…".encode("cp1252"), b""), ("グ".encode("gbk"), b""), ("Grün".encode(), b"\xfcber.png")]
+)
+def test_names_of_materials_may_be_of_any_encoding(tmp_path: Path, name: bytes, beside: bytes) -> None:
+    """Also where a byte of them ends lines of text (0x85), and where a path beside them is of another one."""
+    (tmp_path / "a.mtl").write_bytes(b"newmtl other\nbump " + beside + b"\nnewmtl " + name + b"\nKd 1 0 0\n")
+    (tmp_path / "a.obj").write_bytes(b"mtllib a.mtl\nusemtl " + name + b"\n" + TRIANGLE.encode())
+    model = load_model_file(tmp_path / "a.obj")
+    assert model.parts[0].material.base_colour[:3] == (1, 0, 0)
+    assert not any("none of its libraries" in note for note in model.notes)
