@@ -97,6 +97,17 @@ def test_what_is_cast_by_the_foot_neither_moves_nor_blurs() -> None:
     assert edges.by_size.max() > 5
 
 
+@pytest.mark.parametrize("light", [(0.9, -0.5, 1.0, 0.0), (-0.4, 0.7, 1.0, 2.5), (0.3, 0.2, 1.0, 6.0)])
+def test_a_penumbra_is_as_wide_as_the_lights_disc_moves_the_edge(light: tuple[float, ...]) -> None:
+    here = np.array(light) / np.linalg.norm(light[:3])
+    edges = edges_of(here)
+    # By moves of the light along the axes, over its distance from the marker's centre.
+    x, y, z, w = here
+    by_moves = edges.by_light @ np.array([[1 / z, 0, -x / z**2], [0, 1 / z, -y / z**2], [0, 0, -w / z**2]])
+    # A disc of 1 rad reaches by half of that, and a semicircular density's standard deviation is half of its reach.
+    assert edges.by_size == pytest.approx(np.linalg.norm(by_moves, axis=1) / 4, abs=1e-6)
+
+
 def test_normals_point_out_of_the_shadow_at_right_angles_to_its_edges() -> None:
     edges = edges_of(np.array((0.9, -0.5, 1.0, 0.0)))
     middle = edges.points_px.mean(axis=0)

@@ -93,8 +93,9 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     # A place's pixel moves along the side's normal by this over its depth, as that line's homogeneous vector says: the
     # product with places on it, (x, y, 0, 1), is 0.
     lines = in_image[:2].T @ normals - in_image[2, :, None] * (normals * pixels).sum(axis=0)
-    # With pixels a by metres, and s and the distance those of the light from what casts the edge: a turn of it by 1
-    # moves the edge by the root of (1 + s's)(a'a + (a's)^2), and a disc's standard deviation is a quarter of its width.
+    # With pixels a by metres and s that of the light from what casts the edge, at the height h: a move of the light by
+    # its own distance moves the edge by the root of a'a + (a's)^2, times h / (1 - h w / z) over the unit vector's z. A
+    # disc's standard deviation is a quarter of its width.
     by_size = np.sqrt((lines[:2] ** 2).sum(axis=0) + (s @ lines[:2] + nearness * lines[3]) ** 2) / (4 * up)
 
     side, along_px = _evenly_along(lengths_px)
@@ -112,7 +113,7 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
         side,
         np.minimum(along_px, of_sides[6] - along_px),
         (of_sides[2:5] * drop_over_depth).T,
-        of_sides[5] * drop_over_depth * (1 + nearness * drop),
+        of_sides[5] * drop_over_depth,
         share,
         inverse_depth,
         drop,
