@@ -11,6 +11,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.light_covariance import tempered
 from ashe_live.light.shape.directions import information_on_displacement
 from ashe_live.light.shape.layout import Layout, nearness_of
+from ashe_live.light.views.joint.aligned import views_per_sample
 
 LEAST_EIGENVALUE = 1e-6  # of a correlation matrix
 
@@ -34,8 +35,10 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
     if explanation.nearness is not None:
         offset, information = explanation.nearness.offset, explanation.nearness.information
     else:
-        offset, unary = lights_as_lamps([placed, *explanation.alignment.elsewhere])
-        information = tempered(unary, explanation.alignment) + _of_ends_out_of_view(explanation)
+        views = [placed, *explanation.alignment.elsewhere]
+        offset, unary = lights_as_lamps(views)
+        information = tempered(unary, explanation.alignment) / views_per_sample(len(views))
+        information += _of_ends_out_of_view(explanation)
     covariance = _bounded_inverse(information)
     layout, top = Layout(len(placed.lit.lights), with_nearness=True), placed.lit.body.height
     found = []

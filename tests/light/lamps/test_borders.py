@@ -8,9 +8,11 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.light.edges.nearness import NearnessBySteps
 from ashe_live.light.explanation.explain import END_IN_VIEW
+from ashe_live.light.explanation.light_covariance import lights_of
 from ashe_live.light.lamps.borders import lamp_borders, length_by_light
 from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.light_points import cast_on_ground
+from ashe_live.light.views.joint.aligned import JointStart, explained_where_it_stands
 from tests.light.lamps.test_hypotheses import by_a_sun
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, Caster
@@ -60,3 +62,18 @@ def test_what_is_beyond_the_first_order_is_not_estimated(share: float, least: fl
     (borders,) = lamp_borders(replace(explanation, nearness=asked))
     assert borders.nearness == pytest.approx(nearness)
     assert least <= borders.nearness_sigma / sigma < most
+
+
+def test_several_views_say_as_much_more_of_the_nearness_as_of_the_direction() -> None:
+    """What they share is no news for either: the body's model, the ground's texture along its borders."""
+    explanation, _ = by_a_sun(painted_region(BOX))
+    costs, lit = explanation.costs, explanation.alignment.placed.lit
+    one, nine = (explained_where_it_stands(JointStart(explanation, lit, [costs] * count)) for count in (1, 9))
+    assert one is not None
+    assert nine is not None
+    in_direction, in_nearness = (
+        [float(np.trace(lights_of(each.joint.alignment)[0].covariance_rad2)) for each in (one, nine)],
+        [lamp_borders(each.joint)[0].nearness_sigma ** 2 for each in (one, nine)],
+    )
+    assert in_nearness[1] / in_nearness[0] == pytest.approx(in_direction[1] / in_direction[0], rel=0.03)
+    assert in_nearness[1] > 0.3 * in_nearness[0]
