@@ -52,9 +52,18 @@ def moved_body(body: Proxy, T_new_old: Float) -> Proxy:
 
 def with_moved_marker(tracked: TrackedFrame, T_new_old: Float) -> TrackedFrame:
     """The frame, which must have a marker, with the pose of the new frame in it; T_new_old (4, 4): rigid, metres."""
-    assert tracked.marker is not None
-    T_cam_new = tracked.marker.T_cam_marker @ inverse_rigid(T_new_old)
-    return replace(tracked, marker=replace(tracked.marker, T_cam_marker=T_cam_new))
+    marker = tracked.marker
+    assert marker is not None
+    T_cam_new = marker.T_cam_marker @ inverse_rigid(T_new_old)
+    # A turn by which the pose is off is one about the old origin, and shifts the new one.
+    by_old, (x, y, z) = np.eye(6), T_cam_new[:3, 3] - marker.T_cam_marker[:3, 3]
+    by_old[3:, :3] = (0, z, -y), (-z, 0, x), (y, -x, 0)
+    covariance, noise = (
+        None if each is None else _propagated(each, by_old) for each in (marker.covariance, marker.noise_covariance)
+    )
+    return replace(
+        tracked, marker=replace(marker, T_cam_marker=T_cam_new, covariance=covariance, noise_covariance=noise)
+    )
 
 
 def _propagated(covariance: Float, slope: Float) -> Float:

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import normalised, rigid, tangent_basis
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import inverse_rigid, normalised, rigid, tangent_basis
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.light.views.ground_height import seen_from_marker
-from ashe_live.light.views.moved_frame import moved_light
+from ashe_live.light.views.moved_frame import moved_light, with_moved_marker
 from tests.light.painted_scenes import direction
 
 RAISED = rigid(np.eye(3), [0.0, 0.0, -0.02])  # T_new_old
@@ -59,3 +60,26 @@ def test_a_lamp_found_from_the_ground_is_as_uncertain_as_it_is_from_the_marker_a
     (seen,) = seen_from_marker(Illumination((lamp(COVARIANCE),)), 0.02).lights
     slope = slope_by_differences(lamp(), RAISED)
     np.testing.assert_allclose(seen.lamp_covariance, slope @ COVARIANCE @ slope.T, rtol=1e-6)
+
+
+def test_a_pose_by_a_moved_frame_is_as_uncertain_as_it_is_there() -> None:
+    """By pairs of poses that are off by a small turn and shift: the old frame's, and with it the new one's."""
+    T_cam_old = rigid(cv2.Rodrigues(np.radians([130.0, 5.0, 20.0]))[0], [0.05, 0.02, 0.6])
+    T_new_old = rigid(cv2.Rodrigues(np.radians([0.0, 0.0, 70.0]))[0], [0.2, -0.1, 0.0])
+    spread = np.random.default_rng(1).normal(size=(6, 6)) * ([[2e-3]] * 3 + [[5e-4]] * 3)
+    covariance, noise = spread @ spread.T, 0.1 * spread[:, :3] @ spread[:, :3].T
+    marker = MarkerPose(T_cam_old, np.zeros((4, 2)), 0.08, 0.0, None, covariance, noise)
+    camera = Camera.from_hfov((64, 48), 60)
+    moved = with_moved_marker(TrackedFrame(Frame(np.zeros((48, 64, 3), np.uint8), 0, 0.0), camera, marker), T_new_old)
+    assert moved.marker is not None
+    T_cam_new = moved.marker.T_cam_marker
+    columns, step = [], 1e-3  # OpenCV takes less than 1e-5 for no turn
+    for w, v in ((by[:3], by[3:]) for by in step * np.eye(6)):
+        off = rigid(cv2.Rodrigues(w)[0] @ T_cam_old[:3, :3], T_cam_old[:3, 3] + v) @ inverse_rigid(T_new_old)
+        turned = cv2.Rodrigues(off[:3, :3] @ T_cam_new[:3, :3].T)[0].ravel()
+        columns.append([*turned, *(off[:3, 3] - T_cam_new[:3, 3])])
+    slope = np.array(columns).T / step
+    for found, before in ((moved.marker.covariance, covariance), (moved.marker.noise_covariance, noise)):
+        expected = slope @ before @ slope.T
+        sigmas = np.sqrt(np.diag(expected))
+        np.testing.assert_allclose(found / np.outer(sigmas, sigmas), expected / np.outer(sigmas, sigmas), atol=1e-3)
