@@ -37,8 +37,10 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
     else:
         views = [placed, *explanation.alignment.elsewhere]
         offset, unary = lights_as_lamps(views)
-        information = tempered(unary, explanation.alignment) / views_per_sample(len(views))
-        information += _of_ends_out_of_view(explanation)
+        by_borders = tempered(unary, explanation.alignment) / views_per_sample(len(views))
+        information = by_borders + _of_ends_out_of_view(explanation)
+        # What the borders leave open of a shadow without an end must not stay where the fit has left it.
+        offset = _bounded_inverse(information) @ (by_borders @ offset)
     covariance = _bounded_inverse(information)
     layout, top = Layout(len(placed.lit.lights), with_nearness=True), placed.lit.body.height
     found = []

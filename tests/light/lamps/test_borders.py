@@ -7,8 +7,10 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.edges.nearness import NearnessBySteps
+from ashe_live.light.explanation.alignment import measured
 from ashe_live.light.explanation.explain import END_IN_VIEW
 from ashe_live.light.explanation.light_covariance import lights_of
+from ashe_live.light.explanation.normal_equations import placed_in
 from ashe_live.light.lamps.borders import lamp_borders, length_by_light
 from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.light_points import cast_on_ground
@@ -35,6 +37,21 @@ def test_a_shadow_that_leaves_the_picture_ends_there_in_a_nearer_light_too(caste
     at_foot = borders.by_nearness - lit.body.frame.origin_marker
     assert np.linalg.norm(at_foot - end_stays) < 3 * np.linalg.norm(end_stays)
     assert 0.1 < borders.nearness_sigma < 3.0
+
+
+@pytest.mark.parametrize(("caster", "azimuth_deg"), [(BOX, 90.0), (CYLINDER, 90.0), (CYLINDER, 180.0)])
+def test_what_is_asked_of_a_shadow_without_an_end_is_not_what_is_held(caster: Caster, azimuth_deg: float) -> None:
+    """The borders ask for much the same nearness, whichever one the light was held at when they were looked at."""
+    explanation, _ = by_a_sun(painted_region(caster, azimuth_deg=azimuth_deg, elevation_deg=12.0))
+    asked = []
+    for held in (0.0, 0.3, 0.6):
+        here = explanation.alignment.placed
+        (placed,) = placed_in([(here.lit.with_first_light_near(held), here.sight, here.costs)])
+        (alignment,) = measured([placed])
+        assert alignment.ends_in_view[0] < END_IN_VIEW
+        (borders,) = lamp_borders(replace(explanation, alignment=alignment, lights=lights_of(alignment)))
+        asked.append(borders.nearness)
+    assert np.ptp(asked) < 0.1
 
 
 @pytest.mark.parametrize("nearness", [0.0, 0.3, 0.8])
