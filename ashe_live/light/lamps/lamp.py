@@ -154,8 +154,9 @@ def _as_suns(lights: tuple[Light, ...], first: SeenObject, scene: Scene) -> tupl
     """The lights at infinity that `first` shows: the only one by all objects that stand in it, two as they are."""
     if len(lights) > 1:
         return lights
-    (sun,) = lights
-    others = companions(first, place_of_sun(first.as_sun), scene.judged, scene.covariance_rad2, scene.view)
+    alone = first.as_sun
+    sun = replace(lights[0], to_light_marker=alone.to_light_marker, covariance_rad2=alone.covariance_rad2)
+    others = companions(first, place_of_sun(alone), scene.judged, scene.covariance_rad2, scene.view)
     suns = [each.as_sun for each in (first, *others)]
     return (by_all_objects(sun, suns, scene.judge.shared_rad2(sun, scene.tracked)) if others else sun,)
 

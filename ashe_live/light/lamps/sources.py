@@ -11,7 +11,12 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.fall.fall_off import FallOff, Pull
 from ashe_live.light.lamps.place import LAMPS_NEARNESS, Place, combined, place_by_borders
-from ashe_live.light.shape.directions import FittedLight, with_hemisphere_prior
+from ashe_live.light.shape.directions import (
+    FittedLight,
+    direction_by_displacement,
+    information_on_displacement,
+    with_hemisphere_prior,
+)
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
 
@@ -51,7 +56,14 @@ class SeenObject:
     @property
     def as_sun(self) -> FittedLight:
         """The first light, if it is at infinity, with the covariance of all causes."""
-        return FittedLight(np.append(self.explanation.lights[0].to_light_marker, 0.0), self.covariance_rad2)
+        light = self.explanation.lights[0].light
+        if not nearness_of(light):
+            return FittedLight(light, self.covariance_rad2)
+        # A lamp's direction at the marker is not that in which the object sees it.
+        displacement = self.place.at_infinity[:2]
+        slope = direction_by_displacement(displacement)
+        covariance = np.linalg.inv(information_on_displacement(FittedLight(light, self.covariance_rad2)))
+        return FittedLight(np.append(displacement, (1.0, 0.0)), slope @ covariance @ slope.T)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

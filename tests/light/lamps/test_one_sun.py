@@ -7,8 +7,13 @@ import pytest
 
 from ashe_live.core.transforms import angle_between, direction_from_angles, tangent_basis
 from ashe_live.core.types import Light
+from ashe_live.light.lamps.hypotheses import is_held_near
 from ashe_live.light.lamps.one_sun import by_all_objects, place_of_sun
+from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.shape.directions import FittedLight
+from tests.light.lamps.test_hypotheses import FIT, LAMP_M, by_a_sun, hypotheses
+from tests.light.painted_regions import painted_region
+from tests.light.painted_scenes import BOX, CYLINDER, Caster
 
 SHARED = math.radians(0.4) ** 2 * np.eye(2)
 
@@ -64,3 +69,20 @@ def test_the_place_of_a_sun_is_at_infinity_in_its_direction() -> None:
     place = place_of_sun(seen(30, 50, 1.0))
     assert place.light == pytest.approx(seen(30, 50, 1.0).light)
     assert place.nearness_sigma < 0.01
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+def test_what_a_lamps_explanation_says_of_a_sun_is_seen_from_its_object(caster: Caster) -> None:
+    """The lamp's own direction is that at the marker, which differs by 12 degrees."""
+    here = painted_region(caster, ground="bricks", lamp_m=LAMP_M)
+    sun, sharpener = by_a_sun(here)
+    lamp = hypotheses(here).decided(sun, FIT, sharpener)
+    assert is_held_near(lamp)
+    body = lamp.alignment.placed.lit.body
+    from_object = np.array(LAMP_M) - (*body.frame.origin_marker, body.middle_m)
+    assert angle_between(from_object, np.array(LAMP_M)) > math.radians(11)
+    covariance = lamp.lights[0].covariance_rad2
+    as_sun = SeenObject(lamp, 0.9, covariance, 2.0).as_sun
+    assert angle_between(as_sun.to_light_marker, from_object) < math.radians(5)
+    unchanged = SeenObject(sun, 0.9, covariance, 2.0).as_sun
+    np.testing.assert_allclose(unchanged.to_light_marker, sun.lights[0].to_light_marker)
