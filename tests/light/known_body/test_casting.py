@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
+from ashe_live.light.known_body import lamps
 from ashe_live.light.known_body.found_light import FoundLight, image_beside
-from ashe_live.light.known_body.lamps import _ByEdges, _nearness, as_lamps
+from ashe_live.light.known_body.lamps import _ByEdges, _Nearness, _nearness, as_lamps
 from ashe_live.light.known_body.lights import _refitted
 from ashe_live.light.known_body.outline.fit import fitted
 from ashe_live.light.known_body.seen import Seen
@@ -78,3 +80,19 @@ def test_edges_that_no_lamp_throws_are_a_suns(seen: Seen, suns: list[FoundLight]
     assert nearness.sun == 1
     assert nearness.mean == 0
     assert nearness.variance > 0
+
+
+def test_a_sun_that_may_be_a_lamp_is_as_unsure_as_a_lamp_would_be_far_from_it(
+    seen: Seen, suns: list[FoundLight], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same mean square of the nearness that is not stated, as a spread around 0 and beside it."""
+
+    def covariance(mean: float, variance: float) -> Float:
+        monkeypatch.setattr(lamps, "_nearness", lambda *_: _Nearness(0.6, mean, variance))
+        first, _ = as_lamps(seen, suns)
+        assert not first.is_lamp
+        assert not first.may_be_lamp
+        return first.covariance
+
+    np.testing.assert_allclose(covariance(0.5, 0.25), covariance(0.0, 0.5))
+    assert np.trace(covariance(0.5, 0.25)) > np.trace(covariance(0.0, 0.25))
