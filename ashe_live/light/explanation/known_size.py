@@ -56,7 +56,8 @@ def _of_other_heights(given: LitBody, caster: Caster) -> list[LitBody]:
         sizes = np.zeros(sizes_of(caster))
         sizes[-1] = math.log(factor)
         body = replace(given.body, family=resized_family_of(caster), shape=np.append(given.body.shape, sizes))
-        lights = given.lights * np.array([1 / factor, 1 / factor, 1.0, 1.0])
+        # So many times as high: of a lamp, that is nearer or farther away as well.
+        lights = given.lights * np.array([1 / factor, 1 / factor, 1.0, 1 / factor])
         found.append(replace(given, body=body, lights=lights))
     return found
 
