@@ -25,8 +25,10 @@ REACH_PX = 11.0  # on either side of the edge
 STEP_PX = 0.5
 END_SAMPLES = 6  # at each end of a profile, whose medians are the levels inside and outside
 LEAST_DEPTH = 0.6  # least step between these two levels, as a fraction of the shift, in an edge worth measuring
-APART_M, MOST_POINTS = 0.004, 50  # distance between the points on a straight edge, and their largest number
-ACROSS_M = 1e-3  # step on the ground by which the picture's scale across an edge is measured
+# Distance between the points on a straight edge, in the marker's sides, as no picture shows how large its world is; and
+# their largest number.
+APART, MOST_POINTS = 0.05, 50
+ACROSS = 0.0125  # sides: step on the ground by which the picture's scale across an edge is measured
 BESIDE_OBJECT_PX = 2  # where edges are not looked for
 FEWEST_EDGES = 12  # places with a clear step, for a regression
 # The penumbra's variance at the widest edges, over that of the picture's blur, below which the two cannot be separated.
@@ -77,7 +79,7 @@ def soft_size(proxy: Proxy, light: Float, tracked: TrackedFrame) -> float | None
     sides, normals = along_sides(corners_px, MARKER_PLACES)
     normals = np.repeat(normals, len(MARKER_PLACES), axis=0)
     blur = border_widths(picture, sides.reshape(-1, 2), normals, MARKER_REACH * scale)
-    edge = _edge_points(proxy, light, camera, tracked.marker.T_cam_marker)
+    edge = _edge_points(proxy, light, camera, tracked.marker.T_cam_marker, tracked.marker.side_m)
     if not np.isfinite(blur).any() or edge is None:
         return None
     widths = border_widths(picture, edge.points_px, edge.normals_px, scale)
@@ -107,7 +109,7 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     ground, J the derivative of the displacement s by the direction); the picture's blur adds a constant variance. A
     robust linear regression of variances gives d squared (docs/maths, "Penumbra").
     """
-    edge = _edge_points(proxy, light, view.camera, view.T_cam_marker)
+    edge = _edge_points(proxy, light, view.camera, view.T_cam_marker, view.side_m)
     if edge is None:
         return None
     clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)
@@ -133,8 +135,12 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     return size if size < LARGEST_RAD else None
 
 
-def _edge_points(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float) -> _EdgePoints | None:
-    """Points along the outline of the shadow in a light (4,); None where it is infinite or behind the camera."""
+def _edge_points(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float, side_m: float) -> _EdgePoints | None:
+    """Points along the outline of the shadow in a light (4,); None where it is infinite or behind the camera.
+
+    side_m: of the marker.
+    """
+    apart_m, across_m = APART * side_m, ACROSS * side_m
     points = proxy.points_marker()
     shadows = cast_on_ground(points, light)
     if shadows is None:
@@ -147,12 +153,12 @@ def _edge_points(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float
     outward = np.column_stack([along[:, 1], -along[:, 0]]) / np.maximum(length, 1e-9)[:, None]
     outward[((corners + 0.5 * along - corners.mean(axis=0)) * outward).sum(axis=1) < 0] *= -1
 
-    count = np.where(length < 1e-9, 0, np.clip(length / APART_M, 1, MOST_POINTS).astype(int))
+    count = np.where(length < 1e-9, 0, np.clip(length / apart_m, 1, MOST_POINTS).astype(int))
     edge = np.repeat(np.arange(len(count)), count)
     part = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[edge]
     ends = np.zeros((len(edge), 2, 3))
     ends[:, :, :2] = (corners[edge] + part[:, None] * along[edge])[:, None]
-    ends[:, 1, :2] += ACROSS_M * outward[edge]
+    ends[:, 1, :2] += across_m * outward[edge]
     pixels = project(camera, T_cam_marker, ends.reshape(-1, 3)).reshape(-1, 2, 2)
     across = pixels[:, 1] - pixels[:, 0]
     scale = np.hypot(*across.T)
@@ -164,7 +170,7 @@ def _edge_points(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float
     begin, end = (1 - each[edge, 2:] * nearness_of(light) for each in (casting, np.roll(casting, -1, axis=0)))
     way = part[:, None] * begin / (part[:, None] * begin + (1 - part[:, None]) * end)
     points = casting[edge] + way * (np.roll(casting, -1, axis=0) - casting)[edge]
-    spreads = points[:, 2] * _blur_per_height(light, points, outward[edge]) / 4 * scale / ACROSS_M
+    spreads = points[:, 2] * _blur_per_height(light, points, outward[edge]) / 4 * scale / across_m
     return _EdgePoints(pixels[seen, 0], across[seen] / scale[seen, None], spreads[seen])
 
 

@@ -91,6 +91,22 @@ def test_shadows_move_with_the_light_as_they_are_cast(light: Float) -> None:
     np.testing.assert_allclose(points[:, 2] * _blur_per_height(light, points, normals), expected, rtol=1e-3)
 
 
+@pytest.mark.parametrize("times", [0.25, 4.0])
+def test_a_world_so_many_times_as_large_looks_the_same_and_has_a_light_of_the_same_size(times: float) -> None:
+    spheroids = times * np.asarray(PROXY.spheroids_marker)
+
+    def larger(T_cam_marker: Float) -> Float:
+        return rigid(T_cam_marker[:3, :3], times * T_cam_marker[:3, 3])
+
+    here, share, photo = view(), share_of(math.radians(5.0), 0.7), photo_of(5.0, 0.6)
+    there = replace(here, T_cam_marker=larger(here.T_cam_marker), side_m=times * here.side_m)
+    found = angular_size(Proxy("frustum", spheroids), SUN, share, predicted(PROXY, SUN[None], here), there)
+    assert found == pytest.approx(size_of(share), rel=1e-3)
+    marker = replace(photo.marker, T_cam_marker=there.T_cam_marker, side_m=times * photo.marker.side_m)
+    found = soft_size(Proxy("frustum", spheroids), SUN, replace(photo, marker=marker))
+    assert found == pytest.approx(soft_size(PROXY, SUN, photo), rel=1e-3)
+
+
 @pytest.mark.parametrize("blur_px", [0.7, 1.2, 2.0])
 def test_a_small_one_is_not_distinguished_from_blur(blur_px: float) -> None:
     found = size_of(share_of(math.radians(0.5), blur_px))
