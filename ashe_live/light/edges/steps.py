@@ -6,6 +6,7 @@ edges of model-based tracking (Harris and Stennett, "RAPID", 1990): the level on
 the point. As light adds up, the border lies where half of the step is reached (docs/maths, "Steps of light").
 """
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -19,7 +20,7 @@ from ashe_live.light.pixels.view import View
 
 SAMPLING_PX = 0.5  # along a profile
 WINDOW_PX = 3.0  # on either side of a step, in which that side's level is measured
-GAP_PX = 0.75  # between the step and either window: the picture's blur
+GAP_PX = 1.25  # between the step and either window, each sample standing for SAMPLING_PX: the picture's blur
 # Parallel profiles that are averaged, evenly spread over at most so many pixels to either side along the outline.
 PARALLEL, SIDEWAYS_PX = 5, 4.0
 NOISE = 2e-4  # variance of linear light, of all three channels together, that any picture has
@@ -76,11 +77,10 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     differ more than they vary within; it lies where the profile passes half of the way from one level to the other.
     """
     m, p = places.points.shape[:2]
-    beyond = WINDOW_PX + GAP_PX + SAMPLING_PX
-    count = round((reach_px + beyond) / SAMPLING_PX)
+    window, gap = round(WINDOW_PX / SAMPLING_PX), math.floor(GAP_PX / SAMPLING_PX)
+    count = round(reach_px / SAMPLING_PX) + gap + window
     offsets = np.asarray(SAMPLING_PX * np.arange(-count, count + 1), dtype=np.float64)
     profile, squares = _profiles(linear_bgr, places, offsets)
-    window, gap = round(WINDOW_PX / SAMPLING_PX), round(GAP_PX / SAMPLING_PX)
     at = np.arange(window + gap, len(offsets) - window - gap)
     # Means over the window inside, and over that outside, of each of k places of a step: (3, m p, k) and (m p, k).
     means = _window_means(np.concatenate([profile, squares[None]]), window)
