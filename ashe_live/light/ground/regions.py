@@ -127,7 +127,9 @@ def _clear_parts(group: Mask, ground: LitGround, fine: View) -> list[Mask]:
     is_mostly_faint = np.count_nonzero(clear) < (1 - MOSTLY_FAINT) * np.count_nonzero(group)
     if not is_mostly_faint or _box_px(group) < HUGE * group.size:
         return []
-    lit = ground.colours[..., 0][ground.squared_distance < UNLIT_DISTANCE]
+    # What is no ground, as a wall or the marker itself, is at no distance from the ground's colours.
+    is_ground = _resized(fine.is_ground, group.shape, (slice(None), slice(None)))
+    lit = ground.colours[..., 0][is_ground & (ground.squared_distance < UNLIT_DISTANCE)]
     dark = clear & (ground.colours[..., 0] < (np.median(lit) if len(lit) else -np.inf) - DARKER)
     parts = _groups(clear, dark, fine)[:CLEAR_PARTS]
     largest_px = MUCH_SMALLER * _box_px(group)

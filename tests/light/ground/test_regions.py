@@ -184,6 +184,27 @@ def test_what_the_ground_nearly_explains_takes_no_room_from_an_object_and_its_sh
     assert clear.frame_shape[1] > 1.3 * whole.frame_shape[1]
 
 
+def test_what_is_dark_for_the_ground_is_not_told_by_what_lies_beyond_it() -> None:
+    """A black wall above the ground makes the shadow on it no brighter."""
+    here = painted_region(BOX)
+    painted, fine, colours = here.unlit, fine_of(), here.ground.colours.copy()
+    wall = np.zeros_like(painted)
+    wall[: painted.nonzero()[0].min() - 10] = True
+    beside = np.zeros_like(painted)
+    beside[10:-10, 10:-10] = True
+    beside &= ~wall
+    colours[wall, 0] = -5.0
+    lit = ~(painted | beside | wall)
+    assert wall.sum() > lit.sum()
+    distance = np.where(painted, 60.0, np.where(beside, 12.0, 0.0))
+    nearly = replace(here.ground, squared_distance=distance, colours=colours)
+    above = np.zeros_like(fine.is_ground)
+    above[: len(above) * wall.any(axis=1).sum() // len(wall)] = True
+    fine = replace(fine, is_ground=fine.is_ground & ~above)
+    clear, _ = unlit_regions(fine, painted | beside, nearly, BALANCED.region_px, 3)
+    assert overlap(clear.unlit, in_region(clear, here.scene.body | here.scene.shadow)) > 0.8
+
+
 def test_bright_parts_alone_are_no_regions_of_their_own() -> None:
     """Without anything dark there is no shadow."""
     here = painted_region(BOX)
