@@ -130,6 +130,7 @@ class FakeWorker:
         self.outdated: tuple[int, ...] = ()  # goes with the next answer
         self.known: list[LightEstimate | None] = []  # of the requests: what is only to be followed
         self.follows = False  # what is known is answered with `answer`
+        self.shows_empty_table = self.is_over_empty_table = False  # what the next estimates say
         self.busy = self.draws = False
 
     def request(
@@ -162,7 +163,14 @@ class FakeWorker:
             return OtherScene(outdated=outdated)
         if self.known[-1] is not None and len(outdated) < len(self.others):
             return Followed(answer, outdated=outdated) if self.follows else Unchanged()
-        return Estimated(answer, self.picture if self.draws else None, has_changed, outdated=outdated)
+        return Estimated(
+            answer,
+            self.picture if self.draws else None,
+            has_changed,
+            shows_empty_table=self.shows_empty_table,
+            is_over_empty_table=self.is_over_empty_table,
+            outdated=outdated,
+        )
 
     def give_up(self) -> None:
         self.busy, self.answer = False, None

@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, direction_from_angles, rigid
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.types import Frame, Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.models.mesh import Model
@@ -18,6 +18,7 @@ from ashe_live.models.primitives import box
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
+from ashe_live.viewer.estimates.light_watch import EMPTY_FOR_S
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.notice import NOTICE_S
@@ -26,6 +27,7 @@ from ashe_live.viewer.status import (
     LAMP_BELOW,
     LAMP_INSIDE,
     OUT_OF_PICTURE,
+    WITHOUT_IT,
     camera_line,
     guidance,
     light_line,
@@ -980,3 +982,60 @@ def test_nobody_asks_about_a_picture_in_which_the_marker_is_being_moved(make, fa
     assert len(session.watch._worker.requested) == 1
     session.take(dataclasses.replace(fakes.tracked(60), T_room_marker=session.tracked.T_room_marker), 60.0)
     assert len(session.watch._worker.requested) == 2
+
+
+def seen_at(fakes, time_s: float, index: int = 0):
+    tracked = fakes.tracked(index)
+    return dataclasses.replace(tracked, frame=Frame(tracked.frame.image_bgr, index, time_s))
+
+
+def test_the_empty_table_goes_with_requests_until_it_is_old(make, fakes):
+    session = make()
+    worker = session.watch._worker
+    session.handle(Request(Command.EMPTY_TABLE), 0.0)
+    assert session.notice.text == "no marker in view"
+    empty = seen_at(fakes, 0.0)
+    session.take(empty, 0.0)
+    session.handle(Request(Command.EMPTY_TABLE), 0.0)
+    for now_s, is_given in ((5.0, True), (EMPTY_FOR_S + 1, False)):
+        session.take(seen_at(fakes, now_s, 1), now_s)
+        assert session.request_estimate(now_s)
+        assert (worker.empty is empty) is is_given
+        worker.answer = fakes.estimate()
+        session.poll(now_s)
+    session.begin_anew(is_photo=False)
+    assert session.watch.empty is None
+
+
+def test_a_frame_in_which_nothing_stands_there_is_the_empty_table(make, fakes):
+    session = make()
+    session.watch.camera_may_move = True
+    frozen = fakes.tracked()
+    session.take(frozen, 0.0)
+    session.request_estimate(0.0)
+    assert WITHOUT_IT not in guidance(session)
+    session.watch._worker.answer, session.watch._worker.shows_empty_table = fakes.estimate(with_light=False), True
+    session.poll(0.0)
+    assert session.watch.empty is frozen
+    assert WITHOUT_IT not in guidance(session)  # it has been said what is missing
+    session.watch.empty = None
+    assert WITHOUT_IT in guidance(session)
+
+
+def test_an_answer_over_the_empty_table_says_so(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.request_estimate(0.0)
+    session.watch._worker.answer, session.watch._worker.is_over_empty_table = fakes.estimate(), True
+    session.poll(0.0)
+    assert "over the empty table" in light_line(session)
+
+
+def test_a_paper_cube_needs_no_empty_table(make, fakes):
+    session = make()
+    tracked = fakes.tracked()
+    cube = Proxy("box", [(0.0, 0.0, 0.03, 0.03, 0.03)])
+    session.take(dataclasses.replace(tracked, marker=dataclasses.replace(tracked.marker, body=cube)), 0.0)
+    session.handle(Request(Command.EMPTY_TABLE), 0.0)
+    assert session.watch.empty is None
+    assert "cube" in session.notice.text

@@ -17,6 +17,7 @@ from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.estimators.preset import BALANCED, FAST, ProxyPreset
+from ashe_live.light.explanation.no_answer import NOTHING_THERE
 from ashe_live.light.live import worker as worker_module
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.light.live.worker_process import (
@@ -238,9 +239,12 @@ class Telling:
         return LightEstimate(self.name, views[0], Illumination(), "it only tells", views=views)
 
 
-def view(index: int, turned_deg: float = 0.0, light_deg: float = 200.0) -> TrackedFrame:
+def view(
+    index: int, turned_deg: float = 0.0, light_deg: float = 200.0, is_empty: bool = False, ground: str = "plain"
+) -> TrackedFrame:
     towards = camera_towards((0.02, 0.0), 0.6, 45.0, turned_deg)
-    scene = painted(BOX, azimuth_deg=light_deg, T_cam_marker=towards, size=(320, 240)).tracked
+    casters = () if is_empty else (BOX,)
+    scene = painted(*casters, ground=ground, azimuth_deg=light_deg, T_cam_marker=towards, size=(320, 240)).tracked
     return replace(scene, frame=Frame(scene.frame.image_bgr, index, 0.0))
 
 
@@ -249,9 +253,10 @@ def answered(
     frozen: TrackedFrame,
     others: Sequence[TrackedFrame],
     doubted: TrackedFrame | None = None,
+    empty: TrackedFrame | None = None,
     **how: object,
 ) -> Answered:
-    assert worker.request(frozen, others, doubted, EstimateTask(BALANCED, **how))
+    assert worker.request(frozen, others, doubted, EstimateTask(BALANCED, **how), empty)
     answer = worker.wait(PATIENCE_S)
     assert isinstance(answer, Answered)
     return answer
@@ -283,6 +288,47 @@ def test_a_scene_that_one_frame_shows_alone_is_estimated_only_for_a_person_who_w
         assert answer.is_of_changed_scene
         assert answer.estimate.views == (5, 4)
         assert answer.outdated == (0, 1, 2)
+
+
+class Plates:
+    """Answers with whether it was given a clean plate; of a frame that is the plate, that nothing stands there."""
+
+    name = "plates"
+
+    def __init__(self, _preset: ProxyPreset) -> None: ...
+
+    def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:
+        views = tracked.frame.index, *(other.frame.index for other in others)
+        plate = tracked.clean_plate_bgr
+        is_empty = plate is not None and np.array_equal(plate, tracked.frame.image_bgr)
+        reason = NOTHING_THERE if is_empty else "alone" if plate is None else "over a plate"
+        return LightEstimate(self.name, views[0], Illumination(), reason, views=views)
+
+
+def test_a_frame_is_estimated_over_the_empty_table_where_that_tells_more():
+    here, empty = view(0), view(1, is_empty=True)
+    with LightWorker(Plates) as worker:
+        answer = answered(worker, here, (), empty=empty, is_awaited=True)
+        assert answer.estimate.reason == "over a plate"
+        assert answer.is_over_empty_table
+        assert not answer.shows_empty_table
+        # The same object stands there in both: the plate says nothing.
+        answer = answered(worker, here, (), empty=replace(here, frame=Frame(here.frame.image_bgr, 2, 0.0)))
+        assert answer.estimate.reason == "alone"
+        assert not answer.is_over_empty_table
+        # Of another table.
+        answer = answered(worker, here, (), empty=view(3, is_empty=True, ground="striped"))
+        assert not answer.is_over_empty_table
+        # Views from other sides show more.
+        answer = answered(worker, here, [view(4, 8.0), view(5, 16.0)], empty=empty)
+        assert answer.estimate.views == (0, 4, 5)
+        assert not answer.is_over_empty_table
+
+
+def test_an_estimate_says_that_nothing_stands_there():
+    with LightWorker("proxy") as worker:
+        assert answered(worker, view(0, is_empty=True), ()).shows_empty_table
+        assert not answered(worker, view(1), ()).shows_empty_table
 
 
 def test_views_from_one_side_are_left_out_as_they_add_no_information():

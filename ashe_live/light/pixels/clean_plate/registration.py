@@ -51,7 +51,7 @@ def same_share(image_bgr: Image, plate_bgr: Image) -> float:
     image, plate = (np.asarray(cv2.GaussianBlur(each, (0, 0), BLUR_PX), np.uint8) for each in (image_bgr, plate_bgr))
     exposed = is_exposed(image) & is_exposed(plate)
     ratio = log_ratio(image, plate)
-    difference = np.abs((ratio - exposure(ratio[exposed])).mean(axis=2))
+    difference = np.abs(ratio - exposure(ratio[exposed])).mean(axis=2)
     brightness = log_linear(plate).mean(axis=2)
     across, down = (np.asarray(cv2.Sobel(brightness, cv2.CV_32F, *order)) for order in ((1, 0), (0, 1)))
     steepness = np.where(exposed, np.hypot(across, down), 0.0)
