@@ -1,7 +1,7 @@
 """Pictures with a known light: rendered scenes and photos, read from a folder's ground_truth.json."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +46,7 @@ class Case:
     lamp_m: Float | None = None  # (3,) place of the strongest light, marker frame; None for a sun
     lamp_radius_m: float | None = None  # of that lamp; None: not stated
     foot_m: Float | None = None  # (2,) where the object that casts the shadow stands; None: not stated
+    empty_path: Path | None = None  # the same view without that object; None: not known, or not used
 
     def __post_init__(self) -> None:
         set_given_frozen(self, to_lights_marker=(-1, 3), lamp_m=(3,), foot_m=(2,))
@@ -55,7 +56,9 @@ class Case:
         image = decoded(self.image_path, cv2.IMREAD_COLOR)
         if image is None:
             raise UserError(f"cannot read the picture {self.image_path}", "is it there, and a PNG or JPEG?")
-        return TrackedFrame(Frame(np.asarray(image, dtype=np.uint8), index, 0.0), self.camera, self.marker)
+        tracked = TrackedFrame(Frame(np.asarray(image, dtype=np.uint8), index, 0.0), self.camera, self.marker)
+        empty = None if self.empty_path is None else decoded(self.empty_path, cv2.IMREAD_COLOR)
+        return tracked if empty is None else replace(tracked, clean_plate_bgr=np.asarray(empty, dtype=np.uint8))
 
     def followed(self, index: int = 0) -> TrackedFrame:
         """As `tracked`, but with the tracker's own pose, as users have it, where it finds the marker."""
@@ -93,6 +96,18 @@ def read_cases(folder: Path) -> list[Case]:
         raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise UserError(f"{path} is no list of scenes ({error})", "it needs `scenes` or `photos`") from error
+
+
+def over_empty_tables(cases: Iterable[Case], folder: Path) -> list[Case]:
+    """The cases that a folder has pictures of the same names of, without the object; over these, as clean plates.
+
+    Raises UserError if there are none.
+    """
+    named = [replace(case, empty_path=folder / case.image_path.name) for case in cases]
+    found = [case for case in named if case.empty_path is not None and case.empty_path.is_file()]
+    if not found:
+        raise UserError(f"{folder} has no picture of the scenes' names", "name a set of `scenes.specify --empty`")
+    return found
 
 
 def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:

@@ -71,6 +71,7 @@ def _light(options: argparse.Namespace) -> None:
         options.quick,
         options.limit,
         options.casters,
+        options.empty,
         options.tracked,
         sweeps=has_presets and not options.quick,
     )

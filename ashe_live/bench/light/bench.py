@@ -10,7 +10,7 @@ from typing import ClassVar
 from rich.progress import track
 
 from ashe_live.bench.bench import Bench
-from ashe_live.bench.cases import Case, read_cases
+from ashe_live.bench.cases import Case, over_empty_tables, read_cases
 from ashe_live.bench.light.clips import ClipResult, estimate_clip, frames_of, read_clips
 from ashe_live.bench.light.known_casters import print_known_casters, with_known_casters
 from ashe_live.bench.light.preset_tables import print_preset
@@ -56,6 +56,7 @@ class LightBench(Bench):
     quick: bool = False  # a few scenes of each category, a few frames of each clip
     limit: int | None = None  # number of scenes of each folder, the first ones; None: all
     casters: bool = False  # also with the objects' shapes and sizes given, where they are boxes, cylinders or spheres
+    empty: Path | None = None  # a folder of the same pictures without the object, their clean plates
     tracked: bool = False  # takes by the tracker's own poses, and a focal length that is not quite right
     sweeps: bool = False  # also measures and draws error against time, on some scenes of each category
 
@@ -107,6 +108,7 @@ class LightBench(Bench):
             "quick": self.quick,
             "limit": self.limit,
             "tracked": self.tracked,
+            "over_empty_tables": self.empty is not None,
             "estimator": self.estimator,
             "presets": presets,
             "cases": [asdict(result) for result in results],
@@ -117,6 +119,7 @@ class LightBench(Bench):
     def cases(self) -> list[Case]:
         """The cases with a known light; with `quick`, every fifth of each category."""
         cases = [case for folder in self.scenes for case in _known(read_cases(folder))[: self.limit]]
+        cases = cases if self.empty is None else over_empty_tables(cases, self.empty)
         return thinned(cases, QUICK_EVERY) if self.quick else cases
 
     def takes(self) -> list[Take]:

@@ -72,6 +72,12 @@ def _add_light(light: argparse.ArgumentParser) -> None:
         "--casters", action="store_true", help="also with the scenes' own boxes, cylinders and spheres as --caster"
     )
     light.add_argument(
+        "--empty",
+        type=values.path,
+        metavar="DIR",
+        help="only scenes of which this folder has pictures of the same names without the object, and over these",
+    )
+    light.add_argument(
         "--tracked",
         action="store_true",
         help="takes by the tracker's own poses, and a focal length 1 %% too long, in place of the true ones",

@@ -167,6 +167,15 @@ def onto_marker(scene: Params) -> Params | None:
     return scene | {"lights": [first, *scene["lights"][1:]], "pictures": pictures[:1]}
 
 
+def empty(scene: Params) -> Params | None:
+    """The scene before its object stood there, with other noise; None if it never has one."""
+    others = [each for each in scene["objects"] if each["role"] != "caster"]
+    if len(others) == len(scene["objects"]):
+        return None
+    pictures = [each | {"camera": each["camera"] | {"seed": each["camera"]["seed"] + 1}} for each in scene["pictures"]]
+    return scene | {"objects": others, "pictures": pictures, "render_seed": scene["render_seed"] + 1}
+
+
 def main() -> None:
     ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     ask.add_argument("--set", choices=SETS, required=True)
@@ -175,12 +184,15 @@ def main() -> None:
     which.add_argument("--scenes", type=int, nargs="+", metavar="I", help="these scenes of the set, by number")
     ask.add_argument("--out", type=Path, required=True)
     ask.add_argument("--onto-marker", action="store_true", help="in a light whose shadow falls onto the marker")
+    ask.add_argument("--empty", action="store_true", help="without the object that casts the shadow: clean plates")
     asked = ask.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     indices = range(asked.count) if asked.scenes is None else asked.scenes
     scenes = [specification(asked.set, index) for index in indices]
     if asked.onto_marker:
         scenes = [shaded for scene in scenes if (shaded := onto_marker(scene)) is not None]
+    if asked.empty:
+        scenes = [bare for scene in scenes if (bare := empty(scene)) is not None]
     lines = ",\n".join(json.dumps(scene) for scene in scenes)
     content = f'{{"format": 1, "set": "{asked.set}", "seed": {SETS[asked.set].seed}, "scenes": [\n{lines}\n]}}\n'
     (asked.out / "specifications.json").write_text(content)
