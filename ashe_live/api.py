@@ -65,8 +65,10 @@ def estimate_light(
     pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
     if not pictures:
         raise ValueError("there is no picture to look at")
-    if empty_bgr is not None and (len(pictures) > 1 or empty_bgr.shape != np.shape(pictures[0])):
-        raise ValueError("empty_bgr is for one picture, of the same size")
+    if empty_bgr is not None:
+        arguments.picture(empty_bgr, "empty_bgr")
+        if len(pictures) > 1 or empty_bgr.shape != np.shape(pictures[0]):
+            raise ValueError("empty_bgr is for one picture, of the same size")
     views = []
     for picture in pictures:
         tracker.reset()

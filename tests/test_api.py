@@ -147,6 +147,10 @@ WRONG = {
     ("quality", "Tracker"): (lambda value: al.Tracker(CAMERA, quality=value), NO_QUALITIES),
     ("quality", "make_estimator"): (lambda value: al.make_estimator("proxy", value), NO_QUALITIES),
     ("light", "make_estimator"): (lambda value: al.make_estimator("proxy", light=value), NO_QUALITIES),
+    ("empty_bgr", "estimate_light"): (
+        lambda value: al.estimate_light(GREY, CAMERA, empty_bgr=value),
+        [one for one in NO_PICTURES if one is not None] + [GREY[:40]],
+    ),
     ("light", "estimate_light"): (lambda value: al.estimate_light(GREY, CAMERA, light=value), NO_QUALITIES),
     ("caster", "make_estimator"): (
         lambda value: al.make_estimator(caster=value),

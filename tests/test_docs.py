@@ -81,7 +81,7 @@ def inputs(shoot_film, tmp_path_factory: pytest.TempPathFactory) -> Path:
     capture = cv2.VideoCapture(str(folder / "clip.mp4"))
     _, frame = capture.read()
     capture.release()
-    for name in ("photo.jpg", "photos/one.jpg", "more/two.jpg", "front.jpg", "left.jpg", "right.jpg"):
+    for name in ("photo.jpg", "empty.jpg", "photos/one.jpg", "more/two.jpg", "front.jpg", "left.jpg", "right.jpg"):
         (folder / name).parent.mkdir(exist_ok=True)
         assert cv2.imwrite(str(folder / name), frame)
     shutil.copy(resource("assets", "models", "mug.glb"), folder / "mug.glb")

@@ -10,7 +10,7 @@ from ashe_live.light.estimators.estimator import OF_ONE_FRAME
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.live.comparable import fits
 from ashe_live.light.live.held_answer import HeldAnswer
-from ashe_live.light.live.key_views import KeyViews
+from ashe_live.light.live.key_views import KeyViews, scaled
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Draw, Estimated, EstimateTask, Followed, OtherScene, WorkerFailure
 from ashe_live.viewer.estimates.brightness import Brightness
@@ -126,9 +126,10 @@ class LightWatch:
     def _empty_for(self, frozen: TrackedFrame) -> TrackedFrame | None:
         """The empty table, if it was seen by the same camera, not long ago, beside the marker where it lies now."""
         empty = self.empty
-        if empty is None or not fits(empty, frozen) or empty.frame.size != frozen.frame.size:
+        if empty is None or not fits(empty, frozen):
             return None
-        return empty if abs(frozen.frame.time_s - empty.frame.time_s) <= EMPTY_FOR_S else None
+        is_recent = abs(frozen.frame.time_s - empty.frame.time_s) <= EMPTY_FOR_S
+        return scaled(empty, frozen.frame.size) if is_recent else None  # key views are smaller than frames
 
     def sharpen(self, seen: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
         """Requests an estimate of the key views if there is an answer to refine and they show more; returns whether.
