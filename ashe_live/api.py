@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Image
@@ -12,7 +10,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.ranges import MARKER_SIDE, TIME
 from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator as estimators
-from ashe_live.light.live.clean_plates import over_empty_table
+from ashe_live.light.live.clean_plates import over_empty_table, refuse_unused
 from ashe_live.light.live.same_scene import first_of_most, of_one_scene
 from ashe_live.models.caster import read_caster
 from ashe_live.quality import quality_named
@@ -65,14 +63,16 @@ def estimate_light(
     pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
     if not pictures:
         raise ValueError("there is no picture to look at")
-    if empty_bgr is not None:
-        arguments.picture(empty_bgr, "empty_bgr")
-        if len(pictures) > 1 or empty_bgr.shape != np.shape(pictures[0]):
-            raise ValueError("empty_bgr is for one picture, of the same size")
     views = []
     for picture in pictures:
         tracker.reset()
         views.append(tracker.track(picture))
+    if empty_bgr is not None:
+        refuse_unused(chosen.name, "empty_bgr")
+        if len(pictures) > 1:
+            raise ValueError("empty_bgr is for one picture, and not for several")
+        if arguments.picture(empty_bgr, "empty_bgr").shape != views[0].frame.image_bgr.shape:
+            raise ValueError(f"empty_bgr has the shape {empty_bgr.shape}, and not {views[0].frame.image_bgr.shape}")
     with_marker = [view for view in views if view.marker is not None]
     if not with_marker:
         return chosen.estimate(views[0])

@@ -57,8 +57,12 @@ class Case:
         if image is None:
             raise UserError(f"cannot read the picture {self.image_path}", "is it there, and a PNG or JPEG?")
         tracked = TrackedFrame(Frame(np.asarray(image, dtype=np.uint8), index, 0.0), self.camera, self.marker)
-        empty = None if self.empty_path is None else decoded(self.empty_path, cv2.IMREAD_COLOR)
-        return tracked if empty is None else replace(tracked, clean_plate_bgr=np.asarray(empty, dtype=np.uint8))
+        if self.empty_path is None:
+            return tracked
+        empty = decoded(self.empty_path, cv2.IMREAD_COLOR)
+        if empty is None or empty.shape != image.shape:
+            raise UserError(f"{self.empty_path} is no picture of the size of {self.image_path}", "render it again")
+        return replace(tracked, clean_plate_bgr=np.asarray(empty, dtype=np.uint8))
 
     def followed(self, index: int = 0) -> TrackedFrame:
         """As `tracked`, but with the tracker's own pose, as users have it, where it finds the marker."""
@@ -67,7 +71,7 @@ class Case:
             return given
         tracker = MarkerTracker(parse_marker(self.marker_spec), self.camera, self.marker.side_m, preset.BALANCED)
         found = tracker.track(given.frame)
-        return given if found.marker is None else found
+        return given if found.marker is None else replace(found, clean_plate_bgr=given.clean_plate_bgr)
 
     def mask(self, name: str) -> Mask | None:
         """(h, w), or None when there is none of that name; raises UserError when it cannot be read."""

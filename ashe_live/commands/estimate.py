@@ -19,7 +19,8 @@ from ashe_live.commands.flags.setup import camera_chooser, light_preset, make_tr
 from ashe_live.core.contract import FileRecord
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_folder, check_outputs, make_folder
-from ashe_live.light.estimators.estimator import OF_ONE_FRAME, make_estimator
+from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.light.live.clean_plates import refuse_unused
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import listed, print_answer, print_exactly, print_message, printable
 from ashe_live.process.signals import ended_by_signals
@@ -89,8 +90,7 @@ def _empty_table(options: argparse.Namespace, estimator: str) -> EmptyTable | No
         return None
     if options.together:
         raise UserError("--empty is for a camera that stands still, and --together for one that moves", "leave one out")
-    if estimator in OF_ONE_FRAME:
-        raise UserError(f"the estimator {estimator} makes no use of --empty", "choose proxy, or leave it out")
+    refuse_unused(estimator, "--empty")
     return EmptyTable.read(options.empty)
 
 

@@ -40,7 +40,7 @@ def light_line(session: Session) -> str:
         return f"light: {AWAITED if session.awaits_steady or session.automatic else FIRST_STEP}"
     if light is None:
         assert estimate is not None
-        text = f"no clear light: {estimate.reason}"
+        text = f"no clear light{_over_empty_table(session)}: {estimate.reason}"
     else:
         text = f"{'light' if session.hand.light is None else 'light by hand'}: {light.summary()}"
         if session.hand.light is None:
@@ -60,12 +60,16 @@ def views_text(session: Session) -> str:
         return ""
     if estimate.span_rad is not None:
         return f", {len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°"
-    if session.answer is not None and session.answer.is_over_empty_table:
-        return ", over the empty table"
+    if over := _over_empty_table(session):
+        return over
     sigma_rad = estimate.light.sigma_rad
     is_vague = sigma_rad is not None and sigma_rad > SHARP_ENOUGH_RAD
     may_gain = session.watch.camera_may_move and session.watch.sharpening.span_rad < WIDE_ENOUGH_RAD
     return ", move the camera a little" if is_vague and may_gain else ""
+
+
+def _over_empty_table(session: Session) -> str:
+    return ", over the empty table" if session.answer is not None and session.answer.is_over_empty_table else ""
 
 
 def marker_line(tracked: TrackedFrame | None) -> str:
@@ -157,6 +161,6 @@ def guidance(session: Session) -> tuple[str, ...]:
     if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
         return NO_MARKER if session.watch.camera_may_move else NOT_IN_FILE
     if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
-        stands_still = session.watch.camera_may_move and session.watch.empty is None
-        return f"what helps: {AFTER_NONE}", *([WITHOUT_IT] if stands_still else []), SET_BY_HAND
+        may_show_empty = session.watch.camera_may_move and session.watch.empty is None
+        return f"what helps: {AFTER_NONE}", *([WITHOUT_IT] if may_show_empty else []), SET_BY_HAND
     return ()

@@ -1031,6 +1031,20 @@ def test_an_answer_over_the_empty_table_says_so(make, fakes):
     assert "over the empty table" in light_line(session)
 
 
+def test_a_light_that_is_followed_is_still_over_the_empty_table(make, fakes):
+    session = make(automatic=True)
+    worker = session.watch._worker
+    session.take(fakes.tracked(), 0.0)
+    session.request_estimate(0.0)
+    worker.answer, worker.is_over_empty_table = fakes.estimate(), True
+    session.poll(0.0)
+    session.watch._is_awaited, worker.known, worker.follows = False, [session.estimate], True
+    worker.busy, worker.others, worker.answer = True, (fakes.tracked(),), fakes.estimate(towards=(1.0, 0.2, 1.0))
+    session.poll(1.0)
+    assert session.estimate.light.to_light_marker[1] > 0
+    assert "over the empty table" in light_line(session)
+
+
 def test_a_paper_cube_needs_no_empty_table(make, fakes):
     session = make()
     tracked = fakes.tracked()

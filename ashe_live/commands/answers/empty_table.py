@@ -26,10 +26,12 @@ class EmptyTable:
         return EmptyTable(path, frame)
 
     def under(self, tracked: TrackedFrame, tracker: MarkerTracker) -> TrackedFrame:
-        """The frame, in which `tracker` found the marker, with this picture as its clean plate.
+        """The frame with this picture as its clean plate, if `tracker` found the marker in it.
 
         Raises UserError if this picture shows another view, or no marker.
         """
+        if tracked.marker is None:
+            return tracked
         if self.frame.size != tracked.frame.size:
             sizes = " and ".join(f"{width}x{height}" for width, height in (self.frame.size, tracked.frame.size))
             raise UserError(f"{self.path} is of another size ({sizes})", "take both pictures by one camera")

@@ -103,7 +103,7 @@ class FileEstimator:
         """What the file shows, or an answer that says why it shows nothing. `cameras`: for photos that state none."""
         record = FileRecord(str(path), options.quality, options.estimator)
         first, last = options.frames
-        wanted = Wanted(options.views, options.estimate_at, first, last)
+        wanted = Wanted(options.views if self.empty is None else 1, options.estimate_at, first, last)
         try:
             refuse_folder(path)  # others have been replaced by the files in them
             with open_source(path) as source:
@@ -113,8 +113,7 @@ class FileEstimator:
                 tracker = make_tracker(chosen, camera_for, source=source)
                 record = dataclasses.replace(record, is_photo=source.is_photo)
                 seen = look_at(source, tracker, wanted)
-                if self.empty is not None and seen.frozen.marker is not None:
-                    seen = LookedAt(self.empty.under(seen.frozen, tracker))
+                seen = seen if self.empty is None else LookedAt(self.empty.under(seen.frozen, tracker))
         except UserError as error:
             return dataclasses.replace(record, error=printable(error)), None
         tracked = seen.frozen

@@ -53,7 +53,7 @@ def _paper(preset: ProxyPreset) -> Estimator:  # as published, it has no presets
 # Factories that take a preset; modules are imported on use, as whoever only names an estimator need not load OpenCV.
 ESTIMATORS: Mapping[str, Callable[[ProxyPreset], Estimator]] = {"proxy": _proxy, "paper": _paper}
 
-OF_ONE_FRAME = frozenset({"paper"})  # those that ignore other views
+OF_ONE_FRAME = frozenset({"paper"})  # those that ignore other views and clean plates
 
 
 def shows_nothing(estimate: LightEstimate) -> bool:

@@ -29,7 +29,7 @@ def lit_ground_of(view: View, preset: GroundPreset, kind: str) -> LitGround | No
     """
     if view.taken is not None:
         taken, plain = lit_ground_of(view.taken, preset, kind), fit_lit_ground(view.image_bgr, view.is_ground, preset)
-        return None if plain is None or taken is None else replace(plain, taken=taken)
+        return None if plain is None else replace(plain, taken=taken)
     ground = _ground_in_its_light(view, preset, kind)
     return None if ground is None else with_broad_areas(ground, view)
 

@@ -4,7 +4,14 @@ from dataclasses import replace
 
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.light.estimators.estimator import OF_ONE_FRAME
 from ashe_live.light.pixels.clean_plate.registration import registered
+
+
+def refuse_unused(estimator: str, name: str) -> None:
+    """Raises UserError if the estimator of that name makes no use of a clean plate; `name` is how that is called."""
+    if estimator in OF_ONE_FRAME:
+        raise UserError(f"the estimator {estimator} makes no use of {name}", "choose proxy, or leave it out")
 
 
 def over_empty_table(tracked: TrackedFrame, empty: TrackedFrame, name: str) -> TrackedFrame:

@@ -188,6 +188,7 @@ def scaled(tracked: TrackedFrame, size: tuple[int, int]) -> TrackedFrame:
     scale = np.divide(size, before)
     return replace(
         tracked,
+        clean_plate_bgr=None,  # of the frame's size; where views are kept there is none
         frame=Frame(image, tracked.frame.index, tracked.frame.time_s),
         camera=tracked.camera.resized(size),
         marker=replace(

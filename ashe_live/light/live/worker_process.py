@@ -193,7 +193,7 @@ def _outcome(
 
 
 def _answer(estimator: "Estimator", views: HeldViews, task: EstimateTask) -> Answer:
-    from ashe_live.light.estimators.estimator import shows_nothing
+    from ashe_live.light.estimators.estimator import OF_ONE_FRAME, shows_nothing
     from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
     from ashe_live.light.views.following import follow, has_lost_shadows
 
@@ -211,7 +211,7 @@ def _answer(estimator: "Estimator", views: HeldViews, task: EstimateTask) -> Ans
         if (followed := follow(held, frozen)) is not None:
             return Followed(followed, outdated=outdated)
     others = same if span_of([frozen, *same]) >= LEAST_SPAN_RAD else []
-    over = frozen if others else views.frozen_over_empty()
+    over = frozen if others or estimator.name in OF_ONE_FRAME else views.frozen_over_empty()
     estimate, picture = _estimated(estimator, over, others, task.draw)
     if over is not frozen and shows_nothing(estimate):  # what stands there stood there before: the plate tells nothing
         over = frozen

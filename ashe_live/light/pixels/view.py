@@ -53,9 +53,10 @@ class View(MarkerPicture):
     def of(tracked: TrackedFrame, width_px: int) -> "View":
         """The frame scaled down to `width_px`, if it is wider, and undistorted. It must have a marker."""
         assert tracked.marker is not None
-        (image, shown), camera = _straight(np.asarray(tracked.frame.image_bgr), tracked.camera, width_px)
-        given = tracked.clean_plate_bgr
-        plate = None if given is None else _straight(np.asarray(given), tracked.camera, width_px)[0][0]
+        image, camera, shown = _straight(np.asarray(tracked.frame.image_bgr), tracked.camera, width_px)
+        given, plate = tracked.clean_plate_bgr, None
+        if given is not None:
+            plate, _, _ = _straight(np.asarray(given), tracked.camera, width_px)
         marker, unknown = tracked.marker, np.zeros(image.shape[:2], np.bool_)
         view = View(image, camera, marker.T_cam_marker, marker.side_m, unknown, measured=marker, shown=shown)
         sheet = measured_sheet(view) if marker.body is None else USUAL_SHEET
@@ -70,10 +71,8 @@ class View(MarkerPicture):
         if self.body is not None:
             return self
         if self.plate_bgr is not None:
-            taken = replace(self, plate_bgr=None).with_paper_as_ground()
-            return replace(
-                self, image_bgr=over_plain_ground(self.image_bgr, self.plate_bgr), taken=taken
-            )._with_ground()
+            alone, plain = replace(self, plate_bgr=None), over_plain_ground(self.image_bgr, self.plate_bgr)
+            return replace(alone, image_bgr=plain, taken=alone.with_paper_as_ground())._with_ground()
         lines = PageLines.of(self)
         screen = screen_around(lines)
         if screen is not None:
@@ -126,7 +125,9 @@ class View(MarkerPicture):
         K[:2, 2] -= columns.start, rows.start
         size = columns.stop - columns.start, rows.stop - rows.start
         camera = replace(self.camera, size=size, K=K)
-        return replace(self, image_bgr=self.image_bgr[window], camera=camera, is_ground=self.is_ground[window])
+        taken = None if self.taken is None else self.taken.cut(window)
+        image, is_ground = self.image_bgr[window], self.is_ground[window]
+        return replace(self, image_bgr=image, camera=camera, is_ground=is_ground, taken=taken)
 
     def _with_ground(self) -> "View":
         """This view with the ground as all else in it has it."""
@@ -152,14 +153,13 @@ def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]
     return image, camera.resized(size)
 
 
-def _straight(image: Image, camera: Camera, width_px: int) -> tuple[tuple[Image, Mask | None], Camera]:
-    """The picture scaled down to `width_px`, if it is wider, without distortion, and what the lens shows of it, as
-    `View.shown`; and its camera.
-    """
+def _straight(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera, Mask | None]:
+    """The picture scaled down to `width_px`, if it is wider, without distortion; its camera; and View.shown."""
     image, camera = _scaled(image, camera, width_px)
-    if camera.is_distorted:
-        return _undistorted(image, camera), camera.without_distortion()
-    return (image, None), camera
+    if not camera.is_distorted:
+        return image, camera, None
+    straight, shown = _undistorted(image, camera)
+    return straight, camera.without_distortion(), shown
 
 
 def _undistorted(image: Image, camera: Camera) -> tuple[Image, Mask]:

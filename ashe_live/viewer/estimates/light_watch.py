@@ -8,9 +8,9 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import OF_ONE_FRAME
 from ashe_live.light.estimators.preset import BALANCED
-from ashe_live.light.live.comparable import fits
+from ashe_live.light.live.comparable import fits, lies_as_in
 from ashe_live.light.live.held_answer import HeldAnswer
-from ashe_live.light.live.key_views import KeyViews, scaled
+from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Draw, Estimated, EstimateTask, Followed, OtherScene, WorkerFailure
 from ashe_live.viewer.estimates.brightness import Brightness
@@ -41,6 +41,7 @@ class LightWatch:
         self.camera_may_move = False  # whether the source is a camera that the user may move
         self.held = HeldAnswer()  # since the user's last request
         self.empty: TrackedFrame | None = None  # a frame that shows the table without the object
+        self._is_over_empty_table = False  # whether the held answer was found so
         self.sharpening = Sharpening()
         self._asked_s = -math.inf
         self._frozen: TrackedFrame | None = None  # of the last request
@@ -124,12 +125,17 @@ class LightWatch:
         return "the empty table is known: put the object there, leave the camera where it is, press Space"
 
     def _empty_for(self, frozen: TrackedFrame) -> TrackedFrame | None:
-        """The empty table, if it was seen by the same camera, not long ago, beside the marker where it lies now."""
+        """The empty table, if the marker has not been moved since, nor much time has passed: else it is forgotten."""
         empty = self.empty
-        if empty is None or not fits(empty, frozen):
+        if empty is None:
             return None
-        is_recent = abs(frozen.frame.time_s - empty.frame.time_s) <= EMPTY_FOR_S
-        return scaled(empty, frozen.frame.size) if is_recent else None  # key views are smaller than frames
+        is_old = abs(frozen.frame.time_s - empty.frame.time_s) > EMPTY_FOR_S
+        if is_old or not lies_as_in(empty, frozen):
+            self.empty = None
+        return self.empty if empty.frame.size == frozen.frame.size else None
+
+    def _is_newer_than_empty(self, tracked: TrackedFrame) -> bool:
+        return self.empty is None or tracked.frame.time_s > self.empty.frame.time_s
 
     def sharpen(self, seen: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
         """Requests an estimate of the key views if there is an answer to refine and they show more; returns whether.
@@ -182,8 +188,8 @@ class LightWatch:
             self._doubted = self._frozen
             self.key_views.drop([view for view in self.key_views.views if view is self._frozen])
             return None
-        if isinstance(outcome, Estimated) and outcome.shows_empty_table:
-            self.show_empty_table(self._frozen)
+        if isinstance(outcome, Estimated) and outcome.shows_empty_table and self._is_newer_than_empty(self._frozen):
+            self.empty = self._frozen
         estimate: LightEstimate | None = None
         steps_bgr: Image | None = None
         is_in_doubt = False
@@ -201,8 +207,10 @@ class LightWatch:
             self.key_views.drop([self._others[place] for place in outcome.outdated])
         if estimate is None or estimate is not self.held.estimate:
             return None
-        is_over_empty = isinstance(outcome, Estimated) and outcome.is_over_empty_table
-        return NewAnswer(estimate, self._frozen, self._asked_s, steps_bgr, self.held.is_news, is_over_empty)
+        if isinstance(outcome, Estimated):
+            self._is_over_empty_table = outcome.is_over_empty_table
+        is_news, is_over_empty = self.held.is_news, self._is_over_empty_table
+        return NewAnswer(estimate, self._frozen, self._asked_s, steps_bgr, is_news, is_over_empty)
 
     def _offer(self, new: Estimated) -> bool:
         """Offers an estimate to the held answer; returns whether it may be of a scene with a hand in it."""

@@ -102,6 +102,7 @@ class CaptureLoop:
         self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated
         self._left_out: Frame | None = None  # the last frame, if it was skipped for being late
         self._shown: Frame | None = None  # the last frame that was handed over
+        self._shown_by = wish.following  # how it was tracked
 
     def run(self) -> None:
         """Runs until `wishes` is closed, or the source fails for good; then `frames` is closed with the error."""
@@ -154,8 +155,8 @@ class CaptureLoop:
         self._pace.speed = wish.speed
         if wish.tracking is not None:
             self._scene.track_by(wish.tracking)
-        if is_other and wish.paused and self._shown is not None and not self._is_sent:
-            self._hand_over(self._shown)  # no other frame would come
+        if (wish.paused or self.state.has_ended) and not self._is_sent:
+            self._show_as_asked()
 
     def _wait(self, until: Callable[[], bool], timeout_s: float | None = None) -> None:
         """Waits until the condition holds, a jump is requested, or the time is over. Raises Closed if asked to end."""
@@ -169,11 +170,16 @@ class CaptureLoop:
     def _hand_over(self, frame: Frame) -> None:
         position = ClipPosition(frame.time_s, frame.index)
         self._publish(shown=position, at=position)
-        self._shown = frame
+        self._shown, self._shown_by = frame, self._wish.following
         tracked = self._scene.track(frame)
         self._frames.put_tracked(tracked, self._wish.following)
         # After handing over, so that the display does not wait for it.
         self._scene.keep_view(tracked)
+
+    def _show_as_asked(self) -> None:
+        """Hands over the last frame again if it was tracked for another marker: no other frame comes by itself."""
+        if self._shown is not None and self._shown_by != self._wish.following:
+            self._hand_over(self._shown)
 
     def _end_of_clip(self) -> None:
         self._publish(at=self.state.shown)
@@ -190,6 +196,7 @@ class CaptureLoop:
         if not self._source.is_photo:
             self._publish(status=self._source.note or "end of the clip: R starts it again")
         self._publish(has_ended=self._clip is not None)
+        self._show_as_asked()
         self._wait(lambda: self._wish.loop and self._clip is not None)
         self._publish(has_ended=False)
 

@@ -43,6 +43,20 @@ def test_exposure_and_white_balance_of_the_two_pictures_may_differ() -> None:
     np.testing.assert_allclose(exposure(ratio.reshape(-1, 3)), np.log(gains), atol=0.03)
 
 
+@pytest.mark.parametrize("gain", [0.5, 0.6, 1.8, 2.5])
+def test_what_one_picture_saturates_is_not_taken_for_changed(gain) -> None:
+    """White paper on the table, and a camera that exposes the pictures differently."""
+    scene, empty = paint(BOX, ground="bricks", seed=1), paint(ground="bricks", seed=2)
+    pictures = []
+    for painted, own in ((scene, gain), (empty, 1.0)):
+        image = np.array(painted.tracked.frame.image_bgr)
+        image[60:160, 40:200] = 231  # beside the box and its shadow
+        pictures.append(exposed(image, np.full(3, own)))
+    shown = over_plain_ground(*pictures)
+    ground = np.median(shown[inside(~(scene.body | scene.shadow))], axis=0)
+    np.testing.assert_allclose(np.median(shown[70:150, 50:190], axis=(0, 1)), ground, atol=4)
+
+
 @pytest.mark.parametrize(("now", "before"), [(0, 0), (255, 255), (0, 255), (255, 0)])
 def test_black_and_saturated_pictures_give_a_picture(now, before) -> None:
     shape = (30, 40, 3)

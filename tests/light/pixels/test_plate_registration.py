@@ -6,10 +6,13 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.pixels.clean_plate.registration import registered
-from tests.light.painted_scenes import BOX, VIEW, paint
+from tests.light.painted_scenes import BOX, SIDE_M, VIEW, paint, tracked_frame
 from tests.light.synthetic_masks import camera_towards
 
 POINTS = np.array([(0.1, 0.1, 0.0), (-0.1, 0.05, 0.0), (0.25, -0.02, 0.0), (0.0, -0.1, 0.0)])
@@ -62,6 +65,30 @@ def test_another_table_or_size_is_none(tracked) -> None:
     assert registered(tracked, small) is None
     noise = np.random.default_rng(0).integers(0, 256, (480, 640, 3), np.uint8)
     assert registered(tracked, replace(tracked, frame=Frame(noise, 0, 0.0))) is None
+
+
+@pytest.mark.parametrize("gain", [0.4, 2.0])
+def test_pictures_of_other_exposure_are_of_the_same_view(tracked, gain) -> None:
+    linear = linear_from_srgb(np.asarray(empty_from(VIEW).frame.image_bgr) / 255.0) * gain
+    image = np.round(255 * srgb_from_linear(linear.clip(0, 1))).astype(np.uint8)
+    empty = replace(empty_from(VIEW), frame=Frame(image, 0, 0.0))
+    np.testing.assert_array_equal(registered(tracked, empty), image)
+
+
+@pytest.mark.parametrize("moved_m", [(0.01, 0.0), (0.0, 0.05), (-0.1, 0.0)])
+def test_a_marker_that_was_moved_is_none(tracked, moved_m) -> None:
+    """What lies on the table is where it was, but for the sheet."""
+    corners_px = project(tracked.camera, VIEW, square_corners(SIDE_M) + np.array([*moved_m, 0.0]))
+    empty = empty_from(VIEW)
+    assert registered(tracked, replace(empty, marker=replace(empty.marker, corners_px=corners_px))) is None
+
+
+@pytest.mark.parametrize("size", [(1, 1), (2, 2), (5, 7), (640, 1), (1, 640)])
+def test_tiny_pictures_are_none(size) -> None:
+    width, height = size
+    image = np.random.default_rng(0).integers(0, 256, (height, width, 3), np.uint8)
+    tiny = tracked_frame(image, Camera.from_hfov(size, 55.0))
+    assert registered(tiny, tiny) is None
 
 
 @pytest.mark.parametrize("grey", [0, 128, 255])

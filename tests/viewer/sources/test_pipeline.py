@@ -221,6 +221,33 @@ def test_a_frame_that_was_tracked_for_the_marker_before_is_never_shown(fakes):
         pipeline.close()
 
 
+def test_the_last_frame_of_a_clip_is_tracked_again_for_another_marker(fakes):
+    """It is asked for while that frame is being tracked for the first one, and no other comes."""
+    first, second = fakes.Tracker(), fakes.Tracker()
+    is_tracking, go_on = threading.Event(), threading.Event()
+
+    def track(frame) -> None:
+        if frame.index == 2:
+            is_tracking.set()
+            go_on.wait(PATIENCE_S)
+
+    first.hook = track
+    first.note, second.note = "by the first", "by the second"
+    pipeline = Pipeline(fakes.Clip(3), first, False, lambda _spec, _hfov_deg: second)
+    pipeline.start()
+    try:
+        assert is_tracking.wait(PATIENCE_S)
+        pipeline.follow("cube")
+        go_on.set()
+        tracked = pipeline.frames.take(PATIENCE_S)
+        assert (tracked.frame.index, tracked.note) == (2, "by the second")
+        await_that(lambda: pipeline.has_ended)
+        pipeline.see_by(50.0)  # restarts it
+        assert_settles(pipeline, at=2)
+    finally:
+        pipeline.close()
+
+
 @pytest.fixture
 def held(run, fakes) -> tuple[Pipeline, object, object]:
     """A pipeline that is paused at frame 50 of 1000, with its clip and tracker."""

@@ -53,6 +53,8 @@ class FallOff:
 
         view: the one that `ground` was fitted to.
         """
+        if view.taken is not None and ground.taken is None:
+            return None
         view, ground = as_taken(view, ground)
         samples = LitSamples.of(view, ground, free)
         gloss = None if ground.fall is None else ground.fall.gloss

@@ -26,14 +26,25 @@ def over_plain_ground(image_bgr: Image, plate_bgr: Image) -> Image:
 
     Its colour is that of the plate's ground on average, its brightness the same for all pictures.
     """
-    ratio = log_ratio(image_bgr, plate_bgr)
-    exposed = is_exposed(image_bgr) & is_exposed(plate_bgr)
-    ratio -= exposure(ratio[exposed])
-    ratio[~is_exposed(image_bgr) & ~is_exposed(plate_bgr)] = 0.0  # of which nothing is known
+    ratio = change_of_light(image_bgr, plate_bgr)
+    exposed = is_exposed(plate_bgr)
     plain_bgr = np.median(log_linear(plate_bgr)[exposed], axis=0) if exposed.any() else np.zeros(3, np.float32)
     plain_bgr += np.float32(np.log(SHOWN_AS)) - plain_bgr.mean()
     encoded = srgb_from_linear(np.clip(np.exp(ratio + plain_bgr) - DARKEST, 0, 1))
     return np.asarray(np.round(255 * encoded), dtype=np.uint8)
+
+
+def change_of_light(image_bgr: Image, plate_bgr: Image) -> Float32:
+    """(h, w, 3) the log of a picture's linear light over the plate's, without the change of exposure.
+
+    What a camera has saturated was at least as bright: it counts as changed only where that is known.
+    """
+    ratio = log_ratio(image_bgr, plate_bgr)
+    is_known, is_known_of_plate = is_exposed(image_bgr), is_exposed(plate_bgr)
+    ratio -= exposure(ratio[is_known & is_known_of_plate])
+    ratio[~is_known] = np.maximum(ratio[~is_known], 0)
+    ratio[~is_known_of_plate] = np.minimum(ratio[~is_known_of_plate], 0)
+    return ratio
 
 
 def is_exposed(image_bgr: Image) -> Mask:

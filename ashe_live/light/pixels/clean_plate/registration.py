@@ -11,7 +11,8 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.pixels.clean_plate.plain_ground import exposure, is_exposed, log_linear, log_ratio
+from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.clean_plate.plain_ground import change_of_light, is_exposed, log_linear
 
 WIDTH_PX = 320  # of the pictures that are compared
 BLUR_PX = 1.0
@@ -21,15 +22,18 @@ ROUNDS, LEAST_GAIN = 40, 1e-4
 # In each of so many columns and rows of cells, of the plate's pixels those are edges that are steepest, and at least so
 # steep (log brightness over a pixel, times 8). So many of all of them must have stayed as they are, to so much in log
 # brightness. On 47 pictures 0.84 to 1.00 have (5th to 100th percentile), with a plate that is shifted by a pixel 0.16
-# to 0.67 (5th to 95th).
+# to 0.75 (5th to 95th).
 CELLS, EDGES, STEEP = (8, 6), 0.05, 1.0
-SAME, LEAST_SAME, CLEARLY_SAME = 0.15, 0.7, 0.9
+SAME, LEAST_SAME, CLEARLY_SAME, FEWEST_EDGES = 0.15, 0.7, 0.9, 40
+# By so many of its sides, and a pixel, the marker's corners may lie beside where they were.
+MOST_MOVED = 0.04
 
 
 def registered(tracked: TrackedFrame, empty: TrackedFrame) -> Image | None:
     """The picture of the empty table as the clean plate (h, w, 3) of `tracked`; None if it shows another view.
 
-    Both must have a marker. What the empty picture does not show is as in `tracked`, where nothing is then found.
+    Both must have a marker, and in the same place. What the empty picture does not show is as in `tracked`, where
+    nothing is then found.
     """
     if tracked.camera.size != empty.camera.size:
         return None
@@ -37,31 +41,48 @@ def registered(tracked: TrackedFrame, empty: TrackedFrame) -> Image | None:
     scale = min(1.0, WIDTH_PX / now.shape[1])
     small_now, small_before = _shrunk(now, scale), _shrunk(before, scale)
     still = same_share(small_now, small_before)
-    if still >= CLEARLY_SAME:
-        return before
-    moved = _refined(small_now, small_before, _scaled(_by_poses(tracked, empty), scale))
+    by_poses = _scaled(_by_poses(tracked, empty), scale)
+    moved = None if still >= CLEARLY_SAME else _refined(small_now, small_before, by_poses)
     turned = 0.0 if moved is None else same_share(small_now, _warped(small_before, moved, small_now))
     if max(still, turned) < LEAST_SAME:
         return None
-    return before if moved is None or still >= turned else _warped(before, _scaled(moved, 1 / scale), now)
+    to_before = None if moved is None or still >= turned else _scaled(moved, 1 / scale)
+    if _has_moved_marker(tracked, empty, np.eye(3) if to_before is None else to_before):
+        return None
+    return before if to_before is None else _warped(before, to_before, now)
+
+
+def _has_moved_marker(tracked: TrackedFrame, empty: TrackedFrame, to_before: Float) -> bool:
+    """Whether the marker lies elsewhere; to_before: (3, 3) from pixels of `tracked` to those of `empty`."""
+    assert tracked.marker is not None
+    assert empty.marker is not None
+    there, corners = (np.asarray(each.marker.corners_px) for each in (tracked, empty) if each.marker is not None)
+    mapped = np.column_stack([there, np.ones(len(there))]) @ to_before.T
+    away_px = np.linalg.norm(mapped[:, :2] / mapped[:, 2:] - corners, axis=1)
+    side_px = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).mean()
+    return bool(away_px.mean() > MOST_MOVED * side_px + 1)
 
 
 def same_share(image_bgr: Image, plate_bgr: Image) -> float:
-    """The share of the plate's edges, all over it, that the picture, (h, w, 3) as well, shows as they are."""
-    image, plate = (np.asarray(cv2.GaussianBlur(each, (0, 0), BLUR_PX), np.uint8) for each in (image_bgr, plate_bgr))
-    exposed = is_exposed(image) & is_exposed(plate)
-    ratio = log_ratio(image, plate)
-    difference = np.abs(ratio - exposure(ratio[exposed])).mean(axis=2)
-    brightness = log_linear(plate).mean(axis=2)
+    """The share of the plate's edges, all over it, that the picture, (h, w, 3) as well, shows as they are.
+
+    0 where there are hardly any edges.
+    """
+    change = cv2.GaussianBlur(change_of_light(image_bgr, plate_bgr), (0, 0), BLUR_PX)
+    difference = np.abs(np.asarray(change)).mean(axis=2)
+    exposed = ~grown(~(is_exposed(image_bgr) & is_exposed(plate_bgr)), 1)
+    brightness = cv2.GaussianBlur(log_linear(plate_bgr).mean(axis=2), (0, 0), BLUR_PX)
     across, down = (np.asarray(cv2.Sobel(brightness, cv2.CV_32F, *order)) for order in ((1, 0), (0, 1)))
     steepness = np.where(exposed, np.hypot(across, down), 0.0)
-    results = []
+    results = [np.zeros(0, np.bool_)]
     for rows in np.array_split(np.arange(len(steepness)), CELLS[1]):
         for columns in np.array_split(np.arange(steepness.shape[1]), CELLS[0]):
             cell = np.ix_(rows, columns)
-            is_edge = steepness[cell] > max(float(np.quantile(steepness[cell], 1 - EDGES)), STEEP)
-            results.append(difference[cell][is_edge] < SAME)
-    return float(np.mean(np.concatenate(results))) if any(map(len, results)) else 0.0
+            if steepness[cell].size:
+                is_edge = steepness[cell] > max(float(np.quantile(steepness[cell], 1 - EDGES)), STEEP)
+                results.append(difference[cell][is_edge] < SAME)
+    are_same = np.concatenate(results)
+    return float(are_same.mean()) if len(are_same) >= FEWEST_EDGES else 0.0
 
 
 def _by_poses(tracked: TrackedFrame, empty: TrackedFrame) -> Float:
@@ -109,5 +130,5 @@ def _warped(before: Image, homography: Float, now: Image) -> Image:
 
 
 def _shrunk(image_bgr: Image, scale: float) -> Image:
-    size = round(image_bgr.shape[1] * scale), round(image_bgr.shape[0] * scale)
+    size = max(1, round(image_bgr.shape[1] * scale)), max(1, round(image_bgr.shape[0] * scale))
     return np.asarray(cv2.resize(image_bgr, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
