@@ -15,7 +15,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.transforms import camera_centre, image_from_plane
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.log_colour import is_exposed, log_opponent
 from ashe_live.light.pixels.view import View
 
 CELLS_A_SIDE = 10  # on the plane, of the marker's side
@@ -24,8 +24,6 @@ VIEW_WIDTH_PX = 160  # of the pictures that are compared: a cell is then about o
 # Least difference at one exposure: of log brightness, that of lit ground to a shadow which leaves three quarters; of
 # log red over blue, and of red and blue over green, more than that of a shadow under a blue sky.
 LEAST_DIFFERENCES = np.array([0.3, 0.6, 0.4], np.float32)
-# Brighter pixels may be saturated, and are not compared.
-SATURATED = 250
 # Things up to this height, in the marker's sides, may stand there: what they shear by is not a change. Views between
 # which they shear by more than the second number cannot be compared.
 HIGHEST_SIDES = 3.0
@@ -57,7 +55,7 @@ class PlanePicture:
             flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
             return np.asarray(cv2.warpPerspective(source, image_from_cells, (cells, cells), flags=flags), np.float32)
 
-        is_usable = view.is_ground & (view.image_bgr.max(axis=2) < SATURATED)
+        is_usable = view.is_ground & is_exposed(view.image_bgr)
         camera = camera_centre(view.T_cam_marker)
         height_m = max(abs(float(camera[2])), 1e-9)
         is_seen, colours = drawn(is_usable) > 0.99, drawn(log_opponent(view.image_bgr))

@@ -6,16 +6,22 @@ In them a shadow is the same shift for every colour of the ground.
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Image
+from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 
 # Added to linear light before the log: the level below which 8-bit values are indistinguishable from black.
 DARKEST = 0.004
+SATURATED = 250  # value of the brightest channel from which on a camera's response curve may be saturated
 # Chroma varies less than brightness does, and is more discriminative.
 CHROMA_WEIGHT = 1.2
 # Rows: brightness, red over blue, red and blue over green; columns: logs of red, green, blue.
 OPPONENT = np.array([(1 / 3, 1 / 3, 1 / 3), (CHROMA_WEIGHT, 0, -CHROMA_WEIGHT), CHROMA_WEIGHT * np.array((1, -2, 1))])
 FROM_OPPONENT = np.linalg.inv(OPPONENT)
+
+
+def is_exposed(image_bgr: Image) -> Mask:
+    """(h, w) the pixels of a picture (h, w, 3) that are not saturated."""
+    return np.asarray(image_bgr.max(axis=2) < SATURATED)
 
 
 def log_opponent(image_bgr: Image, smoothing_px: float = 0.7) -> Float32:

@@ -19,13 +19,12 @@ from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.surfaces import areas_of, surfaces
 from ashe_live.light.pixels.areas import grown
-from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.log_colour import is_exposed, log_opponent
 from ashe_live.light.pixels.view import View
 
 BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
 AROUND_PX = 7  # side of the squares of which half has to be lit: what is narrower than half joins no two areas
 LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
-CLIPPED = 250  # value of the brightest channel from which on it is saturated
 SAMPLES, FEWEST = 1500, 300  # pixels of lit ground that are used, at most and at least
 CELLS = (12, 9)  # in which samples' errors may be correlated: texture is larger than a pixel
 # Sigmas of what is fitted along: vignetting at the picture's corner (of log brightness), the ground's own unevenness as
@@ -54,7 +53,7 @@ class LitSamples:
 
         view: the one that `ground` was fitted to.
         """
-        exposed = view.image_bgr.max(axis=2) < CLIPPED
+        exposed = is_exposed(view.image_bgr)
         seen = free & view.is_ground
         is_lit = seen & (ground.squared_distance < LIT)
         parts = surfaces(view.image_bgr, seen) if ground.divided else areas_of(_mostly(is_lit), is_lit)

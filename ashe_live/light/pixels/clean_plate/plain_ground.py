@@ -8,14 +8,13 @@ the camera's exposure, the same everywhere, the shadows, by the share of light t
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float32, Image, Mask
+from ashe_live.core.arrays import Float32, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.light.pixels.log_colour import DARKEST
+from ashe_live.light.pixels.log_colour import DARKEST, is_exposed
 
 # Linear light of the plain ground: things may be five times as bright until they are saturated, and shadows of a
 # fiftieth of it are still resolved by eight bits.
 SHOWN_AS = 0.2
-SATURATED = 250
 BIN, WIDEST = 0.02, 2.0  # of the histogram of log ratios: a fifth of a bin is what eight bits resolve
 BLUR_BINS = 2.0
 WITHIN = 0.06  # about the mode of log brightness: what the exposure is averaged over
@@ -45,11 +44,6 @@ def change_of_light(image_bgr: Image, plate_bgr: Image) -> Float32:
     ratio[~is_known] = np.maximum(ratio[~is_known], 0)
     ratio[~is_known_of_plate] = np.minimum(ratio[~is_known_of_plate], 0)
     return ratio
-
-
-def is_exposed(image_bgr: Image) -> Mask:
-    """(h, w) the pixels of a picture (h, w, 3) that are not saturated."""
-    return np.asarray(image_bgr.max(axis=2) < SATURATED)
 
 
 def log_ratio(image_bgr: Image, plate_bgr: Image) -> Float32:

@@ -12,7 +12,8 @@ from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.areas import grown
-from ashe_live.light.pixels.clean_plate.plain_ground import change_of_light, is_exposed, log_linear
+from ashe_live.light.pixels.clean_plate.plain_ground import change_of_light, log_linear
+from ashe_live.light.pixels.log_colour import is_exposed
 
 WIDTH_PX = 320  # of the pictures that are compared
 BLUR_PX = 1.0
