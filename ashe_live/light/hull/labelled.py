@@ -11,7 +11,7 @@ from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import OTHER_GROUND, object_cost
 from ashe_live.light.pixels.areas import grown, majority, shrunk
-from ashe_live.light.views.plane import plane_homography
+from ashe_live.light.pixels.view import plane_homography
 
 MOST_COST = 10.0  # of a pixel over its cheapest label: a colour model that is wrong is wrong by any amount
 SURE = 2.0  # cost by which a label must be dearer than another to be refuted

@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import image_from_plane, project
 from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.pixels.clean_plate.plain_ground import over_plain_ground
 from ashe_live.light.pixels.near_plane import before_camera
@@ -114,7 +114,7 @@ class View(MarkerPicture):
         """This view scaled down to `width_px`, if it is wider."""
         if width_px >= self.size[0]:
             return self
-        image, camera = _scaled(self.image_bgr, self.camera, width_px)
+        image, camera = scaled_down(self.image_bgr, self.camera, width_px)
         taken = None if self.taken is None else self.taken.scaled(width_px)
         return replace(self, image_bgr=image, camera=camera, taken=taken)._with_ground()
 
@@ -131,10 +131,11 @@ class View(MarkerPicture):
 
     def _with_ground(self) -> "View":
         """This view with the ground as all else in it has it."""
-        printed = [self.sheet.corners(self.side_m) if self.body is None else self.body.points_marker()]
-        printed += [one.on_plane(USUAL_SHEET.corners(one.side_m)) for one in self.beside]
-        printed += [] if self.page is None else self.page.between(self.side_m)
-        printed = printed if self.taken is None else []
+        printed: list[Float] = []
+        if self.taken is None:  # over plain ground there is no print
+            printed.append(self.sheet.corners(self.side_m) if self.body is None else self.body.points_marker())
+            printed += [one.on_plane(USUAL_SHEET.corners(one.side_m)) for one in self.beside]
+            printed += [] if self.page is None else self.page.between(self.side_m)
         is_ground, size = _ground_mask(self.camera, self.T_cam_marker, printed), self.size
         if self.paper_as_ground is not None:
             is_ground |= cv2.resize(self.paper_as_ground.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
@@ -144,7 +145,14 @@ class View(MarkerPicture):
         return replace(self, is_ground=is_ground)
 
 
-def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]:
+def plane_homography(of: MarkerPicture, to: MarkerPicture) -> Float:
+    """(3, 3) homography from the pixels of one picture to those of another, through the marker's plane."""
+    onto_of, onto_to = (image_from_plane(each.camera, each.T_cam_marker) for each in (of, to))
+    return np.asarray(onto_to @ np.linalg.inv(onto_of))
+
+
+def scaled_down(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]:
+    """The picture (h, w, 3) scaled down to `width_px`, if it is wider, and its camera."""
     width, height = camera.size
     scale = min(1.0, width_px / width)
     size = max(1, round(width * scale)), max(1, round(height * scale))
@@ -155,7 +163,7 @@ def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]
 
 def _straight(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera, Mask | None]:
     """The picture scaled down to `width_px`, if it is wider, without distortion; its camera; and View.shown."""
-    image, camera = _scaled(image, camera, width_px)
+    image, camera = scaled_down(image, camera, width_px)
     if not camera.is_distorted:
         return image, camera, None
     straight, shown = _undistorted(image, camera)

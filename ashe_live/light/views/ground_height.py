@@ -16,9 +16,8 @@ from ashe_live.core.arrays import Float, Float32, lowest_on_parabola
 from ashe_live.core.transforms import inverse_rigid, pixels_by_pose, raycast_to_plane, rigid
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
-from ashe_live.light.pixels.view import View
+from ashe_live.light.pixels.view import View, plane_homography
 from ashe_live.light.views.moved_frame import moved_body, moved_light, with_moved_marker
-from ashe_live.light.views.plane import plane_homography
 
 COMPARED = 3  # number of other views
 WIDTH_PX = 320  # of the pictures compared

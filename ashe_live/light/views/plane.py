@@ -13,9 +13,9 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.core.transforms import camera_centre, image_from_plane, project
+from ashe_live.core.transforms import camera_centre, project
 from ashe_live.light.pixels.areas import shrunk, smoothed
-from ashe_live.light.pixels.view import View
+from ashe_live.light.pixels.view import View, plane_homography
 
 # Standard deviation of an 8-bit sRGB value: sensor noise and JPEG, after the smoothing of the colours.
 NOISE_SRGB = 1.5 / 255
@@ -48,12 +48,6 @@ class OnPlane:
     residual: Float32  # (h, w, 3) the reference's colours less these
     variance: Float32  # (h, w, 3) expected of the residual where both show the same point of the plane
     shear_px: Float  # (2,) in the reference view, of a point TALL above the marker's centre
-
-
-def plane_homography(of: View, to: View) -> Float:
-    """(3, 3) homography from the pixels of one view to those of another, through the marker's plane."""
-    onto_of, onto_to = (image_from_plane(view.camera, view.T_cam_marker) for view in (of, to))
-    return np.asarray(onto_to @ np.linalg.inv(onto_of))
 
 
 def where_in(mask: Mask, of: View, to: View) -> Mask:

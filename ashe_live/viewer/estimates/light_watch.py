@@ -122,6 +122,8 @@ class LightWatch:
         if tracked.marker.body is not None:
             return "the paper cube's light is found without an empty table"
         self.empty = tracked
+        if not self.camera_may_move:
+            return "the empty table is known: Space in another frame of this view counts only what came onto it"
         return "the empty table is known: put the object there, leave the camera where it is, press Space"
 
     def _empty_for(self, frozen: TrackedFrame) -> TrackedFrame | None:

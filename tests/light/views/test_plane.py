@@ -9,8 +9,8 @@ import pytest
 from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
-from ashe_live.light.pixels.view import View
-from ashe_live.light.views.plane import log_likelihood_ratio, on_plane, plane_homography, where_in
+from ashe_live.light.pixels.view import View, plane_homography
+from ashe_live.light.views.plane import log_likelihood_ratio, on_plane, where_in
 from tests.light.painted_scenes import BOX, Caster, Painted, paint
 from tests.light.synthetic_masks import camera_towards
 

@@ -198,54 +198,47 @@ def test_while_paused_the_frame_is_seen_anew_as_another_tracker_sees_it(fakes, i
         pipeline.close()
 
 
-def test_a_frame_that_was_tracked_for_the_marker_before_is_never_shown(fakes):
-    """The main thread asks for another marker while a frame is being tracked for the first one, and another waits."""
+@pytest.fixture
+def asked_meanwhile(fakes) -> Iterator[Callable[[int, int], Pipeline]]:
+    """A clip of so many frames, of which another marker is asked for while one of them is tracked for the first.
+
+    The notes of frames say by which marker they were tracked.
+    """
     first, second = fakes.Tracker(), fakes.Tracker()
-    is_tracking, go_on = threading.Event(), threading.Event()
-
-    def track(frame) -> None:
-        if frame.index == 1:
-            is_tracking.set()
-            go_on.wait(PATIENCE_S)
-
-    first.hook = track
     first.note, second.note = "by the first", "by the second"
-    pipeline = Pipeline(fakes.Clip(10_000), first, False, lambda _spec, _hfov_deg: second)
-    pipeline.start()
-    try:
-        assert is_tracking.wait(PATIENCE_S)
-        pipeline.follow("cube")  # frame 0 has not been taken
-        go_on.set()
-        assert pipeline.frames.take(PATIENCE_S).note == "by the second"
-    finally:
-        pipeline.close()
-
-
-def test_the_last_frame_of_a_clip_is_tracked_again_for_another_marker(fakes):
-    """It is asked for while that frame is being tracked for the first one, and no other comes."""
-    first, second = fakes.Tracker(), fakes.Tracker()
     is_tracking, go_on = threading.Event(), threading.Event()
+    with ExitStack() as ending:
 
-    def track(frame) -> None:
-        if frame.index == 2:
-            is_tracking.set()
-            go_on.wait(PATIENCE_S)
+        def asked(frames: int, at: int) -> Pipeline:
+            def track(frame) -> None:
+                if frame.index == at:
+                    is_tracking.set()
+                    go_on.wait(PATIENCE_S)
 
-    first.hook = track
-    first.note, second.note = "by the first", "by the second"
-    pipeline = Pipeline(fakes.Clip(3), first, False, lambda _spec, _hfov_deg: second)
-    pipeline.start()
-    try:
-        assert is_tracking.wait(PATIENCE_S)
-        pipeline.follow("cube")
-        go_on.set()
-        tracked = pipeline.frames.take(PATIENCE_S)
-        assert (tracked.frame.index, tracked.note) == (2, "by the second")
-        await_that(lambda: pipeline.has_ended)
-        pipeline.see_by(50.0)  # restarts it
-        assert_settles(pipeline, at=2)
-    finally:
-        pipeline.close()
+            first.hook = track
+            pipeline = Pipeline(fakes.Clip(frames), first, False, lambda _spec, _hfov_deg: second)
+            ending.callback(pipeline.close)
+            pipeline.start()
+            assert is_tracking.wait(PATIENCE_S)
+            pipeline.follow("cube")
+            go_on.set()
+            return pipeline
+
+        yield asked
+
+
+def test_a_frame_that_was_tracked_for_the_marker_before_is_never_shown(asked_meanwhile):
+    pipeline = asked_meanwhile(10_000, at=1)  # frame 0 has not been taken
+    assert pipeline.frames.take(PATIENCE_S).note == "by the second"
+
+
+def test_the_last_frame_of_a_clip_is_tracked_again_for_another_marker(asked_meanwhile):
+    pipeline = asked_meanwhile(3, at=2)  # no other frame comes
+    tracked = pipeline.frames.take(PATIENCE_S)
+    assert (tracked.frame.index, tracked.note) == (2, "by the second")
+    await_that(lambda: pipeline.has_ended)
+    pipeline.see_by(50.0)  # restarts it
+    assert_settles(pipeline, at=2)
 
 
 @pytest.fixture

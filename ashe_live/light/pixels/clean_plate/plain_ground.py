@@ -15,8 +15,8 @@ from ashe_live.light.pixels.log_colour import DARKEST, is_exposed
 # Linear light of the plain ground: things may be five times as bright until they are saturated, and shadows of a
 # fiftieth of it are still resolved by eight bits.
 SHOWN_AS = 0.2
-BIN, WIDEST = 0.02, 2.0  # of the histogram of log ratios: a fifth of a bin is what eight bits resolve
-BLUR_BINS = 2.0
+BIN, WIDEST = 0.02, 2.0  # of the histogram of log ratios: a bin is what eight bits resolve of mid grey
+BLUR_BINS = 2.0  # standard deviation of the noise in the histogram
 WITHIN = 0.06  # about the mode of log brightness: what the exposure is averaged over
 
 

@@ -2,30 +2,33 @@
 
 A camera on a stand trembles, and its focus changes its focal length by a percent. Where it only turned, a homography
 lays all of one picture over the other; where it moved too, one lays the marker's plane. It is found by the poses, then
-by the pictures themselves (the enhanced correlation coefficient: Evangelidis and Psarakis, 2008).
+by the pictures themselves (the enhanced correlation coefficient: Evangelidis and Psarakis, 2008). Pictures are taken as
+they are: where a lens bends lines, only small motions can be undone.
 """
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
-from ashe_live.core.transforms import image_from_plane
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.clean_plate.plain_ground import change_of_light, log_linear
 from ashe_live.light.pixels.log_colour import is_exposed
+from ashe_live.light.pixels.sheet import MarkerPicture
+from ashe_live.light.pixels.view import plane_homography, scaled_down
 
 WIDTH_PX = 320  # of the pictures that are compared
 BLUR_PX = 1.0
 # What is registered is log brightness without what changes over so many pixels, as light and shadow do.
 SLOW_PX = 8.0
 ROUNDS, LEAST_GAIN = 40, 1e-4
-# In each of so many columns and rows of cells, of the plate's pixels those are edges that are steepest, and at least so
-# steep (log brightness over a pixel, times 8). So many of all of them must have stayed as they are, to so much in log
-# brightness. On 47 pictures 0.84 to 1.00 have (5th to 100th percentile), with a plate that is shifted by a pixel 0.16
-# to 0.75 (5th to 95th).
-CELLS, EDGES, STEEP = (8, 6), 0.05, 1.0
-SAME, LEAST_SAME, CLEARLY_SAME, FEWEST_EDGES = 0.15, 0.7, 0.9, 40
+# In each of so many columns and rows of cells the steepest share of the plate's pixels are edges, if they are at least
+# so steep: by Sobel's operator, 8 times the change of log brightness over a pixel.
+CELLS, EDGES, STEEP, FEWEST_EDGES = (8, 6), 0.05, 1.0, 40
+# The largest change of an edge that counts as none, of log brightness; the share of edges without any that is asked
+# for, and the one from which on nothing else is tried. Chosen by eye: on 47 pictures it is 0.84 to 1.00 (5th to 100th
+# percentile), with a plate that is shifted by a pixel 0.16 to 0.75 (5th to 95th).
+SAME, LEAST_SAME, CLEARLY_SAME = 0.15, 0.7, 0.9
 # By so many of its sides, and a pixel, the marker's corners may lie beside where they were.
 MOST_MOVED = 0.04
 
@@ -38,30 +41,36 @@ def registered(tracked: TrackedFrame, empty: TrackedFrame) -> Image | None:
     """
     if tracked.camera.size != empty.camera.size:
         return None
-    now, before = np.asarray(tracked.frame.image_bgr), np.asarray(empty.frame.image_bgr)
-    scale = min(1.0, WIDTH_PX / now.shape[1])
-    small_now, small_before = _shrunk(now, scale), _shrunk(before, scale)
-    still = same_share(small_now, small_before)
-    by_poses = _scaled(_by_poses(tracked, empty), scale)
-    moved = None if still >= CLEARLY_SAME else _refined(small_now, small_before, by_poses)
-    turned = 0.0 if moved is None else same_share(small_now, _warped(small_before, moved, small_now))
+    now, before = _small(tracked), _small(empty)
+    still = same_share(now.image_bgr, before.image_bgr)
+    moved = None if still >= CLEARLY_SAME else _refined(now, before)
+    turned = 0.0 if moved is None else same_share(now.image_bgr, _warped(before.image_bgr, moved, now.image_bgr))
     if max(still, turned) < LEAST_SAME:
         return None
-    to_before = None if moved is None or still >= turned else _scaled(moved, 1 / scale)
-    if _has_moved_marker(tracked, empty, np.eye(3) if to_before is None else to_before):
+    picture = np.asarray(empty.frame.image_bgr)
+    if moved is None or still >= turned:
+        return None if _has_moved_marker(tracked, empty, np.eye(3)) else picture
+    to_before = _scaled(moved, np.divide(tracked.frame.size, now.camera.size))
+    if _has_moved_marker(tracked, empty, to_before):
         return None
-    return before if to_before is None else _warped(before, to_before, now)
+    return _warped(picture, to_before, np.asarray(tracked.frame.image_bgr))
+
+
+def _small(tracked: TrackedFrame) -> MarkerPicture:
+    assert tracked.marker is not None
+    image, camera = scaled_down(np.asarray(tracked.frame.image_bgr), tracked.camera, WIDTH_PX)
+    return MarkerPicture(image, camera, tracked.marker.T_cam_marker, tracked.marker.side_m)
 
 
 def _has_moved_marker(tracked: TrackedFrame, empty: TrackedFrame, to_before: Float) -> bool:
     """Whether the marker lies elsewhere; to_before: (3, 3) from pixels of `tracked` to those of `empty`."""
     assert tracked.marker is not None
     assert empty.marker is not None
-    there, corners = (np.asarray(each.marker.corners_px) for each in (tracked, empty) if each.marker is not None)
-    mapped = np.column_stack([there, np.ones(len(there))]) @ to_before.T
-    away_px = np.linalg.norm(mapped[:, :2] / mapped[:, 2:] - corners, axis=1)
-    side_px = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).mean()
-    return bool(away_px.mean() > MOST_MOVED * side_px + 1)
+    corners_px = np.array(empty.marker.corners_px)
+    mapped_px = cv2.perspectiveTransform(np.array(tracked.marker.corners_px)[None], to_before)[0]
+    away_px = np.linalg.norm(mapped_px - corners_px, axis=1).mean()
+    side_px = np.linalg.norm(corners_px - np.roll(corners_px, 1, axis=0), axis=1).mean()
+    return bool(away_px > MOST_MOVED * side_px + 1)
 
 
 def same_share(image_bgr: Image, plate_bgr: Image) -> float:
@@ -86,22 +95,14 @@ def same_share(image_bgr: Image, plate_bgr: Image) -> float:
     return float(are_same.mean()) if len(are_same) >= FEWEST_EDGES else 0.0
 
 
-def _by_poses(tracked: TrackedFrame, empty: TrackedFrame) -> Float:
-    """(3, 3) from pixels of `tracked` to those of `empty`, of the marker's plane."""
-    homographies = []
-    for each in (tracked, empty):
-        assert each.marker is not None
-        homographies.append(image_from_plane(each.camera, each.marker.T_cam_marker))
-    now, before = homographies
-    return np.asarray(before @ np.linalg.inv(now))
-
-
-def _refined(now: Image, before: Image, start: Float) -> Float | None:
+def _refined(now: MarkerPicture, before: MarkerPicture) -> Float | None:
     """The homography (3, 3) from pixels of `now` to those of `before` that correlates both best; None if none does."""
-    criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, ROUNDS, LEAST_GAIN)
+    start = plane_homography(now, before)
     first = np.asarray(start / start[2, 2], dtype=np.float32)
+    criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, ROUNDS, LEAST_GAIN)
+    details = _detail(now.image_bgr), _detail(before.image_bgr)
     try:
-        _, found = cv2.findTransformECC(_detail(now), _detail(before), first, cv2.MOTION_HOMOGRAPHY, criteria)
+        _, found = cv2.findTransformECC(*details, first, cv2.MOTION_HOMOGRAPHY, criteria)
     except cv2.error:  # they do not correlate
         return None
     moved = np.asarray(found, dtype=np.float64)
@@ -114,9 +115,10 @@ def _detail(image_bgr: Image) -> Float32:
     return np.asarray(brightness - cv2.GaussianBlur(brightness, (0, 0), SLOW_PX), dtype=np.float32)
 
 
-def _scaled(homography: Float, scale: float) -> Float:
-    """A homography (3, 3) between pictures, for both scaled by `scale`; pixel centres are at whole numbers."""
-    scaling = np.array([[scale, 0, (scale - 1) / 2], [0, scale, (scale - 1) / 2], [0, 0, 1]])
+def _scaled(homography: Float, scale: Float) -> Float:
+    """A homography (3, 3) between pictures, for both scaled by (2,) along x and y; pixel centres are integers."""
+    scaling = np.diag([*scale, 1.0])
+    scaling[:2, 2] = (scale - 1) / 2
     return np.asarray(scaling @ homography @ np.linalg.inv(scaling))
 
 
@@ -128,8 +130,3 @@ def _warped(before: Image, homography: Float, now: Image) -> Image:
     seen = cv2.warpPerspective(np.full(before.shape[:2], 255, np.uint8), homography, size, flags=flags)
     is_seen: Mask = np.asarray(seen) == 255
     return np.where(is_seen[..., None], np.asarray(warped, np.uint8), now)
-
-
-def _shrunk(image_bgr: Image, scale: float) -> Image:
-    size = max(1, round(image_bgr.shape[1] * scale)), max(1, round(image_bgr.shape[0] * scale))
-    return np.asarray(cv2.resize(image_bgr, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)

@@ -13,9 +13,9 @@ from ashe_live.light.explanation.judgement.context import NO_CONTEXT, Context
 from ashe_live.light.explanation.judgement.judge import best_direction, fitted_judge, probabilities_of
 from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.view import plane_homography
 from ashe_live.light.views.joint.aligned import JointExplanation, in_each_view
 from ashe_live.light.views.joint.evidence import joint_log_odds, joint_support, no_less_sure
-from ashe_live.light.views.plane import plane_homography
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import camera_towards, direction
