@@ -216,6 +216,36 @@ def test_takes_turn_by_their_span_and_keep_the_marker_in_view() -> None:
     assert np.all(np.diff(spans) > 0)
 
 
+def test_fewer_frames_of_a_take_span_as_much(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = []
+    for given in ([], ["--frames", "4"]):
+        arguments = ["specify", "--set", "takes_training", "--scenes", "3", *given, "--out", str(tmp_path)]
+        monkeypatch.setattr(sys, "argv", arguments)
+        main()
+        drawn.append(json.loads((tmp_path / "specifications.json").read_text())["scenes"][0])
+    whole, fewer = drawn
+    numbers = [whole["frames"].index(frame) for frame in fewer["frames"]]
+    assert numbers[0] == 0
+    assert numbers[-1] == FRAMES - 1
+    gaps = np.diff(numbers)
+    assert len(gaps) == 3
+    assert gaps.max() - gaps.min() <= 1
+    assert {**whole, "frames": None} == {**fewer, "frames": None}
+
+
+@pytest.mark.parametrize("asked", [("takes_training", "1"), ("takes_training", "13"), ("training", "4")])
+def test_frames_are_a_takes_and_at_least_two(
+    asked: tuple[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name, frames = asked
+    monkeypatch.setattr(
+        sys, "argv", ["specify", "--set", name, "--scenes", "3", "--frames", frames, "--out", str(tmp_path / "set")]
+    )
+    with pytest.raises(SystemExit):
+        main()
+    assert not (tmp_path / "set").exists()
+
+
 def test_onto_the_marker_falls_the_shadow_of_the_objects_top(training: list[dict[str, Any]]) -> None:
     shaded = [scene for each in training if (scene := onto_marker(each)) is not None]
     assert len(shaded) > 3

@@ -17,7 +17,7 @@ import numpy as np
 from scenes.drawing import cubes, families
 from scenes.drawing.families import HELD_OUT, Params, Rng, between, pick
 from scenes.drawing.layout import HELD_OUT_SHARE, layout
-from scenes.drawing.motion import frames
+from scenes.drawing.motion import FRAMES, frames
 from scenes.photo.camera import camera_settings
 
 BASES = {"clean": 27, "texture": 22, "clutter": 18, "dark": 9, "partial": 6, "misleading": 18}
@@ -176,6 +176,12 @@ def empty(scene: Params) -> Params | None:
     return scene | {"objects": others, "pictures": pictures, "render_seed": scene["render_seed"] + 1}
 
 
+def of_frames(scene: Params, count: int) -> Params:
+    """A take of so many of its frames, from the first to the last, as evenly spread as they can be."""
+    kept = np.round(np.linspace(0, len(scene["frames"]) - 1, count)).astype(int)
+    return scene | {"frames": [scene["frames"][number] for number in kept]}
+
+
 def main() -> None:
     ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     ask.add_argument("--set", choices=SETS, required=True)
@@ -185,7 +191,12 @@ def main() -> None:
     ask.add_argument("--out", type=Path, required=True)
     ask.add_argument("--onto-marker", action="store_true", help="in a light whose shadow falls onto the marker")
     ask.add_argument("--empty", action="store_true", help="without the object that casts the shadow: clean plates")
+    ask.add_argument(
+        "--frames", type=int, metavar="N", help=f"so many of a take's frames (2 to {FRAMES}), which render sooner"
+    )
     asked = ask.parse_args()
+    if asked.frames is not None and not (SETS[asked.set].takes and 2 <= asked.frames <= FRAMES):
+        ask.error(f"--frames is for sets of takes, and from 2 to {FRAMES}")
     asked.out.mkdir(parents=True, exist_ok=True)
     indices = range(asked.count) if asked.scenes is None else asked.scenes
     scenes = [specification(asked.set, index) for index in indices]
@@ -193,6 +204,8 @@ def main() -> None:
         scenes = [shaded for scene in scenes if (shaded := onto_marker(scene)) is not None]
     if asked.empty:
         scenes = [bare for scene in scenes if (bare := empty(scene)) is not None]
+    if asked.frames is not None:
+        scenes = [of_frames(scene, asked.frames) for scene in scenes]
     lines = ",\n".join(json.dumps(scene) for scene in scenes)
     content = f'{{"format": 1, "set": "{asked.set}", "seed": {SETS[asked.set].seed}, "scenes": [\n{lines}\n]}}\n'
     (asked.out / "specifications.json").write_text(content)
