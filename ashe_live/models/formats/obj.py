@@ -6,11 +6,12 @@ http://paulbourke.net/dataformats/obj/
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import read_mtl, text_of
@@ -26,7 +27,8 @@ from ashe_live.process.messages import printable
 Indices = NDArray[np.int64]
 NAMED = ("vertex", "texture coordinate", "normal")
 NUMBERED = (b"v", b"vt", b"vn", b"f")
-CONTINUED = re.compile(rb"\\\r?\n")
+COMMENTS = re.compile(rb"(?:\A|(?<=[\r\n]))[ \t]*+#[^\r\n]*")  # whole lines of them, which no backslash continues
+CONTINUED = re.compile(rb"\\(?:\r\n?|\n)")
 
 
 @dataclass(slots=True)
@@ -45,7 +47,7 @@ class _Lines:
 
 def read_obj(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
     """One mesh for each material. Raises UserError for what it names and cannot be read, MalformedError for no OBJ."""
-    lines = _sorted(CONTINUED.sub(b" ", content))
+    lines = _sorted(CONTINUED.sub(b" ", COMMENTS.sub(b"", content)))
     if lines.has_lines:
         notes.add("points and lines are left out")
     if lines.has_curves:
@@ -103,19 +105,18 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
     pictures = Pictures(folder, notes)
     found: dict[str, Material] = {}
 
-    def texels(name: str) -> Image | None:
-        return pictures.named(name, f"texture {name}", covers=True)
-
     is_any_missing = False
     for library in lines.libraries:
         try:
-            contents: list[bytes | None] = [folder.get(text_of(library))]
+            contents = {library: folder.get(text_of(library))}
         except MissingFileError:
             # Several names may stand on one line, and one name may hold spaces.
-            contents = [_there(folder, name, notes) for name in library.split()]
-        for content in contents:
-            is_any_missing |= content is None
-            read = {} if content is None else read_mtl(folder.model, content, texels, notes)
+            there = {name: _there(folder, name, notes) for name in library.split()}
+            is_any_missing |= None in there.values()
+            contents = {name: content for name, content in there.items() if content is not None}
+        for path, content in contents.items():
+            texels = partial(pictures.named, covers=True, beside=text_of(path).replace("\\", "/").rpartition("/")[0])
+            read = read_mtl(folder.model, content, texels, notes)
             for name, material in read.items():
                 found.setdefault(name, material)
     wanted = {name: text_of(name) for name in lines.names}

@@ -75,7 +75,7 @@ def _material(content: bytes, folder: Folder, notes: Notes) -> Material:
     if len(set(names)) > 1:
         notes.add(f"one of its {len(set(names))} textures is drawn, on all of it")
     name = names[0].decode(errors="replace").strip()
-    texels = Pictures(folder, notes).named(name, f"texture {name}", covers=True)
+    texels = Pictures(folder, notes).named(name, covers=True)
     return UNKNOWN if texels is None else pictured(UNKNOWN, texels)
 
 

@@ -31,15 +31,27 @@ class Pictures:
         self._texels: dict[Hashable, Image] = {}
         self._decoded = 0  # texels, of all pictures so far
 
-    def named(self, file: str, name: str, covers: bool = False) -> Image | None:
-        """As `texels`, from a file beside the model's; None, with a note, where there is none."""
+    def named(self, file: str, name: str | None = None, covers: bool = False, beside: str = "") -> Image | None:
+        """As `texels`, from a file beside the model's; None, with a note, where there is none.
+
+        name: for messages, where it is not "texture" and the file's name. beside: a folder in the model's, of the file
+        that names the picture, in which it is looked for first.
+        """
+        name = f"texture {file}" if name is None else name
+        if beside and (found := self._beside(f"{beside}/{file}", name, covers)) is not None:
+            return found
+        found = self._beside(file, name, covers)
+        if found is None:
+            self._notes.add(f"its picture {printable(file, NAME_CHARACTERS)} is not beside it, and is left out")
+        return found
+
+    def _beside(self, file: str, name: str, covers: bool) -> Image | None:
         if file in self._missing:
             return None
         try:
             return self.texels(file, lambda: self._folder.get(file), name, covers)
         except MissingFileError:
             self._missing.add(file)
-            self._notes.add(f"its picture {printable(file, NAME_CHARACTERS)} is not beside it, and is left out")
             return None
 
     def texels(self, key: Hashable, content: Callable[[], bytes], name: str, covers: bool = False) -> Image:

@@ -286,6 +286,40 @@ def test_comments_may_stand_behind_numbers(tmp_path: Path) -> None:
     np.testing.assert_array_equal(plain.parts[0].uvs, commented.parts[0].uvs)
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_a_comment_that_ends_in_a_backslash_is_one_line(tmp_path: Path, end: str) -> None:
+    """As a path of Windows does. A number that goes on in the next line does so whatever ends lines."""
+    lines = TRIANGLE.replace("v 1 0 0", f"v 1 \\{end}0 0").replace("\n", end)
+    (tmp_path / "a.obj").write_bytes(f"# from C:\\models\\{end}{lines}  # in C:\\{end}f 1/1 2/2 3/3{end}".encode())
+    model = load_model_file(tmp_path / "a.obj")
+    np.testing.assert_array_equal(model.parts[0].vertices, read(tmp_path, TRIANGLE).parts[0].vertices)
+    assert model.triangle_count == 2
+
+
+@pytest.mark.parametrize("library", ["looks/m.mtl", "looks\\m.mtl"])
+@pytest.mark.parametrize("where", ["looks", "."])
+def test_a_picture_lies_beside_the_library_that_names_it_or_beside_the_obj(
+    tmp_path: Path, library: str, where: str
+) -> None:
+    (tmp_path / "looks").mkdir()
+    (tmp_path / "looks" / "m.mtl").write_text("newmtl m\nmap_Kd red.png\n")
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / where / "red.png")
+    model = read(tmp_path, f"mtllib {library}\nusemtl m\n{TRIANGLE}")
+    assert model.parts[0].material.base_map is not None
+    assert not model.notes
+
+
+def test_of_two_pictures_of_one_name_that_beside_the_library_counts(tmp_path: Path) -> None:
+    (tmp_path / "looks").mkdir()
+    (tmp_path / "looks" / "m.mtl").write_text("newmtl m\nmap_Kd a.png\nnewmtl n\nmap_Kd b.png\n")
+    for folder, colour in ((tmp_path, (255, 0, 0)), (tmp_path / "looks", (0, 255, 0))):
+        Image.new("RGB", (2, 2), colour).save(folder / "a.png")
+    model = read(tmp_path, f"mtllib looks/m.mtl\nusemtl m\n{TRIANGLE}v 0 0 1\nusemtl n\nf 1/1 2/2 4/3\n")
+    pictured = next(part.material for part in model.parts if part.material.base_map is not None)
+    np.testing.assert_array_equal(pictured.base_map[..., :3], np.full((2, 2, 3), (0, 255, 0)))
+    assert model.notes == ("its picture b.png is not beside it, and is left out",)
+
+
 def test_comments_may_stand_behind_a_materials_numbers(tmp_path: Path) -> None:
     lines = "Kd 1.0 0.0 0.0 # red\nKe 0 0 1# glows\nd 0.5 # half\nPr 0.25 # smooth"
     material = surface(tmp_path, lines)
