@@ -161,6 +161,6 @@ def guidance(session: Session) -> tuple[str, ...]:
     if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
         return NO_MARKER if session.watch.camera_may_move else NOT_IN_FILE
     if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
-        may_show_empty = session.watch.camera_may_move and session.watch.empty is None
-        return f"what helps: {AFTER_NONE}", *([WITHOUT_IT] if may_show_empty else []), SET_BY_HAND
+        without_it = [WITHOUT_IT] if session.watch.may_show_empty_table else []
+        return f"what helps: {AFTER_NONE}", *without_it, SET_BY_HAND
     return ()

@@ -131,7 +131,7 @@ class FakeWorker:
         self.known: list[LightEstimate | None] = []  # of the requests: what is only to be followed
         self.follows = False  # what is known is answered with `answer`
         self.shows_empty_table = self.is_over_empty_table = False  # what the next estimates say
-        self.busy = self.draws = False
+        self.busy = self.draws = self.takes_one_frame = False
 
     def request(
         self,

@@ -1053,3 +1053,17 @@ def test_a_paper_cube_needs_no_empty_table(make, fakes):
     session.handle(Request(Command.EMPTY_TABLE), 0.0)
     assert session.watch.empty is None
     assert "cube" in session.notice.text
+
+
+def test_an_estimator_of_one_frame_makes_no_use_of_the_empty_table(make, fakes):
+    session = make()
+    session.watch._worker.takes_one_frame = True
+    session.take(fakes.tracked(), 0.0)
+    session.handle(Request(Command.EMPTY_TABLE), 0.0)
+    assert session.watch.empty is None
+    assert "no use" in session.notice.text
+    session.watch.camera_may_move = True
+    session.request_estimate(0.0)
+    session.watch._worker.answer = fakes.estimate(with_light=False)
+    session.poll(0.0)
+    assert WITHOUT_IT not in guidance(session)

@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Self
 
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_estimator
+from ashe_live.light.estimators.estimator import ESTIMATORS, OF_ONE_FRAME, Estimator, make_estimator
 from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.light.live import worker_process
 from ashe_live.light.live.worker_process import Answer, EstimateTask, Request, WorkerFailure
@@ -38,12 +38,14 @@ class LightWorker:
 
     `estimator` is a name in ESTIMATORS (UserError for another one), or a picklable callable that makes an estimator
     from a preset. The process starts here, so that its imports are done when the first request comes.
+    `takes_one_frame`: it makes no use of other views and of the empty table.
     """
 
     def __init__(self, estimator: str | Callable[[ProxyPreset], Estimator]) -> None:
         if isinstance(estimator, str) and estimator not in ESTIMATORS:
             make_estimator(estimator)  # raises here, not later in the process
         self._make = partial(make_estimator, estimator) if isinstance(estimator, str) else estimator
+        self.takes_one_frame = isinstance(estimator, str) and estimator in OF_ONE_FRAME
         self._asked_index: int | None = None
         self._asked_s = 0.0
         self._closed = False

@@ -64,6 +64,11 @@ class LightWatch:
         """Whether an estimate that the user waits for is in progress."""
         return self._worker.busy and (self._is_awaited or self._waiting is not None)
 
+    @property
+    def may_show_empty_table(self) -> bool:
+        """Whether the user may still show it, to some use."""
+        return self.camera_may_move and self.empty is None and not self._worker.takes_one_frame
+
     def begin_anew(self) -> None:
         """Forgets the scene, and gives up an estimate in progress."""
         self._frozen, self._others, self._doubted, self._waiting = None, (), None, None
@@ -121,6 +126,8 @@ class LightWatch:
             return "no marker in view"
         if tracked.marker.body is not None:
             return "the paper cube's light is found without an empty table"
+        if self._worker.takes_one_frame:
+            return "this estimator makes no use of the empty table"
         self.empty = tracked
         if not self.camera_may_move:
             return "the empty table is known: Space in another frame of this view counts only what came onto it"

@@ -204,7 +204,9 @@ def test_closing_ends_an_estimate_in_its_middle(scene, without_marker):
 
 
 def test_closing_before_it_has_started_is_quiet(capfd):
-    LightWorker("paper").close()
+    worker = LightWorker("paper")
+    assert worker.takes_one_frame
+    worker.close()
     wait_until_no_child_is_left()
     assert "Traceback" not in capfd.readouterr().err
 
