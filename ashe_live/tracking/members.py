@@ -27,7 +27,9 @@ class Posed(NamedTuple):
 
     pose: MarkerPose | None
     squares: dict[int, FittedSquare]  # by member, without the flat marker beside a cube if that has moved
-    sightings: list[Sighting]  # of these squares
+    # Of these squares, a cube's on its nominal faces: folds are learned by the camera, and bear out whatever its focal
+    # length is.
+    sightings: list[Sighting]
 
 
 class Members:
@@ -66,6 +68,11 @@ class Members:
         """A member's corners with the square that was seen of it."""
         return Sighting(self.corners(number), square)
 
+    def forget_folds(self) -> None:
+        """For another camera: what looks like folds by a wrong focal length is none."""
+        if self._folding is not None:
+            self._folding = Folding(self.side_m)
+
     def projected(self, camera: Camera, T_cam_marker: Float, excluding: Container[int]) -> dict[int, Float]:
         """Corners (4, 2), picture pixels, of all members where a pose (4, 4) has them, `excluding` some."""
         numbers = [number for number in range(len(self.all)) if number not in excluding]
@@ -96,15 +103,16 @@ class Members:
         seen = [self.sighting(number, square) for number, square in squares.items()]
         if self._folding is None:
             return Posed(pose_of_squares(seen, camera, self.side_m, previous, refines), squares, seen)
+        nominal = [Sighting(self.side_m * self.all[number].corners, square) for number, square in squares.items()]
         pose = pose_of_squares(seen, camera, self.side_m, previous, refines, OF_FOLDED_CUBE)
         if self.beside is not None and self.beside.has_moved(squares, pose, camera):
             self.beside.forget()
             faces_alone = {number: square for number, square in squares.items() if number != BESIDE_NUMBER}
             return self.pose(faces_alone, camera, previous, refines)
         if pose is None:
-            return Posed(None, squares, seen)
+            return Posed(None, squares, nominal)
         faces = {number: one for number, one in zip(squares, seen, strict=True) if number < BESIDE_NUMBER}
         if faces and self._folding.add(faces, pose.T_cam_marker, camera):
             seen = [self.sighting(number, square) for number, square in squares.items()]
             pose = pose_of_squares(seen, camera, self.side_m, pose, refines, OF_FOLDED_CUBE) or pose
-        return Posed(self._folding.stated(pose), squares, seen)
+        return Posed(self._folding.stated(pose), squares, nominal)

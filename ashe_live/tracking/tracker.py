@@ -92,8 +92,8 @@ class MarkerTracker:
     def use_camera(self, camera: Camera) -> None:
         """Uses `camera` for frames of its size from now on, until their size changes; the marker is not lost."""
         self._camera_now = camera
-        # Its pose was measured with another camera.
-        self._filter.reset()
+        self._filter.reset()  # its pose was measured with another camera, and so were a cube's folds
+        self._members.forget_folds()
 
     def track(self, frame: Frame) -> TrackedFrame:
         """The frame with the pose measured in it; with None if the marker is not found.

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ashe_live.bench.track.measures import turn_deg
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.core.camera import Camera
@@ -13,10 +14,13 @@ from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.quality import BALANCED
+from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal import FocalEstimate
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
 
 CLIP = shipped_clip()
 WRONG_HFOV_DEG = 75.0
@@ -104,3 +108,25 @@ def test_frames_of_another_size_begin_anew() -> None:
     for size in ((640, 480), (320, 240), (480, 640)):
         camera = tracker.track(Frame(np.zeros((size[1], size[0], 3), np.uint8), 0, 0.0)).camera
         assert (camera.size, camera.source) == (size, "assumed")
+
+
+@pytest.mark.parametrize("assumed_over_true", [0.8, 1.25])
+def test_a_cube_tells_the_focal_length_whatever_was_assumed(assumed_over_true: float) -> None:
+    """Its folds are learned as well, and could be such that any focal length explains the picture."""
+    true_px = CAMERA.K[0, 0]
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        T = looking(0.3, rng.uniform(35, 60), rng.uniform(0, 360))
+        frame = frame_of(CubeScene(CAMERA, T, [sun(200, 40)], folds=Folds.drawn(rng, EDGE_M, 0.4e-3, 0.6)))
+
+        def assumed(size: tuple[int, int]) -> Camera:
+            return Camera.from_focal(size, assumed_over_true * true_px, "assumed")
+
+        tracked = FocalTracker(cube_layout(), assumed, EDGE_M, BALANCED.tracking).track(frame)
+        assert tracked.camera.source == "estimated"
+        assert abs(tracked.camera.K[0, 0] - true_px) < 2.5 * tracked.camera.focal_sigma_px
+        # Nor is anything left in the pose of the folds that the wrong focal length seemed to show.
+        known = MarkerTracker(cube_layout(), tracked.camera, EDGE_M, BALANCED.tracking).track(frame)
+        assert tracked.marker is not None
+        assert known.marker is not None
+        assert turn_deg(tracked.marker.T_cam_marker, known.marker.T_cam_marker) < 0.05
