@@ -95,7 +95,7 @@ class FocalTracker(MarkerTracker):
     def _known_or_assumed(self, size: Size) -> Camera:
         """For frames of another size than before: nothing has been learned from them."""
         self._known = None if self._memory is None else self._memory.recall(size)
-        self._estimator = FocalEstimator(size)
+        self._estimator, self._views_asked = FocalEstimator(size), 0
         if self._known is not None:
             return self._known.camera()
         return self._assumed(size) if self._stated is None or self._stated.size != size else self._stated

@@ -14,13 +14,15 @@ from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.quality import BALANCED
+from ashe_live.tracking.families.dictionary_marker import DictionaryMarker
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal import FocalEstimate
 from ashe_live.tracking.focal.focal_memory import FocalMemory
-from ashe_live.tracking.focal_tracker import FocalTracker
+from ashe_live.tracking.focal_tracker import VIEWS_ASKED, FocalTracker
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
+from tests.tracking.conftest import frame, picture, pose
 
 CLIP = shipped_clip()
 WRONG_HFOV_DEG = 75.0
@@ -110,6 +112,19 @@ def test_frames_of_another_size_begin_anew() -> None:
         assert (camera.size, camera.source) == (size, "assumed")
 
 
+def test_each_size_of_frames_is_asked_for_its_focal_length() -> None:
+    """However many frames of other sizes were asked before, which may have said nothing."""
+    tracker = tracker_with(None)
+    marker, frontal, tilted = tracker.marker, pose(0.3, 0.0), pose(0.3, 50.0, 20.0)
+    assert isinstance(marker, DictionaryMarker)
+    for index in range(VIEWS_ASKED):
+        tracker.track(frame(picture(marker, Camera.from_hfov((640, 480), 60.0), frontal, CLIP.marker_side_m), index))
+    camera = Camera.from_hfov((800, 600), 60.0)
+    found = tracker.track(frame(picture(marker, camera, tilted, CLIP.marker_side_m), VIEWS_ASKED)).camera
+    assert found.source == "estimated"
+    assert abs(found.K[0, 0] - camera.K[0, 0]) < 2.5 * found.focal_sigma_px
+
+
 @pytest.mark.parametrize("assumed_over_true", [0.8, 1.25])
 def test_a_cube_tells_the_focal_length_whatever_was_assumed(assumed_over_true: float) -> None:
     """Its folds are learned as well, and could be such that any focal length explains the picture."""
@@ -117,16 +132,16 @@ def test_a_cube_tells_the_focal_length_whatever_was_assumed(assumed_over_true: f
     for seed in range(4):
         rng = np.random.default_rng(seed)
         T = looking(0.3, rng.uniform(35, 60), rng.uniform(0, 360))
-        frame = frame_of(CubeScene(CAMERA, T, [sun(200, 40)], folds=Folds.drawn(rng, EDGE_M, 0.4e-3, 0.6)))
+        seen = frame_of(CubeScene(CAMERA, T, [sun(200, 40)], folds=Folds.drawn(rng, EDGE_M, 0.4e-3, 0.6)))
 
         def assumed(size: tuple[int, int]) -> Camera:
             return Camera.from_focal(size, assumed_over_true * true_px, "assumed")
 
-        tracked = FocalTracker(cube_layout(), assumed, EDGE_M, BALANCED.tracking).track(frame)
+        tracked = FocalTracker(cube_layout(), assumed, EDGE_M, BALANCED.tracking).track(seen)
         assert tracked.camera.source == "estimated"
         assert abs(tracked.camera.K[0, 0] - true_px) < 2.5 * tracked.camera.focal_sigma_px
         # Nor is anything left in the pose of the folds that the wrong focal length seemed to show.
-        known = MarkerTracker(cube_layout(), tracked.camera, EDGE_M, BALANCED.tracking).track(frame)
+        known = MarkerTracker(cube_layout(), tracked.camera, EDGE_M, BALANCED.tracking).track(seen)
         assert tracked.marker is not None
         assert known.marker is not None
         assert turn_deg(tracked.marker.T_cam_marker, known.marker.T_cam_marker) < 0.05
