@@ -5,6 +5,8 @@ import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import cast
 
 import cv2
 import numpy as np
@@ -15,7 +17,10 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, image_from_plane, inverse_rigid, project, rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.light.live.key_views import KeyViews
 from ashe_live.tracking.marker_place import LOST_S, MarkerPlace
+from ashe_live.tracking.tracker import MarkerTracker
+from ashe_live.viewer.sources.scene_tracker import SceneTracker
 from tests.light.painted_scenes import BOX, SIDE_M, paint
 from tests.light.synthetic_masks import camera_towards
 
@@ -232,3 +237,28 @@ def test_light_from_the_room_is_where_it_was() -> None:
     to_light_room = np.array([0.6, 0.0, 0.8])
     now, truth = last[:3, :3].T @ first[:3, :3] @ to_light_room, true[:3, :3].T @ to_light_room
     assert math.degrees(angle_between(now, truth)) < 0.5
+
+
+def test_another_marker_was_not_moved_where_the_one_before_it_was() -> None:
+    """A step back in a clip, to before that was moved, would else turn the other's light."""
+
+    def of_marker(spec: str, places: list[Float]) -> MarkerTracker:
+        frames = {k: seen(view(), place, k / FPS) for k, place in enumerate(places)}
+        return cast(
+            MarkerTracker,
+            SimpleNamespace(
+                marker=SimpleNamespace(spec=spec),
+                preset=None,
+                track=lambda frame: frames[frame.index],
+                jump=lambda: None,
+            ),
+        )
+
+    moved, still = of_marker("moved", TURNED), of_marker("still", [lying(0)] * len(TURNED))
+    scene = SceneTracker(moved, KeyViews())
+    frames = [Frame(np.zeros((480, 640, 3), np.uint8), k, k / FPS) for k in range(len(TURNED))]
+    assert_near(np.asarray([scene.track(frame) for frame in frames][-1].T_room_marker), TURNED[-1], 0.5, 1)
+    scene.follow(still)
+    here = scene.track(frames[-1])
+    scene.jump()
+    assert scene.track(frames[2]).T_room_marker is here.T_room_marker

@@ -29,9 +29,12 @@ class SceneTracker:
 
     def follow(self, tracker: MarkerTracker) -> None:
         """Another marker, or the same by another camera, is followed from the next frame on, at the same quality."""
+        is_same_marker = tracker.marker.spec == self._tracker.marker.spec
         tracker.preset = self._tracker.preset
         self._tracker = tracker
         self._forget_scene()
+        if not is_same_marker:  # a step back may lead to frames in which the one before lay elsewhere
+            self._marker_place.rewind()
 
     def rewind(self, keeps_views: bool = False) -> None:
         """The source begins again. `keeps_views`: with the very frames that were kept, and nothing else."""
