@@ -135,10 +135,9 @@ class Folding:
         at_origin[3:, :3] = _crosses(np.array([(0, 0, 0.5 * self._edge_m)]))[0]
         points = self.body.spheroids_marker[:, :3]
         moved = np.zeros((len(points), 3, self._folds.size))
-        for number, face in enumerate(FACES):
+        for number in range(len(FACES)):
             rows = slice(4 * number, 4 * number + 4)
-            arms = points[rows] - self._edge_m * face.centre - self._folds[number, 3:]
-            by_fold = np.concatenate([-_crosses(arms), np.tile(np.eye(3), (4, 1, 1))], axis=2)
+            by_fold = self._by_fold(number, points[rows])
             by_fold[points[rows, 2] <= 0, 2] = 0.0  # it stands on the table, however deep its corner would be
             moved[rows, :, EACH * number : EACH * number + EACH] = by_fold
         return PoseShapeErrors(-at_origin @ pose_by_folds @ causes, moved @ causes)
@@ -147,11 +146,15 @@ class Folding:
         """(8 n, 30) derivatives of the pixels of n faces' corners (4 n, 3) by all folds; by_points: by the corners."""
         by_folds = np.zeros((2 * len(points), self._folds.size))
         for row, number in enumerate(numbers):
-            arms = points[4 * row : 4 * row + 4] - self._edge_m * FACES[number].centre
-            moved = np.concatenate([-_crosses(arms), np.tile(np.eye(3), (4, 1, 1))], axis=2)
-            block = (by_points[4 * row : 4 * row + 4] @ moved).reshape(8, EACH)
+            rows = slice(4 * row, 4 * row + 4)
+            block = (by_points[rows] @ self._by_fold(number, points[rows])).reshape(8, EACH)
             by_folds[8 * row : 8 * row + 8, EACH * number : EACH * number + EACH] = block
         return by_folds
+
+    def _by_fold(self, number: int, points: Float) -> Float:
+        """(n, 3, 6) derivatives of points (n, 3) of face `number`, as it lies, by its own fold."""
+        arms = points - self._edge_m * FACES[number].centre - self._folds[number, 3:]
+        return np.concatenate([-_crosses(arms), np.tile(np.eye(3), (len(points), 1, 1))], axis=2)
 
     def _posterior_covariance(self) -> Float:
         """(30, 30) of the folds by all that was seen, over all scales that these may have.

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import pixels_by_points, project, transform_points
 from ashe_live.core.types import MarkerPose
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
@@ -165,3 +165,22 @@ def test_frame_and_faces_are_off_together_as_the_picture_lets_them() -> None:
     assert np.sqrt((together[above] ** 2).sum()) < 0.5 * np.sqrt((by_frame[above] ** 2).sum())
     # And the frame's turn is as uncertain as folds make the pose's.
     assert errors.pose[:3] @ errors.pose[:3].T == pytest.approx(folding.pose_covariance[:3, :3], rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("component", range(6))
+def test_corners_move_with_the_fold_of_a_face_that_is_folded_already(component: int) -> None:
+    """By the differences of what is seen, for each component of the right face's fold."""
+    folds, number, T = Folds.drawn(np.random.default_rng(4), EDGE_M), 2, looking(0.35, 50, 40)
+    step, folding = 1e-6 * np.eye(6)[component], Folding(EDGE_M)
+    folding._folds = np.concatenate([folds.turns, EDGE_M * folds.shifts], axis=1)
+
+    def corners(step: Float) -> Float:
+        turn = cv2.Rodrigues(step[:3])[0] @ cv2.Rodrigues(folds.turns[number])[0]
+        face = FACES[number].corners(TAG_SHARE) - FACES[number].centre
+        return np.asarray(EDGE_M * (face @ turn.T + FACES[number].centre + folds.shifts[number]) + step[3:])
+
+    in_camera = transform_points(T, corners(np.zeros(6)))
+    by_points = pixels_by_points(in_camera, CAMERA.K) @ T[:3, :3]
+    found = folding._pixels_by_folds([number], corners(np.zeros(6)), by_points)[:, 6 * number + component]
+    moved = (project(CAMERA, T, corners(step)) - project(CAMERA, T, corners(-step))).ravel() / (2 * step.sum())
+    assert found == pytest.approx(moved, abs=1e-6 * np.abs(moved).max())
