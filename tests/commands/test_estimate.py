@@ -343,6 +343,25 @@ def test_a_folder_and_a_pattern_stand_for_the_pictures_in_them(run, files, film,
     assert answered(tmp_path / "**" / "inner.*") == ["sub.png/inner.png"]
 
 
+@pytest.mark.parametrize(
+    ("pattern", "matched"),
+    [
+        ("../photos/*.png", ["../photos/a.png"]),
+        ("../.taken/*.png", ["../.taken/b.png"]),
+        ("../.taken/.*.png", ["../.taken/.c.png"]),
+        ("../**/*.png", ["../photos/a.png"]),
+    ],
+)
+def test_a_pattern_matches_hidden_files_only_where_it_says_so(run, files, tmp_path, monkeypatch, pattern, matched):
+    """As those that macOS writes beside each photo on a card."""
+    for name in ("photos/a.png", "photos/._a.png", ".taken/b.png", ".taken/.c.png", "here/notes.txt"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        shutil.copy(files["photo"], tmp_path / name)
+    monkeypatch.chdir(tmp_path / "here")
+    outcome = run("estimate", "--json", *KNOWN, pattern)
+    assert [record["file"] for record in outcome.records] == matched
+
+
 def test_a_file_whose_name_looks_like_a_pattern_is_that_file(run, files, tmp_path):
     for name in ("cup[1].png", "cup1.png"):
         shutil.copy(files["photo"], tmp_path / name)

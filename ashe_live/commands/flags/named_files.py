@@ -3,6 +3,7 @@
 import glob
 import re
 from collections.abc import Iterable, Iterator
+from itertools import takewhile
 from pathlib import Path
 
 from ashe_live.capture.folder import pictures_in
@@ -41,9 +42,11 @@ def _matching(pattern: Path) -> Iterator[Path]:
     if parts[-1] == "**":  # for which pathlib returns folders only
         parts.append("*")
     root = Path(pattern.anchor)
-    shows_hidden = any(part.startswith(".") for part in parts)
+    # The folders before the first of its characters are named in full, hidden ones and `..` too.
+    named = sum(1 for _ in takewhile(lambda part: not glob.has_magic(part), parts))
+    shows_hidden = any(part.startswith(".") for part in parts[named:])
     for path in root.glob("/".join(parts)):
-        if shows_hidden or not any(part.startswith(".") for part in path.relative_to(root).parts):
+        if shows_hidden or not any(part.startswith(".") for part in path.relative_to(root).parts[named:]):
             yield path
 
 
