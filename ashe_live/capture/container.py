@@ -77,6 +77,11 @@ def opened_container(file: Searched) -> InputContainer:
     return container
 
 
+def has_decoding_times_alone(container: InputContainer) -> bool:
+    """Whether pictures are decoded in another order than they are shown in, and no times say which: AVI has none."""
+    return container.format.name == "avi" and bool(container.streams.video[0].codec_context.has_b_frames)
+
+
 class WrittenContainer:
     """A new clip in a file that is open, which stays open.
 

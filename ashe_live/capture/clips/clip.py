@@ -36,7 +36,7 @@ class ClipSource(Source):
         self._pictures: ClipPictures | None = None
         self._index: ClipIndex | None = None
         self._has_looked_for_index = False
-        self._is_damaged = False  # in any part that was read since it was opened
+        self._is_irregular = False  # damaged, or out of order, in any part that was read since it was opened
         self._behind: deque[Picture] = deque()  # pictures that were read or passed, the latest last
         self._ahead: deque[Picture] = deque()  # pictures that are read next, before any other is decoded
         self.rewind()
@@ -102,7 +102,7 @@ class ClipSource(Source):
         self._behind.clear()
         self._ahead.clear()
         if self._pictures is not None:
-            self._is_damaged |= self._pictures.damaged > 0
+            self._is_irregular |= self._pictures.contradicts_index
             self._pictures.close()
         self._pictures = None
 
@@ -157,9 +157,8 @@ class ClipSource(Source):
                 index = ClipIndex.read(file)
             if index is not None and self._pictures is not None and index.pts[0] == self._pictures.start_pts:
                 self._index, self.duration_s = index, index.duration_s
-        # The index has the damaged frames, which the count has not.
-        is_damaged = self._is_damaged or (self._pictures is not None and self._pictures.damaged > 0)
-        return None if is_damaged else self._index
+        is_irregular = self._is_irregular or (self._pictures is not None and self._pictures.contradicts_index)
+        return None if is_irregular else self._index
 
     def _upright_bgr(self, picture: VideoFrame) -> Image:
         """(h, w, 3) uint8 of the source's size."""

@@ -3,11 +3,12 @@
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import accumulate
 from typing import BinaryIO, Self
 
 import av
 
-from ashe_live.capture.container import Searched, opened_container
+from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container
 
 # Rounding error of a time that was computed from a frame's; no two frames are that close.
 ROUNDING_S = 1e-6
@@ -23,11 +24,13 @@ class ClipIndex:
 
     @classmethod
     def read(cls, file: BinaryIO) -> Self | None:
-        """None where the packets do not tell one order of frames, as in streams without times."""
+        """None where the packets do not tell one order of frames: streams without times, clips that were joined."""
         searched = Searched(file)
         try:
             with opened_container(searched) as container:
                 stream = container.streams.video[0]
+                if has_decoding_times_alone(container):
+                    return None
                 packets = searched.following(container.demux(stream))
                 # The last packet is empty: it only ends the decoding. Some are decoded for others and never shown.
                 shown = [packet for packet in packets if packet.size and not packet.is_discard]
@@ -36,8 +39,12 @@ class ClipIndex:
                 time_base = stream.time_base
         except (av.error.FFmpegError, OSError, IndexError):
             return None
-        pts = sorted(time for time in times if time is not None)
+        decoded = [time for time in times if time is not None]
+        pts = sorted(decoded)
         if len(set(pts)) < max(1, len(times)) or pts[0] not in keys or time_base is None:
+            return None
+        # All that are decoded before a keyframe are shown before it, unless times begin anew there.
+        if any(time in keys and time < latest for time, latest in zip(decoded, accumulate(decoded, max), strict=True)):
             return None
         return cls(tuple(pts), tuple(index for index, time in enumerate(pts) if time in keys), time_base)
 

@@ -18,7 +18,7 @@ from av.video.stream import VideoStream
 from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.clips.wide_gamut import srgb_converter
-from ashe_live.capture.container import Searched, opened_container
+from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container
 from ashe_live.capture.sources import refuse_too_large
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
@@ -71,6 +71,9 @@ class ClipPictures:
         self.fps = float(self._stream.average_rate or self._stream.guessed_rate or FALLBACK_FPS)
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
+        self._has_decoding_times = has_decoding_times_alone(self._container)
+        self._latest_s = 0.0  # of the pictures since the start or the last jump
+        self._is_in_order = True  # whether none of them is stamped with a time before that of the last
         self.to_srgb = srgb_converter(codec.color_primaries, codec.color_trc)  # None: its colours are sRGB's
         self._videos = progressive(self._decoded(self._container, self._stream))
         first = next(self._videos, None)
@@ -83,8 +86,13 @@ class ClipPictures:
         except UserError:
             self.close()
             raise
-        self.start_pts = first.pts
+        self.start_pts = self._stamp(first)
         self.first = self._numbered(first)
+
+    @property
+    def contradicts_index(self) -> bool:
+        """Whether frames have other numbers or times than in the index, which has damaged ones and times as stamped."""
+        return self.damaged > 0 or not self._is_in_order
 
     def next(self) -> Picture | None:
         """The one after the last, at first after `first`; None at the end."""
@@ -102,7 +110,7 @@ class ClipPictures:
         for video in self._videos:
             # Those before a keyframe lean on what was not decoded: broken, or not there at all.
             if video.pts is not None and video.pts >= wanted_pts:
-                self.decoded, self.damaged = keyframe, damaged
+                self.decoded, self.damaged, self._latest_s = keyframe, damaged, 0.0
                 return self._numbered(video) if video.pts == wanted_pts else None
         return None
 
@@ -124,12 +132,12 @@ class ClipPictures:
         """
         if not self._stream.time_base:
             return False
-        seen_s = float((self._end_pts - (self.start_pts or 0)) * self._stream.time_base)
+        seen_s = self._end_s
         if self._stream.duration:
             promised_s = float(self._stream.duration * self._stream.time_base)
         elif self._container.duration and len(self._container.streams) == 1:
             promised_s = self._container.duration / av.time_base
-            seen_s = max(seen_s, float(self._end_pts * self._stream.time_base))
+            seen_s += max(0.0, float((self.start_pts or 0) * self._stream.time_base))
         else:
             return False
         return promised_s - seen_s > TOLERATED_GAP_FRAMES / self.fps
@@ -139,12 +147,20 @@ class ClipPictures:
         self._container.close()
         self._file.close()
 
+    def _stamp(self, video: VideoFrame) -> int | None:
+        return video.dts if self._has_decoding_times else video.pts
+
     def _numbered(self, video: VideoFrame) -> Picture:
-        if video.pts is None or self.start_pts is None or video.time_base is None:
+        stamp = self._stamp(video)
+        if stamp is None or self.start_pts is None or video.time_base is None:
             time_s = self.decoded / self.fps
         else:
-            time_s = float((video.pts - self.start_pts) * video.time_base)
-        self._end_pts = (video.pts or 0) + (video.duration or 0)
+            time_s = float((stamp - self.start_pts) * video.time_base)
+        if time_s < self._latest_s:  # clips that were joined byte by byte begin anew
+            time_s = self._latest_s + 1 / self.fps
+            self._is_in_order = False
+        self._latest_s = time_s
+        self._end_s = time_s + float((video.duration or 0) * (video.time_base or 0))
         self.decoded += 1
         return Picture(video, self.decoded - 1, time_s)
 

@@ -108,6 +108,23 @@ def test_whatever_the_codec(film) -> None:
     assert_seeks_right(film(EVEN, "film.mkv", codec="mjpeg", strict="unofficial"))
 
 
+@pytest.mark.parametrize("shift_ms", [0, 17], ids=["equal times", "times between"])
+def test_of_clips_that_were_joined_byte_by_byte(film, tmp_path: Path, shift_ms: int) -> None:
+    """As camcorders' are: the second part's times begin anew, and its frames are shown after the first part's."""
+    parts = [film([time + shift for time in EVEN], f"{shift}.ts", bf="2", g="12") for shift in (2000, 2000 + shift_ms)]
+    joined = tmp_path / "joined.ts"
+    joined.write_bytes(b"".join(part.read_bytes() for part in parts))
+    times_s = [frame.time_s for frame in read_through(joined)]
+    np.testing.assert_allclose(times_s, 0.04 * np.arange(2 * COUNT), atol=1e-6)
+    assert_seeks_right(joined, 2 * COUNT)
+
+
+def test_where_pictures_are_decoded_in_another_order_and_no_times_say_which(film) -> None:
+    path = film(EVEN, "film.avi", bf="2", g="12")
+    np.testing.assert_allclose([frame.time_s for frame in read_through(path)], 0.04 * np.arange(COUNT), atol=1e-6)
+    assert_seeks_right(path)
+
+
 def test_of_a_rotated_clip(film) -> None:
     path = film(UNEVEN, turns=1, bf="2", g="12")
     assert read_through(path)[0].size == (64, 96)
