@@ -9,6 +9,7 @@ from typing import Any, BinaryIO, TypeVar
 
 import av
 from av.container import InputContainer, OutputContainer
+from av.video.stream import VideoStream
 
 from ashe_live.process.signals import called_from_c
 
@@ -80,6 +81,13 @@ def opened_container(file: Searched) -> InputContainer:
 def has_decoding_times_alone(container: InputContainer) -> bool:
     """Whether pictures are decoded in another order than they are shown in, and no times say which: AVI has none."""
     return container.format.name == "avi" and bool(container.streams.video[0].codec_context.has_b_frames)
+
+
+def stated_length(container: InputContainer, stream: VideoStream) -> int:
+    """The duration in the header, in the stream's unit; 0 where it has none."""
+    if container.format.name == "avi":  # of one that is cut FFmpeg guesses it from the bytes that are left
+        return stream.frames  # the unit is a picture
+    return stream.duration or 0
 
 
 class WrittenContainer:

@@ -18,7 +18,7 @@ from av.video.stream import VideoStream
 from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.clips.wide_gamut import srgb_converter
-from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container
+from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_length
 from ashe_live.capture.sources import refuse_too_large
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
@@ -31,6 +31,9 @@ TOLERATED_GAP_FRAMES = 2
 # A pixel's aspect ratio counts as 1 within the first (an encoder's rounding), and as damage beyond the second.
 SAME_ASPECT, MOST_ASPECT = 0.005, 4
 SAME_SHAPE = 0.02  # of pictures' sides' ratio: nearer is an encoder's rounding to whole blocks
+
+# The end of a picture's data, and the trailer: GIF89a, 16 and 27.
+GIF_END = b"\x00\x3b"
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +75,7 @@ class ClipPictures:
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
         self._has_decoding_times = has_decoding_times_alone(self._container)
+        self._last_bytes = b""  # of the last packet
         self._latest_s = 0.0  # of the pictures since the start or the last jump
         self._is_in_order = True  # whether none of them is stamped with a time before that of the last
         self.to_srgb = srgb_converter(codec.color_primaries, codec.color_trc)  # None: its colours are sRGB's
@@ -130,11 +134,13 @@ class ClipPictures:
         The header's duration is that of all that is in the file, which may have more sound than pictures, and counts
         from time 0, wherever the first picture is.
         """
+        if self._container.format.name == "gif":
+            return self._last_bytes != GIF_END
         if not self._stream.time_base:
             return False
         seen_s = self._end_s
         if self._stream.duration:
-            promised_s = float(self._stream.duration * self._stream.time_base)
+            promised_s = float(stated_length(self._container, self._stream) * self._stream.time_base)
         elif self._container.duration and len(self._container.streams) == 1:
             promised_s = self._container.duration / av.time_base
             seen_s += max(0.0, float((self.start_pts or 0) * self._stream.time_base))
@@ -176,8 +182,10 @@ class ClipPictures:
             except av.error.FFmpegError:
                 self.damaged += 1
                 continue
-            if pictures is None:
+            if packet is None or pictures is None:
                 return
+            if packet.size:
+                self._last_bytes = bytes(memoryview(packet)[-len(GIF_END) :])
             for picture in pictures:
                 assert isinstance(picture, VideoFrame)
                 if picture.is_corrupt or self._is_of_other_shape(picture):

@@ -95,6 +95,33 @@ def test_a_matroska_clip_that_is_cut_between_packets_says_so(clip: Path, share: 
         assert len(frames) == 60 if share == 1.0 else f"only {len(frames)} frames" in source.note
 
 
+@pytest.mark.parametrize(("name", "codec", "pixels"), [("a.avi", "rawvideo", "bgr24"), ("a.gif", "gif", "rgb8")])
+def test_a_clip_that_does_not_state_its_duration_says_that_it_is_cut(
+    picture: Callable[[int], Image], tmp_path: Path, name: str, codec: str, pixels: str
+) -> None:
+    """An AVI states how many pictures it has; a GIF only ends with a mark. Cut anywhere, also between two pictures."""
+    path = tmp_path / name
+    with av.open(str(path), "w") as written:
+        stream = written.add_stream(codec, rate=25)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, pixels
+        for index in range(30):
+            frame = VideoFrame.from_ndarray(picture(index), "bgr24")
+            written.mux(stream.encode(frame.reformat(format=pixels)))
+        written.mux(stream.encode(None))
+    with av.open(str(path)) as clip:
+        starts = [packet.pos for packet in clip.demux(video=0) if packet.size]
+    with ClipSource(path) as source:
+        assert len(frames_of(source)) == 30
+        assert source.note is None
+    content = path.read_bytes()
+    for size in (starts[20], starts[20] + 1, starts[20] + 100, starts[21] - 1):
+        path.write_bytes(content[:size])
+        with ClipSource(path) as source:
+            count = len(frames_of(source))
+            assert 19 <= count <= 21
+            assert source.note == f"{name} is truncated or damaged: only {count} frames could be read"
+
+
 def test_damage_in_the_middle_does_not_end_the_clip(damaged_clip: Path) -> None:
     with ClipSource(damaged_clip) as source:
         frames = frames_of(source)
