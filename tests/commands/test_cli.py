@@ -42,6 +42,7 @@ COMMANDS = (
         (["play"], "FILE"),
         (["play", "a.mp4", "--wings"], "--wings (see ashe-live play --help)"),
         (["play", "a.mp4", "b.mp4"], "unrecognized arguments: b.mp4"),
+        (["play", "a.mp4", "--", "--headles"], "unrecognized arguments: --headles (see ashe-live play --help)"),
         (["estimate", "a.jpg", "--json", "b.jpg", "--wings"], "--wings"),
         (["estimate", "a.jpg", "--json", ""], "argument FILE"),
         (["play", "a.mp4", "--frames", "0"], "--frames"),
@@ -105,6 +106,12 @@ def test_files_may_stand_before_and_after_flags() -> None:
     options = parsed(["estimate", "a.jpg", "b.jpg", "--hfov", "60", "c.jpg", "--json"])
     assert [str(file) for file in options.files] == ["a.jpg", "b.jpg", "c.jpg"]
     assert (options.hfov, options.json) == (60.0, True)
+
+
+def test_behind_two_dashes_every_word_is_a_file() -> None:
+    options = parsed(["estimate", "a.jpg", "--json", "--", "b.jpg", "-c.jpg", "--jsn", "--"])
+    assert [str(file) for file in options.files] == ["a.jpg", "b.jpg", "-c.jpg", "--jsn", "--"]
+    assert options.json
 
 
 def test_the_qualities_that_are_offered_are_those_there_are() -> None:

@@ -1,6 +1,7 @@
 """The command line's parser. Nothing heavy is loaded, so that --help is instant."""
 
 import argparse
+import sys
 from collections.abc import Iterable, Sequence
 from typing import NoReturn
 
@@ -180,6 +181,11 @@ def _add_paper(printed: argparse.ArgumentParser) -> None:
     )
 
 
+def _place(words: Sequence[str], word: str) -> int:
+    """Where the first such word is, or else the end."""
+    return next((index for index, each in enumerate(words) if each == word), len(words))
+
+
 class _Version(argparse.Action):
     """As argparse's own action, which says nothing if the text cannot be written."""
 
@@ -194,16 +200,20 @@ class CommandParser(argparse.ArgumentParser):
     def parse_known_args(  # type: ignore[override]
         self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
     ) -> tuple[argparse.Namespace, list[str]]:
-        options, left = super().parse_known_args(args, namespace)
-        if "files" in options and not any(word.startswith("-") for word in left):
+        given = sys.argv[1:] if args is None else list(args)
+        options, left = super().parse_known_args(given, namespace)
+        # Behind "--" no word is a flag, whatever it begins with.
+        flags = [word for word in left if word.startswith("-") and word in given[: _place(given, "--")]]
+        if "files" in options and not flags:
             # Argparse takes those that stand together, and leaves what comes after the next flag.
+            files = [word for index, word in enumerate(left) if index != _place(left, "--")]
             try:
-                options.files = [*options.files, *map(values.path, left)]
+                options.files = [*options.files, *map(values.path, files)]
             except argparse.ArgumentTypeError as error:
                 self.error(f"argument FILE: {error}")
         elif left:  # here, where it is known of which command
-            flags = (word.partition("=")[0] for word in left if word.startswith("--"))
-            near = next((self._near(flag, self._option_string_actions) for flag in flags), "")
+            names = (word.partition("=")[0] for word in flags if word.startswith("--"))
+            near = next((self._near(name, self._option_string_actions) for name in names), "")
             self.error(f"unrecognized arguments: {' '.join(left)}{near}")
         return options, []
 
