@@ -12,7 +12,8 @@ from ashe_live.errors import ExitStatus
 from ashe_live.process.messages import print_answer, print_exactly
 
 NOTE_AT = 36
-UNSET = {"marker": f"the one in view, or {DEFAULT_MARKER}"}
+# What holds where a file that named it would change it.
+UNSET = {"marker": f"the one in view, or {DEFAULT_MARKER}", "camera": "0, or without a command the first one"}
 
 
 def run(_options: argparse.Namespace) -> int:
@@ -21,8 +22,7 @@ def run(_options: argparse.Namespace) -> int:
     # This command has all the flags that settings stand for.
     effective = vars(parsed(["webcam"]))
     (effective["model"],) = effective["model"]  # the flag may be repeated, a setting names one model
-    if effective["takes_any_marker"]:  # a file that names one would end that
-        effective["marker"] = None
+    effective.update(dict.fromkeys(UNSET.keys() - settings.keys()))
     print_answer(f"# {path}{_where_it_is(path)}")
     for key in SETTINGS:
         value = effective[key.replace("-", "_")]

@@ -109,11 +109,14 @@ def test_without_a_file_the_defaults_hold(run, settle):  # noqa: ARG001 - an emp
     assert tomllib.loads("\n".join(outcome.out))["quality"] == "balanced"
 
 
-def test_a_file_that_begins_as_the_defaults_changes_nothing(run, settle):
-    """Above all, it names no marker: the one in view would no longer be followed."""
-    before = vars(parsed(["play", "a.mp4"]))
+@pytest.mark.parametrize("arguments", [[], ["demo"], ["webcam"], ["play", "a.mp4"], ["estimate", "a.jpg"]], ids=str)
+def test_a_file_that_begins_as_the_defaults_changes_nothing(run, settle, arguments):
+    """Above all, it names no marker, as the one in view would no longer be followed, and no camera: without a command
+    the first one that is connected is opened, or the demo.
+    """
+    before = vars(parsed(arguments))
     settle("\n".join(run("settings").out))
-    assert vars(parsed(["play", "a.mp4"])) | {"from_settings": {}} == before
+    assert vars(parsed(arguments)) | {"from_settings": {}} == before
 
 
 @pytest.mark.parametrize("key", SETTINGS)
