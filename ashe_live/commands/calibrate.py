@@ -43,11 +43,14 @@ def run(options: argparse.Namespace) -> int:
         inputs += pictures_in(inputs[0], with_clips=False)[0]
     check_outputs([options.out], inputs, options.overwrite)
     with _opened(options) as source:
-        if source.note is not None:
-            print_message(source.note)
+        if (said := source.note) is not None:
+            print_message(said)
         guide = CalibrationGuide(source.size)
         with _window(source) if source.is_live and not options.headless else _lines() as guidance:
-            calibration = _collect(source, guide, guidance) or guide.calibration()
+            calibration = _collect(source, guide, guidance)
+        if source.note not in (None, said):
+            print_message(source.note)
+    calibration = calibration or guide.calibration()
     console = TerminalConsole()
     try:
         path = write_json(options.out, calibration.to_json(), options.overwrite, beside=True)

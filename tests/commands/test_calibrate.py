@@ -106,6 +106,17 @@ def test_a_clip_gives_a_camera_file(run, board_clip: Path, tmp_path: Path) -> No
     assert "exists" in again.err[0]
 
 
+def test_a_clip_that_is_cut_says_so(run, board_clip: Path, tmp_path: Path) -> None:
+    """Its end may be what the calibration lacks."""
+    cut, content = tmp_path / "cut.mp4", board_clip.read_bytes()
+    cut.write_bytes(content[: len(content) // 8])
+    outcome = run("calibrate", "--camera", cut, "--out", tmp_path / "camera.json")
+    assert outcome.status == 2
+    note, refusal = outcome.err[-2:]
+    assert "cut.mp4 is truncated or damaged: only" in note
+    assert "too few" in refusal
+
+
 def test_the_figures_are_printed_though_the_file_finds_no_room(
     run, board_clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
