@@ -26,8 +26,8 @@ THUMBNAIL_COUNT = 12
 
 def run(options: argparse.Namespace) -> int:
     options.headless = options.headless or not has_display()
-    check_outputs(options)
     clip = shipped_clip()
+    check_outputs(options, clip.path)
     options.takes_any_marker = False
     options.marker, options.marker_size = clip.marker_spec, clip.marker_side_m
     options = with_markers_spelled(options)

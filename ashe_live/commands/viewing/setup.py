@@ -55,12 +55,15 @@ class ViewerSetup:
         return size
 
 
-def check_outputs(options: argparse.Namespace) -> None:
-    """Raises UserError, before anything is opened, if an output must not or cannot be written."""
+def check_outputs(options: argparse.Namespace, *played: Path) -> None:
+    """Raises UserError, before anything is opened, if an output must not or cannot be written.
+
+    played: what is read although no option names it.
+    """
     models = [Path(name) for name in names_of(options) if name not in model_names()]
     caster = None if options.caster is None else Path(options.caster)  # it may be a model's file
     inputs = [getattr(options, "file", None), options.camera_file, options.as_shown, caster]
-    inputs += [*models, *marker_files(options)]
+    inputs += [*models, *marker_files(options), *played]
     files.check_outputs((options.out, options.report), inputs, options.overwrite)
     for name, refusal in WITHOUT_WINDOW.items():
         if getattr(options, name) is not None and not options.headless:

@@ -1,6 +1,7 @@
 """`ashe-live demo` without a display: a video and a contact sheet, in the current folder."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import PIL.Image
@@ -8,6 +9,7 @@ import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
+from ashe_live.commands import demo
 from ashe_live.commands.demo import Thumbnails
 from ashe_live.viewer.view_options import ShownParts
 
@@ -45,6 +47,21 @@ def test_what_was_recorded_in_a_window_is_shown_again_without_text(run, instant,
     differs = [np.abs(mine - bare).mean() for mine, bare in pairs]
     assert min(differs[:3]) > 3 > 2.5 > max(differs[3:])
     assert np.abs(pairs[0][0] - pairs[0][1])[:40, :200].mean() < 2.5, "where text would be"
+
+
+@pytest.mark.parametrize("flags", [("--out", "own.mp4"), ("--out", "new.mp4", "--report", "linked.mp4")], ids=" ".join)
+def test_the_clip_that_is_played_is_not_replaced(run, instant, tmp_path, monkeypatch, flags):  # noqa: ARG001
+    shipped = shipped_clip()
+    own = replace(shipped, path=tmp_path / "own.mp4")
+    content = shipped.path.read_bytes()
+    own.path.write_bytes(content)
+    (tmp_path / "linked.mp4").hardlink_to(own.path)
+    monkeypatch.setattr(demo, "shipped_clip", lambda: own)
+    monkeypatch.chdir(tmp_path)
+    outcome = run("demo", "--headless", "--frames", "2", "--quality", "fast", "--overwrite", *flags)
+    assert outcome.status == 2
+    assert "is also read" in outcome.err[0]
+    assert own.path.read_bytes() == (tmp_path / "linked.mp4").read_bytes() == content
 
 
 @pytest.mark.parametrize("frames", [1, 5, 12, 24, 25, 26, 240, 1000])
