@@ -1,7 +1,6 @@
 """The pictures that are directly in a folder, and a word on what else is."""
 
 import errno
-import mimetypes
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +10,15 @@ from ashe_live.errors import UserError
 from ashe_live.process.messages import listed
 
 NAMED = 3  # of the files that are passed over
+# What container.py reads. Not by the system's list of types, which may be missing, and has 3GP as sound.
+VIDEO_SUFFIXES = frozenset(
+    f".{suffix}"
+    for suffix in (
+        *("mp4", "m4v", "mov", "qt", "3gp", "3g2", "mj2", "mkv", "webm", "avi", "wmv", "asf", "flv", "ogv", "mxf"),
+        *("mts", "m2ts", "m2t", "ts", "mpg", "mpeg", "mpe", "m1v", "m2v", "vob", "dv", "wtv", "rm", "swf"),
+        *("mjpeg", "mjpg", "h264", "264", "hevc", "h265", "265", "obu", "ivf", "y4m"),
+    )
+)
 
 
 def pictures_in(folder: Path, with_clips: bool) -> tuple[list[Path], str | None]:
@@ -69,5 +77,4 @@ def _may_be_clip(path: Path) -> bool:
 
 def is_named_as_video(path: Path) -> bool:
     """Whether the suffix is one of videos."""
-    # Not by the whole name, which is taken for an address where it looks like one, and may be a wrong one.
-    return (mimetypes.guess_type(f"video{path.suffix}")[0] or "").startswith("video/")
+    return path.suffix.lower() in VIDEO_SUFFIXES

@@ -38,7 +38,10 @@ MOST_SCANS = 100
 SEGMENT = re.compile(rb"\xff+([\x02-\xcf\xd9-\xfe])")
 START_OF_SCAN, END_OF_IMAGE = b"\xda", b"\xd9"
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
-SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
+SUFFIXES = {
+    *(".jpg", ".jpeg", ".jpe", ".jfif", ".mpo", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm", ".pnm"),
+    *(".jp2", ".j2k", ".jpx", ".avif", ".heic", ".heif", ".hif"),
+}
 # Their content begins as a photo: they are pictures in JPEG one after the other.
 CLIP_SUFFIXES = {".mjpeg", ".mjpg"}
 

@@ -36,6 +36,14 @@ def test_photos_and_clips_are_taken_and_what_is_not_is_said(tmp_path: Path) -> N
     assert "a.mp4, c.gif" in note
 
 
+def test_the_names_that_cameras_give_are_those_of_photos_and_clips(tmp_path: Path) -> None:
+    """On any system, whatever its list of types has: camcorders, old phones, Canon's and Sony's HEIF, browsers."""
+    names = ["00001.MTS", "clip.3gp", "dump.mjpeg", "film.mkv", "photo.HIF", "saved.jfif", "tape.m2ts", "tv.ts"]
+    for name in names:
+        (tmp_path / name).write_bytes(b"content")
+    assert pictures_in(tmp_path, with_clips=True) == ([tmp_path / name for name in names], None)
+
+
 def test_nothing_is_said_of_a_folder_of_photos_alone(tmp_path: Path) -> None:
     picture(tmp_path / "a.jpg")
     (tmp_path / ".DS_Store").write_bytes(b"x")
