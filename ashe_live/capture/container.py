@@ -9,6 +9,7 @@ from typing import Any, BinaryIO, TypeVar
 
 import av
 from av.container import InputContainer, OutputContainer
+from av.stream import Disposition
 from av.video.stream import VideoStream
 
 from ashe_live.process.signals import called_from_c
@@ -78,9 +79,14 @@ def opened_container(file: Searched) -> InputContainer:
     return container
 
 
-def has_decoding_times_alone(container: InputContainer) -> bool:
+def video_in(container: InputContainer) -> VideoStream | None:
+    """The first stream of pictures that is not a cover, as songs have."""
+    return next((each for each in container.streams.video if not each.disposition & Disposition.attached_pic), None)
+
+
+def has_decoding_times_alone(container: InputContainer, stream: VideoStream) -> bool:
     """Whether pictures are decoded in another order than they are shown in, and no times say which: AVI has none."""
-    return container.format.name == "avi" and bool(container.streams.video[0].codec_context.has_b_frames)
+    return container.format.name == "avi" and bool(stream.codec_context.has_b_frames)
 
 
 def stated_length(container: InputContainer, stream: VideoStream) -> int:

@@ -8,7 +8,7 @@ from typing import BinaryIO, Self
 
 import av
 
-from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container
+from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, video_in
 
 # Rounding error of a time that was computed from a frame's; no two frames are that close.
 ROUNDING_S = 1e-6
@@ -28,8 +28,8 @@ class ClipIndex:
         searched = Searched(file)
         try:
             with opened_container(searched) as container:
-                stream = container.streams.video[0]
-                if has_decoding_times_alone(container):
+                stream = video_in(container)
+                if stream is None or has_decoding_times_alone(container, stream):
                     return None
                 packets = searched.following(container.demux(stream))
                 # The last packet is empty: it only ends the decoding. Some are decoded for others and never shown.
@@ -37,7 +37,7 @@ class ClipIndex:
                 keys = {packet.pts for packet in shown if packet.is_keyframe}
                 times = [packet.pts for packet in shown]
                 time_base = stream.time_base
-        except (av.error.FFmpegError, OSError, IndexError):
+        except (av.error.FFmpegError, OSError):
             return None
         decoded = [time for time in times if time is not None]
         pts = sorted(decoded)

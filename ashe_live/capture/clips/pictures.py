@@ -18,7 +18,7 @@ from av.video.stream import VideoStream
 from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.clips.wide_gamut import srgb_converter
-from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_length
+from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_length, video_in
 from ashe_live.capture.sources import refuse_too_large
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
@@ -62,19 +62,16 @@ class ClipPictures:
             is_begun = _begins_as_mp4(self._file)
             self._file.close()
             raise (_cut_short(path) if is_begun else _no_clip(path)) from None
-        try:
-            self._stream: VideoStream = self._container.streams.video[0]
-            codec = self._stream.codec_context
-            if codec is None:  # whatever the stub says: of a codec that FFmpeg does not know
-                raise IndexError
-        except (av.error.FFmpegError, IndexError):
-            is_sound = bool(self._container.streams.audio) and not self._container.streams.video
+        stream = video_in(self._container)
+        if stream is None or stream.codec_context is None:  # whatever the stub says: a codec that FFmpeg does not know
+            is_sound = stream is None and bool(self._container.streams.audio)
             self.close()
-            raise (_sound_alone(path) if is_sound else _no_clip(path)) from None
+            raise _sound_alone(path) if is_sound else _no_clip(path)
+        self._stream, codec = stream, stream.codec_context
         self.fps = float(self._stream.average_rate or self._stream.guessed_rate or FALLBACK_FPS)
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
-        self._has_decoding_times = has_decoding_times_alone(self._container)
+        self._has_decoding_times = has_decoding_times_alone(self._container, stream)
         self._last_bytes = b""  # of the last packet
         self._latest_s = 0.0  # of the pictures since the start or the last jump
         self._is_in_order = True  # whether none of them is stamped with a time before that of the last

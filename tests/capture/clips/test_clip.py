@@ -9,6 +9,7 @@ import av
 import cv2
 import numpy as np
 import pytest
+from av.stream import Disposition
 from av.video.frame import VideoFrame
 
 from ashe_live.capture.clips.clip import ClipSource
@@ -174,10 +175,18 @@ def test_what_is_no_clip_is_refused_in_one_line(
     assert capfd.readouterr().err == ""
 
 
-def test_sound_alone_is_said_to_be_that(tmp_path: Path) -> None:
+@pytest.mark.parametrize("has_cover", [False, True])
+def test_sound_alone_is_said_to_be_that(tmp_path: Path, has_cover: bool) -> None:
     path = tmp_path / "voice.mp4"
     with av.open(str(path), "w") as container:
         stream = container.add_stream("aac", rate=44100)
+        if has_cover:
+            cover = container.add_stream("mjpeg", rate=25)
+            cover.width, cover.height, cover.pix_fmt = 96, 64, "yuvj420p"
+            cover.disposition = Disposition.attached_pic
+            container.start_encoding()
+            grey = VideoFrame.from_ndarray(np.full((64, 96, 3), 90, np.uint8), "bgr24").reformat(format="yuvj420p")
+            container.mux([*cover.encode(grey), *cover.encode(None)])
         silence = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), format="fltp", layout="mono")
         silence.sample_rate = 44100
         container.mux([*stream.encode(silence), *stream.encode(None)])
