@@ -22,6 +22,7 @@ class LayerContent:
     models: StandingGroup
     inputs: ShadingInputs
     shows_model: bool  # the models themselves, and not their shadows alone
+    casts_shadow: bool  # the models, on whatever is real
     signs: tuple[LightSign, ...]
     ground: CatchingGround | None  # None: neither shadows nor a cover lie on it
 
@@ -66,7 +67,7 @@ class LayerPasses:
         frame = inputs.framing
         self._ctx.viewport = frame.viewport
         if self.real is not None:
-            self.real.draw(frame, inputs.lighting, inputs.looked_up.shadows)
+            self.real.draw(frame, inputs.lighting, inputs.looked_up.shadows, content.casts_shadow)
         shows_model = content.shows_model and with_models
         if shows_model:
             self.model_pass.draw_opaque(models, inputs)

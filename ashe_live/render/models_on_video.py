@@ -110,7 +110,7 @@ class ModelsOnVideo:
         onto = Footage(viewport, self._video, tracked, look, relief, seen, lens, scene.is_split)
         inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
         ground = self._ground(scene, straight, cover, viewport)
-        content = LayerContent(models, inputs, scene.shows_model, signs, ground)
+        content = LayerContent(models, inputs, scene.shows_model, scene.casts_shadow, signs, ground)
         with surface.drawing(grown(frame.region, 2 * onto.blurs.farthest + 1, surface.size)):
             self.layers.draw(content, with_models=surface.samples == 0)
         real = [] if self.layers.real is None else [self.layers.real.points]

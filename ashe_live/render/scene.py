@@ -46,7 +46,7 @@ class Scene:
     placement: Placement | None = UNMOVED  # of the model; None: it is kept ready and not drawn
     # More models with their placements; none of them is drawn while `model` is None.
     others: tuple[tuple[PlacedModel, Placement | None], ...] = ()
-    casts_shadow: bool = True  # the model, on the ground
+    casts_shadow: bool = True  # the model, on the ground and on the real object
     shows_model: bool = True  # itself, and not its shadow alone
     is_cut_out: bool = False  # without the video: transparent, so that it gives the same picture when put over it
     # The sheet, or the body that it is on, is covered by ground like that around it, where there is a model.

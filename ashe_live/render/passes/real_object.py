@@ -35,10 +35,14 @@ class RealObject:
         set_uniforms(program, clip_from_marker=clip_from_marker)
         self._array(program).render()
 
-    def draw(self, framing: Framing, lighting: Lighting, shadows: ShadowMaps) -> None:
-        """Draws its depth and, where the model shades it, the fraction of light that it loses."""
+    def draw(self, framing: Framing, lighting: Lighting, shadows: ShadowMaps, is_shaded: bool = True) -> None:
+        """Draws its depth and, where the model shades it, the fraction of light that it loses.
+
+        `is_shaded`: whether models cast shadows.
+        """
         program = self._programs.get("lights/depth")
-        if shadows.model_shades_real:
+        is_shaded = is_shaded and shadows.model_shades_real
+        if is_shaded:
             program = self._programs.get("catchers/real_object", **shadows.constants | {"casters": 1})
             shadows.bind(program)
             set_uniforms(
@@ -53,7 +57,7 @@ class RealObject:
         # Near and far enclose the model and its shadow; the object may stand before and behind both.
         self._ctx.enable_direct(GL_DEPTH_CLAMP)
         framebuffer = self._ctx.fbo
-        framebuffer.color_mask = _for_both_layers(shadows.model_shades_real)
+        framebuffer.color_mask = _for_both_layers(is_shaded)
         framebuffer.use()
         self._array(program).render()
         framebuffer.color_mask = _for_both_layers(True)

@@ -114,6 +114,21 @@ def test_models_shadow_falls_on_the_object(make_renderer, stage, preset) -> None
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_a_model_without_its_shadow_shades_no_object(make_renderer, stage, preset) -> None:
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(125, 30, 0.5, target=(0.05, 0, 0.03)))
+    lit = Illumination((stage.light(180, 30, RATIO),), real_object=_proxy_box(0.1, 0.0, 0.03, 0.12))
+    whole = Scene(tracked, stage.placed(box((0.02, 0.05, 0.08))), lit)
+    on_lit_side = (0.07, 0.015, 0.03)
+    seen = []
+    for scene in (whole, replace(whole, casts_shadow=False)):
+        renderer.render(scene)
+        seen.append(_pixel(renderer.read_bgr(), tracked, on_lit_side).astype(int))
+    assert (seen[0] < GREY - 20).all()
+    np.testing.assert_array_equal(seen[1], GREY)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
 def test_ground_in_the_objects_shadow_is_not_darkened_again(make_renderer, stage, preset) -> None:
     renderer = make_renderer(preset)
     tracked = stage.tracked(GREY, stage.pose(-90, 60, 0.5))
