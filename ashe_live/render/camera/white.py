@@ -67,9 +67,11 @@ def light_on_print(tracked: TrackedFrame, lighting: Lighting, real_object: Proxy
     """By where the marker lies alone: the same for all frames of a marker.
 
     Only a light whose shadow covers the whole print is none of those that reach it: where light and shadow meet, the
-    picture tells them apart better than an estimated light does.
+    picture tells them apart better than an estimated light does. A body that bears the marker is the real object
+    itself, and does not shade the print on its own top.
     """
-    if real_object is None:
+    assert tracked.marker is not None
+    if real_object is None or tracked.marker.body is not None:
         return LightOnPrint(lighting, lighting.lights)
     ring = print_side_m(tracked) * _ring(RING_SIDES)
     reaches = [np.nan_to_num(lit_past(real_object, light, ring), nan=1.0).any() for light in lighting.lights]

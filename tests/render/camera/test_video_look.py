@@ -10,9 +10,10 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.bench.cube.painted_scene import level_of
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.edges import blur_and_sharpening, edge_blur_px
@@ -28,6 +29,7 @@ from ashe_live.render.camera.white import (
     INK_TINT,
     PAPER_ALBEDO,
     WHITE_TINT,
+    light_on_print,
     white_of,
 )
 from ashe_live.render.lights.lighting import lighting_of
@@ -35,7 +37,7 @@ from ashe_live.render.scene import Scene
 from ashe_live.tracking.cube.faces import TAG_SHARE
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
-from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, frame_of, looking, sun
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, PaintedLight, frame_of, looking, sun
 
 SIDE = 0.08
 FINE = 4  # the printed sheet is drawn that much finer, then averaged
@@ -266,6 +268,21 @@ def test_of_a_cube_the_paper_on_its_top_is_white() -> None:
     # The picture is exposed so that white in the open table's light has this level.
     assert np.mean(white_of(tracked)) == pytest.approx(scene.exposure, rel=0.1)
     assert sharpness_of(tracked)[0] == pytest.approx(0.9, abs=0.3)
+
+
+def _white_beside_cube(light: PaintedLight) -> float:
+    """How bright fully lit white is found to be over its true level, where the light and the cube are known."""
+    scene = CubeScene(CAMERA, looking(0.35, 30, 40), [light], blur_px=0.9)
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    assert tracked.marker is not None
+    place, inverse_distance = light.point[:3], light.point[3] / np.linalg.norm(light.point[:3])
+    known = Light(place, shadow_rgb_ratio=scene.sky_rgb / level_of(scene), inverse_distance=inverse_distance)
+    on_print = light_on_print(tracked, lighting_of((known,)), tracked.marker.body)
+    return float(np.mean(white_of(tracked, on_print))) / scene.exposure
+
+
+def test_a_cube_does_not_shade_the_paper_on_its_own_top() -> None:
+    assert _white_beside_cube(sun(200, 40)) == pytest.approx(1.0, rel=0.1)
 
 
 def test_exposure_stays_while_the_paper_is_covered(stage) -> None:
