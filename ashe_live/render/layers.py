@@ -53,7 +53,7 @@ class LayerPasses:
 
     def follow_sheet(self, scene: Scene, waits: bool) -> MarkerCover | None:
         """The cover of the marker's sheet, once there is one. `waits`: as in `MarkerCover.follow`."""
-        if not scene.covers_marker or scene.tracked is None:
+        if not scene.shows_cover or scene.tracked is None:
             if not self._is_beside:
                 self.cover.forget()
             return None

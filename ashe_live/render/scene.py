@@ -61,6 +61,15 @@ class Scene:
         return () if self.model is None else ((self.model, self.placement), *self.others)
 
     @property
+    def shows_cover(self) -> bool:
+        """Whether the cover itself is drawn.
+
+        Cut out, it belongs to the shadow that lies on it, and not to a model alone, which would hide that shadow once
+        it is put over it.
+        """
+        return self.covers_marker and (self.casts_shadow or not self.is_cut_out)
+
+    @property
     def real_object(self) -> Proxy | None:
         """The real object beside the model; None for a body with the marker on it that is covered."""
         marker = None if self.tracked is None else self.tracked.marker

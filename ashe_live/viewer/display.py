@@ -46,12 +46,8 @@ def bare_scene(session: Session) -> Scene:
 
 
 def cut_out(scene: Scene) -> Scene:
-    """Models and shadows alone, with their transparency, and without the arrow.
-
-    The cover of the marker is this clip's ground: it belongs to the shadow that lies on it, and not to a model alone,
-    which would hide that shadow once it is put over it.
-    """
-    return replace(scene, is_cut_out=True, shows_light=False, covers_marker=scene.covers_marker and scene.casts_shadow)
+    """Models and shadows alone, with their transparency, and without the arrow."""
+    return replace(scene, is_cut_out=True, shows_light=False)
 
 
 @dataclass(frozen=True, slots=True)

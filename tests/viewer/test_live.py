@@ -351,7 +351,7 @@ def test_what_covers_the_marker_is_cut_out_with_the_shadow_and_not_with_a_model_
     stage.run(
         None, Command.TOGGLE_LIGHT, *once, Command.BEFORE_AFTER, *once, Command.RESET, Command.COVER_MARKER, *once
     )
-    assert [scene.covers_marker for scene in cut_out.scenes] == [True, False, False]
+    assert [scene.shows_cover for scene in cut_out.scenes] == [True, False, False]
     assert [scene.casts_shadow for scene in cut_out.scenes] == [True, False, True]
     assert not any(scene.shows_light for scene in cut_out.scenes)
     assert ["ground over the marker" in text for text in said] == [True, False, False]

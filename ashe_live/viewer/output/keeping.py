@@ -61,7 +61,7 @@ class Keeper:
             return
         scene = bare_scene(session)
         scene = cut_out(scene) if is_cut_out else scene
-        has_cover = is_cut_out and scene.covers_marker and session.tracked.marker is not None
+        has_cover = is_cut_out and scene.shows_cover and session.tracked.marker is not None
         texts = {SNAPSHOT_KEYWORD: json.dumps(self._known(session.tracked))}
         try:
             path = write_png(_new_path(".png"), self._picture(scene), texts=texts, beside=True)

@@ -15,6 +15,7 @@ from ashe_live.quality import FAST
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.cube.faces import CORNERS
+from ashe_live.viewer.display import cut_out
 from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, looking, painted, sun
 
 BODY = Proxy("box", np.column_stack([EDGE_M * CORNERS, np.zeros((8, 2))]))
@@ -77,6 +78,19 @@ def test_what_is_covered_is_no_real_object() -> None:
     assert tracked.marker is not None
     flat = replace(tracked, marker=replace(tracked.marker, body=None))
     assert Scene(flat, None, LIT_BY, covers_marker=True).real_object is BODY
+
+
+def test_a_model_alone_is_cut_out_whole_in_the_place_of_the_covered_cube(make_renderer, stage) -> None:
+    """Though the cover, which would hide the model's shadow once it is put over that, is left out."""
+    renderer, tracked = make_renderer(FAST.render, CAMERA.size), seen(looking(0.45, 45, 30))
+    model = stage.placed(box((0.3 * EDGE_M,) * 3))
+    inside = []
+    for lit_by in (LIT_BY, replace(LIT_BY, real_object=None)):
+        renderer.render(cut_out(Scene(tracked, model, lit_by, covers_marker=True, casts_shadow=False)))
+        # Within its rim, which is as transparent as its brightness allows.
+        inside.append(cv2.erode(np.uint8(renderer.read_bgra()[..., 3] == 255), np.ones((5, 5))))
+    assert inside[1].sum() > 300
+    np.testing.assert_array_equal(*inside)
 
 
 def test_where_no_ground_is_seen_nothing_is_covered(make_renderer, stage) -> None:
