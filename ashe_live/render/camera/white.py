@@ -53,13 +53,14 @@ class LightOnPrint:
 
     lighting: Lighting  # of lamps the paper is brighter towards them
     reaching: tuple[ShadingLight, ...]  # those of its lights that reach any of the print past the real object
+    height_m: float = 0.0  # of the print above the plane: that of a body is nearer to lamps
 
-    def level_at(self, ground: Float) -> Float:
-        """(n, 3) of full light at the marker's centre, at places (n, 2) of the plane."""
-        level = self.lighting.level_at(ground)
+    def level_at(self, places: Float) -> Float:
+        """(n, 3) of full light at the marker's centre, at places (n, 2) of the print."""
+        level = self.lighting.level_at(places, self.height_m)
         for light in self.lighting.lights:
             if light not in self.reaching:
-                level = level - np.outer(light.ground_falloff(ground), light.ground_share)
+                level = level - np.outer(light.ground_falloff(places, self.height_m), light.ground_share)
         return np.maximum(level, LEAST_LEVEL)
 
 
@@ -72,7 +73,7 @@ def light_on_print(tracked: TrackedFrame, lighting: Lighting, real_object: Proxy
     """
     assert tracked.marker is not None
     if real_object is None or tracked.marker.body is not None:
-        return LightOnPrint(lighting, lighting.lights)
+        return LightOnPrint(lighting, lighting.lights, print_height_m(tracked))
     ring = print_side_m(tracked) * _ring(RING_SIDES)
     reaches = [np.nan_to_num(lit_past(real_object, light, ring), nan=1.0).any() for light in lighting.lights]
     return LightOnPrint(lighting, tuple(compress(lighting.lights, reaches)))
@@ -113,8 +114,7 @@ def print_pixels(tracked: TrackedFrame, places: Float) -> Float:
     For a body, of the print on its top.
     """
     assert tracked.marker is not None
-    height = 0.0 if tracked.marker.body is None else tracked.marker.side_m
-    points = np.column_stack([places, np.full(len(places), height)])
+    points = np.column_stack([places, np.full(len(places), print_height_m(tracked))])
     return project_distorted(tracked.camera, tracked.marker.T_cam_marker, points)
 
 
@@ -132,10 +132,16 @@ def print_side_m(tracked: TrackedFrame) -> float:
     return tracked.marker.side_m * (1.0 if tracked.marker.body is None else BODY_PRINT_SHARE)
 
 
+def print_height_m(tracked: TrackedFrame) -> float:
+    """Metres from the plane up to the print: a body's is on its top."""
+    assert tracked.marker is not None
+    return 0.0 if tracked.marker.body is None else tracked.marker.side_m
+
+
 def _mirrored(tracked: TrackedFrame, lights: tuple[ShadingLight, ...]) -> Float:
     """(3,) what the print's middle mirrors of the lights into the camera, as `mirrored_by_paper`."""
     assert tracked.marker is not None
-    middle = np.array([0.0, 0.0, 0.0 if tracked.marker.body is None else tracked.marker.side_m])
+    middle = np.array([0.0, 0.0, print_height_m(tracked)])
     T = tracked.marker.T_cam_marker
     to_eye = -T[:3, :3].T @ T[:3, 3] - middle
     return mirrored_by_paper(lights, to_eye / np.linalg.norm(to_eye), middle)

@@ -54,10 +54,14 @@ class ShadingLight:
         """(n, 3) vectors from points (n, 3) to the light, over its distance from the marker's centre."""
         return np.asarray(self.to_light - self.inverse_distance * points)
 
-    def ground_falloff(self, ground: Float) -> Float:
-        """(n,) its light on level ground at points (n, 2) over that at the marker's centre: h / d^3, by Lambert."""
-        points = np.column_stack([ground, np.zeros(len(ground))])
-        return np.asarray(np.maximum(np.linalg.norm(self.towards(points), axis=1), LEAST_LAMP_DISTANCE) ** -3)
+    def ground_falloff(self, ground: Float, height_m: float = 0.0) -> Float:
+        """(n,) its light on level ground at points (n, 2) over that at the marker's centre: h / d^3, by Lambert.
+
+        `height_m`: of the ground above the marker's plane, as of what lies on a body.
+        """
+        towards = self.towards(np.column_stack([ground, np.full(len(ground), height_m)]))
+        above = np.maximum(towards[:, 2] / self.to_light[2], 0.0)
+        return np.asarray(above * np.maximum(np.linalg.norm(towards, axis=1), LEAST_LAMP_DISTANCE) ** -3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,9 +91,12 @@ class Lighting:
         """(n, 4) the lights as homogeneous points, marker frame, metres."""
         return np.array([light.homogeneous for light in self.lights])
 
-    def level_at(self, ground: Float) -> Float:
-        """(n, 3) the light on level ground at points (n, 2), which nothing shades, over that at the marker's centre."""
-        falloff = np.array([light.ground_falloff(ground) for light in self.lights]).reshape(
+    def level_at(self, ground: Float, height_m: float = 0.0) -> Float:
+        """(n, 3) the light on level ground at points (n, 2), which nothing shades, over that at the marker's centre.
+
+        `height_m`: as of `ShadingLight.ground_falloff`.
+        """
+        falloff = np.array([light.ground_falloff(ground, height_m) for light in self.lights]).reshape(
             len(self.lights), len(ground)
         )
         return np.asarray(1 + (falloff - 1).T @ self.ground_shares.reshape(-1, 3))

@@ -37,7 +37,7 @@ from ashe_live.render.scene import Scene
 from ashe_live.tracking.cube.faces import TAG_SHARE
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
-from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, PaintedLight, frame_of, looking, sun
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, PaintedLight, frame_of, lamp, looking, sun
 
 SIDE = 0.08
 FINE = 4  # the printed sheet is drawn that much finer, then averaged
@@ -283,6 +283,11 @@ def _white_beside_cube(light: PaintedLight) -> float:
 
 def test_a_cube_does_not_shade_the_paper_on_its_own_top() -> None:
     assert _white_beside_cube(sun(200, 40)) == pytest.approx(1.0, rel=0.1)
+
+
+def test_a_cubes_paper_is_nearer_to_a_lamp_than_its_table() -> None:
+    """High above it, as the painter lights all of a face as its middle."""
+    assert _white_beside_cube(lamp(sun(200, 85), 0.25)) == pytest.approx(1.0, rel=0.1)
 
 
 def test_exposure_stays_while_the_paper_is_covered(stage) -> None:
