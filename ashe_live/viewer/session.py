@@ -17,7 +17,7 @@ from ashe_live.viewer.estimates.sharpening import Sharpening
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.notice import Notice
 from ashe_live.viewer.table.shelf import Shelf
-from ashe_live.viewer.table.table import SETS_LIGHT, Table
+from ashe_live.viewer.table.table import Table
 from ashe_live.viewer.view_options import WHOLE, ViewOptions
 
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
@@ -218,12 +218,13 @@ class Session:
         return True
 
     def _handle_by_hand(self, request: Request, now_s: float) -> bool:
-        before = self.hand.light
+        before = self.hand.set_light
         if not self.table.handle(request, self.tracked, self._light.now(self.tracked), now_s):
             return False
         if request.command is Command.RESET:
             self.view.parts = WHOLE
-        if request.command in SETS_LIGHT and self.hand.light is not before:
+        # Also by undoing that it was given back.
+        if self.hand.set_light is not None and self.hand.set_light is not before:
             self._by_hand_s = now_s
             self._first.done()
             if self.automatic:

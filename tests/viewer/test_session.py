@@ -557,6 +557,22 @@ def test_a_new_estimate_ends_the_light_by_hand_and_one_asked_for_before_does_not
     assert session.lit_by.lights is session.estimate.lights
 
 
+def test_a_light_by_hand_that_is_brought_back_by_undoing_counts_from_then(make, fakes):
+    session = make(automatic=True)
+    session.take(fakes.tracked(), 0.0)
+    by_hand(session, 1.0)
+    session.handle(Request(Command.RESET), 2.0)
+    session.handle(Request(Command.AUTOMATIC), 3.0)
+    assert session.request_estimate(4.0)
+    session.handle(Request(Command.UNDO), 5.0)
+    brought_back = session.hand.light
+    assert brought_back is not None
+    assert not session.automatic
+    session.watch._worker.answer = fakes.estimate()
+    session.poll(6.0)
+    assert session.lit_by is brought_back
+
+
 def test_what_a_person_asks_for_while_nobodys_estimate_is_made_counts_from_when_they_asked(make, fakes):
     session = make()
     worker = session.watch._worker
