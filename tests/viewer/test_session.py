@@ -797,6 +797,26 @@ def test_another_model_is_not_stood_on_another_side_by_undoing(make):
     assert "nothing was done" in session.notice.shown(2.0)
 
 
+def test_what_was_done_to_the_light_is_undone_also_after_another_model_was_chosen(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.poll(0.0)
+    by_hand(session, 0.0)
+    first = session.hand.light
+    session.handle(Request(Command.SCALE_MODEL, 3), 10.0)
+    session.handle(Request(Command.MOVE_LIGHT, (0, 1)), 20.0)
+    session.handle(Request(Command.NEXT_MODEL), 30.0)
+    session.poll(30.0)
+    session.handle(Request(Command.TURN_MODEL, 1), 40.0)
+    for light, said in ((session.hand.light, "model"), (first, "light"), (None, "light")):
+        session.handle(Request(Command.UNDO), 50.0)
+        assert session.hand.light is light
+        assert session.hand.placement == UNMOVED
+        assert session.notice.shown(50.0) == f"undone: {said} as before"
+    session.handle(Request(Command.UNDO), 60.0)
+    assert "nothing was done" in session.notice.shown(60.0)
+
+
 def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
     session = make()
     session.handle(Request(Command.STOP_MOTION), 0.0)

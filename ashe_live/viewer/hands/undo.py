@@ -3,7 +3,7 @@
 import math
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ashe_live.light.live.moved_marker import FixedInRoom
 from ashe_live.models.placement import Placement
@@ -19,7 +19,7 @@ ONE_GESTURE_S = 0.8
 @dataclass(frozen=True, slots=True)
 class _State:
     light: FixedInRoom | None
-    placement: Placement
+    placement: Placement | None  # None: of a model that is no longer in the hand
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,9 +84,10 @@ class Undo:
                 return last.take_back()
             if not isinstance(last, _State):
                 return last()
-            changed = {"light": last.light is not hand.set_light, "model": last.placement != hand.placement}
+            placement = last.placement or hand.placement
+            changed = {"light": last.light is not hand.set_light, "model": placement != hand.placement}
             if any(changed.values()):
-                hand.set_light, hand.placement = last.light, last.placement
+                hand.set_light, hand.placement = last.light, placement
                 return f"undone: {listed(name for name, is_other in changed.items() if is_other)} as before"
         return None
 
@@ -95,7 +96,10 @@ class Undo:
         self._last = None, -math.inf
 
     def forget_model(self) -> None:
-        """Forgets what was done to the model in the hand since it was put there."""
+        """Forgets what was done to the model in the hand since it was put there; not what was done to the light."""
         self._last = None, -math.inf
+        of_light: deque[_State] = deque()
         while self._before and isinstance(self._before[-1], _State | _TurnedUp):
-            self._before.pop()
+            if isinstance(last := self._before.pop(), _State):
+                of_light.appendleft(replace(last, placement=None))
+        self._before += of_light
