@@ -10,11 +10,12 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.core.types import Illumination, Light, MarkerPose
 from ashe_live.light.live.moved_marker import moved_illumination
-from ashe_live.render.lights.lighting import angular_size, ground_ratio
+from ashe_live.render.lights.lighting import angular_size, lighting_of
 
 EASED_OVER_S = 0.3
 # A light farther than this from every former one is not reached by moving one: the old one fades out, the new one in.
 SAME_LIGHT_COSINE = math.cos(math.radians(60))
+LEAST_REST = 1e-6  # share of all other light by which a lamp's is divided
 
 
 class LightEasing:
@@ -47,18 +48,25 @@ class LightEasing:
 def _between(start: Illumination, end: Illumination, share: float) -> Illumination:
     """`start` at share 0, `end` at share 1, by a smoothstep."""
     eased = share * share * (3 - 2 * share)
-    lights = tuple(_lights_between(start.lights, end.lights, eased))
-    ambient_of_start, ambient_of_end = _ambient(start), _ambient(end)
-    ambient = None
-    if ambient_of_start is not None and ambient_of_end is not None:
-        ambient = (1 - eased) * ambient_of_start + eased * ambient_of_end
+    (of_start, sky_of_start), (of_end, sky_of_end) = _as_drawn(start), _as_drawn(end)
+    lights = tuple(_lights_between(of_start, of_end, eased))
+    ambient = (1 - eased) * sky_of_start + eased * sky_of_end
     slope = (1 - eased) * _slope(start) + eased * _slope(end)
     return replace(end, lights=lights, ambient_rgb_ratio=ambient, sky_slope_rgb=slope if slope.any() else None)
 
 
-def _ambient(illumination: Illumination) -> Float | None:
-    """(3,) ambient ratio: 1 without lights, as the sky then gives all light; None where it was not measured."""
-    return illumination.ambient_rgb_ratio if illumination.lights else np.ones(3)
+def _as_drawn(illumination: Illumination) -> tuple[list[tuple[Light, Float]], Float]:
+    """Each light with the share (3,) of level ground's light that it is drawn with, and the sky's share (3,).
+
+    What was measured may leave some open, and contradict itself.
+    """
+    lighting = lighting_of(illumination.lights, illumination.ambient_rgb_ratio)
+    drawn = iter(lighting.lights)
+    shares = [
+        np.zeros(3) if light.to_light_marker[2] <= 0 or (each := next(drawn, None)) is None else each.ground_share
+        for light in illumination.lights
+    ]
+    return list(zip(illumination.lights, map(np.array, shares), strict=True)), np.array(lighting.sky)
 
 
 def _slope(illumination: Illumination) -> Float:
@@ -67,32 +75,33 @@ def _slope(illumination: Illumination) -> Float:
     return np.zeros((2, 3)) if slope is None or not illumination.lights else slope
 
 
-def _lights_between(start: tuple[Light, ...], end: tuple[Light, ...], share: float) -> Iterator[Light]:
+def _lights_between(start: list[tuple[Light, Float]], end: list[tuple[Light, Float]], share: float) -> Iterator[Light]:
     left = list(start)
-    for light in end:
-        cosines = [float(other.to_light_marker @ light.to_light_marker) for other in left]
+    for light, of_ground in end:
+        cosines = [float(other.to_light_marker @ light.to_light_marker) for other, _ in left]
         if max(cosines, default=-1.0) < SAME_LIGHT_COSINE:
-            yield _dimmed(light, share)
+            yield _giving(light, share * of_ground)
             continue
-        near = left.pop(cosines.index(max(cosines)))
+        near, by_near = left.pop(cosines.index(max(cosines)))
         direction = normalised((1 - share) * near.to_light_marker + share * light.to_light_marker)
-        yield replace(
+        moved = replace(
             light,
             to_light_marker=direction,
             # A sun's is 0: on its way to a lamp it comes nearer.
             inverse_distance=_mix(near.inverse_distance, light.inverse_distance, share),
             angular_size_rad=_mix(angular_size(near), angular_size(light), share),
             radius_m=None,
-            shadow_rgb_ratio=(1 - share) * ground_ratio(near) + share * ground_ratio(light),
-            intensity_rgb_ratio=None,
         )
-    for light in left:
-        yield _dimmed(light, 1 - share)
+        yield _giving(moved, (1 - share) * by_near + share * of_ground)
+    for light, of_ground in left:
+        yield _giving(light, (1 - share) * of_ground)
 
 
-def _dimmed(light: Light, share: float) -> Light:
-    """The light at `share` of its strength."""
-    return replace(light, shadow_rgb_ratio=1 - share * (1 - ground_ratio(light)), intensity_rgb_ratio=None)
+def _giving(light: Light, of_ground: Float) -> Light:
+    """The light with this share (3,) of level ground's light, stated as it was measured, which it is drawn by."""
+    if light.intensity_rgb_ratio is None:
+        return replace(light, shadow_rgb_ratio=1 - of_ground)
+    return replace(light, intensity_rgb_ratio=of_ground / np.maximum(1 - of_ground, LEAST_REST))
 
 
 def _mix(start: float, end: float, share: float) -> float:

@@ -54,6 +54,35 @@ def test_a_first_light_comes_up_and_one_that_is_gone_goes_down(start):
         assert all(a >= b for a, b in itertools.pairwise(skies))
 
 
+MEASURED = lit_from(SUN)
+LAMP = Light(
+    direction_from_angles(1.2, 0.6),
+    shadow_rgb_ratio=np.full(3, 0.5),
+    inverse_distance=2.0,
+    intensity_rgb_ratio=np.full(3, 3.0),
+)
+LIT = {
+    "none": NONE,
+    "sun": MEASURED,
+    "lamp by its intensity": Illumination((LAMP,), ambient_rgb_ratio=np.full(3, 0.5)),
+    "two that nobody measured": Illumination((Light(SUN), Light(direction_from_angles(3.0, 0.6)))),
+    "sky that contradicts the shadow": replace(MEASURED, ambient_rgb_ratio=np.full(3, 0.7)),
+    "lamp below the table": replace(MEASURED, lights=(replace(LAMP, to_light_marker=(0.5, 0.0, -0.2)), MEASURED.light)),
+}
+
+
+@pytest.mark.parametrize(("start", "end"), list(itertools.permutations(LIT, 2)))
+def test_the_shares_of_sky_and_lights_change_without_a_jump(start: str, end: str):
+    shown = [LIT[start], *passage(LIT[start], LIT[end])]
+    drawn = [lighting_of(each.lights, each.ambient_rgb_ratio) for each in shown]
+    skies, lit = (
+        np.array(each) for each in ([each.sky[0] for each in drawn], [each.ground_shares.sum() for each in drawn])
+    )
+    for values in (skies, lit / 3):
+        assert np.abs(np.diff(values)).max() < 0.06
+    np.testing.assert_allclose(skies + lit / 3, 1, atol=1e-6)
+
+
 def test_far_away_it_does_not_swing_through_the_room():
     other = direction_from_angles(0.7 + math.pi, 0.8)
     for shown in passage(lit_from(SUN), lit_from(other)):
