@@ -98,7 +98,8 @@ class ModelsOnVideo:
         if frame is None:
             return
         look = self.photometry.look(tracked, scene.illumination)
-        self._environment.show(scene.illumination, look.white_rgb, _covered(cover))
+        white_rgb = self.photometry.white_seen_in(scene.illumination) or look.white_rgb
+        self._environment.show(scene.illumination, white_rgb, _covered(cover))
         straight = self._video
         if bends and self.shadows.shadows_meet:
             straight = self._straight_video

@@ -2,6 +2,7 @@
 // where the ray meets it. The maps' layouts are those of render/lights/surroundings.py.
 
 uniform sampler2D ground_map;  // linear RGB of the picture
+uniform vec3 ground_white;  // value in it of a radiance of 1, by that picture's own exposure
 uniform float half_radius_m;
 uniform float environment_size;  // texels a side
 
@@ -10,7 +11,7 @@ vec3 ground_seen(vec2 at, float width_m) {
     float far = length(at) + half_radius_m;
     // The size of the map's texels there, in metres.
     float texel_m = 2.0 * far * far / (half_radius_m * environment_size);
-    return textureLod(ground_map, 0.5 + 0.5 * at / far, log2(width_m / texel_m + 1e-3)).rgb / exposure;
+    return textureLod(ground_map, 0.5 + 0.5 * at / far, log2(width_m / texel_m + 1e-3)).rgb / ground_white;
 }
 
 // The fraction of the ground's light that the model leaves, averaged over about `width_m`.

@@ -30,16 +30,18 @@ class Environment:
         self._half_radius_m = 1.0
         self._shown: tuple[TrackedFrame | None, Float | None, bytes] | None = None
         self._asked_for: TrackedFrame | None = None
-        self._white_rgb: RGB = (1.0, 1.0, 1.0)  # while the maps were filled
+        self._white_rgb: RGB = (1.0, 1.0, 1.0)  # in the picture that the maps were filled from
 
     def show(self, illumination: Illumination, white_rgb: RGB, covered: Float) -> None:
         """Fills the maps from the frame that the illumination was seen in, or with even ground where there is none.
 
-        `white_rgb`: of a fully lit white surface in the video, linear. `covered`: (n, 2) metres, corners of the sheet
-        where it is hidden.
+        `white_rgb`: of a fully lit white surface in that frame, or else in the video, linear. `covered`: (n, 2) metres,
+        corners of the sheet where it is hidden.
         """
         seen_in, ground_rgb = illumination.seen_in, illumination.ground_rgb
         wanted = seen_in, ground_rgb, covered.tobytes()
+        if seen_in is not None:  # it becomes another one with the light, by which no map changes
+            self._white_rgb = white_rgb
         is_as_white = seen_in is not None or np.allclose(white_rgb, self._white_rgb, rtol=LEAST_CHANGE, atol=0.0)
         is_same = self._shown is not None and same_objects(self._shown[:2], wanted[:2]) and self._shown[2] == wanted[2]
         is_asked_again, self._asked_for = seen_in is self._asked_for, seen_in
@@ -68,6 +70,7 @@ class Environment:
         set_uniforms(
             program,
             half_radius_m=self._half_radius_m,
+            ground_white=self._white_rgb,
             environment_size=float(self._size),
         )
 

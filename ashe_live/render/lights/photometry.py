@@ -12,7 +12,7 @@ from ashe_live.render.camera.shadow_border import unexplained_border_px
 from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.camera.white import light_on_print, white_of
 from ashe_live.render.gl.preset import RenderPreset
-from ashe_live.render.lights.lighting import Lighting, lighting_of
+from ashe_live.render.lights.lighting import RGB, Lighting, lighting_of
 from ashe_live.render.lights.open_sky import open_sky
 from ashe_live.render.lights.shadow_colour import steadied
 
@@ -24,6 +24,7 @@ class _Read:
     lighting: Lighting
     ambient: Float | None  # (3,) as Illumination.ambient_rgb_ratio, of the open sky
     albedo: Float | None  # (3,) of the ground
+    white_rgb: RGB | None  # that white, fully lit, has in it
 
 
 class Photometry:
@@ -57,15 +58,22 @@ class Photometry:
         known = _known(of)
         if self._read is None or not same_objects(self._read[0], known):
             lights, ambient = steadied(of)
-            albedo = None
-            if of.ground_rgb is not None and of.seen_in is not None:
+            albedo = white_rgb = None
+            if of.seen_in is not None:
                 light = light_on_print(of.seen_in, lighting_of(lights, ambient), of.real_object)
-                white_rgb = np.array(white_of(of.seen_in, light))
-                albedo = of.ground_rgb / white_rgb
+                white_rgb = white_of(of.seen_in, light)
+            if of.ground_rgb is not None and of.seen_in is not None and white_rgb is not None:
+                white = np.array(white_rgb)
+                albedo = of.ground_rgb / white
                 if of.real_object is not None and _was_seen_in_shadow(of):
-                    ambient = open_sky(of.seen_in, of.real_object, lighting_of(lights, ambient, albedo), white_rgb)
-            self._read = known, _Read(lighting_of(lights, ambient, albedo, of.sky_slope_rgb), ambient, albedo)
+                    ambient = open_sky(of.seen_in, of.real_object, lighting_of(lights, ambient, albedo), white)
+            lighting = lighting_of(lights, ambient, albedo, of.sky_slope_rgb)
+            self._read = known, _Read(lighting, ambient, albedo, white_rgb)
         return self._read[1]
+
+    def white_seen_in(self, of: Illumination) -> RGB | None:
+        """What white, fully lit, has in the frame that the illumination was seen in; None where there is no frame."""
+        return self._as_it_lay(of.as_it_lay or of).white_rgb
 
     def border_share(self, of: Illumination) -> float:
         """Standard deviation of the real shadow's border beyond that by lens and light, over the picture's width."""

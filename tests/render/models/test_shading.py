@@ -9,12 +9,13 @@ import pytest
 
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Illumination
+from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.camera.white import ASSUMED_WHITE as EXPOSURE
+from ashe_live.render.camera.white import INK_RATIO, PAPER_ALBEDO
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, MIN_BALANCED_SINE, lighting_of
 from ashe_live.render.scene import Scene
 from tests.render.in_turns import in_turns
@@ -259,6 +260,34 @@ def test_wall_is_lit_by_the_ground_before_it_as_the_picture_shows_it(make_render
     dark, pale = (float(linear_from_srgb(each / 255)) / EXPOSURE for each in (20, 240))
     # Two thirds of the ground's half, and that from within a few heights of a face.
     assert 0.6 * (pale - dark) / 3 < shades[1] - shades[0] < 1.05 * (pale - dark) / 3
+
+
+def _exposed(stage, white: float) -> TrackedFrame:
+    """Ground with a printed sheet on it, in which white has this linear level."""
+    linear, pose = np.full((360, 480, 3), 0.3 * white), stage.pose(-90, 35, 0.3)
+    for half, albedo in ((0.055, PAPER_ALBEDO), (0.04, INK_RATIO * PAPER_ALBEDO)):
+        square = half * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)])
+        cv2.fillConvexPoly(
+            linear, np.round(project(stage.camera(), pose, square)).astype(np.int32), (albedo * white,) * 3
+        )
+    return stage.tracked(np.round(srgb_from_linear(linear) * 255).astype(np.uint8), pose)
+
+
+# Matt, which the ground lights from below, and polished, which mirrors it.
+@pytest.mark.parametrize("material", [Material(), Material(metallic=1.0, roughness=0.2)])
+def test_ground_that_it_gets_light_from_follows_the_exposure_since_it_was_seen(
+    make_renderer, stage, material: Material
+) -> None:
+    frames = [_exposed(stage, white) for white in (0.9, 0.3)]
+    lit = Illumination((stage.light(90, 50, (0.3,) * 3),), ground_rgb=np.full(3, 0.27), seen_in=frames[0])
+    model = stage.placed(replace(box((SIDE / 2,) * 3), material=material))
+    corners = [tuple(np.array(corner) / 2) for corner in FRONT]
+    shades = []
+    for tracked in frames:
+        renderer = make_renderer()
+        renderer.render(Scene(tracked, model, lit))
+        shades.append(linear_from_srgb(np.median(_face(renderer.read_bgr(), tracked, corners)) / 255))
+    assert shades[1] / shades[0] == pytest.approx(1 / 3, rel=0.05)
 
 
 def test_it_does_not_matter_which_of_four_lights_comes_first(make_renderer, stage) -> None:
