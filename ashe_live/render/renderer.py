@@ -95,7 +95,7 @@ class SceneRenderer:
         self.resize(self.size)
 
     def begin_anew(self) -> None:
-        """Another video follows: nothing of the last one, as the ground over its marker, is drawn into it."""
+        """Another video or marker follows: nothing of the last one, as the ground over the marker, is drawn into it."""
         self._models_on_video.begin_anew()
 
     def resize(self, size: Size) -> None:

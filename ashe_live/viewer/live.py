@@ -63,7 +63,7 @@ class LiveViewer:
         self._quit = False
         self._source_error: str | None = None
         self._take_up(pipeline)
-        self.followed = FollowedMarker(pipeline, session, self._announce, options.takes_any_marker)
+        self.followed = FollowedMarker(pipeline, session, renderer, self._announce, options.takes_any_marker)
         self._keeper.flags = lambda: [*options.flags, *self.followed.flags]
         self._stillness = Stillness()
         self._commands: dict[Command, Callable[[float], None]] = {

@@ -546,6 +546,24 @@ def test_the_field_of_view_goes_round_and_cameras_that_are_not_there_are_said(st
     assert "--hfov 70" in capfd.readouterr().out
 
 
+@pytest.mark.usefixtures("others")
+@pytest.mark.parametrize("command", [Command.FOLLOW_OTHER, Command.FIELD_OF_VIEW])
+def test_no_picture_of_another_marker_or_camera_has_anything_of_the_one_before(stage, command):
+    drawn_before = []
+
+    def begin() -> Command:
+        drawn_before.append(len(stage.renderer.scenes))
+        return command
+
+    stage.put(0)
+    stage.run(None, begin, awaited(stage, lambda: stage.pipeline.followed or stage.pipeline.seen_by), None)
+    (begun,) = stage.renderer.begun_after
+    shown = [scene.tracked for scene in stage.renderer.scenes]
+    assert drawn_before[0] <= begun
+    assert all(tracked is not None for tracked in shown[1:begun])
+    assert shown[begun] is None
+
+
 def test_of_an_upright_picture_fields_of_view_count_along_its_height(stage):
     stage.pipeline.may_follow_others = True
     upright = np.zeros((96, 54, 3), np.uint8)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from ashe_live.core.camera import Camera, Size
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.marker_hunt import MarkerHunt
 from ashe_live.viewer.sources.pipeline import Pipeline
@@ -17,6 +18,7 @@ class FollowedMarker:
         self,
         pipeline: Pipeline,
         session: Session,
+        renderer: SceneRenderer,
         announce: Callable[[str, float], None],
         takes_any_marker: bool = False,
     ) -> None:
@@ -26,6 +28,7 @@ class FollowedMarker:
         """
         self._takes_any_marker = takes_any_marker
         self._session = session
+        self._renderer = renderer
         self._announce = announce
         self.begin_anew(pipeline)
 
@@ -116,3 +119,4 @@ class FollowedMarker:
     def _begin_session_anew(self) -> None:
         if self._session.has_seen_marker:
             self._session.begin_anew(self._pipeline.is_photo)
+            self._renderer.begin_anew()  # the ground over the last marker is not that around another
