@@ -1,6 +1,7 @@
 """Draws a scene: the video, the models and their shadows on it, signs of the lights, and overlays."""
 
 from collections.abc import Iterator, Sequence
+from weakref import WeakSet
 
 import moderngl
 
@@ -49,10 +50,13 @@ class SceneRenderer:
         self._models_on_video = ModelsOnVideo(ctx, self._programs, preset, self.video, cover)
         self._models = ModelSwitches(ctx, self._programs, self._build_shaders, self._known)
         self._surface = self._new_surface(size)
+        self._beside = WeakSet[SceneRenderer]()  # which begin anew with this one
 
     def beside(self, size: Size) -> "SceneRenderer":
         """Another renderer of the same context and preset, for other pictures of what this one shows."""
-        return SceneRenderer(self._ctx, self._preset, size, self._known, self._models_on_video.layers.cover)
+        made = SceneRenderer(self._ctx, self._preset, size, self._known, self._models_on_video.layers.cover)
+        self._beside.add(made)
+        return made
 
     @property
     def size(self) -> Size:
@@ -97,6 +101,8 @@ class SceneRenderer:
     def begin_anew(self) -> None:
         """Another video or marker follows: nothing of the last one, as the ground over the marker, is drawn into it."""
         self._models_on_video.begin_anew()
+        for each in self._beside:
+            each.begin_anew()
 
     def resize(self, size: Size) -> None:
         """Follows the window's framebuffer; sides of 0 (a minimised window) count as 1."""

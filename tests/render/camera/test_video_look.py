@@ -302,6 +302,22 @@ def test_exposure_stays_while_the_paper_is_covered(stage) -> None:
     assert held.at(TrackedFrame(frame, seen.camera, seen.marker), unlit, None).white_rgb == (ASSUMED_WHITE,) * 3
 
 
+def test_what_is_saved_beside_a_window_has_the_look_of_the_video_that_is_shown_now(make_renderer, stage) -> None:
+    """Though by its time the next video's frame might follow that of the one before."""
+    window, model = make_renderer(FAST.render), stage.placed(box((SIDE, SIDE, 0.0), (0.0, 0.5, 0.0, 1.0)))
+    scenes = []
+    for seen, time_s in ((_sheet(stage, blur=2.0), 0.0), (_sheet(stage), LOOK_HELD_S / 2)):
+        frame = Frame(seen.frame.image_bgr, 3, time_s)
+        scenes.append(Scene(TrackedFrame(frame, seen.camera, seen.marker), model))
+    saved, fresh = window.beside(window.size), make_renderer(FAST.render)
+    saved.render(scenes[0])
+    window.begin_anew()
+    for renderer in (saved, fresh):
+        renderer.render(scenes[1])
+    np.testing.assert_array_equal(saved.read_bgr(), fresh.read_bgr())
+    saved.release()
+
+
 def test_of_a_video_that_flows_on_the_exposure_follows_and_one_other_part_is_measured_a_frame(stage) -> None:
     before, after = _sheet(stage, noise=1.0), _sheet(stage, white=(0.5, 0.5, 0.5), blur=1.5, noise=6.0)
     unlit, held = lighting_of((), None), HeldLook(BALANCED.render)
