@@ -102,7 +102,8 @@ class LiveViewer:
                 self.followed.look(now_s)
                 is_new = self._take_opened(now_s) or self._take_frame(now_s)
                 self._draw(now_s)
-                self._quality.adapt(self._pipeline, now_s)
+                if not self._is_idle:  # which says nothing of how long a picture takes
+                    self._quality.adapt(self._pipeline, now_s)
                 self._window.swap()
                 self._stillness.shown()
                 self._keeper.take(is_new, now_s)

@@ -30,6 +30,7 @@ from ashe_live.viewer.hands.requests import Command, Files, MouseAction, MouseEv
 from ashe_live.viewer.live import LiveViewer, ViewerOptions
 from ashe_live.viewer.output import keeping
 from ashe_live.viewer.output import recording as recording_module
+from ashe_live.viewer.quality_choice import QualityChoice
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources import marker_hunt
 from ashe_live.viewer.status import guidance
@@ -623,6 +624,23 @@ def test_what_does_not_change_is_not_drawn_again(stage):
     stage.run(awaited(stage, is_settled), lambda: stage.put(1), None, None, None)
     assert counts[-1] > HELD_AFTER_PICTURES
     assert len(stage.renderer.scenes) > counts[-1]
+
+
+def test_only_pictures_that_are_drawn_tell_which_quality_the_machine_can_afford(stage, monkeypatch):
+    drawn, counts = [], []
+
+    def adapt(_choice, _pipeline, _begun_s) -> None:
+        drawn.append(len(stage.renderer.scenes))
+
+    def is_settled() -> bool:
+        counts.append(len(stage.renderer.scenes))
+        return counts[-5:].count(counts[-1]) == 5
+
+    monkeypatch.setattr(QualityChoice, "adapt", adapt)
+    stage.put(0)
+    stage.run(awaited(stage, is_settled), None, quality="auto")
+    assert len(drawn) >= HELD_AFTER_PICTURES
+    assert len(set(drawn)) == len(drawn)
 
 
 def test_the_menu_does_what_its_row_says(stage):
