@@ -23,6 +23,7 @@ from ashe_live.models.catalogue import ChosenModel
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_reported
+from ashe_live.render.screen import Screen
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.estimates.light_watch import NewAnswer
@@ -661,6 +662,16 @@ def test_escape_closes_the_menu_before_it_leaves(stage):
     opening = MouseEvent(MouseAction.MENU, 1.0, 1.0)
     stage.run(None, opening, None, Command.LEAVE, lambda: still_running.append(True), Command.LEAVE, None, pytest.fail)
     assert still_running
+
+
+def test_escape_is_not_spent_on_a_menu_that_has_gone_with_the_windows_size(stage):
+    stage.put(0)
+
+    def resize() -> None:
+        stage.window.screen = Screen((80, 60))
+
+    stage.run(None, MouseEvent(MouseAction.MENU, 1.0, 1.0), None, resize, None, Command.LEAVE, None, pytest.fail)
+    assert stage.window.steps
 
 
 def test_ctrl_z_takes_back_what_was_done_by_hand(stage):

@@ -169,9 +169,14 @@ class Menu:
         return True
 
     def overlays(self, screen: Screen) -> tuple[Overlay, ...]:
-        """The menu's parts, the same objects while nothing changes; none while it is closed."""
+        """The menu's parts, the same objects while nothing changes; none while it is closed.
+
+        It closes when the window has another size than it was made for.
+        """
+        if self._opened is not None and self._opened.screen != screen:
+            self.close()
         opened = self._opened
-        if opened is None or opened.screen != screen:
+        if opened is None:
             return ()
         if self._drawn is None or self._drawn[0] is not opened or self._drawn[1] != self._pointed_at:
             plate = Overlay(_plate(opened.rows, opened.font_px), opened.left, opened.top)
