@@ -12,7 +12,7 @@ from ashe_live.core.transforms import angle_between, direction_from_angles, rigi
 from ashe_live.core.types import Frame, Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.light.live.worker_process import WorkerFailure
-from ashe_live.models.mesh import Model
+from ashe_live.models.mesh import Model, Motion
 from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.tracking.poses.steadiness import Steadiness
@@ -831,6 +831,31 @@ def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
     assert shown == [0.5, 0.5, 1.0, 1.0]
     session.take(fakes.tracked(1), 3.0)  # a clock that goes back, as a clip's
     assert session.table.motion_s == 1.0
+
+
+def test_what_is_said_of_a_motion_is_what_is_seen(make, fakes):
+    still = box((0.05, 0.05, 0.05))
+    motion = Motion(np.stack([still.vertices] * 2), np.stack([still.normals] * 2), 2.0)
+    session = make()
+    shelf = session.table.shelf
+    session.take(fakes.tracked(), 0.0)
+    session.poll(0.0)
+    shelf.moves = True
+    for command, said in (
+        (Command.NEXT_MODEL, "lantern moves: K stops it"),
+        (Command.STOP_MOTION, "lantern stands still: K changes that"),
+        (Command.NEXT_MODEL, "mug stands still: K changes that"),
+    ):
+        session.handle(Request(command), 10.0)
+        session.notice.withdraw(session.notice.text)  # a hint hides nothing that was said
+        session.poll(10.1)
+        assert session.notice.text == said
+    # One that moves is left beside one that cannot.
+    shelf.shown = placed_on_marker(Model("moving", (dataclasses.replace(still, motion=motion),)), 0.08)
+    session.handle(Request(Command.ADD_MODEL), 40.0)
+    shelf.moves, shelf.shown = False, fakes.Shelf.shown
+    session.handle(Request(Command.STOP_MOTION), 50.0)
+    assert session.notice.shown(50.0) == "another model moves: K stops it"
 
 
 def test_before_and_after(make, fakes):

@@ -151,7 +151,7 @@ class Table:
             if self.arrangement.is_as_left and is_quiet:
                 self._say(f"{self.model_name} stands as it was left: Backspace gives its first place and size", now_s)
             elif self.shelf.moves and is_quiet:
-                self._say(f"{self.model_name} moves: K stops it", now_s)
+                self._say(f"{self.model_name} {self._motion_now}", now_s)
 
     def _rearrange(self, command: Command, now_s: float) -> None:
         models = self.arrangement
@@ -194,4 +194,9 @@ class Table:
             self._say(f"{self.model_name} stands still: it has no animation that is played", now_s)
             return
         self.motion.toggle()
-        self._say(f"{self.model_name} {'stands still' if self.motion.is_stopped else 'moves'}: K changes that", now_s)
+        self._say(f"{self.model_name if self.shelf.moves else 'another model'} {self._motion_now}", now_s)
+
+    @property
+    def _motion_now(self) -> str:
+        """What models do that can move, and how to change that."""
+        return "stands still: K changes that" if self.motion.is_stopped else "moves: K stops it"
