@@ -22,10 +22,11 @@ void main() {
     float away = distance(ground_placed, foot);
     float cosine = 0.5 + 0.5 * away * inversesqrt(max(away * away + model_height * model_height, 1e-12));
     float height = away * sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine;
+    float scale = length(marker_from_placed[0].xyz);
     vec3 light = vec3(0.0);
     for (int third = 0; third < 3; ++third) {
         vec2 before = foot + THIRDS[third] * height * outward;
-        light += light_on_ground((marker_from_placed * vec4(before, 0.0, 1.0)).xy, WIDTHS[third] * height);
+        light += light_on_ground((marker_from_placed * vec4(before, 0.0, 1.0)).xy, WIDTHS[third] * scale * height);
     }
     on_wall = vec4(ground_bounce * light / 3.0, 1.0);
 }

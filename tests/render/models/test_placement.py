@@ -16,6 +16,7 @@ from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST, QUALITIES
 from ashe_live.render.gl.offscreen import live_gl_objects
+from ashe_live.render.occlusion.contact import PATCH_SIZE
 from ashe_live.render.scene import Overlay, Scene
 from tests.render.in_turns import in_turns
 
@@ -61,6 +62,20 @@ def test_it_looks_as_if_it_had_been_built_there(make_renderer, stage, quality: s
     # Texels of depth maps and the directions of the sky that the contact is made of fall a little differently.
     assert np.mean(here[changed] > 8) < 0.002
     assert here.mean() < 0.15
+
+
+def test_what_the_ground_throws_onto_its_walls_is_as_blurred_at_any_scale(make_renderer, stage) -> None:
+    """Over its own shadow and beyond: all lengths are those of the model, however large that is."""
+    wall = stage.placed(box((0.06, 0.02, 0.06), (1.0, 1.0, 1.0, 1.0)))
+    on_walls = []
+    for scale in (0.2, 5.0):
+        renderer = make_renderer(BALANCED.render)
+        tracked = stage.tracked(GROUND, stage.pose(-70, 35, 0.3 * scale, target=(0, 0, 0)))
+        lit = Illumination((stage.light(90, 30, (0.02,) * 3),))
+        renderer.render(Scene(tracked, wall, lit, placement=Placement(scale)))
+        texture, _ = renderer._models_on_video.layers.catcher._walls[0]._canvas.of_size((PATCH_SIZE, PATCH_SIZE))
+        on_walls.append(np.frombuffer(texture.read(), np.float32))
+    assert np.abs(on_walls[0] - on_walls[1]).mean() < 0.002
 
 
 def _shadow_points(picture: np.ndarray, tracked) -> np.ndarray:
