@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.rims import Rims
 from ashe_live.light.known_body.shadows import Shadows, shadows_of
@@ -24,8 +24,9 @@ ROUNDED = 6  # bodies are alike to one over so much of their heights, as far as 
 # Shadows of so many neighbouring rings and of so many directions around share a window of the map; all short ones one.
 RINGS_A_WINDOW, WINDOWS_AROUND, SHORT_RINGS = 3, 8, 9
 # Lights behind the camera, whose shadow the body hides: parts of the displacement at which the camera would cast it,
-# and how far beside it, over 1 + |s|.
-BEHIND, BEHIND_ASIDE = np.arange(0.15, 1.2, 0.1), np.array([-0.09, -0.03, 0.03, 0.09])
+# and how far beside it, over 1 + |s|. Each stands for what is nearer to it than to the next.
+BEHIND_STEP, ASIDE_STEP = 0.1, 0.06
+BEHIND, BEHIND_ASIDE = 0.15 + BEHIND_STEP * np.arange(11), ASIDE_STEP * (np.arange(4) - 1.5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,7 +44,10 @@ class Templates:
     from_sides: Float32  # (4, n, n) as by `form_factors`
 
     def and_behind(self, eye: Float, body: Proxy) -> "Templates":
-        """These, and between them more lights whose shadow the body hides from a camera at `eye` (3,)."""
+        """These, and between them more lights whose shadow the body hides from a camera at `eye` (3,).
+
+        Where both are, each counts half, so that the hemisphere is covered once.
+        """
         eye = eye - body.foot_marker
         if eye[2] <= 0:
             return self
@@ -53,16 +57,27 @@ class Templates:
         further = np.column_stack([grid.reshape(-1, 2), np.ones(grid.size // 2)])
         lengths = np.linalg.norm(further, axis=1)
         further = at_infinity(further / lengths[:, None])
-        cell = length * (BEHIND[1] - BEHIND[0]) * (1 + length) * (BEHIND_ASIDE[1] - BEHIND_ASIDE[0])
+        cell = length * BEHIND_STEP * (1 + length) * ASIDE_STEP
+        weight = np.where(_between(self.lights, s), 0.5, 1.0) * self.solid_angle
         return Templates(
             np.concatenate([self.lights, further]),
-            np.concatenate([self.solid_angle, cell / lengths**3 / (2 * np.pi)]),
+            np.concatenate([weight, 0.5 * cell / lengths**3 / (2 * np.pi)]),
             self.shadows.joined(shadows_of(body, further)),
             self.rims,
             self.hidden_sky,
             self.hidden_slope,
             self.from_sides,
         )
+
+
+def _between(lights: Float, s: Float) -> Mask:
+    """(m,) which lights (m, 4) lie among those behind a camera towards `s` (2,): x / z and y / z of where it is."""
+    displacements = lights[:, :2] / lights[:, 2:3]
+    length = max(float(np.hypot(*s)), 1e-9)
+    along, aside = displacements @ s / length**2, displacements @ np.array([-s[1], s[0]]) / (length * (1 + length))
+    is_along = np.abs(along - BEHIND.mean()) < 0.5 * BEHIND_STEP * len(BEHIND)
+    is_between: Mask = is_along & (np.abs(aside) < 0.5 * ASIDE_STEP * len(BEHIND_ASIDE))
+    return is_between
 
 
 def templates_of(body: Proxy) -> Templates:

@@ -94,6 +94,21 @@ def test_all_cubes_share_their_templates() -> None:
     assert templates_of(moved) is TEMPLATES
 
 
+@pytest.mark.parametrize("elevation_deg", [12, 20, 30, 45, 60, 75, 88])
+@pytest.mark.parametrize("azimuth_deg", [0, 33])
+def test_the_hemisphere_is_covered_once_with_more_lights_behind_the_camera(
+    elevation_deg: float, azimuth_deg: float
+) -> None:
+    """As a whole, and around the camera's direction, where the further ones are."""
+    to_eye = sun(azimuth_deg, elevation_deg).point[:3]
+    templates = TEMPLATES.and_behind(CUBE.foot_marker + 0.4 * to_eye, CUBE)
+    assert len(templates.lights) > len(TEMPLATES.lights)
+    assert templates.solid_angle.sum() == pytest.approx(1, abs=0.015)
+    cap_rad = np.radians(min(elevation_deg, 35))
+    is_around = templates.lights[:, :3] @ to_eye > np.cos(cap_rad)
+    assert templates.solid_angle[is_around].sum() == pytest.approx(1 - np.cos(cap_rad), rel=0.2)
+
+
 def test_lights_at_the_horizon_and_below_cast_no_shadow() -> None:
     low = at_infinity(np.array([(1.0, 0.0, 0.0), (1.0, 0.0, -0.5)]))
     assert not shadows_of(CUBE, low).whole().any()
