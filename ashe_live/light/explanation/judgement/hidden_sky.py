@@ -6,6 +6,7 @@ adds to that is seen by comparing ground inside of its shadow and outside with a
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,13 +29,24 @@ WITHIN_PX, WITHOUT_PX = 1.5, 2.5  # from a shadow's border, which is blurred
 BESIDE_BODY_PX = 3.0  # pixels nearer to the object than this may belong to it
 FEWEST_PX = 5  # inside and outside that see the same part of the sky
 AROUND = 24  # points on a ring around the body
+# Across and down, of the same shape as a shadow, and the share of their pixels that have to be lit ground.
+PLACES, LIT_SHARE = 9, 0.6
 # Least share of its seeming depth that a light's shadow has beside ground which sees as much sky. Stated: right answers
 # have 0.33 and more, cloudy skies 0.1 to 0.25 (docs/maths, "Confidence").
 LEAST_SHARE = 0.3
+MISSING_SIGMAS = 2.0  # by which what is missing of that depth has to exceed what a pattern makes of it
 
 
-def depths_beyond_sky(view: View, proxy: Proxy, lights: Float) -> list[float | None]:
-    """How much darker the body's shadow in each light is than ground that sees as much sky: log brightness, 0 for none.
+class Depth(NamedTuple):
+    """How much darker a shadow is than ground that sees as much sky, in log brightness: 0 for none."""
+
+    value: float
+    # By how much ground of a shadow's shape is brighter in one place than in another, as a pattern makes it.
+    sigma: float = 0.0
+
+
+def depths_beyond_sky(view: View, proxy: Proxy, lights: Float) -> list[Depth | None]:
+    """How much darker the body's shadow in each light is than ground that sees as much sky.
 
     Convex `proxy` stands on the ground; lights (l, 4): homogeneous points, marker frame. None where too little of the
     shadow, or of ground to compare it with, is in `view`.
@@ -50,17 +62,21 @@ def depths_beyond_sky(view: View, proxy: Proxy, lights: Float) -> list[float | N
     sky = np.digitize(_sky_in_view(proxy, view), STEPS_OF_SKY)
     shadows = masks.parts or (masks.shadow,)
     cores = [is_ground & shadow & (distance_to(~(shadow | masks.body)) > WITHIN_PX) for shadow in shadows]
-    return [_darker_by(brightness, sky, core, is_lit) for core in cores]
+    return [_depth(brightness, sky, core, is_lit) for core in cores]
 
 
-def is_of_sky_alone(depths: Sequence[float | None], seeming: Sequence[float], least_share: float = LEAST_SHARE) -> bool:
+def is_of_sky_alone(depths: Sequence[Depth | None], seeming: Sequence[float], least_share: float = LEAST_SHARE) -> bool:
     """Whether the shadows of these depths, by `depths_beyond_sky`, are no lights', but what a body hides of the sky.
 
-    seeming: how much darker than lit ground each seems to be, in log brightness. False where no depth is known, and
-    where all that are known make up `least_share` of what seems or more.
+    seeming: how much darker than lit ground each seems to be, in log brightness. False where no depth is known, where
+    all that are known make up `least_share` of what seems or more, and where a pattern may hide what is missing.
     """
     known = [(depth, seems) for depth, seems in zip(depths, seeming, strict=True) if depth is not None]
-    return bool(known) and sum(depth for depth, _ in known) < least_share * sum(seems for _, seems in known)
+    if not known:
+        return False
+    there, seems = sum(depth.value for depth, _ in known), sum(seems for _, seems in known)
+    sigma = math.hypot(*(depth.sigma for depth, _ in known))
+    return there < least_share * seems and seems - there > MISSING_SIGMAS * sigma
 
 
 def _window_around(proxy: Proxy, view: View) -> Window | None:
@@ -88,7 +104,7 @@ def _sky_in_view(proxy: Proxy, view: View) -> Float32:
     return np.asarray(1 - hidden / SKY, np.float32)
 
 
-def _darker_by(brightness: Float32, sky: NDArray[np.intp], core: Mask, is_lit: Mask) -> float | None:
+def _depth(brightness: Float32, sky: NDArray[np.intp], core: Mask, is_lit: Mask) -> Depth | None:
     """By how much less `brightness` (h, w) is in `core` than where `is_lit` at the same step of `sky`, (h, w) each."""
     weights, differences = [], []
     for step in np.unique(sky[core]):
@@ -96,4 +112,20 @@ def _darker_by(brightness: Float32, sky: NDArray[np.intp], core: Mask, is_lit: M
         if min(len(inside), len(outside)) >= FEWEST_PX:
             weights.append(min(len(inside), len(outside)))
             differences.append(float(np.median(outside) - np.median(inside)))
-    return float(np.average(differences, weights=weights)) if weights else None
+    if not weights:
+        return None
+    return Depth(float(np.average(differences, weights=weights)), _scatter(brightness, core, is_lit))
+
+
+def _scatter(brightness: Float32, core: Mask, is_lit: Mask) -> float:
+    """The standard deviation of the median `brightness` (h, w) of lit ground in places of the shape of `core`."""
+    rows, columns = np.nonzero(core)
+    height, width = core.shape
+    medians = []
+    for down in np.linspace(-rows.min(), height - 1 - rows.max(), PLACES).astype(int):
+        for right in np.linspace(-columns.min(), width - 1 - columns.max(), PLACES).astype(int):
+            place = rows + down, columns + right
+            lit = brightness[place][is_lit[place]]
+            if len(lit) >= LIT_SHARE * len(rows):
+                medians.append(np.median(lit))
+    return float(np.std(medians)) if len(medians) > 1 else 0.0
