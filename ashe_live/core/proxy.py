@@ -14,7 +14,7 @@ TILTS = np.linspace(-math.pi / 2, math.pi / 2, 9)  # from a spheroid's lowest po
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mesh:
+class ProxyMesh:
     """A closed surface of any shape."""
 
     points_marker: Float  # (n, 3) metres, marker frame
@@ -34,12 +34,12 @@ class Proxy:
 
     family: str  # the kind of body that was fitted, e.g. box; "silhouettes": their hull, in several views
     spheroids_marker: Float  # (k, 5) centre x, y, z, horizontal radius, half height; metres, marker frame
-    mesh: Mesh | None = None  # the surface itself where it is not convex
+    mesh: ProxyMesh | None = None  # the surface itself where it is not convex
 
     def __post_init__(self) -> None:
         set_frozen(self, spheroids_marker=frozen_floats(self.spheroids_marker, (-1, 5), "spheroids_marker"))
         if self.mesh is not None:
-            arguments.instance(self.mesh, Mesh, "mesh")
+            arguments.instance(self.mesh, ProxyMesh, "mesh")
 
     @property
     def foot_marker(self) -> Float:

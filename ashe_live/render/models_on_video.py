@@ -7,7 +7,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
-from ashe_live.render.compositing.outlines import Outlines
+from ashe_live.render.compositing.outlines import OutlineSmoothing
 from ashe_live.render.cover.marker_cover import MarkerCover, SeenCover
 from ashe_live.render.gl.framing import Rectangle, common, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
@@ -45,7 +45,7 @@ class ModelsOnVideo:
         self._video = video
         self._straight_video = Video(ctx)
         self._lens = Lens(ctx)
-        self._outlines = Outlines(ctx, programs)
+        self._outlines = OutlineSmoothing(ctx, programs)
         self._composite = Composite(ctx, programs)
         self.layers = LayerPasses(ctx, programs, cover)
         self._make_for_preset()

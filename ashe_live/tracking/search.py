@@ -14,7 +14,7 @@ from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.corners import LAST_REACH_PX, REACH_RATIO, fitted_squares
 from ashe_live.tracking.edges.covered_sides import verified_square
-from ashe_live.tracking.edges.edge_profiles import LightView, linear_light
+from ashe_live.tracking.edges.edge_profiles import LightPatch, linear_light
 from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.tracking.edges.quads import MIN_SIDE_PX
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square, region_around
@@ -56,7 +56,7 @@ def in_front(expected_px: Mapping[int, Float], last: Container[int]) -> list[int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Expected:
+class ExpectedMarker:
     """A marker, and where it should be."""
 
     marker: Marker
@@ -65,7 +65,7 @@ class Expected:
 
 
 def along_edges(
-    expected: Sequence[Expected], image_bgr: Image, camera: Camera, samples: int, is_predictable: bool = False
+    expected: Sequence[ExpectedMarker], image_bgr: Image, camera: Camera, samples: int, is_predictable: bool = False
 ) -> list[FittedSquare | None]:
     """Each of the markers where it is expected; None where it is not.
 
@@ -91,7 +91,12 @@ def along_edges(
 
 
 def first_along_edges(
-    expected: Mapping[int, Expected], most: int, image_bgr: Image, camera: Camera, samples: int, is_predictable: bool
+    expected: Mapping[int, ExpectedMarker],
+    most: int,
+    image_bgr: Image,
+    camera: Camera,
+    samples: int,
+    is_predictable: bool,
 ) -> dict[int, FittedSquare | None]:
     """As `along_edges`, by number, until `most` of them have been found; the rest is not looked for."""
     squares: dict[int, FittedSquare | None] = {}
@@ -104,13 +109,13 @@ def first_along_edges(
     return squares
 
 
-def _view_around(corners_px: Float, margin_px: float, image_bgr: Image, camera: Camera) -> LightView | None:
+def _view_around(corners_px: Float, margin_px: float, image_bgr: Image, camera: Camera) -> LightPatch | None:
     """The part of the picture around corners (4, 2), picture pixels; None where they are not in it."""
     region = region_around(corners_px, margin_px, REACH_RATIO, image_bgr.shape)
     if region is None:
         return None
     (left, top), (right, bottom) = region
-    return LightView(linear_light(_grey(image_bgr[top:bottom, left:right])), camera, np.array((left, top)))
+    return LightPatch(linear_light(_grey(image_bgr[top:bottom, left:right])), camera, np.array((left, top)))
 
 
 def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.core.proxy import Mesh, Proxy
+from ashe_live.core.proxy import Proxy, ProxyMesh
 
 POINTS = np.array([[0.0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
 TRIANGLES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], dtype=np.uint32)
@@ -11,7 +11,7 @@ CORNERS = np.column_stack([POINTS, np.zeros((4, 2))])
 
 
 def test_the_surface_is_the_mesh_where_there_is_one() -> None:
-    points, triangles = Proxy("silhouettes", CORNERS, Mesh(POINTS, TRIANGLES)).surface()
+    points, triangles = Proxy("silhouettes", CORNERS, ProxyMesh(POINTS, TRIANGLES)).surface()
     np.testing.assert_array_equal(points, POINTS)
     np.testing.assert_array_equal(triangles, TRIANGLES)
     assert len(Proxy("silhouettes", CORNERS).surface()[0]) > len(POINTS)
@@ -20,7 +20,7 @@ def test_the_surface_is_the_mesh_where_there_is_one() -> None:
 @pytest.mark.parametrize("triangles", [TRIANGLES[:, :2], TRIANGLES + 1], ids=["pairs", "no such point"])
 def test_triangles_are_of_points(triangles: np.ndarray) -> None:
     with pytest.raises(ValueError, match="triangles"):
-        Mesh(POINTS, triangles)
+        ProxyMesh(POINTS, triangles)
 
 
 def test_a_mesh_must_be_one() -> None:

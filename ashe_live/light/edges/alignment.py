@@ -21,7 +21,7 @@ from ashe_live.light.outline_fit.search import damped_steps, information_on_ligh
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody, NearnessPrior
 from ashe_live.light.shape.family import padded
-from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.layout import ParameterLayout
 
 REACHES_PX = (4.0, 3.0, 2.0, 2.0, 2.0)  # within which steps are looked for: what the start may be off, then less
 EARLY_LOSS_FACTOR = 3.0  # on the scale of Geman and McClure's loss, in the rounds whose reach still shrinks
@@ -114,7 +114,7 @@ class _Seen:
         if offset:
             normal, gradient = without_offset(normal, gradient, BORDERS_PER_SAMPLE)
         bodies, diagonal = self.views[0].bodies, np.arange(normal.shape[1])
-        layout = Layout(len(bodies[0].lights), with_nearness)
+        layout = ParameterLayout(len(bodies[0].lights), with_nearness)
         normal[:, diagonal, diagonal] += padded([prior_information(one.body.family, layout) for one in bodies])
         return normal, gradient
 
@@ -122,7 +122,7 @@ class _Seen:
         """(n, split + q) damped Gauss-Newton steps of theta; (6,) those of each view's pose, None where it stays."""
         normal, gradient = self.equations(loss_factor, self.near is not None)
         if self.near is not None:
-            at = Layout(1, with_nearness=True).split - 1
+            at = ParameterLayout(1, with_nearness=True).split - 1
             information, towards = self.near.applied(self.views[0].bodies)
             normal[:, at, at] += BORDERS_PER_SAMPLE * information
             gradient[:, at] += BORDERS_PER_SAMPLE * towards

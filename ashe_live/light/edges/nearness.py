@@ -6,7 +6,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.outline_fit.search import offset_of_lights
-from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.layout import ParameterLayout
 
 # Sigma of the distance by which all steps around an object itself are off together: its sides blend into a ground that
 # is brighter or darker than they are, and sharpening moves either border. The means around the objects of 40 generated
@@ -25,7 +25,7 @@ class NearnessBySteps:
     @staticmethod
     def of(normal: Float, gradient: Float) -> "NearnessBySteps":
         """By normal equations of a body with one light, whose nearness is among the parameters."""
-        return NearnessBySteps(*offset_of_lights(normal, gradient, Layout(1, with_nearness=True)))
+        return NearnessBySteps(*offset_of_lights(normal, gradient, ParameterLayout(1, with_nearness=True)))
 
     def over(self, points_per_sample: float) -> "NearnessBySteps":
         """The same with the information divided by the number of points over their effective sample size."""

@@ -25,7 +25,7 @@ from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_of_known_sha
 from ashe_live.light.labels.associate import distinct
 from ashe_live.light.lamps.hypotheses import is_held_near
 from ashe_live.light.lamps.kinds import AUTO, SUN
-from ashe_live.light.lamps.lamp import Scene, stated
+from ashe_live.light.lamps.lamp import PictureContext, stated
 
 OTHERS_TRIED = 4  # number of splits of other regions that are fitted once one object's light is known
 
@@ -70,7 +70,7 @@ def illumination_of(
     look, best = choice.look, choice.explanation
     trace, ground = look.trace, look.views[0].ground
     ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
-    scene = Scene(
+    scene = PictureContext(
         tracked=tracked,
         view=trace.view,
         ground=ground,

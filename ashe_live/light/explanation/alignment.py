@@ -23,7 +23,7 @@ from ashe_live.light.explanation.normal_equations import PlacedBody, added_up, n
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit.search import offset_of_lights
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.layout import Layout, light_parameters
+from ashe_live.light.shape.layout import ParameterLayout, light_parameters
 from ashe_live.light.shape.sight import Sight
 
 # Search range for a border on either side of the outline: a fraction of the object's size in each round.
@@ -87,7 +87,7 @@ def lights_as_lamps(several: Sequence[PlacedBody]) -> tuple[Float, Float]:
     lights; the shape is marginalised out. several: the body in one or more views, in all of which it must be visible.
     """
     lit = several[0].lit
-    layout = Layout(len(lit.lights), with_nearness=True)
+    layout = ParameterLayout(len(lit.lights), with_nearness=True)
     pull = normal_equations(several, SEARCH_RANGES[-1], 1.0, layout.with_nearness)
     normal, gradient = added_up(pull.normal, lit.body.family, layout), pull.gradient.sum(axis=0)
     nearness = [layout.light(i).stop - 1 for i in range(layout.lights)]
@@ -151,7 +151,7 @@ def _ends_in_view(lights: Float, by_theta: Float, in_view: Mask) -> tuple[float,
     lights: (l, 4) in the body frame, where s points from the body's foot. in_view: (l, p) whether each point of the
     shadows' outlines lies inside the picture.
     """
-    ends, layout = [], Layout(len(lights))
+    ends, layout = [], ParameterLayout(len(lights))
     for i, displacement in enumerate(light_parameters(lights)):
         outward = displacement @ by_theta[layout.light(i)].reshape(len(displacement), -1, POINTS_PER_OUTLINE)[:, 1 + i]
         end_weights = np.maximum(outward, 0) ** 2

@@ -17,7 +17,7 @@ from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit.search import damped_steps, prior_information
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.family import Family, padded
-from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.layout import ParameterLayout
 from ashe_live.light.shape.predicted import Predicted, lit_outlines, painted
 from ashe_live.light.shape.sight import Sight
 
@@ -90,7 +90,7 @@ def normal_equations(
 ) -> NormalEquations:
     """Sets up the normal equations of bodies in view, with borders searched within `range_share` of the object's size.
 
-    loss_factor: factor on the scale of Cauchy's loss. with_nearness: as in the Layout of theta.
+    loss_factor: factor on the scale of Cauchy's loss. with_nearness: as in the ParameterLayout of theta.
     """
     n, outlines = len(several), len(several[0].hulls_px)
     reach_px = np.array([max(range_share * one.object_px, LEAST_RANGE_PX) for one in several])
@@ -105,12 +105,12 @@ def normal_equations(
     by_theta = derivatives_by_theta([one.lit for one in several], [one.sight for one in several], points, with_nearness)
     normal = (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2)
     diagonal = np.arange(normal.shape[1])
-    layout = Layout(len(several[0].lit.lights), with_nearness)
+    layout = ParameterLayout(len(several[0].lit.lights), with_nearness)
     normal[:, diagonal, diagonal] += padded([prior_information(one.lit.body.family, layout) for one in several])
     return NormalEquations(borders, away, weight, by_theta, normal, points)
 
 
-def added_up(normals: Float, family: Family, layout: Layout) -> Float:
+def added_up(normals: Float, family: Family, layout: ParameterLayout) -> Float:
     """(t, t) the sum of one body's normal matrices (v, t, t) in several views, the prior that each has counted once."""
     total, prior = normals.sum(axis=0), prior_information(family, layout)
     diagonal = np.arange(len(prior))  # what is beyond pads it to the size of others of its batch

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Mask, directions_on_spiral
-from ashe_live.core.proxy import Mesh, Proxy
+from ashe_live.core.proxy import Proxy, ProxyMesh
 from ashe_live.core.transforms import view_direction
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
@@ -93,4 +93,4 @@ def _proxy_of(hull: Carved, seen: InLight) -> Proxy | None:
         return None
     farthest = np.unique((points @ directions_on_spiral(CORNERS).T).argmax(axis=0))
     corners = np.column_stack([points[farthest], np.zeros((len(farthest), 2))])
-    return Proxy("silhouettes", corners, Mesh(points, triangles))
+    return Proxy("silhouettes", corners, ProxyMesh(points, triangles))

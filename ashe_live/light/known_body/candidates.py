@@ -11,7 +11,7 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
-from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
+from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.outline.room import Room
@@ -129,7 +129,7 @@ class Candidates:
         # If only steps in the picture speak for this one, there may be a stain where map and sides are best nearby.
         return replace(nearby, light=template) if self.score[number] < 0 else nearby
 
-    def _fit(self, number: int, start: _Start) -> tuple[EdgeFit | None, float]:
+    def _fit(self, number: int, start: _Start) -> tuple[ShadowFit | None, float]:
         """The fit from a start near a template, and the darkening that it was made with."""
         fit = _moved_onto_edges(self.image, start.light, start.darkening)
         if fit is None and self.steps[number] >= 0 and self.score[number] >= 0:
@@ -151,12 +151,12 @@ def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
     return bool(normalised(start[:3]) @ found.sun_alike(seen.body.height_m) > math.cos(APART_RAD))
 
 
-def _moved_onto_edges(image: EdgeImage, start: Float, darkening: float) -> EdgeFit | None:
+def _moved_onto_edges(image: EdgeImage, start: Float, darkening: float) -> ShadowFit | None:
     """The fit near a sun `start` (4,): as a sun, or as a lamp where no sun explains the edges; None if neither does."""
     if darkening <= 0:
         return None
     lamp = np.append(start[:2] / start[2] * (1 - LAMP_NEARNESS * image.height_m), (1.0, LAMP_NEARNESS))
-    best: EdgeFit | None = None
+    best: ShadowFit | None = None
     for light, is_lamp in ((start, False), (lamp, True)):
         fit = fitted(image, light, darkening, with_nearness=is_lamp)
         is_near = fit is not None and normalised(fit.light[:3]) @ normalised(light[:3]) > math.cos(MOST_MOVED_RAD)

@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float, Mask, upper_quantile
 from ashe_live.core.transforms import normalised, raycast_to_plane
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.edges import ShadowEdges
-from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit
+from ashe_live.light.known_body.outline.fit import FEWEST, ShadowFit
 from ashe_live.light.known_body.outline.room import Outline
 from ashe_live.light.known_body.rims import Rims
 from ashe_live.light.known_body.seen import Seen
@@ -35,7 +35,9 @@ class FoundLight:
 
     light: Float  # (4,) homogeneous, marker frame
     covariance: Float  # (p, p) of s = (x, y) / z, and of the nearness w / z where that is determined
-    fit: EdgeFit | None  # None where the shadow's edges are hidden: the direction is then that which map and sides say
+    fit: (
+        ShadowFit | None
+    )  # None where the shadow's edges are hidden: the direction is then that which map and sides say
     darkening: float  # part of the table's light that it gives
     confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 until it is computed
     around: float = 0.0  # that it is within twice as much, where there surely is a light

@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
-from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, nearness_sigma
+from ashe_live.light.known_body.outline.fit import NEAREST, ShadowFit, fitted, nearness_sigma
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.seen import Seen
 
@@ -94,7 +94,7 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     return replace(sun_or_lamp, may_be_lamp=True, has_folds=edges.has_folds)
 
 
-def _of_folded_body(image: EdgeImage, fit: EdgeFit, darkening: float, errors: PoseShapeErrors | None) -> _ByEdges:
+def _of_folded_body(image: EdgeImage, fit: ShadowFit, darkening: float, errors: PoseShapeErrors | None) -> _ByEdges:
     """The lamp by a fit with its nearness, whose body may be off."""
     adjusted = None if errors is None else beside_folds(fit, image, darkening, errors, with_nearness=True)
     if adjusted is not None:
@@ -105,7 +105,7 @@ def _of_folded_body(image: EdgeImage, fit: EdgeFit, darkening: float, errors: Po
     return _ByEdges(fit.light, fit.covariance + np.outer(by_width, by_width), has_folds=False)
 
 
-def _is_as_good(fit: EdgeFit, other: EdgeFit) -> bool:
+def _is_as_good(fit: ShadowFit, other: ShadowFit) -> bool:
     """Whether a fit has as many edges as another, and near to where it predicts them; or all of them much nearer."""
     is_near = fit.misfit_px < MOST_MISFIT_PX or fit.misfit_share < MOST_MISFIT_SHARE or fit.misfit_px <= other.misfit_px
     return is_near and (fit.clear >= other.clear - LESS_CLEAR or fit.misfit_px < MUCH_NEARER * other.misfit_px)

@@ -20,7 +20,7 @@ from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, wi
 from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, image_beside, points_of
 from ashe_live.light.known_body.lamps import as_lamps
-from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
+from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import SHOWN
 from ashe_live.light.known_body.seen import Seen
@@ -131,7 +131,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     return likeliest
 
 
-def _is_supported(fit: EdgeFit, by_table: float, more: float, is_vague: bool) -> bool:
+def _is_supported(fit: ShadowFit, by_table: float, more: float, is_vague: bool) -> bool:
     """Whether there is evidence enough for a further light: log likelihoods by map and sides, and with its edges too.
 
     Edges alone are not enough against map and sides: beside the foot the hidden sky's gradient looks like a step. Nor
@@ -154,7 +154,7 @@ def _is_surely_sun(one: FoundLight) -> bool:
     return float(np.linalg.eigvalsh(one.fitted.covariance_rad2)[-1]) < (NEAR_RAD / 2) ** 2
 
 
-def _is_clear(fit: EdgeFit) -> bool:
+def _is_clear(fit: ShadowFit) -> bool:
     """Whether its edges are steps, and where they are predicted, or as many steps as true edges show.
 
     On a mottled table a pale shadow's edges scatter by as much as what is none.

@@ -32,7 +32,7 @@ LEAST_SCATTER, LEAST_DEPTH, MOST_OF_PLACE = 0.02, 0.06, math.log(0.85 / 0.15)
 NOWHERE = -1e6  # coordinate of what is not in the picture
 
 
-class Steps(NamedTuple):
+class RimSteps(NamedTuple):
     """What is seen at the outlines of n shadows, of which the first m have one that is looked at."""
 
     in_view: Float  # (n,) part of each outline both sides of which are seen
@@ -71,7 +71,7 @@ class Beside(NamedTuple):
     lost: Float32  # (m, PLACES) light from outside to inside
     hidden: Float32  # (m, PLACES) as in Rims
 
-    def seen(self, is_table: Mask, darkenings: Float, sky: Float, least: float) -> Steps:
+    def seen(self, is_table: Mask, darkenings: Float, sky: Float, least: float) -> RimSteps:
         """What is seen of steps at each outline, and of n - m lights more of whose outlines nothing is.
 
         is_table: (h, w) pixels that show the bare table away from all that is known. darkenings: (n,) part of the
@@ -85,7 +85,7 @@ class Beside(NamedTuple):
         shown, count = np.zeros((2, len(darkenings)))
         shown[:m], count[:m] = steps.sum(axis=1), visible.sum(axis=1)
         log_odds = np.asarray(SAMPLES * (shown * BY_STEP + (count - shown) * BY_NONE))
-        return Steps(count / PLACES, log_odds, lost, visible)
+        return RimSteps(count / PLACES, log_odds, lost, visible)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

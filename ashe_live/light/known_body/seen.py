@@ -14,7 +14,7 @@ from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.outline.texture import without_texture
-from ashe_live.light.known_body.rims import Beside, Steps
+from ashe_live.light.known_body.rims import Beside, RimSteps
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.bounce import sent_by_sides
 from ashe_live.light.known_body.sides.facets import Facets, facets_of
@@ -24,7 +24,7 @@ from ashe_live.light.known_body.table import (
     CELLS_A_HEIGHT,
     LEAST_CELLS,
     SIDE,
-    Table,
+    TableMap,
     linear_picture,
     pixel_from_cell,
     places,
@@ -51,7 +51,7 @@ OPEN_TABLE = 0.8  # quantile of the picture's ground that is as bright as the op
 class Measured:
     """The light of the table and of the body's facets, R, G, B."""
 
-    table: Table
+    table: TableMap
     relative: Float32  # (n, n, 3) the table's light over the lit table's
     facets: Facets
     from_table: Float  # (k, 3) what the table sends to each facet, in the picture's linear light
@@ -155,7 +155,7 @@ class Seen:
         return Evidence(observed, lit)
 
     @cached_by_array
-    def rims(self, known: Float) -> Steps:
+    def rims(self, known: Float) -> RimSteps:
         """At the outlines of the shadows of all lights that are looked for, beside `known` ones (l, 4)."""
         darkenings = self.beside(known).everywhere.darkenings
         sky = 1 - darkenings.sum(axis=1)

@@ -24,7 +24,7 @@ LINEAR = LINEAR_FROM_SRGB_8BIT.astype(np.float32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class TableMap:
     """A map of cells, at `places` around the body's foot."""
 
     light_rgb: Float32  # (n, n, 3) linear, R, G, B
@@ -59,7 +59,7 @@ def pixel_from_cell(view: View, body: Proxy) -> Float:
     return np.asarray(image_from_plane(view.camera, view.T_cam_marker) @ marker_from_cell)
 
 
-def table_around(view: View, body: Proxy, picture: Float32) -> Table | None:
+def table_around(view: View, body: Proxy, picture: Float32) -> TableMap | None:
     """The map of the view's `picture`, averaged over cells; None where next to nothing of the table is in it."""
     H = pixel_from_cell(view, body)
     index = np.arange(SIDE)
@@ -79,7 +79,7 @@ def table_around(view: View, body: Proxy, picture: Float32) -> Table | None:
     if np.count_nonzero(seen) < LEAST_CELLS:
         return None
     light = _by_cells(np.asarray(cv2.copyTo(finer, bare.view(np.uint8)), dtype=np.float32))[..., ::-1]
-    return Table((light / np.maximum(share, LEAST_SHARE)[..., None]).astype(np.float32), seen)
+    return TableMap((light / np.maximum(share, LEAST_SHARE)[..., None]).astype(np.float32), seen)
 
 
 def _by_cells(finer: Float32) -> Float32:
@@ -87,7 +87,7 @@ def _by_cells(finer: Float32) -> Float32:
     return np.asarray(cv2.resize(finer, (SIDE, SIDE), interpolation=cv2.INTER_AREA), dtype=np.float32)
 
 
-def relative_light(table: Table) -> tuple[Float32, Float]:
+def relative_light(table: TableMap) -> tuple[Float32, Float]:
     """(n, n, 3) light over the lit table's, where cells that are not seen have 1; and (3,) the lit table's."""
     seen = table.light_rgb[table.seen].T
     # Most of the table is lit, and what is not is darker.
@@ -95,7 +95,7 @@ def relative_light(table: Table) -> tuple[Float32, Float]:
     return np.where(table.seen[..., None], table.light_rgb / lit.astype(np.float32), np.float32(1)), lit
 
 
-def sent_by_table(body: Proxy, table: Table, relative: Float32, normals: Float, centres: Float) -> Float:
+def sent_by_table(body: Proxy, table: TableMap, relative: Float32, normals: Float, centres: Float) -> Float:
     """(m, 3) light that the table sends to facets at `centres` (m, 3), over what it would send, all lit, to one above.
 
     relative: (n, n, 3) as by `relative_light`. The table is as lit as its map says, and beyond it as the open table is.

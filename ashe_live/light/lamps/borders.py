@@ -10,7 +10,7 @@ from ashe_live.light.explanation.explain import END_IN_VIEW
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.light_covariance import tempered
 from ashe_live.light.shape.directions import information_on_displacement
-from ashe_live.light.shape.layout import Layout, nearness_of
+from ashe_live.light.shape.layout import ParameterLayout, nearness_of
 from ashe_live.light.views.joint.aligned import views_per_sample
 
 LEAST_EIGENVALUE = 1e-6  # of a correlation matrix
@@ -42,7 +42,7 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
         # What the borders leave open of a shadow without an end must not stay where the fit has left it.
         offset = _bounded_inverse(information) @ (by_borders @ offset)
     covariance = _bounded_inverse(information)
-    layout, top = Layout(len(placed.lit.lights), with_nearness=True), placed.lit.body.height
+    layout, top = ParameterLayout(len(placed.lit.lights), with_nearness=True), placed.lit.body.height
     found = []
     for i, held in enumerate(nearness_of(placed.lit.lights)):
         of_light = layout.light(i)
@@ -71,7 +71,7 @@ def _of_ends_out_of_view(explanation: Explanation) -> Float:
     of the length s h / (1 - k h), so that a nearer light of the same end has a shorter displacement, by s h / (1 - k h)
     for each k. Without this it would follow from the other borders alone, which hardly determine a shadow's length.
     """
-    lit, layout = explanation.alignment.placed.lit, Layout(len(explanation.lights), with_nearness=True)
+    lit, layout = explanation.alignment.placed.lit, ParameterLayout(len(explanation.lights), with_nearness=True)
     information = np.zeros((layout.split, layout.split))
     ends = zip(explanation.lights, lit.lights_in_body_frame, explanation.alignment.ends_in_view, strict=True)
     for i, (fitted, light, in_view) in enumerate(ends):

@@ -27,7 +27,7 @@ from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
-from ashe_live.light.lamps.mixture import Mixture
+from ashe_live.light.lamps.mixture import PlaceMixture
 from ashe_live.light.lamps.near_fits import fitted_near
 from ashe_live.light.lamps.one_sun import by_all_objects, place_of_sun
 from ashe_live.light.lamps.place import Place, places_by_glints
@@ -60,7 +60,7 @@ ALIGNMENTS = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Answer:
+class StatedExplanation:
     """An explanation with its lights as stated, and where its first light would be as a lamp."""
 
     explanation: Explanation
@@ -69,7 +69,7 @@ class Answer:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class PictureContext:
     """What a picture shows beside the explanation that is stated."""
 
     tracked: TrackedFrame
@@ -105,7 +105,9 @@ class Scene:
         return self.judge.lights_of(explanation, probability, self.tracked)
 
 
-def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float], scene: Scene, kind: str) -> Answer:
+def stated(
+    explanation: Explanation, confidence: float, ratios: Sequence[Float], scene: PictureContext, kind: str
+) -> StatedExplanation:
     """The lights of an explanation; its first one as a lamp where it is known to be one, the others always as suns.
 
     The first has no confidence where the light on the ground is no sun's and no lamp is found.
@@ -120,7 +122,7 @@ def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float],
     seen = PlaceEvidence([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
     if kind == SUN:
-        return Answer(explanation, _as_suns(lights, first, scene), place)
+        return StatedExplanation(explanation, _as_suns(lights, first, scene), place)
     if kind == LAMP or _may_be_near(place):
         others = companions(first, place, scene.find_others(), scene.covariance_rad2, scene.view)
         if others:
@@ -140,17 +142,17 @@ def stated(explanation: Explanation, confidence: float, ratios: Sequence[Float],
             best = as_lamps.objects[0].explanation
             alone, *others_lights = scene.lights_of(best, confidence)
             lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
-            return Answer(best, (lamp, *others_lights), believed.mean)
+            return StatedExplanation(best, (lamp, *others_lights), believed.mean)
     alone, *others_lights = _as_suns(lights, first, scene)
     # Evidence of the outlines for a lamp is in the place by their borders already.
     deviance, by_outlines = deviance_of_sun(seen, place), min(explanation.sun_by_outlines, 0.0)
     unsure = with_doubt(alone, place, from_sun, deviance, by_outlines)
     if deviance + by_outlines > EXCLUDED_DEVIANCE:
         unsure = replace(unsure, confidence=0.0)
-    return Answer(explanation, (unsure, *others_lights), place)
+    return StatedExplanation(explanation, (unsure, *others_lights), place)
 
 
-def _as_suns(lights: tuple[Light, ...], first: SeenObject, scene: Scene) -> tuple[Light, ...]:
+def _as_suns(lights: tuple[Light, ...], first: SeenObject, scene: PictureContext) -> tuple[Light, ...]:
     """The lights at infinity that `first` shows: the only one by all objects that stand in it, two as they are."""
     if len(lights) > 1:
         return lights
@@ -169,7 +171,7 @@ def _is_lamp(seen: PlaceEvidence, place: Place, from_sun: Place) -> bool:
 
 
 def _fitted_as_lamps(
-    seen: PlaceEvidence, place: Place, worth_sigmas: float, scene: Scene
+    seen: PlaceEvidence, place: Place, worth_sigmas: float, scene: PictureContext
 ) -> tuple[PlaceEvidence, Place]:
     """The objects fitted again with the lamp's nearness held, and its place by them, as long as that is worth it."""
     sharpener = scene.sharpener
@@ -191,13 +193,13 @@ def _fitted_as_lamps(
     return seen, place
 
 
-def _believed(seen: PlaceEvidence, scene: Scene) -> Mixture:
+def _believed(seen: PlaceEvidence, scene: PictureContext) -> PlaceMixture:
     """Where the lamp is: by all, if the first object and its shadow are what they were taken for, else by the rest."""
     first = seen.objects[0]
     certain = replace(first, covariance_rad2=scene.covariance_rad2(first.explanation, 1.0))
     if_right = place_by_all(replace(seen, objects=[certain, *seen.objects[1:]]))
     places = [if_right, place_by_the_rest(seen, if_right)]
-    return Mixture.of(places, np.array([first.probability, 1 - first.probability]))
+    return PlaceMixture.of(places, np.array([first.probability, 1 - first.probability]))
 
 
 def _may_be_near(place: Place) -> bool:
@@ -209,7 +211,7 @@ def _is_near(place: Place, sigmas: float) -> bool:
     return place.mean[2] > 0 and place.standard_errors > sigmas
 
 
-def _lamp(light: Light, believed: Mixture, ratio: Float, reference: Float) -> Light:
+def _lamp(light: Light, believed: PlaceMixture, ratio: Float, reference: Float) -> Light:
     """The direction `light` restated as a lamp; ratio: (3,) the shadow ratio, measured at `reference` (2,)."""
     place = believed.mean
     covariance = place.lamp_covariance

@@ -51,14 +51,14 @@ def covariance_of(offsets: Float, spreads: Float, shares: Float) -> Float:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mixture:
+class PlaceMixture:
     """A light that is in one of n places."""
 
     mean: Place  # with the covariance of all
     errors: Errors  # of the mean's direction at the marker
 
     @staticmethod
-    def of(places: Sequence[Place], probabilities: Float) -> "Mixture":
+    def of(places: Sequence[Place], probabilities: Float) -> "PlaceMixture":
         """probabilities: (n,) that the light is in each of the places, with the sum 1."""
         mean = probabilities @ np.stack([each.mean for each in places])
         offsets = np.stack([each.mean - mean for each in places])
@@ -66,4 +66,4 @@ class Mixture:
         information = np.asarray(np.linalg.inv(covariance_of(offsets, spreads, probabilities)))
         slope = direction_by_displacement(mean[:2])
         errors = errors_of(offsets[:, :2] @ slope.T, slope @ spreads[:, :2, :2] @ slope.T, probabilities)
-        return Mixture(Place(mean, information), errors)
+        return PlaceMixture(Place(mean, information), errors)

@@ -17,7 +17,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import ESTIMATORS, OF_ONE_FRAME, Estimator, make_estimator
 from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.light.live import worker_process
-from ashe_live.light.live.worker_process import Answer, EstimateTask, Request, WorkerFailure
+from ashe_live.light.live.worker_process import Answer, EstimateRequest, EstimateTask, WorkerFailure
 from ashe_live.process import children
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.process.pipes import receive_value, send_value
@@ -148,7 +148,7 @@ class _Process:
         empty: TrackedFrame | None,
         task: EstimateTask,
     ) -> None:
-        """Sends a Request, in a thread, as writing to the pipe blocks until the process reads."""
+        """Sends an EstimateRequest, in a thread, as writing to the pipe blocks until the process reads."""
         numbers = {id(view): number for number, view in self._held.items()}
         before, self._held = self._held, {}
         for view in (*views, *(each for each in (doubted, empty) if each is not None)):
@@ -158,7 +158,7 @@ class _Process:
             self._held[numbers[id(view)]] = view
         new = {number: view for number, view in self._held.items() if number not in before}
         doubted_number, empty_number = (None if each is None else numbers[id(each)] for each in (doubted, empty))
-        request = Request(tuple(numbers[id(view)] for view in views), doubted_number, empty_number, new, task)
+        request = EstimateRequest(tuple(numbers[id(view)] for view in views), doubted_number, empty_number, new, task)
         self._threads[1:] = [self._thread(_send, self._connection, request)]
 
     def kill(self) -> None:
@@ -177,7 +177,7 @@ class _Process:
         return thread
 
 
-def _send(connection: Connection, request: Request) -> None:
+def _send(connection: Connection, request: EstimateRequest) -> None:
     # The receiving thread meets a broken pipe too, and reports it.
     with suppress(OSError):
         send_value(connection, request)

@@ -42,7 +42,7 @@ class EstimateTask:
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class EstimateRequest:
     """What is sent to the process, with the frames that it has not been sent before."""
 
     numbers: tuple[int, ...]  # of the frozen frame, then of the other views, which are kept for the next request
@@ -99,7 +99,7 @@ class WorkerFailure:
 
 
 def run(connection: Connection, make: "Callable[[ProxyPreset], Estimator]") -> None:
-    """Answers each Request with an Answer or a WorkerFailure; returns when the connection is closed."""
+    """Answers each EstimateRequest with an Answer or a WorkerFailure; returns when the connection is closed."""
     import cv2
 
     # The other cores are left to the viewer's loop.
@@ -126,7 +126,7 @@ class HeldViews:
         self._doubted: int | None = None
         self._empty: int | None = None
 
-    def take(self, request: Request) -> None:
+    def take(self, request: EstimateRequest) -> None:
         """Takes the new frames of a request and forgets those that it does not name."""
         self._numbers, self._doubted, self._empty = request.numbers, request.doubted, request.empty
         known = {**self._views, **request.new}

@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.shape.body import BodyFrame
-from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.layout import ParameterLayout
 from ashe_live.light.shape.outlines.silhouettes import Outlines
 from ashe_live.light.shape.sight import Sight
 
@@ -61,7 +61,7 @@ def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None) -> Firs
     if not (math.isfinite(unit) and unit > 0 and P[2] @ frame.T_marker_body[:, 3] > 0):
         return "the object lies above the horizon"
 
-    layout, displacements = Layout(len(outlines.shadows)), []
+    layout, displacements = ParameterLayout(len(outlines.shadows)), []
     for shadow in outlines.shadows:
         points = _on_ground(ground_from_image, shadow.hull_px)
         if not len(points):

@@ -19,7 +19,7 @@ from ashe_live.light.shape.body import Body, LitBody
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.known import family_of, resized_family_of
-from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.layout import ParameterLayout
 from ashe_live.light.shape.light_points import held_near
 from ashe_live.light.shape.outlines.contours import AnyMask
 from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
@@ -202,7 +202,7 @@ def _generations(preset: FitPreset) -> Iterator[list[Family]]:
 
 def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:
     """The Bayesian information criterion with the effective sample size for n; lower is better."""
-    parameters = Layout(len(solution.lights)).split + solution.shape.size
+    parameters = ParameterLayout(len(solution.lights)).split + solution.shape.size
     measurements = max(solution.count / DIRECTIONS_PER_SAMPLE, parameters + 1.0)
     error = solution.mean_square + edge_sigma_px**2
     return measurements * math.log(error) + parameters * math.log(measurements)

@@ -13,7 +13,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.outline_fit.residuals import Indices, Observations, Stacked, residuals
 from ashe_live.light.shape.family import Family, Members, padded
-from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.layout import ParameterLayout
 
 PRIOR_COST = 0.25  # px^2, cost of a parameter one `spread` from its start: it settles what the outlines leave open
 LARGEST_STEP = 1.5
@@ -75,7 +75,7 @@ def search(
     return [solved[i] for i in range(len(problems))]
 
 
-def prior_information(family: Family, layout: Layout) -> Float:
+def prior_information(family: Family, layout: ParameterLayout) -> Float:
     """(split + q,) px^2 diagonal of the prior's information on theta about its start; 0 for the lights."""
     return np.asarray(PRIOR_COST / np.array([np.inf] * layout.split + list(family.spread)) ** 2)
 
@@ -88,7 +88,7 @@ def damped_steps(normal: Float, gradient: Float) -> Float:
     return np.asarray(np.clip(np.linalg.solve(damped, gradient[..., None])[..., 0], -LONGEST_STEP, LONGEST_STEP))
 
 
-def information_on_lights(normal: Float, layout: Layout) -> Float:
+def information_on_lights(normal: Float, layout: ParameterLayout) -> Float:
     """(split, split) information on the lights with the shape marginalised out: the Schur complement of `normal`."""
     split = layout.split
     of_lights, mixed, of_shape = normal[:split, :split], normal[:split, split:], normal[split:, split:]
@@ -98,7 +98,7 @@ def information_on_lights(normal: Float, layout: Layout) -> Float:
     return np.asarray(of_lights - mixed @ np.linalg.solve(balanced, mixed.T))
 
 
-def offset_of_lights(normal: Float, gradient: Float, layout: Layout) -> tuple[Float, Float]:
+def offset_of_lights(normal: Float, gradient: Float, layout: ParameterLayout) -> tuple[Float, Float]:
     """(split,) the lights' step by normal equations, the shape marginalised out; (split, split) information on it.
 
     Well conditioned also where a parameter is hardly constrained.
@@ -161,13 +161,13 @@ class _Stack:
     observations: Observations  # of each problem
     prior: Float  # (m, split + q)
     nearness: Float  # (m, l)
-    layout: Layout
+    layout: ParameterLayout
 
     @classmethod
     def of(cls, observations: Observations, problems: Sequence[Problem]) -> Self:
         families = [problem.family for problem in problems]
         scene = np.array([problem.scene for problem in problems])
-        layout = Layout(problems[0].lights.shape[1])
+        layout = ParameterLayout(problems[0].lights.shape[1])
         prior = padded([prior_information(family, layout) for family in families])
         nearness = np.array([problem.nearness for problem in problems])
         return cls(families, scene, observations.of(scene), prior, nearness, layout)

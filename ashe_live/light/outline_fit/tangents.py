@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.layout import Layout, light_parameters, nearness_of
+from ashe_live.light.shape.layout import ParameterLayout, light_parameters, nearness_of
 from ashe_live.light.shape.outlines.silhouettes import Outlines, Silhouette
 
 NARROWEST = 0.05  # least distance from an outline to the vanishing point, relative to that from the origin
@@ -51,7 +51,7 @@ def lights_refined_by_tangents(
     is a good enough model to show where a tangent touches it; else None. Returns the lights (l, 4) and the covariance
     (split, split) of their parameters. By the method of Levenberg and Marquardt.
     """
-    layout, fitted, nearness = Layout(len(lights)), light_parameters(lights), nearness_of(lights)
+    layout, fitted, nearness = ParameterLayout(len(lights)), light_parameters(lights), nearness_of(lights)
     sigma = TANGENT_SIGMAS * max(edge_sigma_px, 0.05)
     feet = [None if spheroids is None else _touches_near_ground(P, spheroids, light) for light in lights]
 

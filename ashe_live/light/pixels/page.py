@@ -38,7 +38,7 @@ PLACED = 0.06  # how far, in sides, an end may be from where it is on such a pag
 
 
 @dataclass(frozen=True, slots=True)
-class Page:
+class PageAround:
     """Where a page ends right, above, left and below of the marker's centre, in its sides; and what lies around it."""
 
     ends: tuple[float, ...]
@@ -59,7 +59,7 @@ class Page:
         ]
 
 
-def page_around(lines: PageLines, picture: MarkerPicture) -> Page | None:
+def page_around(lines: PageLines, picture: MarkerPicture) -> PageAround | None:
     """The page that the marker is printed on; None if it is a small sheet.
 
     A page ends where many lines outwards leave the paper's colour at one distance: shadows and objects on it end each
@@ -79,7 +79,7 @@ def page_around(lines: PageLines, picture: MarkerPicture) -> Page | None:
     ends[0], ends[2] = _in_the_middle(lines, ends[0], ends[2])
     printed = _as_printed(lines, ends[0], change)
     found = [_end(lines, side, end, change, place) for side, (end, place) in enumerate(zip(ends, printed, strict=True))]
-    return Page(
+    return PageAround(
         tuple(end for end, _ in found),
         tuple(is_seen for _, is_seen in found),
         tuple((np.maximum(linear_rgb(lit + change), 0) / np.maximum(linear_rgb(lit), DARKEST)).tolist()),

@@ -10,7 +10,7 @@ from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import grown, majority
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent, log_opponent_of_linear
 from ashe_live.light.pixels.near_plane import before_camera
-from ashe_live.light.pixels.page import Page
+from ashe_live.light.pixels.page import PageAround
 from ashe_live.light.pixels.page_lines import is_coloured
 from ashe_live.light.pixels.sheet import ADDED, USUAL_SHEET, MarkerPicture, Sheet
 
@@ -22,7 +22,7 @@ FRACTION_BITS = 4  # of the coordinates of outlines, as OpenCV fills them
 PAINTED_PX = 2  # distance from a page's border of the pixels that it is painted over with
 
 
-def page_shown_as_ground(page: Page, picture: MarkerPicture) -> tuple[Image, Mask]:
+def page_shown_as_ground(page: PageAround, picture: MarkerPicture) -> tuple[Image, Mask]:
     """The picture (h, w, 3) as if the page had the colour of the ground that it lies on; and where
     something crosses the page's border, (h, w), which is painted over there with what lies on either side of it.
 

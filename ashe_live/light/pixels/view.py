@@ -14,7 +14,7 @@ from ashe_live.core.transforms import image_from_plane, project
 from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.pixels.clean_plate.plain_ground import over_plain_ground
 from ashe_live.light.pixels.near_plane import before_camera
-from ashe_live.light.pixels.page import Page, page_around
+from ashe_live.light.pixels.page import PageAround, page_around
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.screen import screen_around
 from ashe_live.light.pixels.shaded_sheet import shaded_sheet_as_ground
@@ -39,7 +39,7 @@ class View(MarkerPicture):
     sheet: Sheet = USUAL_SHEET
     body: Proxy | None = None  # that the marker is printed on, if it is no sheet
     beside: tuple[PlaneMarker, ...] = ()  # other printed sheets on the plane
-    page: Page | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
+    page: PageAround | None = None  # that the marker is printed on, if it is shown as ground beyond the sheet
     # (h, w) of the whole picture: paper that is ground. Of a page's border what something crosses; a sheet in a shadow.
     paper_as_ground: Mask | None = None
     # (h, w) of the whole picture: what the lens shows; None: all. Of one that bends lines inwards there is a blank rim.

@@ -10,7 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.shape.family import Family, Members, padded
-from ashe_live.light.shape.layout import Layout, nearness_of
+from ashe_live.light.shape.layout import ParameterLayout, nearness_of
 from ashe_live.light.shape.light_points import towards
 
 HIGHEST_NEARNESS = 0.4  # of a lamp, times half the height of the body below it
@@ -91,8 +91,8 @@ class LitBody:
     lights: Float  # (l, 4) homogeneous points, marker frame
 
     @property
-    def layout(self) -> Layout:
-        return Layout(len(self.lights))
+    def layout(self) -> ParameterLayout:
+        return ParameterLayout(len(self.lights))
 
     @property
     def lights_in_body_frame(self) -> Float:
@@ -138,9 +138,9 @@ class LitBody:
     def moved(self, step: Float, with_nearness: bool = False) -> "LitBody":
         """After a step in theta; a step longer than (split + q,) is padded for others of its batch, and cut.
 
-        with_nearness: as in the Layout of theta; else the nearness of lamps stays.
+        with_nearness: as in the ParameterLayout of theta; else the nearness of lamps stays.
         """
-        layout, before = Layout(len(self.lights), with_nearness), self.lights_in_body_frame
+        layout, before = ParameterLayout(len(self.lights), with_nearness), self.lights_in_body_frame
         theta = layout.theta(before, self.body.shape)
         theta = theta + step[: len(theta)]
         body = replace(self.body, shape=layout.shape_of(theta))

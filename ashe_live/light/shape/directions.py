@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
 from ashe_live.core.transforms import normalised, tangent_basis
-from ashe_live.light.shape.layout import Layout, light_parameters
+from ashe_live.light.shape.layout import ParameterLayout, light_parameters
 
 HEMISPHERE_RAD = 0.7  # sigma of the prior that a light is somewhere on the hemisphere
 # Sigma of a light's height if its shadow's far end is out of the picture, as the other borders determine lengths only
@@ -42,7 +42,7 @@ class FittedLight:
 
 def fitted_lights(lights: Float, covariance: Float) -> tuple[FittedLight, ...]:
     """Lights (l, 4), with the covariance of their directions from that (split, split) of their displacements s."""
-    fitted, layout = [], Layout(len(lights))
+    fitted, layout = [], ParameterLayout(len(lights))
     for i, (light, displacement) in enumerate(zip(lights, light_parameters(lights), strict=True)):
         block, slope = layout.light(i), direction_by_displacement(displacement)
         spread = slope @ covariance[block, block] @ slope.T
@@ -63,7 +63,7 @@ def information_on_displacement(light: FittedLight) -> Float:
 
 def with_hemisphere_prior(information: Float, lights: Float) -> Float:
     """`information` (split, split) on the displacements of lights (l, 4), plus the prior on the hemisphere."""
-    total, layout = information.copy(), Layout(len(lights))
+    total, layout = information.copy(), ParameterLayout(len(lights))
     for i, displacement in enumerate(light_parameters(lights)):
         block, slope = layout.light(i), direction_by_displacement(displacement)
         total[block, block] += slope.T @ slope / HEMISPHERE_RAD**2

@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Float
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class ParameterLayout:
     """The positions of parameters in theta (..., split + q) for a number of lights and any shape."""
 
     lights: int
@@ -61,4 +61,4 @@ def nearness_of(lights: Float) -> Float:
 
 def light_parameters(lights: Float) -> Float:
     """(..., l, 2) the parameters of lights (..., l, 4): the displacement s = (x, y) / z of each."""
-    return np.asarray(lights[..., : Layout.PER_DIRECTION] / lights[..., 2:3])
+    return np.asarray(lights[..., : ParameterLayout.PER_DIRECTION] / lights[..., 2:3])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.shape.family import Members
-from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.layout import ParameterLayout
 from ashe_live.light.shape.light_points import shadow_projection
 
 # Least depth, as a fraction of the body's. Points that are nearer to the camera's plane are moved there: they are far
@@ -43,11 +43,11 @@ class Supports:
     def by_theta(self, by_shape: Float, with_nearness: bool = False) -> Float:
         """(n, split + q, 1 + l, d) derivatives by theta.
 
-        by_shape: (n, k, 5, q) those of the spheroids by the shape. with_nearness: as in the Layout of theta.
+        by_shape: (n, k, 5, q) those of the spheroids by the shape. with_nearness: as in the ParameterLayout of theta.
         """
         (n, outlines, d), fields = self.part.shape, self.by_part.shape[2]
         k, q = by_shape.shape[1::2]
-        layout = Layout(outlines - 1, with_nearness)
+        layout = ParameterLayout(outlines - 1, with_nearness)
         is_touched = self.part[:, :, None] == np.arange(k)[:, None]
         by_parts = (is_touched[:, :, :, None] * self.by_part[:, :, None]).reshape(n, outlines, k * fields, d)
         slopes = np.zeros((n, layout.split + q, outlines, d))
@@ -68,10 +68,10 @@ def outline_reaches(
 ) -> tuple[Float, Float]:
     """(n, 1 + l, d) support functions of n bodies and their shadows; (n, split + q, 1 + l, d) derivatives by theta.
 
-    with_nearness: as in the Layout of theta. All else as in `outline_supports`.
+    with_nearness: as in the ParameterLayout of theta. All else as in `outline_supports`.
     """
     (n, q), (_, count, _), d = members.shapes.shape, lights.shape, directions.shape[-1]
-    split = Layout(count, with_nearness).split
+    split = ParameterLayout(count, with_nearness).split
     reach_px, by_theta = np.empty((n, 1 + count, d)), np.zeros((n, split + q, 1 + count, d))
     for batch in members.batches():
         rows = batch.rows

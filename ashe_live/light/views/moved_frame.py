@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import Mesh, Proxy
+from ashe_live.core.proxy import Proxy, ProxyMesh
 from ashe_live.core.ranges import INVERSE_DISTANCE
 from ashe_live.core.transforms import inverse_rigid, tangent_basis, transform_points
 from ashe_live.core.types import Light, TrackedFrame
@@ -46,7 +46,7 @@ def moved_body(body: Proxy, T_new_old: Float) -> Proxy:
     """The body by the new frame, in which its spheroids must stand as upright; T_new_old (4, 4): rigid, metres."""
     spheroids = body.spheroids_marker.copy()
     spheroids[:, :3] = transform_points(T_new_old, spheroids[:, :3])
-    mesh = body.mesh and Mesh(transform_points(T_new_old, body.mesh.points_marker), body.mesh.triangles)
+    mesh = body.mesh and ProxyMesh(transform_points(T_new_old, body.mesh.points_marker), body.mesh.triangles)
     return Proxy(body.family, spheroids, mesh)
 
 

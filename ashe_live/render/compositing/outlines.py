@@ -14,7 +14,7 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.passes.surface import Surface
 
 
-class Outlines:
+class OutlineSmoothing:
     """Smooths outlines in a surface's layers."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:

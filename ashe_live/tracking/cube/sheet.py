@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.errors import UserError
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE, Face
 from ashe_live.tracking.families.layout import Layout
-from ashe_live.tracking.families.page import PAPERS_MM, PRINTER_EDGE_MM, Millimetres, Page, check_page_file
+from ashe_live.tracking.families.page import PAPERS_MM, PRINTER_EDGE_MM, Millimetres, PrintedPage, check_page_file
 
 ROWS, COLUMNS = 4, 3
 SMALLEST_MM = 30
@@ -42,7 +42,7 @@ def write_cube_sheet(path: Path, cube: Layout, edge_m: float, paper: str = "a4",
         remedy = f"choose --side from {SMALLEST_MM / 1000:g} to {most_mm / 1000:g}"
         larger = "" if paper == "a3" or edge_mm < SMALLEST_MM else ", or --paper a3"
         raise UserError(f"a cube of {edge_m:g} m does not fit on {paper}", remedy + larger)
-    page = Page.blank(size_mm)
+    page = PrintedPage.blank(size_mm)
     net = _Net(((size_mm[0] - COLUMNS * edge_mm) / 2, (size_mm[1] - ROWS * edge_mm - FLAP_MM) / 2), edge_mm)
     for number, (face, member) in enumerate(zip(FACES, cube.members, strict=True), 1):
         x, y = net.corner(face.row, face.column)
@@ -79,7 +79,7 @@ class _Net:
 
     def lower_left(self, face: Face, inwards_mm: float) -> Millimetres:
         """The place `inwards_mm` from both sides at the lower left of the upright print."""
-        # Page's x right, y down; the print's lower left turned counter-clockwise about the face's centre.
+        # The page's x right, y down; the print's lower left turned counter-clockwise about the face's centre.
         aside = self.edge_mm / 2 - inwards_mm
         from_middle = -aside, aside
         for _ in range(face.turns):
@@ -127,7 +127,7 @@ def _dashes(start: Millimetres, end: Millimetres) -> Iterator[Line]:
         yield (first[0], first[1]), (last[0], last[1])
 
 
-def _write_words(page: Page, net: _Net, spec: str) -> None:
+def _write_words(page: PrintedPage, net: _Net, spec: str) -> None:
     """Where the cross leaves the page white: the ruler to the left below, the words to the right."""
     left, right = net.corner(2, 2)[0] + FLAP_MM, page.width_mm - PRINTER_EDGE_MM
     x, y, room = (left + right) / 2, net.corner(2, 2)[1] + 18, right - left - 6

@@ -15,7 +15,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.edge_lines import NEXT, information_by_side, meeting_points, robust_lines
-from ashe_live.tracking.edges.edge_profiles import FROM_INSIDE, LightView, edge_offsets, linear_light
+from ashe_live.tracking.edges.edge_profiles import FROM_INSIDE, LightPatch, edge_offsets, linear_light
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square, region_around
 
 # An edge is sampled between these fractions of its side.
@@ -52,12 +52,12 @@ def refined_corners(grey: Image, corners_px: Float, samples: int) -> Float:
         return corners_px
     (left, top), (right, bottom) = region
     light = linear_light(grey[top:bottom, left:right])
-    (fitted,) = fitted_squares([LightView(light, None, np.array((left, top)))], [corners_px], samples)
+    (fitted,) = fitted_squares([LightPatch(light, None, np.array((left, top)))], [corners_px], samples)
     return corners_px if fitted is None else fitted.corners_px
 
 
 def fitted_squares(
-    views: Sequence[LightView],
+    views: Sequence[LightPatch],
     corners_px: Sequence[Float],
     samples: int,
     off_by_px: float = OFF_BY_PX,
@@ -110,7 +110,7 @@ class _Windows:
 
 
 def _narrowed(
-    view: LightView, first: _Windows, fitted: FittedSquare, widths: Float, samples: int
+    view: LightPatch, first: _Windows, fitted: FittedSquare, widths: Float, samples: int
 ) -> FittedSquare | None:
     """The square `fitted` by the `first` search, measured again in windows that suit the edges' `widths` (4,)."""
     reaches, sharp, spreads = first.reaches_px, first.sharp_px, first.spreads_px
@@ -130,7 +130,7 @@ def _narrowed(
     return None if astray else fitted
 
 
-def _fitted(views: Sequence[LightView], squares: Sequence[_Windows], samples: int) -> list[tuple[FittedSquare, Float]]:
+def _fitted(views: Sequence[LightPatch], squares: Sequence[_Windows], samples: int) -> list[tuple[FittedSquare, Float]]:
     """Each square by lines fitted to the edges near its sides, and the standard deviations (4,) of the edges' blur."""
     corners_px = np.array([square.corners_px for square in squares])
     reaches_px = np.concatenate([square.reaches_px for square in squares])

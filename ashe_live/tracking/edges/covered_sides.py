@@ -12,8 +12,8 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.corner_errors import corrected
 from ashe_live.tracking.edges.corners import LAST_REACH_PX, fitted_squares
-from ashe_live.tracking.edges.edge_profiles import Light, LightView
-from ashe_live.tracking.edges.print_alignment import Aligned, Alignment, PrintAlignment, in_units
+from ashe_live.tracking.edges.edge_profiles import Light, LightPatch
+from ashe_live.tracking.edges.print_alignment import Aligned, AlignedCorners, PrintAlignment, in_units
 from ashe_live.tracking.edges.print_shade import Shade
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 
@@ -38,7 +38,7 @@ ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
 
 
 def verified_square(
-    square: FittedSquare, view: LightView, alignment: PrintAlignment, samples: int, aligned_sigma: float = 0.0
+    square: FittedSquare, view: LightPatch, alignment: PrintAlignment, samples: int, aligned_sigma: float = 0.0
 ) -> FittedSquare | None:
     """`square` as it is, or without the sides that are not the print's; None when it is not the print.
 
@@ -80,13 +80,13 @@ class _PrintSeen:
     """What the picture shows within a square that may be the print."""
 
     alignment: PrintAlignment
-    blurred: LightView
+    blurred: LightPatch
     samples: Light  # without the shade
     shade: Shade | None
     side_px: float
 
     @staticmethod
-    def within(square: FittedSquare, view: LightView, alignment: PrintAlignment) -> "_PrintSeen":
+    def within(square: FittedSquare, view: LightPatch, alignment: PrintAlignment) -> "_PrintSeen":
         blurred = alignment.blurred(view, square.corners_px)
         samples = alignment.sampled(blurred, square.corners_px)
         shade = alignment.shade.on(samples)
@@ -117,13 +117,13 @@ def _confirmed(
     return None if _off(left, step, tolerance).any() else even
 
 
-def _compared(square: FittedSquare, found: Alignment, tolerance: float) -> tuple[FittedSquare, Mask]:
+def _compared(square: FittedSquare, found: AlignedCorners, tolerance: float) -> tuple[FittedSquare, Mask]:
     """The square corrected for bleeding; and (4,) which of its sides are unseen, or not where the inside puts them."""
     even = corrected(square, found.seen.bleed_px)
     return even, _off(in_units(found.corners_px, even.corners_px), found.seen, tolerance) | ~even.seen
 
 
-def _without_covered(square: FittedSquare, found: Alignment, off: Mask) -> FittedSquare | None:
+def _without_covered(square: FittedSquare, found: AlignedCorners, off: Mask) -> FittedSquare | None:
     """The square by its inside and the sides that are not `off` (4,); None if the result is no square."""
     sides = square.by_side[~off].sum(axis=0)
     total = sides + found.information
@@ -137,7 +137,7 @@ def _without_covered(square: FittedSquare, found: Alignment, off: Mask) -> Fitte
     return dataclasses.replace(square, corners_px=corners, by_side=by_side, seen=~off)
 
 
-def _as_bent(square: FittedSquare, found: Alignment, most_px: float) -> FittedSquare | None:
+def _as_bent(square: FittedSquare, found: AlignedCorners, most_px: float) -> FittedSquare | None:
     """The square with a larger uncertainty, if all of it is seen and the paper may just be bent; see MOST_BENT."""
     astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())
     if square.sides_seen < 4 or astray_px > most_px:
@@ -152,7 +152,7 @@ def _no_surer(by_side: Float, sigma_px: float) -> Float:
     return np.asarray(np.tile(0.125 * (shared + shared.T), (4, 1, 1)))
 
 
-def leaves_frame(square: FittedSquare, view: LightView) -> bool:
+def leaves_frame(square: FittedSquare, view: LightPatch) -> bool:
     """Whether a corner lies beyond the camera's picture."""
     assert view.camera is not None
     source_px = view.source_px(square.corners_px)

@@ -35,7 +35,7 @@ def linear_light(grey: Image) -> Light:
 
 
 @dataclass(frozen=True, slots=True)
-class LightView:
+class LightPatch:
     """A part of the picture, asked for at ideal pixels."""
 
     light: Light  # (h, w) linear

@@ -15,7 +15,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import mean_side_px
-from ashe_live.tracking.edges.edge_profiles import Light, LightView
+from ashe_live.tracking.edges.edge_profiles import Light, LightPatch
 from ashe_live.tracking.edges.print_likeness import AVERAGED, MIN_LIKENESS, UNIT, PrintLikeness, normalised
 from ashe_live.tracking.edges.print_shade import Shade
 from ashe_live.tracking.edges.squares import is_front_of_square
@@ -70,7 +70,7 @@ class _Linear:
         return float(np.diag(self.spread)[1:9].max())
 
 
-class Alignment(NamedTuple):
+class AlignedCorners(NamedTuple):
     """The corners as the print's inside locates them."""
 
     corners_px: Float  # (4, 2) ideal pixels
@@ -176,8 +176,8 @@ class PrintAlignment(PrintLikeness):
         return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed) * side_px
 
     def aligned(
-        self, view: LightView, corners_px: Float, seen: Aligned | None, shade: Shade | None = None
-    ) -> Alignment | None:
+        self, view: LightPatch, corners_px: Float, seen: Aligned | None, shade: Shade | None = None
+    ) -> AlignedCorners | None:
         """From near `corners_px` (4, 2) to where the inside of the print has them; None where it leads nowhere.
 
         `view` as from `blurred`; `seen`: what `look` says of the samples within `corners_px`; `shade` as in `sampled`.
@@ -192,7 +192,7 @@ class PrintAlignment(PrintLikeness):
                 return None
             if largest < SMALL_STEP:
                 covariance = by_unit @ seen.covariance @ by_unit.T
-                return Alignment(corners, _inverse(covariance + MIN_SIGMA_PX**2 * np.eye(8)), seen)
+                return AlignedCorners(corners, _inverse(covariance + MIN_SIGMA_PX**2 * np.eye(8)), seen)
             seen = self.look(self.sampled(view, corners, shade), mean_side_px(corners), shade)
         return None
 

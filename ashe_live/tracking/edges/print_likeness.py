@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import mean_side_px
-from ashe_live.tracking.edges.edge_profiles import Light, LightView
+from ashe_live.tracking.edges.edge_profiles import Light, LightPatch
 from ashe_live.tracking.edges.print_shade import PrintShade, Shade
 
 # Width of the paper around the square that is compared as well: a share of the border's width, and at most a share of
@@ -43,7 +43,7 @@ class PrintLikeness:
         self.shade = PrintShade(self._sharp, round(border * n), self._margin)
         self._prints = np.stack([normalised(np.asarray(one, dtype=np.float64).ravel()) for one in blurred])
 
-    def sampled(self, view: LightView, corners_px: Float, shade: Shade | None = None) -> Light:
+    def sampled(self, view: LightPatch, corners_px: Float, shade: Shade | None = None) -> Light:
         """(n, n) of the light in the print's frame, of the square at ideal `corners_px` (4, 2).
 
         shade: a shadow on the print, which is removed from the samples; None where there is none.
@@ -51,7 +51,7 @@ class PrintLikeness:
         samples = self._warped(view, corners_px)
         return samples if shade is None else shade.removed_from(samples)
 
-    def _warped(self, view: LightView, corners_px: Float) -> Light:
+    def _warped(self, view: LightPatch, corners_px: Float) -> Light:
         n = self._side - 2 * self._margin
         # In indices of the samples.
         ends = (UNIT * n + self._margin - 0.5).astype(np.float32)
@@ -74,7 +74,7 @@ class PrintLikeness:
         samples = cv2.remap(view.light, source[0], source[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(samples, dtype=np.float32)
 
-    def blurred(self, view: LightView, corners_px: Float) -> LightView:
+    def blurred(self, view: LightPatch, corners_px: Float) -> LightPatch:
         """The view averaged over what lies between a few samples of the square at `corners_px` (4, 2)."""
         n = self._side - 2 * self._margin
         width = _odd(AVERAGED * mean_side_px(corners_px) / n)

@@ -29,14 +29,14 @@ Millimetres = tuple[float, float]  # from the page's top-left corner
 
 
 @dataclass(frozen=True, slots=True)
-class Page:
+class PrintedPage:
     """A white page to draw on, measured in millimetres from its top-left corner."""
 
     image: PIL.Image.Image
     dpi: int
 
     @classmethod
-    def blank(cls, size_mm: Millimetres) -> "Page":
+    def blank(cls, size_mm: Millimetres) -> "PrintedPage":
         dpi = round(FINEST_DPI * min(1, FINEST_WIDTH_MM / size_mm[0]))
         width, height = (round(side / INCH_MM * dpi) for side in size_mm)
         return cls(PIL.Image.new("L", (width, height), PAPER), dpi)

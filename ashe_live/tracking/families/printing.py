@@ -7,7 +7,7 @@ from ashe_live.errors import UserError
 from ashe_live.tracking.boards.calibration_board import CalibrationBoard
 from ashe_live.tracking.families.layout import Layout, members_of
 from ashe_live.tracking.families.markers import Marker
-from ashe_live.tracking.families.page import PAPERS_MM, PRINTER_EDGE_MM, Millimetres, Page, check_page_file
+from ashe_live.tracking.families.page import PAPERS_MM, PRINTER_EDGE_MM, Millimetres, PrintedPage, check_page_file
 
 MIN_SIDE_MM = 10
 MIN_SQUARE_MM = 5
@@ -63,21 +63,21 @@ def write_board_sheet(
     return page.width_mm, page.height_mm
 
 
-def _blank_page(size_mm: Millimetres, quiet_mm: float, paper: str) -> Page | None:
+def _blank_page(size_mm: Millimetres, quiet_mm: float, paper: str) -> PrintedPage | None:
     """The smallest page that holds a picture of `size_mm` with white around it, or None."""
     for width, height in PAPERS_MM[paper]:
         room = width - 2 * PRINTER_EDGE_MM, height - PAGE_FOOT_MM - 2 * PRINTER_EDGE_MM - 12
         if all(0 < side + 2 * quiet_mm <= most for side, most in zip(size_mm, room, strict=True)):
-            return Page.blank((width, height))
+            return PrintedPage.blank((width, height))
     return None
 
 
-def _middle_mm(page: Page) -> Millimetres:
+def _middle_mm(page: PrintedPage) -> Millimetres:
     """The middle of the page above the foot."""
     return page.width_mm / 2, (page.height_mm - PAGE_FOOT_MM) / 2
 
 
-def _write(path: Path, overwrite: bool, page: Page, caption: str) -> None:
+def _write(path: Path, overwrite: bool, page: PrintedPage, caption: str) -> None:
     """Saves the page with its foot: what it shows, and a line to check its scale with."""
     (middle_x, _), height = _middle_mm(page), page.height_mm
     page.text((middle_x, height - PAGE_FOOT_MM + 8), caption)

@@ -19,7 +19,7 @@ from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, systema
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 from ashe_live.tracking.poses.pose_choice import in_order, is_from_below, longest_focal, turn_from
-from ashe_live.tracking.poses.pose_refinement import Correspondences, Solution
+from ashe_live.tracking.poses.pose_refinement import Correspondences, PoseSolution
 
 # Noise may raise the error of the right one of two poses by NOISE_SIGMAS standard deviations of a corner, and at least
 # by MIN_NOISE_PX.
@@ -139,7 +139,7 @@ def pose_of_squares(
 
 def _chosen_solution(
     seen: Corners, camera: Camera, previous: MarkerPose | None, refines: bool
-) -> tuple[Solution, float | None] | None:
+) -> tuple[PoseSolution, float | None] | None:
     """The chosen solution, and the error (px) of the other one, if there is one; None if there is no solution."""
     if previous is not None:
         followed = seen.followed(previous.measured_T_cam_marker, camera.K)
@@ -147,7 +147,7 @@ def _chosen_solution(
             return followed, None
     refines = refines or len(seen.sightings) > 1
 
-    def solutions_by(K: Float) -> list[Solution]:
+    def solutions_by(K: Float) -> list[PoseSolution]:
         starts = (seen.solution(R, t, K) for R, t in _ippe(seen.largest, K))
         solutions = [one for one in starts if one is not None]
         # With a previous pose the choice is safe before refinement, which takes most of the time.

@@ -7,22 +7,24 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.tracking.poses.pose_refinement import Solution
+from ashe_live.tracking.poses.pose_refinement import PoseSolution
 
 # The smaller error alone decides only if the other is larger by this ratio, and by more than noise and curled paper
 # explain. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the right one's error.
 DECISIVE_RATIO = 2.0
 FOCAL_SIGMAS = 2.0  # of the logarithm of the focal length: how much longer than stated it may be
 
-Unlikeliness = Callable[[Solution], float]  # prior cost of a pose: the less, the likelier before corners are looked at
+Unlikeliness = Callable[
+    [PoseSolution], float
+]  # prior cost of a pose: the less, the likelier before corners are looked at
 
 
 def in_order(
-    solutions: list[Solution],
+    solutions: list[PoseSolution],
     unlikeliness: Unlikeliness,
     unexplained_px: float,
-    by_longest_focal: Callable[[], list[Solution]],
-) -> list[Solution]:
+    by_longest_focal: Callable[[], list[PoseSolution]],
+) -> list[PoseSolution]:
     """One or two solutions, the one that is meant first: the likelier, unless the other's error is decisively smaller.
 
     `unexplained_px`: what noise and curled paper may add to the right one's error. `by_longest_focal`: the solutions
@@ -37,7 +39,7 @@ def in_order(
     return sorted(by_error, key=unlikeliness)
 
 
-def _rules_out_the_likelier(solutions: list[Solution], unlikeliness: Unlikeliness, unexplained_px: float) -> bool:
+def _rules_out_the_likelier(solutions: list[PoseSolution], unlikeliness: Unlikeliness, unexplained_px: float) -> bool:
     """Whether the errors speak decisively for the solution that was not expected."""
     if len(solutions) < 2:
         return False
@@ -47,7 +49,7 @@ def _rules_out_the_likelier(solutions: list[Solution], unlikeliness: Unlikelines
     return unlikeliness(smaller) > unlikeliness(larger)
 
 
-def _error_px(solution: Solution) -> float:
+def _error_px(solution: PoseSolution) -> float:
     return solution.rms_px
 
 
@@ -57,7 +59,7 @@ def longest_focal(camera: Camera) -> Float:
     return np.asarray(camera.K * np.array([(longer, 1.0, 1.0), (1.0, longer, 1.0), (1.0, 1.0, 1.0)]))
 
 
-def is_from_below(solution: Solution) -> bool:
+def is_from_below(solution: PoseSolution) -> bool:
     """Whether the surface's normal points down in the picture, which it does not where a table is seen from above."""
     return bool(solution.R[1, 2] > 0)
 

@@ -23,7 +23,7 @@ FIRST_DAMPING, EASED, TIGHTENED = 1e-4, 0.1, 10.0
 
 
 @dataclass(frozen=True, slots=True)
-class Solution:
+class PoseSolution:
     """A pose with what it leaves unexplained."""
 
     R: Float  # (3, 3) camera from marker
@@ -49,7 +49,7 @@ class Correspondences:
     pixels: Float  # (n, 2) ideal pixels
     information: Float  # (2n, 2n) inverse covariance of the pixels
 
-    def solution(self, R: ArrayLike, t: ArrayLike, K: Float) -> Solution | None:
+    def solution(self, R: ArrayLike, t: ArrayLike, K: Float) -> PoseSolution | None:
         """A pose with its errors; None where it has points behind the camera."""
         R, t = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64).reshape(3)
         in_camera = self.points @ R.T + t
@@ -57,9 +57,13 @@ class Correspondences:
             return None
         error = self._error(in_camera, K)
         cost = float(error @ self.information @ error)
-        return Solution(R, t, math.sqrt(float(error @ error) / len(self.points)), cost) if math.isfinite(cost) else None
+        return (
+            PoseSolution(R, t, math.sqrt(float(error @ error) / len(self.points)), cost)
+            if math.isfinite(cost)
+            else None
+        )
 
-    def refined(self, start: Solution, K: Float) -> Solution:
+    def refined(self, start: PoseSolution, K: Float) -> PoseSolution:
         """The solution with the least cost near `start`."""
         best, damping = start, FIRST_DAMPING
         for _ in range(STEPS):
@@ -83,7 +87,7 @@ class Correspondences:
                 break
         return best
 
-    def followed(self, T_previous: Float, K: Float) -> Solution | None:
+    def followed(self, T_previous: Float, K: Float) -> PoseSolution | None:
         """The solution with the least cost near the last pose (4, 4), of points that are the corners of squares.
 
         None where that is no start, as too far off, or where all lie in one plane, of which a second pose has to be
@@ -98,7 +102,7 @@ class Correspondences:
         start = self.solution(T_previous[:3, :3], T_previous[:3, 3], K)
         return None if start is None or start.rms_px > FOLLOWED_PX else self.refined(start, K)
 
-    def covariances(self, solution: Solution, K: Float, noise: Float) -> PoseCovariances:
+    def covariances(self, solution: PoseSolution, K: Float, noise: Float) -> PoseCovariances:
         """`noise` (2n, 2n) is the part of the pixels' covariance, the inverse of `information`, that is noise."""
         turned = self.points @ solution.R.T
         in_camera = turned + solution.t

@@ -25,7 +25,7 @@ from ashe_live.light.labels.materials import Materials
 from ashe_live.light.outline_fit.search import information_on_lights
 from ashe_live.light.shape.body import Body, LitBody
 from ashe_live.light.shape.families import FAMILIES
-from ashe_live.light.shape.layout import Layout, light_parameters
+from ashe_live.light.shape.layout import ParameterLayout, light_parameters
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import Predicted, outline, predicted
 from tests.light.painted_bodies import body_of, costs_of, frame_of, sight_of
@@ -200,7 +200,7 @@ def test_the_sharper_the_shadow_the_more_is_known_of_the_light() -> None:
         here = painted_region(BOX, penumbra_px=penumbra_px)
         found = aligned([body_of(here, BOX)], costs_of(here))
         assert found is not None
-        known.append(np.linalg.eigvalsh(information_on_lights(found.normal, Layout(1))))
+        known.append(np.linalg.eigvalsh(information_on_lights(found.normal, ParameterLayout(1))))
     assert (np.diff(known, axis=0) < 0).all()
 
 
@@ -212,7 +212,7 @@ def test_of_a_shadow_whose_tip_is_out_of_the_picture_the_length_is_not_known(ele
     assert found is not None
     along = light_parameters(found.placed.lit.lights)[0] / np.linalg.norm(light_parameters(found.placed.lit.lights)[0])
     across = along[::-1] * (-1, 1)
-    known = information_on_lights(found.normal, Layout(1))
+    known = information_on_lights(found.normal, ParameterLayout(1))
     assert along @ known @ along < 1e-3 * (across @ known @ across)
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from ashe_live.light.known_body.outline.fit import EdgeFit
+from ashe_live.light.known_body.outline.fit import ShadowFit
 from ashe_live.light.known_body.outline.odds import with_edges
 
 
-def fit(clear: float) -> EdgeFit:
-    return EdgeFit(np.array((0.0, 0.0, 1.0, 0.0)), np.eye(2), None, 0.3, 0.05, clear, 1.0)
+def fit(clear: float) -> ShadowFit:
+    return ShadowFit(np.array((0.0, 0.0, 1.0, 0.0)), np.eye(2), None, 0.3, 0.05, clear, 1.0)
 
 
 @pytest.mark.parametrize("confidence", [0.0, 1e-12, 0.5, 0.99, 1 - 1e-9, 1.0])

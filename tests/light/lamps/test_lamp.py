@@ -13,7 +13,7 @@ from ashe_live.light.explanation.judgement.judge import fitted_judge
 from ashe_live.light.ground.shadow_shift import shadow_ratio
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
-from ashe_live.light.lamps.lamp import Answer, Scene, stated
+from ashe_live.light.lamps.lamp import PictureContext, StatedExplanation, stated
 from ashe_live.light.pixels.view import View
 from ashe_live.render.lights.lighting import angular_size
 from tests.light.painted_regions import painted_region
@@ -29,7 +29,7 @@ def answer(
     fit: NearFit = FIT,
     kind: str = LAMP,
     found_again: bool = False,
-) -> Answer:
+) -> StatedExplanation:
     """A box's explanation, under a lamp or a sun, stated as a light of a kind.
 
     fit: of lamps to its labels; found_again: whether another explanation of the same box was judged beside it.
@@ -39,7 +39,7 @@ def answer(
     assert sun is not None
     tracked = here.scene.tracked
     fine = View.of(tracked, BALANCED.fine_width_px)
-    scene = Scene(
+    scene = PictureContext(
         tracked,
         fine.scaled(BALANCED.coarse_width_px),
         here.ground,

@@ -13,7 +13,7 @@ from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.kinds import AUTO
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_of
-from ashe_live.light.lamps.mixture import Mixture
+from ashe_live.light.lamps.mixture import PlaceMixture
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import PlaceEvidence, SeenObject, place_by_the_rest
 from ashe_live.light.pixels.view import View
@@ -27,7 +27,7 @@ WITHIN_99 = 11.3  # squared Mahalanobis distance in three dimensions
 
 
 def test_a_place_that_is_certain_stays_as_it_is() -> None:
-    alone = Mixture.of([ONE, OTHER], np.array([1.0, 0.0]))
+    alone = PlaceMixture.of([ONE, OTHER], np.array([1.0, 0.0]))
     np.testing.assert_allclose(alone.mean.mean, ONE.mean)
     np.testing.assert_allclose(alone.mean.covariance, ONE.covariance, rtol=1e-6)
     of_direction = ONE.lamp_covariance[:2, :2]
@@ -36,7 +36,7 @@ def test_a_place_that_is_certain_stays_as_it_is() -> None:
 
 def test_two_places_have_the_mean_covariance_and_radius_of_samples_of_both() -> None:
     rng = np.random.default_rng(1)
-    both = Mixture.of([ONE, OTHER], np.array([0.7, 0.3]))
+    both = PlaceMixture.of([ONE, OTHER], np.array([0.7, 0.3]))
     samples = np.vstack(
         [rng.multivariate_normal(each.mean, each.covariance, count) for each, count in ((ONE, 7000), (OTHER, 3000))]
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.proxy import Mesh, Proxy
+from ashe_live.core.proxy import Proxy, ProxyMesh
 from ashe_live.core.square import PlaneMarker, square_corners
 from ashe_live.core.transforms import (
     inverse_rigid,
@@ -64,7 +64,7 @@ def test_a_lamp_that_the_marker_is_moved_into_keeps_a_direction() -> None:
 
 
 def test_bodies_stand_where_they_stood_as_long_as_the_marker_lies_on_their_plane() -> None:
-    mesh = Mesh(np.eye(3), np.array([[0, 1, 2]]))
+    mesh = ProxyMesh(np.eye(3), np.array([[0, 1, 2]]))
     body = Proxy("cylinder", np.array([[0.1, 0.0, 0.0, 0.03, 0.0], [0.1, 0.0, 0.1, 0.03, 0.0]]), mesh)
     lit = Illumination((), real_object=body)
     moved = moved_illumination(lit, TURNED, PRINT).real_object

@@ -10,7 +10,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.pixels.page import Page, page_around
+from ashe_live.light.pixels.page import PageAround, page_around
 from ashe_live.light.pixels.page_lines import PageLines
 from ashe_live.light.pixels.sheet import ADDED, Sheet
 from ashe_live.light.pixels.view import View
@@ -33,7 +33,7 @@ def turned(radians: float) -> Float:
     return T
 
 
-def page_in(tracked: TrackedFrame) -> Page | None:
+def page_in(tracked: TrackedFrame) -> PageAround | None:
     assert tracked.marker is not None
     picture = View.of(tracked, tracked.camera.size[0])
     return page_around(PageLines.of(picture), picture)
@@ -160,7 +160,7 @@ def test_lit_and_in_shadow_a_page_looks_like_the_ground_around_it() -> None:
 
 
 def test_what_may_be_paper_or_ground_is_not_used() -> None:
-    page = Page((1.3, 1.6, 1.3, 2.1), (True, True, True, False), (0.5, 0.5, 0.5), (-0.2, 0.0, 0.0))
+    page = PageAround((1.3, 1.6, 1.3, 2.1), (True, True, True, False), (0.5, 0.5, 0.5), (-0.2, 0.0, 0.0))
     right, above, left, below = (corners[:, :2] / SIDE_M for corners in page.between(SIDE_M))
     np.testing.assert_allclose((right[:, 0].min(), right[:, 0].max()), (1.3 - ADDED, 1.3 + ADDED))
     np.testing.assert_allclose((above[:, 1].min(), above[:, 1].max()), (1.6 - ADDED, 1.6 + ADDED))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.shape.layout import Layout, light_parameters, nearness_of
+from ashe_live.light.shape.layout import ParameterLayout, light_parameters, nearness_of
 from ashe_live.light.shape.light_points import (
     at_infinity,
     cast_on_ground,
@@ -76,7 +76,7 @@ def test_a_shadow_without_an_end_is_none(light: tuple[float, ...]) -> None:
 
 def test_theta_holds_the_lights_first_and_gives_them_back() -> None:
     lights = at_infinity(np.array([direction(20.0, 50.0), direction(200.0, 10.0)]))
-    layout, shape = Layout(2), np.array([1.0, 2.0, 3.0])
+    layout, shape = ParameterLayout(2), np.array([1.0, 2.0, 3.0])
     theta = layout.theta(lights, shape)
     assert len(theta) == layout.split + len(shape)
     np.testing.assert_array_equal(layout.shape_of(theta), shape)
@@ -86,7 +86,7 @@ def test_theta_holds_the_lights_first_and_gives_them_back() -> None:
     np.testing.assert_allclose(there, lamps / lamps[:, 2:3])
     for i in range(2):
         np.testing.assert_array_equal(theta[layout.light(i)], light_parameters(lights)[i])
-    near = Layout(2, with_nearness=True)
+    near = ParameterLayout(2, with_nearness=True)
     theta = near.theta(lamps, shape)
     np.testing.assert_array_equal(near.shape_of(theta), shape)
     np.testing.assert_allclose(near.lights_of(theta), lamps / lamps[:, 2:3])

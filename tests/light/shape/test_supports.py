@@ -11,7 +11,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family, Members, padded
-from ashe_live.light.shape.layout import Layout, light_parameters, nearness_of
+from ashe_live.light.shape.layout import ParameterLayout, light_parameters, nearness_of
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.supports import outline_points, outline_reaches, outline_supports
 from tests.light.synthetic_masks import camera_towards
@@ -82,7 +82,7 @@ def test_reaches_have_exact_derivatives(name: str) -> None:
     )
     assert np.allclose(by_theta[:, 4:], np.moveaxis(expected, 3, 1), atol=2e-2, rtol=1e-4)
 
-    parts, layout = family.parts(shape)[0], Layout(2, with_nearness=True)
+    parts, layout = family.parts(shape)[0], ParameterLayout(2, with_nearness=True)
     by_lights = supports.by_theta(family.parts(shape)[1], with_nearness=True)
     assert (by_lights[:, 6:] == by_theta[:, 4:]).all()
     for light in range(2):
@@ -97,7 +97,7 @@ def test_reaches_have_exact_derivatives(name: str) -> None:
         by_light = by_lights[:, layout.light(light)]
         assert np.allclose(by_light, np.moveaxis(expected, 3, 1), atol=2e-2, rtol=1e-4)
         assert (np.delete(by_light, 1 + light, axis=2) == 0).all()
-        assert (by_theta[:, Layout(2).light(light)] == by_light[:, :2]).all()
+        assert (by_theta[:, ParameterLayout(2).light(light)] == by_light[:, :2]).all()
 
 
 def test_a_spheres_outline_is_exact() -> None:

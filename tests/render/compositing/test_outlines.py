@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.render.compositing.outlines import Outlines
+from ashe_live.render.compositing.outlines import OutlineSmoothing
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.passes.surface import Surface
 
@@ -22,7 +22,7 @@ SHADED = 0.3  # of the video's light that is gone beside the model
 def smoothed(ctx) -> Iterator:
     """A function: layers (h, w, 4) of added and removed light as they are after smoothing."""
     surface, programs = Surface(ctx, (SIDE, SIDE), 0), Programs(ctx)
-    outlines = Outlines(ctx, programs)
+    outlines = OutlineSmoothing(ctx, programs)
 
     def smooth(added: Float, removed: Float) -> list[Float]:
         for layer, values in zip(surface.layers, (added, removed), strict=True):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.proxy import Mesh, Proxy
+from ashe_live.core.proxy import Proxy, ProxyMesh
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
 from ashe_live.light.hull.surface import surface_of
@@ -72,7 +72,7 @@ def test_model_behind_a_hull_is_hidden_by_it_and_seen_past_it(make_renderer, sta
     points, triangles = surface_of(occupied, np.array([-0.025, -0.1, 0.0]), 0.0025)
     assert _volume(points, triangles) == pytest.approx(occupied.sum() * 0.0025**3, rel=0.1)
     corners = np.column_stack([points, np.zeros((len(points), 2))])
-    hull = Proxy("silhouettes", corners, Mesh(points, triangles))
+    hull = Proxy("silhouettes", corners, ProxyMesh(points, triangles))
     renderer.render(Scene(tracked, model, Illumination(real_object=hull)))
     picture = renderer.read_bgr()
     hidden, seen = (_pixel(picture, tracked, (x, -0.015, 0.02)).astype(int) for x in (-0.015, 0.018))

@@ -15,7 +15,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.edges.edge_profiles import LightView, linear_light
+from ashe_live.tracking.edges.edge_profiles import LightPatch, linear_light
 from ashe_live.tracking.edges.print_alignment import in_units
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
@@ -35,8 +35,8 @@ def picture(flaws: Flaws) -> Image:
     )
 
 
-def view_of(image: Image, camera: Camera = SMALL) -> LightView:
-    return LightView(linear_light(image[:, :, 0]), camera, np.zeros(2))
+def view_of(image: Image, camera: Camera = SMALL) -> LightPatch:
+    return LightPatch(linear_light(image[:, :, 0]), camera, np.zeros(2))
 
 
 @pytest.mark.parametrize("light", [0.03, 0.3, 0.75])

@@ -13,7 +13,7 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.edges.edge_profiles import Light, LightView, linear_light
+from ashe_live.tracking.edges.edge_profiles import Light, LightPatch, linear_light
 from ashe_live.tracking.edges.quads import dark_quads, ink_quads
 from ashe_live.tracking.families.markers import Marker, parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
@@ -36,7 +36,7 @@ def shot(marker: Marker, flaws: Flaws, seed: int) -> Image:
 @cache  # those in even light are compared with several shadows
 def samples_of(marker: Marker, flaws: Flaws, seed: int) -> Light:
     alignment = MARKER.alignment
-    view = LightView(linear_light(shot(marker, flaws, seed)), SMALL, np.zeros(2))
+    view = LightPatch(linear_light(shot(marker, flaws, seed)), SMALL, np.zeros(2))
     return alignment.sampled(alignment.blurred(view, CORNERS), CORNERS)
 
 

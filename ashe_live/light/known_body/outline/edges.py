@@ -19,7 +19,7 @@ PLANE = [0, 1, 3]  # of homogeneous coordinates, those that places on the plane 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Corners:
+class OutlineCorners:
     """The m corners of a shadow's outline, and the straight sides from each to the next."""
 
     rim: NDArray[np.intp]  # (m,) numbers of the body's points that cast them
@@ -42,7 +42,7 @@ class ShadowEdges:
     share: Float  # (n,) how far along its side each is
     inverse_depth: Float  # (n,)
     drop: Float  # (n,) metres by s: the height of what casts each, over what is left of the light's above that
-    corners: Corners
+    corners: OutlineCorners
 
     def on_plane(self) -> tuple[Float, Float]:
         """(n, 2) metres on the plane, marker frame, and (n, 3) pixels along the normal by metres of such a place."""
@@ -117,7 +117,7 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
         share,
         inverse_depth,
         drop,
-        Corners(rim, scales, cast[:2] / scales, lines),
+        OutlineCorners(rim, scales, cast[:2] / scales, lines),
     )
 
 

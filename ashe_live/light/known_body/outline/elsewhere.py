@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.edges import ShadowEdges
-from ashe_live.light.known_body.outline.fit import BLUR_PX, REACHES, EdgeFit, windows_px
+from ashe_live.light.known_body.outline.fit import BLUR_PX, REACHES, ShadowFit, windows_px
 from ashe_live.light.known_body.outline.odds import edge_log_odds, log_odds_of_places
 from ashe_live.light.known_body.outline.profiles import LEAST_PX, Profiles
 from ashe_live.light.known_body.table import REACH_HEIGHTS
@@ -31,7 +31,7 @@ LEAST_SCATTER, SPREAD = 1.0, 10.0
 LEAST_DEPTH, NOWHERE_PX = 0.1, -1e6
 
 
-def most_log_odds(fit: EdgeFit, image: EdgeImage, darkening: float) -> float:
+def most_log_odds(fit: ShadowFit, image: EdgeImage, darkening: float) -> float:
     """What the edges of `fit` may say for it at most, as other edges of the table say as much.
 
     The log odds of the same outline laid elsewhere are taken for normal; those of a shadow's for even over SPREAD of

@@ -29,7 +29,7 @@ LEAST_SIGMA_PX = 0.1  # of the edges' misfit, however small it is
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class EdgeFit:
+class ShadowFit:
     """A light whose shadow's edges were moved onto those in the picture."""
 
     light: Float  # (4,) homogeneous, z = 1, marker frame
@@ -47,7 +47,7 @@ class EdgeFit:
             return None
         return image.profiles(edges, windows_px(edges, BLUR_PX**2, self.size_rad or 0.0, image.height_px))
 
-    def seen_again_in(self, image: EdgeImage, darkening: float) -> "EdgeFit":
+    def seen_again_in(self, image: EdgeImage, darkening: float) -> "ShadowFit":
         """With what is seen of its edges in another room, as beside lights that were not known when it was made."""
         profiles = self.profiles_in(image)
         if profiles is None:
@@ -58,7 +58,7 @@ class EdgeFit:
 
 def fitted(
     image: EdgeImage, light: Float, darkening: float, with_nearness: bool = False, size_rad: float | None = None
-) -> EdgeFit | None:
+) -> ShadowFit | None:
     """The light near `light` (4,) that explains the edges; None where too few of them are seen.
 
     darkening: the part of the table's light that it gives, roughly. with_nearness: whether w / z is fitted, too; else
@@ -169,7 +169,7 @@ class _Round:
         """(n,) by how much the step moves each edge."""
         return self.J @ self.step
 
-    def fit(self, light: Float, size_rad: float | None, darkening: float) -> EdgeFit:
+    def fit(self, light: Float, size_rad: float | None, darkening: float) -> ShadowFit:
         """What is said of the light (4,) that this step has led to."""
         profiles, weight, edges, J = self.profiles, self.weight, self.profiles.edges, self.J
         left_px = profiles.offset_px - self.moves_px
@@ -183,7 +183,7 @@ class _Round:
         by_sides = (
             EDGE_SIGMA_PX * ((edges.side == np.arange(len(edges.corners_px))[:, None]) * informative) @ J @ inverse
         )
-        return EdgeFit(
+        return ShadowFit(
             light,
             np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),
             size_rad,

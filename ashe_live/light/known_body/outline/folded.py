@@ -14,7 +14,7 @@ from ashe_live.light.known_body.outline.fit import (
     EARLY_LOSS,
     EDGE_SIGMA_PX,
     LEAST_SIGMA_PX,
-    EdgeFit,
+    ShadowFit,
     informative_sides,
     moved,
     prior_of,
@@ -25,7 +25,7 @@ ROUNDS = 4  # of reweighted least squares
 
 
 def beside_folds(
-    fit: EdgeFit, image: EdgeImage, darkening: float, errors: PoseShapeErrors, with_nearness: bool
+    fit: ShadowFit, image: EdgeImage, darkening: float, errors: PoseShapeErrors, with_nearness: bool
 ) -> tuple[Float, Float] | None:
     """The light (4,), z = 1, as it is if the body is off as the edges of a fit say, and its (p, p) covariance: of
     s = (x, y) / z and, `with_nearness`, of w / z. None where the fit's shadow has no edges in the picture.

@@ -6,7 +6,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.outline.edges import POINTS
-from ashe_live.light.known_body.outline.fit import EdgeFit
+from ashe_live.light.known_body.outline.fit import ShadowFit
 from ashe_live.light.known_body.outline.profiles import BY_NONE, BY_STEP, POINTS_A_SAMPLE
 
 HIDDEN = 0.8  # factor of a probability whose edges cannot be seen
@@ -17,7 +17,7 @@ MOST_LOG_ODDS = 12.0  # of all places together
 PALEST, PALE = 0.12, 0.2
 
 
-def edge_log_odds(fit: EdgeFit | None) -> float:
+def edge_log_odds(fit: ShadowFit | None) -> float:
     """What the shadow's edges say for a light; 0 where they are hidden.
 
     Each independent place shows a step with the probability SHOWN where there is an edge and CHANCE where there is
@@ -36,7 +36,7 @@ def log_odds_of_places(points: float, clear: Float | float, misfit_share: Float 
 
 def with_edges(
     confidence: float,
-    fit: EdgeFit | None,
+    fit: ShadowFit | None,
     step: float,
     palest: float = PALEST,
     pale: float = PALE,

@@ -49,7 +49,7 @@ class Outline:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shade:
+class KnownShade:
     """The shadow of a light that is known."""
 
     outline: Outline
@@ -64,7 +64,7 @@ class Room:
     size: tuple[int, int]  # width and height of the picture
     ground_line: Float  # (3,) of a pixel (x, y, 1), positive where the ray meets the table, unit (x, y)
     solid: tuple[Outline, ...]  # in which no table is seen
-    shades: tuple[Shade, ...] = ()
+    shades: tuple[KnownShade, ...] = ()
 
     @staticmethod
     def of(view: View, body: Proxy) -> "Room":
@@ -75,7 +75,7 @@ class Room:
 
     def beside_shadow(self, outline_px: Float, broad_px: float, darkening: float) -> "Room":
         """The same without what lies within `broad_px` of a shadow's convex outline (k, 2), which lacks light."""
-        return replace(self, shades=(*self.shades, Shade(Outline.of(outline_px), broad_px, darkening)))
+        return replace(self, shades=(*self.shades, KnownShade(Outline.of(outline_px), broad_px, darkening)))
 
     def outside(self, hull_px: Float) -> "Room":
         """The same without what lies in a convex outline (k, 2)."""

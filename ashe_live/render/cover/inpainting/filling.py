@@ -14,7 +14,7 @@ from ashe_live.render.cover.inpainting.masked import blurred_within, distances_f
 from ashe_live.render.cover.inpainting.patches import CoarseGround, CopiedPatches, chosen_patches, standing_out
 from ashe_live.render.cover.inpainting.repetition import Pattern, pattern_of
 from ashe_live.render.cover.inpainting.straight_lines import straight_lines
-from ashe_live.render.cover.inpainting.visible_ground import AROUND_SIDES, SHADING_SIDES, Ground
+from ashe_live.render.cover.inpainting.visible_ground import AROUND_SIDES, SHADING_SIDES, VisibleGround
 
 # "Sides" below is the length of a side of the marker; "roots" are square roots of linear RGB.
 OVER_TEXTURE = 0.5, 1.5  # contrast of a line over the ground's, from which it is drawn faintly, and fully
@@ -42,7 +42,7 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     # Roots: dark and bright patches are compared alike.
     roots = np.sqrt(np.clip(lit, 0, 4)).astype(np.float32)
     to_fill = with_rim(hole, side_px)
-    ground = Ground.around(to_fill, is_source & ~to_fill, roots, side_px)
+    ground = VisibleGround.around(to_fill, is_source & ~to_fill, roots, side_px)
     if not ground.sources.any() or not ground.unknown.any():
         return None
     trusted = ground.trusted
@@ -71,7 +71,7 @@ def filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float32
     return np.asarray(np.where(to_fill[..., None], found, lit), np.float32)
 
 
-def _copied(plainer: Float32, predicted: Mask, shading: Float32, ground: Ground) -> CopiedPatches:
+def _copied(plainer: Float32, predicted: Mask, shading: Float32, ground: VisibleGround) -> CopiedPatches:
     """The patches that are copied into the hole, and the pattern where that is predicted (n, n).
 
     plainer: (n, n, 3) detail without lines. shading: (n, n, 3) of the ground.

@@ -13,7 +13,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.render.cover.inpainting.masked import blurred_within
-from ashe_live.render.cover.inpainting.turned_rows import Ground, TurnedRows
+from ashe_live.render.cover.inpainting.turned_rows import GroundDetail, TurnedRows
 
 # "Sides" below is the length of a side of the marker.
 SIDE_PX, FINE_SIDE_PX = 26.0, 256.0  # length of a side in the pictures in which lines are found, and drawn
@@ -34,7 +34,7 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
     detail: (n, n, 3) roots of linear RGB less the ground's shading. is_ground: (n, n) visible ground. side_px: the
     marker's side.
     """
-    ground = Ground(detail, hole, is_ground, side_px)
+    ground = GroundDetail(detail, hole, is_ground, side_px)
     coarse, fine = (
         ground.reduced(min(len(hole), round(len(hole) * each / side_px))) for each in (SIDE_PX, FINE_SIDE_PX)
     )
@@ -61,13 +61,13 @@ def straight_lines(detail: Float32, hole: Mask, is_ground: Mask, side_px: float)
     return np.asarray(cv2.resize(drawn, hole.shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
-def _smoothed(ground: Ground, sigma_px: float) -> Ground:
+def _smoothed(ground: GroundDetail, sigma_px: float) -> GroundDetail:
     """The ground with its detail blurred, as far as it is seen."""
     smooth = blurred_within(ground.detail, ground.seen.astype(np.float32), sigma_px)
     return replace(ground, detail=np.where(ground.seen[..., None], smooth, np.float32(0)))
 
 
-def _along(fine: Ground, coarse: TurnedRows, chosen: Mask) -> tuple[TurnedRows, Mask]:
+def _along(fine: GroundDetail, coarse: TurnedRows, chosen: Mask) -> tuple[TurnedRows, Mask]:
     """The ground turned to the direction of a line that lies in the rows `chosen` of a coarser one; and its rows."""
     beside = cv2.dilate(chosen.astype(np.uint8)[:, None], np.ones((2 * NEAR_ROWS + 1, 1), np.uint8))[:, 0] > 0
     nearby = coarse.direction_deg + np.arange(-STEP_DEG, STEP_DEG + 1e-9, FINEST_STEP_DEG)
@@ -78,7 +78,7 @@ def _along(fine: Ground, coarse: TurnedRows, chosen: Mask) -> tuple[TurnedRows, 
     return rows, rows.lines_at(rows.those_of(coarse, beside)) | rows.those_of(coarse, chosen)
 
 
-def _telling_directions(ground: Ground) -> Float:
+def _telling_directions(ground: GroundDetail) -> Float:
     """(k,) degrees: local maxima of the lines' energy over the directions, the largest first."""
     directions = np.arange(0.0, 180.0, STEP_DEG)
     energies = np.array([TurnedRows(ground, each).energy for each in directions])

@@ -23,7 +23,7 @@ STEADY = 0.6  # largest deviation along a line, beyond the texture's, over its c
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class GroundDetail:
     """The ground's detail at one resolution."""
 
     detail: Float32  # (m, m, 3), 0 where none is visible
@@ -31,14 +31,14 @@ class Ground:
     seen: Mask  # (m, m) visible ground
     side: float  # of the marker, pixels
 
-    def reduced(self, m: int) -> "Ground":
+    def reduced(self, m: int) -> "GroundDetail":
         """At a resolution of `m` pixels a side."""
         detail, hole, share = (reduced(each, m) for each in (self.detail, self.hole, self.seen))
         seen = np.asarray(share > KNOWN_FROM)
         side = self.side * m / len(self.hole)
-        return Ground(np.where(seen[..., None], detail, np.float32(0)), hole > HOLE_FROM, seen, side)
+        return GroundDetail(np.where(seen[..., None], detail, np.float32(0)), hole > HOLE_FROM, seen, side)
 
-    def without(self, lines: Float32) -> "Ground":
+    def without(self, lines: Float32) -> "GroundDetail":
         return replace(self, detail=np.where(self.seen[..., None], self.detail - lines, 0))
 
     @cached_property
@@ -60,7 +60,7 @@ class _Side(NamedTuple):
 class TurnedRows:
     """The ground, turned about its hole so that the lines of one direction are rows: (k, k)."""
 
-    def __init__(self, ground: Ground, direction_deg: float) -> None:
+    def __init__(self, ground: GroundDetail, direction_deg: float) -> None:
         self._ground, self.direction_deg = ground, direction_deg
         self._reach = max(1, round(BESIDE_SIDES * ground.side))
         left, top, width, height = cv2.boundingRect(ground.hole.astype(np.uint8))

@@ -25,7 +25,7 @@ MOST_OBJECTS = 0.25  # largest share of the ground that they are: what is more i
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ground:
+class VisibleGround:
     """Where a picture (n, n) of the plane shows ground and no objects; coarse (m, m), also what is to be filled."""
 
     trusted: Mask  # (n, n)
@@ -35,7 +35,7 @@ class Ground:
     sources: Mask  # (m, m) middles of patches of it
 
     @staticmethod
-    def around(to_fill: Mask, may_be_ground: Mask, roots: Float32, side_px: float) -> "Ground":
+    def around(to_fill: Mask, may_be_ground: Mask, roots: Float32, side_px: float) -> "VisibleGround":
         """The ground around what is `to_fill` (n, n), where it `may_be_ground` (n, n); side_px: the marker's side."""
         n = len(to_fill)
         m = max(PATCH + 2, round(n * COARSE_SIDE_PX / side_px))
@@ -47,7 +47,7 @@ class Ground:
         sources = cv2.erode(known.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
         standing, bright = (reduced(each, n) > 0.5 for each in (objects, highlights))
         bare = may_be_ground & ~standing
-        return Ground(bare & ~bright, bare & bright, unknown, known, sources)
+        return VisibleGround(bare & ~bright, bare & bright, unknown, known, sources)
 
 
 def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask:
