@@ -64,8 +64,10 @@ def even_surroundings(size: int, ground_rgb: Float) -> Surroundings:
 def _reduced_linear(tracked: TrackedFrame) -> LinearPicture:
     image = tracked.frame.image_bgr
     factor = max(1, round(image.shape[1] / READ_WIDTH_PX))
-    reduced = cv2.resize(image, None, fx=1 / factor, fy=1 / factor, interpolation=cv2.INTER_AREA)
-    return np.asarray(LINEAR_FROM_SRGB_8BIT.astype(np.float32)[reduced[..., ::-1]])
+    # In linear light, as it is light that adds up where a pattern is too fine to be seen.
+    linear = cv2.LUT(image, LINEAR_FROM_SRGB_8BIT.astype(np.float32))
+    reduced = cv2.resize(linear, None, fx=1 / factor, fy=1 / factor, interpolation=cv2.INTER_AREA)
+    return np.asarray(reduced[..., ::-1], np.float32)
 
 
 def _ground(

@@ -46,6 +46,13 @@ def test_ground_beyond_the_picture_has_the_given_colour_or_its_mean(stage) -> No
     np.testing.assert_allclose(mean, float(linear_from_srgb(128 / 255)), atol=1e-5)
 
 
+def test_a_pattern_too_fine_to_be_seen_throws_its_mean_light(stage) -> None:
+    image = np.zeros((720, 1280, 3), np.uint8)
+    image[:, ::2] = 255
+    tracked = stage.tracked(image, stage.pose(-90, 60))
+    np.testing.assert_allclose(surroundings_of(tracked, SIZE).ground, 0.5, atol=0.01)
+
+
 def test_sky_lights_level_ground_as_measured(stage) -> None:
     """Its cosine-weighted mean over the hemisphere is one, whatever the picture."""
     sky = surroundings_of(stage.tracked(stage.noise(), stage.pose(10, 40)), SIZE).sky
