@@ -83,7 +83,7 @@ class Display:
         text = self._text(session, readings, now_s)
         models = _span_of_models(session, screen.size) if session.view.shows_steps else None
         bar: tuple[Overlay, ...] = ()
-        if readings.moment is not None and session.view.shows_hud:
+        if readings.moment is not None and session.view.has_time_bar:
             bar = self._time_bar.overlays(readings.moment, screen)
             screen = screen.without_bottom(bar_at(screen).height)  # everything else stands above it
         width, height = screen.size

@@ -60,7 +60,7 @@ class Playback:
         """Shows the bar when the pointer is near, and seeks where it is dragged; False for events beside the bar."""
         duration_s = self._pipeline.duration_s
         is_dragged = self._dragged_to_s is not None  # to its end, even if the bar is hidden meanwhile
-        if duration_s is None or not (self._session.view.shows_hud or is_dragged):
+        if duration_s is None or not (self._session.view.has_time_bar or is_dragged):
             return False
         bar = bar_at(screen)
         is_over = bar.is_near(event.y_px)

@@ -50,6 +50,11 @@ class ViewOptions:
         self.parts = WHOLE
         self.help = Help()
 
+    @property
+    def has_time_bar(self) -> bool:
+        """Whether there is room for one: not beside the help, nor where nothing is written."""
+        return self.shows_hud and not self.help.is_shown
+
     def handle(self, command: Command) -> bool:
         """Handles a command that only changes this; returns False for any other."""
         match command:

@@ -153,4 +153,7 @@ def test_what_is_not_the_bars_is_left_to_others(stage):
         assert not stage.mouse(action, 0.5, y_px=200)
     stage.session.view.shows_hud = False  # hidden, it takes nothing either
     assert not stage.mouse(MouseAction.PRESSED, 0.5)
+    stage.session.view.shows_hud = True
+    stage.session.view.handle(Command.HELP)
+    assert not stage.mouse(MouseAction.PRESSED, 0.5)
     assert stage.pipeline.told == []
