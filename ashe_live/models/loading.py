@@ -90,7 +90,8 @@ def _read(path: Path, up: str | None) -> Model:
             meshes = [(np.eye(4), mesh) for mesh in read(content, folder, notes)]
             chosen = up or guessed_up(suffix, [mesh for _, mesh in meshes])
         model = _model(path, [(z_up_from(chosen) @ T, mesh) for T, mesh in meshes], notes)
-        return replace(model, up=chosen, is_up_guessed=up is None and suffix not in GLTF_SUFFIXES)
+        is_guessed = up is None and suffix not in GLTF_SUFFIXES
+        return replace(model, up=chosen, is_up_guessed=is_guessed, read_beside=tuple(folder.read))
 
 
 def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Model:

@@ -1,6 +1,7 @@
 """Triangle meshes as the renderer takes them: immutable arrays, z up, colours in linear light."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -117,6 +118,7 @@ class Model:
     notes: tuple[str, ...] = ()  # what is drawn otherwise than the file says, each a part of a sentence about the model
     up: str = "z"  # which axis of the file is up here: one of UPS (models/assembly/up.py)
     is_up_guessed: bool = False  # nobody has said so
+    read_beside: tuple[Path, ...] = ()  # the files that its file names, as pictures and libraries of materials
 
     def __post_init__(self) -> None:
         if not self.parts:

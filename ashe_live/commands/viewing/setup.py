@@ -102,6 +102,9 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     side_m, names = setup.tracker.side_m, [other.name for other in others]
     preset = light_preset(options)
     shelf = Shelf(first.name, side_m, options.up, ModelMemory(has_places=not options.headless), names)
+    if options.overwrite:  # pictures and materials that models name are known only now
+        read_beside = [path for name in (first.name, *names) for path in shelf.loaded(name).model.read_beside]
+        files.check_outputs((options.out, options.report), read_beside, options.overwrite)
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, first_estimate, setup.true_to_light_marker, others, options.auto)
         session.arrangement.followed = setup.tracker.marker.spec

@@ -30,6 +30,7 @@ class Folder:
         self._folder = model.parent.resolve()
         self._bytes_left = most_bytes
         self._named = 0
+        self.read: dict[Path, None] = {}  # the files that have been read, in order
 
     def get(self, name: str) -> bytes:
         """The content of the file of that name. Raises MissingFileError where there is none, UserError where it cannot
@@ -48,6 +49,7 @@ class Folder:
                 f"the model file {self.model} needs a file beside it: {refusal.message}", refusal.remedy
             ) from None
         self._bytes_left -= len(content)
+        self.read[path] = None
         return content
 
     def _found(self, name: str) -> Path:

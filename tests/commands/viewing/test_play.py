@@ -12,6 +12,7 @@ import cv2
 import jsonschema
 import numpy as np
 import pytest
+from PIL import Image
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.errors import UserError
@@ -131,6 +132,21 @@ def test_what_a_flag_reads_is_not_replaced_by_an_output(play, tmp_path, flags):
         assert outcome.status == 2
         assert "is also read" in outcome.err[0]
     assert path.read_bytes() == other.read_bytes() == b"precious"
+
+
+def test_what_a_model_reads_beside_it_is_not_replaced_by_an_output(play, tmp_path):
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    (tmp_path / "m.mtl").write_text("newmtl m\nmap_Kd red.png\n")
+    faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
+    (tmp_path / "a.obj").write_text(f"mtllib m.mtl\nusemtl m\n{faces}")
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    for models in (("a.obj",), ("cube", "a.obj")):
+        flags = [word for name in models for word in ("--model", tmp_path / name if name == "a.obj" else name)]
+        for flag, file in (("--out", "red.png"), ("--report", "m.mtl")):
+            outcome = play(*flags, "--frames", 1, flag, tmp_path / file, "--overwrite")
+            assert outcome.status == 2
+            assert "is also read" in outcome.err[-1]
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 @pytest.mark.parametrize(
