@@ -15,7 +15,7 @@ from scenes.geometry.poses import cast, direction, intrinsics, look_at, projecte
 from scenes.photo.camera import camera_settings, finished, photographed, sensed, streak, through_lens, toned
 from scenes.photo.masks import mask_of_triangles, masks
 from scenes.photo.renditions import renditions
-from scenes.photo.truth import corners_m, still_entry
+from scenes.photo.truth import corners_m, light_entry, still_entry
 from scenes.specify import specification
 
 from ashe_live.core.colour import REC709_LUMINANCE, srgb_from_linear
@@ -232,3 +232,13 @@ def test_renditions_differ_from_the_photo_in_what_they_are_called() -> None:
         slope = np.gradient(found["model_noise"], axis=1)
         off = (found["model_noise"] - found[name])[inside].mean() / slope[inside].mean()
         assert off == pytest.approx(shift, abs=0.1)
+
+
+def test_a_lamp_is_as_wide_as_the_marker_sees_it() -> None:
+    spec = specification("near_training", 0)
+    lamps = [light for light in spec["lights"] if light["kind"] == "lamp"]
+    assert len(lamps) == 2
+    for light in lamps:
+        entry = light_entry(spec, light, 1.0)
+        seen = np.tan(np.radians(entry["angular_diameter_deg"] / 2)) * np.linalg.norm(light["position_m"])
+        assert seen == pytest.approx(light["radius_m"], rel=1e-3)

@@ -25,12 +25,14 @@ def light_entry(spec: Params, light: Params, gain: float) -> Params:
         at = np.asarray(light["position_m"])
         way = at / np.linalg.norm(at)
         entry["lamp"] = _lamp(spec, light, at)
+        diameter_deg = round(float(np.degrees(2 * np.arctan(light["radius_m"] / np.linalg.norm(at)))), 5)
     else:
         way = direction(light["azimuth_deg"], light["elevation_deg"])
+        diameter_deg = light["angular_diameter_deg"]
     azimuth, elevation = np.degrees([np.arctan2(way[1], way[0]) % (2 * np.pi), np.arcsin(way[2])])
     return entry | {
         "dir_to_light": np.round(way, 8).tolist(), "azimuth_deg": round(float(azimuth), 4),
-        "elevation_deg": round(float(elevation), 4), "angular_diameter_deg": light.get("angular_diameter_deg", 0.53),
+        "elevation_deg": round(float(elevation), 4), "angular_diameter_deg": diameter_deg,
         "irradiance_perpendicular": np.round(ground / way[2], 5).tolist(),
     }  # fmt: skip
 
