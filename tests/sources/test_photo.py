@@ -1,5 +1,6 @@
 """A camera that develops radiance: light stays in order, noise is as stated, truth lies where it is projected."""
 
+from functools import partial
 from typing import Any
 
 import cv2
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scenes.compare import masks_differ, numbers_differ, pictures_differ
+from scenes.develop import mixed
 from scenes.drawing.families import CAMERAS
 from scenes.geometry import surroundings
 from scenes.geometry.index import GROUND
@@ -15,7 +17,7 @@ from scenes.geometry.poses import cast, direction, intrinsics, look_at, projecte
 from scenes.photo.camera import camera_settings, finished, photographed, sensed, streak, through_lens, toned
 from scenes.photo.masks import mask_of_triangles, masks
 from scenes.photo.renditions import renditions
-from scenes.photo.truth import corners_m, light_entry, still_entry
+from scenes.photo.truth import corners_m, light_entry, scene_entry, still_entry
 from scenes.specify import specification
 
 from ashe_live.core.colour import REC709_LUMINANCE, srgb_from_linear
@@ -242,3 +244,16 @@ def test_a_lamp_is_as_wide_as_the_marker_sees_it() -> None:
         entry = light_entry(spec, light, 1.0)
         seen = np.tan(np.radians(entry["angular_diameter_deg"] / 2)) * np.linalg.norm(light["position_m"])
         assert seen == pytest.approx(light["radius_m"], rel=1e-3)
+
+
+def test_lights_without_a_shadow_in_view_are_as_strong_as_they_shine_in_the_picture() -> None:
+    spec = next(each for each in map(partial(specification, "training"), range(60)) if each["base"] == "misleading")
+    picture = next(each for each in spec["pictures"] if each["unseen_lights"])
+    objects = {f"points{number}": np.zeros((1, 3)) for number in range(len(spec["objects"]))}
+    entry = scene_entry(spec, picture, objects)
+    assert entry["lights"] == []
+    shape = {"ambient": np.zeros((1, 1, 3), np.float32)}
+    dark = shape | {f"light{number}": shape["ambient"] for number in range(3)}
+    seen = np.array(entry["ambient"]["irradiance_ground"])
+    seen += sum(np.array(each["irradiance_ground"]) for each in entry["unseen_lights"])
+    np.testing.assert_allclose(mixed(spec, picture, dark)[1], seen, atol=1e-4)

@@ -83,7 +83,10 @@ def scene_entry(spec: Params, picture: Params, raw: Any) -> Params:
     shining, sheet, camera = picture["lights"], spec["marker"], spec["camera"]
     ambient = surroundings.radiance(spec["surroundings"])
     sky = surroundings.irradiance(ambient)
-    lights = [light_entry(spec, spec["lights"][k], g) for k, g in zip(shining, picture["gains"], strict=False)]
+    lights, unseen_lights = (
+        [light_entry(spec, spec["lights"][k], g) for k, g in zip(those, picture["gains"], strict=True)] if those else []
+        for those in (shining, picture["unseen_lights"])
+    )
     suns = np.array([each["irradiance_ground"] for each in lights]).reshape(-1, 3)
     full = sky + suns.sum(axis=0)
     for each, sun in zip(lights, suns, strict=True):
@@ -121,7 +124,7 @@ def scene_entry(spec: Params, picture: Params, raw: Any) -> Params:
         "marker": {key: sheet[key] for key in MARKER if key in sheet},
         "directional": bool(shining),
         "lights": lights,
-        "unseen_lights": [light_entry(spec, spec["lights"][k], 1.0) for k in picture["unseen_lights"]],
+        "unseen_lights": unseen_lights,
         "ambient": {
             "kind": spec["surroundings"]["family"],
             "irradiance_ground": np.round(sky, 5).tolist(),
