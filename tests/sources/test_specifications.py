@@ -256,3 +256,16 @@ def test_onto_the_marker_falls_the_shadow_of_the_objects_top(training: list[dict
         end = top - to_light * (top[2] / to_light[2])
         assert np.abs(end[:2]).max() < scene["marker"]["side_m"] / 2
         assert [picture["lights"] for picture in scene["pictures"]] == [[0]]
+
+
+def test_a_light_that_was_moved_onto_the_marker_is_neither_low_nor_high() -> None:
+    high = specification("training", 44)
+    scene = onto_marker(high)
+    assert scene is not None
+    assert (high["lights"][0]["kind"], high["pictures"][0]["category"]) == ("high", "high")
+    assert 20 < scene["lights"][0]["elevation_deg"] < 75
+    assert (scene["lights"][0]["kind"], scene["pictures"][0]["category"]) == ("plain", scene["base"])
+
+
+def test_a_lamp_is_not_moved_onto_the_marker() -> None:
+    assert all(onto_marker(specification("near_training", index)) is None for index in range(8))

@@ -148,14 +148,15 @@ def onto_marker(scene: Params) -> Params | None:
     """The scene as its first light shows it from where the shadow of its object's top falls onto the marker's centre.
 
     The marker lies flat and is mostly lit in all sets, but where people put an object beside it, the shadow often falls
-    onto it. None where that takes a light below 18 or above 62 degrees, or the scene is not of one object alone.
+    onto it. None where that takes a light below 18 or above 62 degrees, or the scene is not of one object alone, in a sun.
     """
     casters = [each for each in scene["objects"] if each["role"] == "caster"]
     pictures = [each for each in scene["pictures"] if each["lights"] == [0]]
     marker = scene["marker"]
     is_flat = marker["card_m"] < 0.001 and marker["curl_m"] == 0
     others = len(scene["objects"]) > 1 or scene["patches"] or scene["partial_kind"] or scene["without_object"]
-    if not casters or not pictures or not is_flat or others:
+    is_near = "position_m" in scene["lights"][0]
+    if not casters or not pictures or not is_flat or others or is_near:
         return None
     x, y = casters[0]["xy_m"]
     elevation_deg = math.degrees(math.atan2(casters[0]["height_m"], 1.05 * math.hypot(x, y)))
@@ -164,7 +165,10 @@ def onto_marker(scene: Params) -> Params | None:
     first = scene["lights"][0] | {
         "azimuth_deg": round(math.degrees(math.atan2(y, x)) % 360, 5), "elevation_deg": round(elevation_deg, 5),
     }  # fmt: skip
-    return scene | {"lights": [first, *scene["lights"][1:]], "pictures": pictures[:1]}
+    picture = pictures[0]
+    if first["kind"] in ("low", "high"):  # it no longer is
+        first["kind"], picture = "plain", picture | {"category": scene["base"]}
+    return scene | {"lights": [first, *scene["lights"][1:]], "pictures": [picture]}
 
 
 def empty(scene: Params) -> Params | None:
