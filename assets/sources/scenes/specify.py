@@ -148,7 +148,7 @@ def onto_marker(scene: Params) -> Params | None:
     """The scene as its first light shows it from where the shadow of its object's top falls onto the marker's centre.
 
     The marker lies flat and is mostly lit in all sets, but where people put an object beside it, the shadow often falls
-    onto it. None where that takes a light below 18 or above 62 degrees, or the scene is not of one object alone, in a sun.
+    onto it. None where that takes a light below 18 or above 62 degrees, or the scene is not of one object in a sun.
     """
     casters = [each for each in scene["objects"] if each["role"] == "caster"]
     pictures = [each for each in scene["pictures"] if each["lights"] == [0]]
