@@ -8,7 +8,7 @@ from rich.table import Table
 
 from ashe_live.bench.judge.calibration import squared_distances
 from ashe_live.bench.judge.validation import Judged, risk_curve
-from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95, calibration_error, risk_at
+from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95, calibration_error, risk_at, share
 from ashe_live.bench.tables import figures_table
 from ashe_live.light.explanation.judgement.judge_tables import Score
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
@@ -56,7 +56,7 @@ def risk_table(name: str, answers: Mapping[str, Sequence[Judged]]) -> Table:
 
 
 def calibration_table(calibration: Calibration, answers: Sequence[Judged]) -> Table:
-    """The shares of errors within what is stated, by confidence."""
+    """By confidence, the share of good answers, and of errors within what is stated where there is a light."""
     title = (
         f"calibration: overdispersion {calibration.overdispersion:.2f}, "
         f"doubt {np.degrees(calibration.doubt_rad):.1f}° (1 - confidence)^{calibration.doubt_power:.2f}"
@@ -64,10 +64,12 @@ def calibration_table(calibration: Calibration, answers: Sequence[Judged]) -> Ta
     table = figures_table(title, "confidence", "answers", "good", "within 68 %", "within 95 %")
     edges = (0.0, 0.3, 0.5, 0.7, 0.85, 0.95, 1.0001)
     for low, high in pairwise(edges):
-        inside = [each for each in answers if low <= each.confidence < high and each.answer is not None]
+        inside = [each for each in answers if low <= each.confidence < high and each.best is not None]
+        lit = [each.answer for each in inside if each.answer is not None]
         if inside:
-            squared = squared_distances(calibration, [each.answer for each in inside if each.answer is not None])
-            good = np.mean([each.is_good for each in inside])
-            shares = (good, *(np.mean(squared <= within) for within in (ELLIPSE_68, ELLIPSE_95)))
-            table.add_row(f"{low:.2f} to {min(high, 1):.2f}", str(len(inside)), *(f"{100 * s:.0f} %" for s in shares))
+            squared = squared_distances(calibration, lit) if lit else np.empty(0)
+            is_within = [(squared <= within).tolist() for within in (ELLIPSE_68, ELLIPSE_95)]
+            shares = [share(flags) for flags in ([each.is_good for each in inside], *is_within)]
+            cells = ("-" if each is None else f"{100 * each:.0f} %" for each in shares)
+            table.add_row(f"{low:.2f} to {min(high, 1):.2f}", str(len(inside)), *cells)
     return table

@@ -15,6 +15,7 @@ from ashe_live.bench.judge.confidence import (
     with_open_directions,
 )
 from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
+from ashe_live.bench.judge.tables import calibration_table
 from ashe_live.bench.judge.validation import (
     FOLDS,
     Judged,
@@ -77,6 +78,15 @@ def test_risk_falls_with_coverage_where_confidence_separates_right_from_wrong() 
 def test_an_answer_where_there_is_no_light_is_a_risk_and_covers_nothing() -> None:
     (confidence, covered, risk), _ = risk_curve([answer(0.9, 180.0, lights=0), answer(0.8)])
     assert (confidence, covered, risk) == (0.9, 0.0, 1.0)
+
+
+def test_an_answer_where_there_is_no_light_counts_against_its_confidence() -> None:
+    def cells(answers: list[Judged]) -> list[list[str]]:
+        return [list(column.cells) for column in calibration_table(Calibration(1.0, 0.3, 2.0), answers).columns]
+
+    unlit = answer(0.9, error_deg=180.0, lights=0)
+    assert cells([answer(0.9), answer(0.9), answer(0.9), unlit])[1:] == [["4"], ["75 %"], ["100 %"], ["100 %"]]
+    assert cells([unlit])[1:] == [["1"], ["0 %"], ["-"], ["-"]]
 
 
 def test_answers_are_given_while_enough_of_them_are_good() -> None:
