@@ -83,10 +83,9 @@ class TrackBench(Bench):
         for name, own in seen:
             figures += certainty_figures(name, own)
         print_figures(self.console, figures)
-        fit = None
-        if seen and not self.quick:
-            fit = asdict(fitted([one for _, own in seen for one in own]))
-            print_errors(self.console, asdict(FITTED), fit)
+        fit = None if self.quick else fitted([one for _, own in seen for one in own])
+        if fit is not None:
+            print_errors(self.console, asdict(FITTED), asdict(fit))
         if clips:
             print_clips(self.console, clips)
         return {
@@ -94,7 +93,7 @@ class TrackBench(Bench):
             "preset": asdict(self.preset),
             "figures": [{**asdict(figure), "met": figure.is_met} for figure in figures],
             "clips": [asdict(clip) for clip in clips],
-            "corner_errors": {"used": asdict(FITTED), "fitted": fit},
+            "corner_errors": {"used": asdict(FITTED), "fitted": None if fit is None else asdict(fit)},
         }
 
     def _frames(self, frames: int) -> int:

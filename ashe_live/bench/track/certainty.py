@@ -58,22 +58,27 @@ def look_at(cases: Sequence[Case], preset: TrackingPreset) -> list[Seen | None]:
 def certainty_figures(name: str, seen: Sequence[Seen | None]) -> Iterator[Figure]:
     """The squared errors of poses over their covariances: the median, and the share in the 95 % ellipsoid."""
     squares = np.array([_squared_error(one, FITTED)[0] for one in seen if one is not None])
+    if seen:
+        yield Figure(f"found, {name} ({len(seen)})", "%", None, 100 * len(squares) / len(seen), None)
     if not len(squares):
         return
-    yield Figure(f"found, {name} ({len(seen)})", "%", None, 100 * len(squares) / len(seen), None)
     ratio = float(np.median(squares)) / MEDIAN_6
     yield Figure(f"squared error over its covariance, {name}", "", None, ratio, MOST_RATIO, LEAST_RATIO)
     within = 100 * float((squares <= WITHIN_95_PERCENT_6).mean())
     yield Figure(f"in the ellipsoid of 95 %, {name}", "%", None, within, MOST_WITHIN, LEAST_WITHIN)
 
 
-def fitted(seen: Sequence[Seen | None], start: CornerErrors = FITTED, stated: Sequence[str] = STATED) -> CornerErrors:
+def fitted(
+    seen: Sequence[Seen | None], start: CornerErrors = FITTED, stated: Sequence[str] = STATED
+) -> CornerErrors | None:
     """The standard deviations with the smallest ellipsoids that hold 95 % of the errors, near `start`.
 
     By coordinate descent; what is `stated` stays. Errors have heavier tails than a normal distribution, whose likeliest
-    ellipsoids hold too few.
+    ellipsoids hold too few. None where no marker is found.
     """
     known = [one for one in seen if one is not None]
+    if not known:
+        return None
     best, cost = start, _cost(known, start)
     for factor in FACTORS:
         improves = True

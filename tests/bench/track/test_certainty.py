@@ -47,3 +47,11 @@ def test_the_fit_finds_the_errors_that_were_put_in() -> None:
 def test_what_is_not_found_is_counted() -> None:
     found, *_ = certainty_figures("half", [*seen_with(0.1, 0.1, 3), None, None, None])
     assert found.ours == 50
+
+
+def test_where_no_marker_is_found_nothing_is_fitted_and_the_share_is_0() -> None:
+    assert fitted([None]) is None
+    (found,) = certainty_figures("none", [None, None])
+    assert found.ours == 0
+    assert fitted([]) is None
+    assert not list(certainty_figures("photos", []))
