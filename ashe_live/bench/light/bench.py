@@ -65,8 +65,9 @@ class LightBench(Bench):
         yield self._measured(estimators)
         if self.sweeps:
             points = sweep(thinned(self.cases(), SWEEP_EVERY), self.takes()[::SWEEP_EVERY], estimators, self.console)
-            print_trade(self.console, points)
-            yield {"trade": [asdict(point) for point in points]}
+            if points:
+                print_trade(self.console, points)
+                yield {"trade": [asdict(point) for point in points]}
 
     def plots(self) -> Sequence[str]:
         return [TRADE + suffix for suffix in SUFFIXES] if self.sweeps else ()

@@ -84,7 +84,7 @@ def sweep(
 ) -> list[TradePoint]:
     """Measures every variation and preset on the lit ones of `cases` and `takes`; presets come last.
 
-    All are run on each of them in turn, so that other load on the machine affects them equally.
+    All are run on each of them in turn, so that other load on the machine affects them equally. Empty without any.
     """
     tried: list[tuple[str, str, Estimator, bool]] = [
         (variation.series, variation.name, ProxyEstimator(variation.preset()), False) for variation in VARIATIONS
@@ -106,6 +106,7 @@ def sweep(
     return [
         TradePoint(name, series, float(np.median([one.wall_ms["total"] for one in group])), _errors(group), is_preset)
         for group, (series, name, _, is_preset) in zip(results, tried, strict=True)
+        if group
     ]
 
 

@@ -76,3 +76,14 @@ def test_the_trade_is_drawn_beside_the_results(plain_scenes, tmp_path, monkeypat
     (tmp_path / "results.json").unlink()
     with pytest.raises(UserError, match=r"trade\.svg"):
         bench.run(tmp_path)
+
+
+def test_without_a_light_in_any_picture_there_is_no_trade_to_draw(tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib", reason="only needed for plots")
+    monkeypatch.setattr("ashe_live.bench.light.trade.VARIATIONS", ())
+    cv2.imwrite(str(tmp_path / "plain.png"), np.full((48, 64, 3), 128, np.uint8))
+    written(tmp_path, {"scenes": [scene(id="unlit", image="plain.png", category="diffuse", lights=[])]})
+    out = tmp_path / "out"
+    record = LightBench([tmp_path], presets=("fast",), sweeps=True).run(out)
+    assert record["presets"]["fast"]["summaries"]["diffuse"]["right_count_share"] == 1
+    assert [path.name for path in out.iterdir()] == ["results.json"]
