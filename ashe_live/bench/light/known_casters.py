@@ -1,6 +1,7 @@
 """What a known caster gains: the scenes' own boxes, cylinders and spheres, with their sizes given as by `--caster`."""
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,9 @@ LEAST_TOLD = 0.3
 
 def with_known_casters(cases: Sequence[Case], folders: Sequence[Path]) -> list[tuple[Case, Caster]]:
     """The cases of these folders that have a light and a caster of `caster_specs`, each with that caster."""
-    specs = {folder.resolve().name: caster_specs(folder) for folder in folders}
+    specs: dict[str, dict[str, str]] = defaultdict(dict)  # several folders may have one name, as parts of a set
+    for folder in folders:
+        specs[folder.resolve().name] |= caster_specs(folder)
     lit = (case for case in cases if case.to_lights_marker is not None and len(case.to_lights_marker))
     return [(case, parsed_caster(specs[case.folder][case.id])) for case in lit if case.id in specs[case.folder]]
 

@@ -6,10 +6,12 @@ import math
 import numpy as np
 import pytest
 
+from ashe_live.bench.cases import read_cases
 from ashe_live.bench.light.bench import LightBench
-from ashe_live.bench.light.known_casters import caster_specs
+from ashe_live.bench.light.known_casters import caster_specs, with_known_casters
 from ashe_live.core.caster import parsed_caster
 from ashe_live.errors import UserError
+from tests.bench.scene_files import scene, written
 from tests.light.synthetic_masks import box
 
 SPECIFIED = {
@@ -60,6 +62,16 @@ def test_a_box_follows_from_its_bounds_unless_it_stands_half_way_between_two_sid
         return
     extent = np.ptp(np.array(parsed_caster(found["a"]).spheroids)[:, :3], axis=0)
     np.testing.assert_allclose(extent, (0.06, 0.04, 0.1), atol=2e-5)
+
+
+def test_folders_of_one_name_each_have_their_casters(tmp_path):
+    bounds = {"yaw_deg": 0.0, "bbox_min_m": [-0.03, -0.03, 0.0], "bbox_max_m": [0.03, 0.03, 0.06]}
+    folders = [tmp_path / part / "sealed" for part in ("first", "second")]
+    for folder in folders:
+        folder.mkdir(parents=True)
+        written(folder, {"scenes": [scene(id=folder.parent.name, caster={"type": "sphere"} | bounds)]})
+    cases = [case for folder in folders for case in read_cases(folder)]
+    assert [case.id for case, _ in with_known_casters(cases, folders)] == ["first", "second"]
 
 
 def test_a_folder_without_scenes_is_said(tmp_path):
