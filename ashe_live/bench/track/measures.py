@@ -52,10 +52,11 @@ def corner_jitter_px(given: Sequence[Answer], camera: Camera, unfiltered: bool =
 
 def lag_ms(given: Sequence[Answer]) -> float:
     """The delay of the answers' positions behind the true ones, by least squares."""
-    pairs = list(_answered(given))
-    truth = np.array([answer.truth[:3, 3] for answer, _ in pairs])
-    behind = truth - np.array([T[:3, 3] for _, T in pairs])
-    velocity = np.gradient(truth, 1 / FPS, axis=0)
+    truth = np.array([answer.truth[:3, 3] for answer in given])
+    is_answered = [answer.T_cam_marker is not None for answer in given]
+    # Of all frames, as those that are answered may have others between them.
+    velocity = np.gradient(truth, 1 / FPS, axis=0)[is_answered]
+    behind = truth[is_answered] - np.array([T[:3, 3] for _, T in _answered(given)])
     return float(1e3 * (behind * velocity).sum() / (velocity**2).sum())
 
 

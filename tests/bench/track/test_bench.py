@@ -69,6 +69,8 @@ def test_a_delay_is_measured_as_one() -> None:
     late = [answer(truths[index], truths[index - 2]) for index in range(2, 90)]
     assert lag_ms(late) == pytest.approx(2000 / FPS, rel=0.1)
     assert lag_ms([answer(T, T) for T in truths]) == pytest.approx(0, abs=1e-9)
+    missing = [answer(each.truth, each.T_cam_marker if index % 3 else None) for index, each in enumerate(late)]
+    assert lag_ms(missing) == pytest.approx(2000 / FPS, rel=0.1)
 
 
 def test_jitter_is_the_distance_from_the_mean() -> None:
