@@ -257,3 +257,20 @@ def test_lights_without_a_shadow_in_view_are_as_strong_as_they_shine_in_the_pict
     seen = np.array(entry["ambient"]["irradiance_ground"])
     seen += sum(np.array(each["irradiance_ground"]) for each in entry["unseen_lights"])
     np.testing.assert_allclose(mixed(spec, picture, dark)[1], seen, atol=1e-4)
+
+
+def test_each_lights_shadow_of_the_main_object_is_told_from_those_of_others() -> None:
+    spec = specification("training", 2) | {"size": [320, 240], "camera": camera_above(), "patches": []}
+    spec["ground"]["z_m"] = 0.0
+    spec["lights"] = [{"azimuth_deg": azimuth, "elevation_deg": 50.0} for azimuth in (80.0, 110.0)]
+    spec["objects"] = [{"role": role, "family": "carton"} for role in ("caster", "clutter")]
+    cube = box((0.03, 0.03, 0.04))
+    raw = {"index": np.full((240, 320), GROUND, np.uint8)}
+    for number, x in enumerate((-0.1, 0.1)):
+        raw |= {f"points{number}": cube.points + np.array((x, 0, 0)), f"faces{number}": cube.faces}
+    found = masks(spec, [0, 1], raw)
+    for name in ("shadow", "shadow2"):
+        own, every = found[f"{name}_caster"], found[name]
+        assert own[:, :160].sum() == every[:, :160].sum() > 100
+        assert every[:, 160:].sum() > 100
+        assert not own[:, 160:].any()

@@ -33,8 +33,8 @@ def error_on_true_labels_deg(case: Case, tracked: TrackedFrame, preset: ProxyPre
 
 def _shadows(case: Case) -> list[Mask]:
     """The masks of the main object's shadows, light by light."""
-    of_caster = case.mask("shadow_caster")
-    masks = [of_caster if of_caster is not None else case.mask("shadow"), case.mask("shadow2")]
+    names = [f"{name}_caster" if f"{name}_caster" in case.mask_paths else name for name in ("shadow", "shadow2")]
+    masks = [case.mask(name) for name in names]
     return [mask for mask in masks if mask is not None]
 
 

@@ -64,3 +64,16 @@ def test_without_masks_or_light_there_is_no_such_error(case):
     dark = dataclasses.replace(case, to_lights_marker=np.empty((0, 3)))
     assert error_on_true_labels_deg(blind, case.tracked(), BALANCED) is None
     assert error_on_true_labels_deg(dark, case.tracked(), BALANCED) is None
+
+
+def test_shadows_of_other_objects_are_not_the_main_ones(scene, case, tmp_path):
+    """Of two lights, each with a mask of all shadows and one of the object's own."""
+    own = np.asarray(scene.shadows[0]) > 0.5
+    paths = dict(case.mask_paths)
+    for name in ("shadow", "shadow2", "shadow_caster", "shadow2_caster"):
+        paths[name] = tmp_path / f"{name}.png"
+        mask = own if name.endswith("_caster") else own | np.roll(own, 30, axis=1)
+        cv2.imwrite(str(paths[name]), mask.astype(np.uint8) * 255)
+    beside = dataclasses.replace(case, mask_paths=paths)
+    found = LightEstimate("e", 0, Illumination(), "-", np.asarray(scene.body) > 0.5, own)
+    assert mask_overlaps(found, beside)[1] == 1

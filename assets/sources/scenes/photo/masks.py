@@ -66,7 +66,8 @@ def masks(spec: Params, shining: list[int], raw: Any) -> dict[str, Masks]:
             everything |= covered
             if each["role"] == "caster":
                 of_caster |= covered
-        found["shadow" if number == 0 else f"shadow{number + 1}"] = everything
-        if others and number == 0:
-            found["shadow_caster"] = of_caster
+        name = "shadow" if number == 0 else f"shadow{number + 1}"
+        found[name] = everything
+        if others:
+            found[f"{name}_caster"] = of_caster
     return found
