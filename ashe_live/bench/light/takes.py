@@ -43,7 +43,7 @@ class Take:
     """A clip with the true pose of the marker in each of its frames, and the true light."""
 
     case: Case  # its picture is the clip, its marker the first one in view
-    span_deg: float  # by how much the direction from the marker to the camera turns
+    span_deg: float  # by how much the direction to the camera turns, seen from what it looks at
     poses: Mapping[int, MarkerPose]  # by frame; those without a marker are missing
     is_tracked: bool = False  # its frames have the tracker's own poses, with a focal length that is not quite right
 
