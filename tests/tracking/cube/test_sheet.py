@@ -101,6 +101,13 @@ def test_an_edge_that_fits_no_page_is_one_line_with_its_remedy(tmp_path: Path, e
     assert not path.exists()
 
 
+@pytest.mark.parametrize(("edge_m", "fits_a3"), [(0.02, False), (0.07, True), (0.3, False)])
+def test_larger_paper_is_advised_only_where_the_cube_fits_on_it(tmp_path: Path, edge_m: float, fits_a3: bool) -> None:
+    with pytest.raises(UserError) as caught:
+        write_cube_sheet(tmp_path / "cube.pdf", cube_layout(), edge_m)
+    assert ("--paper a3" in caught.value.remedy) == fits_a3
+
+
 def test_a_face_looks_away_from_the_cubes_middle_and_lies_on_its_surface() -> None:
     for face in FACES:
         assert np.cross(face.right, face.up) @ (face.centre - (0, 0, 0.5)) == pytest.approx(0.5)
