@@ -20,7 +20,7 @@ class Slots:
         self._fps = fps
         self._start_s: float | None = None
         self._last = -1
-        self.missed = 0  # slots between the first picture and the last that stayed empty
+        self.missed = 0  # slots that stayed empty before a new picture: of a source that stands still none is missed
 
     def time_s(self, now_s: float, is_new: bool) -> float | None:
         """The time of the slot that a picture at `now_s` takes, counted from the first one; None if it is not needed.
@@ -34,7 +34,8 @@ class Slots:
         if ahead <= -1 or (not is_new and ahead < 0.5):
             return None
         taken = self._last + 1 if ahead < 1 else round(at)
-        self.missed += taken - self._last - 1
+        if is_new:
+            self.missed += taken - self._last - 1
         self._last = taken
         return self._last / self._fps
 

@@ -35,6 +35,13 @@ def test_while_paused_the_last_picture_fills_the_slots():
     assert len(taken) == pytest.approx(250, abs=1)
 
 
+def test_while_paused_a_slow_display_misses_no_picture():
+    slots = Slots(25.0)
+    found = [slots.time_s(tick / 10, is_new=tick == 0) for tick in range(20)]
+    assert None not in found
+    assert slots.missed == 0
+
+
 def test_of_a_source_faster_than_its_nominal_rate_pictures_are_left_out_and_time_is_kept():
     found = times(Slots(30.0), [n / 90 for n in range(900)])
     taken = [time_s for time_s in found if time_s is not None]
