@@ -20,7 +20,7 @@ from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.search import ExpectedMarker, along_edges, anywhere, refined
+from ashe_live.tracking.search import Expected, along_edges, anywhere, refined
 
 # Markers that are not in view are looked for this often.
 SEARCH_EVERY_S = 0.2
@@ -100,7 +100,7 @@ class PlaneMarkers:
             expected_px = source_from_ideal(camera, project(camera, pose.measured_T_cam_marker, on_plane))
             square = None
             if np.isfinite(expected_px).all():
-                expected = ExpectedMarker(self._markers[number], expected_px)
+                expected = Expected(self._markers[number], expected_px)
                 (square,) = along_edges([expected], frame.image_bgr, camera, preset.edge_samples)
             if square is None:
                 del self._held[number]

@@ -56,7 +56,7 @@ def in_front(expected_px: Mapping[int, Float], last: Container[int]) -> list[int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ExpectedMarker:
+class Expected:
     """A marker, and where it should be."""
 
     marker: Marker
@@ -65,7 +65,7 @@ class ExpectedMarker:
 
 
 def along_edges(
-    expected: Sequence[ExpectedMarker], image_bgr: Image, camera: Camera, samples: int, is_predictable: bool = False
+    expected: Sequence[Expected], image_bgr: Image, camera: Camera, samples: int, is_predictable: bool = False
 ) -> list[FittedSquare | None]:
     """Each of the markers where it is expected; None where it is not.
 
@@ -91,7 +91,7 @@ def along_edges(
 
 
 def first_along_edges(
-    expected: Mapping[int, ExpectedMarker],
+    expected: Mapping[int, Expected],
     most: int,
     image_bgr: Image,
     camera: Camera,

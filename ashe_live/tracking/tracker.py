@@ -25,15 +25,7 @@ from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.poses.pose import Sighting, poses_of_square
 from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.search import (
-    ExpectedMarker,
-    along_edges,
-    anywhere,
-    first_along_edges,
-    in_front,
-    nearby,
-    refined,
-)
+from ashe_live.tracking.search import Expected, along_edges, anywhere, first_along_edges, in_front, nearby, refined
 
 # The last pose is forgotten when the marker has not been seen for this long.
 MEMORY_S = 0.5
@@ -183,9 +175,7 @@ class MarkerTracker:
         numbers = self._members.in_order_of_worth(in_front(expected, last.corners_px))
         most = self._members.most_measured(numbers)
         where = {
-            number: ExpectedMarker(
-                self._members.all[number].marker, expected[number], last.aligned_sigmas.get(number, 0.0)
-            )
+            number: Expected(self._members.all[number].marker, expected[number], last.aligned_sigmas.get(number, 0.0))
             for number in numbers
         }
         return first_along_edges(where, most, image, camera, self.preset.edge_samples, last.is_predictable)
@@ -218,9 +208,7 @@ class MarkerTracker:
             return found
         for T_cam_marker in poses_of_square(self._members.sighting(number, square), camera):
             expected = self._members.projected(camera, T_cam_marker, found)
-            where = [
-                ExpectedMarker(self._members.all[other].marker, corners_px) for other, corners_px in expected.items()
-            ]
+            where = [Expected(self._members.all[other].marker, corners_px) for other, corners_px in expected.items()]
             others = zip(expected, along_edges(where, image, camera, self.preset.edge_samples), strict=True)
             seen = found | {other: one for other, one in others if one is not None}
             if len(seen) > len(best):

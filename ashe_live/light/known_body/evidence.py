@@ -9,7 +9,7 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.observed import BESIDE_LIGHTS, CELLS_A_SAMPLE, HIDDEN, VARIED, Expected, Lit, Observed
+from ashe_live.light.known_body.observed import BESIDE_LIGHTS, CELLS_A_SAMPLE, HIDDEN, VARIED, Effects, Lit, Observed
 from ashe_live.light.known_body.table import SIDE
 
 LEAST_NOISE = 0.02  # standard deviation of relative light that every map has
@@ -92,7 +92,7 @@ class Evidence:
         log_likelihood, darkenings = self._explained(beside)
         return Scan(log_likelihood - self._none, darkenings.T)
 
-    def _with(self, new: Expected) -> _Normal:
+    def _with(self, new: Effects) -> _Normal:
         """The known lights and each of the new ones."""
         known, without = self._known, self._without
         m, count = len(new.squares), len(known.squares)
@@ -109,7 +109,7 @@ class Evidence:
         sky[:-1], sky[-1] = without.sky, new.explained[:, HIDDEN:].T
         return _Normal(information, pull, reached, spread, sky)
 
-    def _overlaps(self, new: Expected) -> Float:
+    def _overlaps(self, new: Effects) -> Float:
         """(l, m) products of the new lights' parts of the map with those of the known ones."""
         if new.lit.falls is not None:
             return (self._taken @ new.lit.taken(self._observed.hidden_sky).T).astype(np.float64)

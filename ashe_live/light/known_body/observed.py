@@ -47,7 +47,7 @@ class Lit:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Expected:
+class Effects:
     """What each of m lights would do to map and sides, one at a time, the map's part without what else varies."""
 
     lit: Lit
@@ -125,7 +125,7 @@ class Observed:
             return 1.0
         return float((sums[whole] ** 2 / counts[whole]).mean()) / variance
 
-    def expected(self, lit: Lit) -> Expected:
+    def expected(self, lit: Lit) -> Effects:
         """What these lights would do."""
         if lit.falls is not None:
             taken = lit.taken(self.hidden_sky)
@@ -141,7 +141,7 @@ class Observed:
         pull = mixed[:, VARIED] - explained @ self._of_light
         reached = self.sides.reached(lit.lights)
         spread = np.ascontiguousarray(self.sides.spread(lit.lights, reached).T)
-        return Expected(lit, varied, explained, squares, pull, np.ascontiguousarray(reached.T), spread)
+        return Effects(lit, varied, explained, squares, pull, np.ascontiguousarray(reached.T), spread)
 
 
 @cache
