@@ -9,7 +9,7 @@ from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, seat_beside
 from ashe_live.viewer.hands.hand import Hand
 from ashe_live.viewer.hands.pointing import Pixel
-from ashe_live.viewer.table.beside import first_placement
+from ashe_live.viewer.table.beside import FirstPlaces, first_places
 from ashe_live.viewer.table.pointed_at import model_at
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import LeftPlaces, Stand
@@ -29,7 +29,7 @@ class Arrangement:
             seat = self._free_seat(other.marker)
             self._stands.append(Stand(other.name, shelf.loaded(other.name), UNMOVED, seat, other.marker))
         self._left = LeftPlaces(shelf)
-        self._first = UNMOVED  # where models stand that nobody has moved
+        self._first = FirstPlaces()  # where models stand that nobody has moved
         self._first_is_due = True  # whether it must still be found, by the light and the marker's body
         self._stand_as_left()
 
@@ -89,8 +89,8 @@ class Arrangement:
             return None
         self._put_down()
         before, like = self.in_hand, self._stands[self.in_hand]
-        placement = self._first if like.marker is None else UNMOVED
-        self._stands.append(replace(like, placement=placement, seat=self._free_seat(like.marker)))
+        added = replace(like, seat=self._free_seat(like.marker))
+        self._stands.append(replace(added, placement=self._first_of(added)))
         self._take_up(len(self) - 1)
 
         def take_back() -> str:
@@ -137,7 +137,7 @@ class Arrangement:
         if not self._first_is_due or tracked is None or tracked.marker is None:
             return
         self._first_is_due = False
-        before, self._first = self._first, first_placement(tracked, light, in_its_place)
+        before, self._first = self._first, first_places(tracked, light, in_its_place)
         in_hand = replace(self._stands[self.in_hand], placement=self._hand.placement)
         self._hand.placement = self._left.cleared(in_hand, before, self._first)
         self._stands = [
@@ -152,12 +152,12 @@ class Arrangement:
     def begin_anew(self) -> None:
         """Resets the places for another clip or photo: every model stands as it would in another run."""
         self._left.forget_this_run()
-        self._first, self._first_is_due = UNMOVED, True
+        self._first, self._first_is_due = FirstPlaces(), True
         self._stand_as_left()
 
     def give_back(self) -> None:
         """Has the model in the hand stand as if nobody had ever moved it."""
-        self._hand.placement = self._first_in_hand
+        self._hand.placement = self._first_of(self._stands[self.in_hand])
         self.keep_places()
 
     def keep_places(self) -> None:
@@ -167,17 +167,17 @@ class Arrangement:
     @property
     def is_moved(self) -> bool:
         """Whether the model in the hand stands elsewhere than where it stood at first."""
-        return self._hand.placement.shift_m != self._first_in_hand.shift_m
+        return self._hand.placement.shift_m != self._first_of(self._stands[self.in_hand]).shift_m
 
-    @property
-    def _first_in_hand(self) -> Placement:
-        return self._first if self.marker_in_hand is None else UNMOVED
+    def _first_of(self, stand: Stand) -> Placement:
+        return self._first.of(stand.seat) if stand.marker is None else UNMOVED
 
     @property
     def is_as_left(self) -> bool:
         """Whether the model in the hand stands as a person left it before, and not as models stand at first."""
         stand = self._as_it_is()
-        return stand.placement not in (UNMOVED, self._first) and stand.placement == self._left.of(stand, self._first)
+        is_at_first = stand.placement in (UNMOVED, self._first_of(stand))
+        return not is_at_first and stand.placement == self._left.of(stand, self._first)
 
     def follow_shelf(self) -> bool:
         """Takes up the shelf's model where the former one stood and as large; returns whether it is another one."""

@@ -1,10 +1,12 @@
-"""Where a model first stands if the marker is printed on a body: beside the body, clear of its shadow."""
+"""Where models first stand if the marker is printed on a body: beside the body, clear of its shadow."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Light, TrackedFrame
-from ashe_live.models.placement import UNMOVED, Placement
+from ashe_live.models.placement import Placement, seat_beside
 from ashe_live.viewer.hands.pointing import picture_axes
 
 # Distance between the middles of body and model: half of each, and a gap between them that lets light through.
@@ -18,13 +20,28 @@ TO_THE_RIGHT = 1e-3  # weight that only decides between places that are otherwis
 STEEP_COSINE = 0.2
 
 
-def first_placement(tracked: TrackedFrame, light: Light | None, in_its_place: bool = False) -> Placement:
+@dataclass(frozen=True, slots=True)
+class FirstPlaces:
+    """Where models stand that nobody has moved: in one row, through the marker's middle or beside a body."""
+
+    middle_m: tuple[float, float] = (0.0, 0.0)  # marker frame
+    along: tuple[float, float] = (1.0, 0.0)  # from one to the next, where the larger of the two is 1 or -1
+    side_m: float = 0.0  # the marker's; without it the row is that of the seats
+
+    def of(self, seat: int) -> Placement:
+        """Relative to the seat, as a stand's placement is."""
+        seat_x, _ = seat_beside(seat, self.side_m).shift_m
+        (x, y), (along_x, along_y) = self.middle_m, self.along
+        return Placement(shift_m=(x + seat_x * (along_x - 1), y + seat_x * along_y))
+
+
+def first_places(tracked: TrackedFrame, light: Light | None, in_its_place: bool = False) -> FirstPlaces:
     """Over the marker; if that is on a body, beside the body as the picture shows it, and out of its shadow in `light`.
 
-    in_its_place: the body is covered, and the model takes its place.
+    in_its_place: the body is covered, and the models take its place.
     """
     if in_its_place or tracked.marker is None or tracked.marker.body is None:
-        return UNMOVED
+        return FirstPlaces()
     right, away = picture_axes(tracked)
     angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     around: Float = np.cos(angles)[:, None] * right + np.sin(angles)[:, None] * away
@@ -33,5 +50,9 @@ def first_placement(tracked: TrackedFrame, light: Light | None, in_its_place: bo
         shadow = -light.to_light_marker[:2]
         cosine = float(np.linalg.norm(shadow))
         worth = worth - OUT_OF_SHADOW * np.maximum(around @ shadow, 0) / max(cosine, STEEP_COSINE)
-    x, y = AWAY_SIDES * tracked.marker.side_m * around[int(worth.argmax())]
-    return Placement(shift_m=(float(x), float(y)))
+    outwards = around[int(worth.argmax())]
+    x, y = AWAY_SIDES * tracked.marker.side_m * outwards
+    # A row across the way to the body passes it by at the distance of the first model.
+    across = np.array((-outwards[1], outwards[0])) / np.abs(outwards).max()
+    across_x, across_y = across if across @ (right - away) >= 0 else -across
+    return FirstPlaces((float(x), float(y)), (float(across_x), float(across_y)), tracked.marker.side_m)

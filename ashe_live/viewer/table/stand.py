@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
+from ashe_live.viewer.table.beside import FirstPlaces
 from ashe_live.viewer.table.shelf import Shelf
 
 AT_FIRST = UNMOVED.shift_m  # as it is kept, it means the place of a model that nobody has moved, wherever that is
@@ -38,25 +39,25 @@ class LeftPlaces:
         self._shelf = shelf
         self._left: dict[tuple[str, str], Placement] = {}  # in this run
 
-    def of(self, stand: Stand, first: Placement) -> Placement:
+    def of(self, stand: Stand, first: FirstPlaces) -> Placement:
         """How the model stands when it comes there."""
-        left = self._left.get(stand.key)
+        left, here = self._left.get(stand.key), first.of(stand.seat)
         known = self._shelf.placement(*stand.key) if left is None else left
         # What was remembered from another marker does not count beside a body, which may stand at that place.
-        is_at_first = known.shift_m == AT_FIRST or (left is None and first != UNMOVED)
-        return replace(known, shift_m=first.shift_m) if is_at_first and stand.marker is None else known
+        is_at_first = known.shift_m == AT_FIRST or (left is None and here != UNMOVED)
+        return replace(known, shift_m=here.shift_m) if is_at_first and stand.marker is None else known
 
-    def cleared(self, stand: Stand, before: Placement, first: Placement) -> Placement:
+    def cleared(self, stand: Stand, before: FirstPlaces, first: FirstPlaces) -> Placement:
         """How it stands from now on, if the first place has changed from `before` to `first`."""
         if stand.key not in self._left and stand.placement == self.of(stand, before):
             return self.of(stand, first)
-        is_at_first = stand.marker is None and stand.placement.shift_m == before.shift_m
-        return replace(stand.placement, shift_m=first.shift_m) if is_at_first else stand.placement
+        is_at_first = stand.marker is None and stand.placement.shift_m == before.of(stand.seat).shift_m
+        return replace(stand.placement, shift_m=first.of(stand.seat).shift_m) if is_at_first else stand.placement
 
-    def keep(self, stand: Stand, first: Placement) -> None:
+    def keep(self, stand: Stand, first: FirstPlaces) -> None:
         """Remembers how the model stands, for when it stands there again, in this run or another."""
         if stand.key in self._left or stand.placement != self.of(stand, first):
-            at_first = stand.marker is None and stand.placement.shift_m == first.shift_m
+            at_first = stand.marker is None and stand.placement.shift_m == first.of(stand.seat).shift_m
             kept = replace(stand.placement, shift_m=AT_FIRST) if at_first else stand.placement
             if self._left.get(stand.key) != kept:
                 self._left[stand.key] = kept

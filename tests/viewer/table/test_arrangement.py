@@ -2,15 +2,18 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import BESIDE_SIDES, UNMOVED, Placement
+from ashe_live.tracking.cube.faces import CORNERS
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
@@ -71,6 +74,19 @@ def test_several_stand_side_by_side_and_do_not_overlap(make, fakes):
     boxes = [model.bounds[:, 0] + place.shift_m[0] for model, place in scene.models]
     boxes.sort(key=lambda box: box[0])
     assert all(left[1] < right[0] for left, right in itertools.pairwise(boxes))
+
+
+def test_beside_a_cube_no_model_stands_in_it(make, fakes):
+    session = make(ChosenModel("mug"))
+    flat = fakes.tracked(0)
+    body = Proxy("box", np.column_stack([SIDE_M * CORNERS, np.zeros((8, 2))]))
+    session.take(replace(flat, marker=replace(flat.marker, body=body)), 0.0)
+    asked(session, Command.ADD_MODEL)
+    shifts = np.array([place.shift_m for place in places(session)])
+    assert len(shifts) == 3
+    assert np.abs(shifts).max(axis=1).min() > 1.1 * SIDE_M
+    session.arrangement.give_back()
+    assert places(session)[2].shift_m == tuple(shifts[2])
 
 
 def test_keys_change_the_one_in_hand_alone(make, fakes):

@@ -1,6 +1,7 @@
 """Beside a cube: the model stands clear of it and of its shadow, and over a flat marker as ever."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -8,9 +9,10 @@ import pytest
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
-from ashe_live.models.placement import UNMOVED
+from ashe_live.models.catalogue import MOST_MODELS
+from ashe_live.models.placement import FOOTPRINT_SIDES, UNMOVED, seat_beside
 from ashe_live.tracking.cube.faces import CORNERS
-from ashe_live.viewer.table.beside import first_placement
+from ashe_live.viewer.table.beside import first_places
 from tests.painted_cubes import CAMERA, EDGE_M, looking
 
 BODY = Proxy("box", np.column_stack([EDGE_M * CORNERS, np.zeros((8, 2))]))
@@ -22,20 +24,20 @@ def tracked(azimuth_deg: float, body: Proxy | None = BODY) -> TrackedFrame:
 
 
 def test_over_a_flat_marker_and_without_one_nothing_is_moved() -> None:
-    assert first_placement(tracked(30, None), None) == UNMOVED
-    assert first_placement(dataclasses.replace(tracked(30), marker=None), None) == UNMOVED
+    assert first_places(tracked(30, None), None).of(0) == UNMOVED
+    assert first_places(dataclasses.replace(tracked(30), marker=None), None).of(0) == UNMOVED
 
 
 def test_where_the_cube_is_covered_it_stands_in_its_place() -> None:
-    assert first_placement(tracked(30), None, in_its_place=True) == UNMOVED
-    assert first_placement(tracked(30), None) != UNMOVED
+    assert first_places(tracked(30), None, in_its_place=True).of(0) == UNMOVED
+    assert first_places(tracked(30), None).of(0) != UNMOVED
 
 
 @pytest.mark.parametrize("azimuth_deg", [0, 75, 200])
 def test_it_stands_beside_the_cube_in_the_picture(azimuth_deg: float) -> None:
     seen = tracked(azimuth_deg)
     assert seen.marker is not None
-    x, y = first_placement(seen, None).shift_m
+    x, y = first_places(seen, None).of(0).shift_m
     assert np.hypot(x, y) > 1.3 * EDGE_M
     middle, beside = project(CAMERA, seen.marker.T_cam_marker, [(0, 0, 0), (x, y, 0)])
     assert beside[0] > middle[0] + 40
@@ -44,6 +46,14 @@ def test_it_stands_beside_the_cube_in_the_picture(azimuth_deg: float) -> None:
 @pytest.mark.parametrize("sun_deg", range(0, 360, 30))
 def test_it_stands_out_of_the_cubes_shadow(sun_deg: float) -> None:
     to_light = direction_from_angles(np.radians(sun_deg), np.radians(30))
-    place = np.array(first_placement(tracked(75), Light(to_light)).shift_m)
+    place = np.array(first_places(tracked(75), Light(to_light)).of(0).shift_m)
     to_shadow = -to_light[:2] / np.linalg.norm(to_light[:2])
     assert place @ to_shadow < 0.5 * np.linalg.norm(place)
+
+
+@pytest.mark.parametrize("azimuth_deg", range(0, 360, 25))
+def test_several_stand_clear_of_the_cube_and_of_one_another(azimuth_deg: float) -> None:
+    places = first_places(tracked(azimuth_deg), None)
+    stood = [(seat_beside(seat, EDGE_M) @ places.of(seat)).shift_m for seat in range(MOST_MODELS)]
+    for one, other in itertools.combinations([(0.0, 0.0), *stood], 2):
+        assert np.abs(np.subtract(one, other)).max() > 1.1 * FOOTPRINT_SIDES * EDGE_M

@@ -18,7 +18,7 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.session import Session
-from ashe_live.viewer.table.beside import first_placement
+from ashe_live.viewer.table.beside import first_places
 from ashe_live.viewer.table.shelf import Shelf
 
 LEFT = Placement(1.5, math.radians(30), (0.02, -0.04))
@@ -109,7 +109,7 @@ def test_beside_a_body_a_model_is_as_large_as_it_was_left_and_as_clear_of_it_as_
     on_cube = TrackedFrame(flat.frame, flat.camera, replace(flat.marker, body=body))
     session = run()
     session.take(on_cube, 0.0)
-    beside = first_placement(on_cube, None)
+    beside = first_places(on_cube, None).of(0)
     assert beside.shift_m != UNMOVED.shift_m
     assert same(session.hand.placement, Placement(LEFT.scale, LEFT.turn_rad, beside.shift_m))
     # A body's place is no reason to forget the other.
