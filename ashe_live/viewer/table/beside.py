@@ -1,20 +1,22 @@
-"""Where models first stand if the marker is printed on a body: beside the body, clear of its shadow."""
+"""Where models first stand if the marker is printed on a body: beside it, in the picture, and clear of its shadow."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import project
 from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.models.placement import Placement, seat_beside
 from ashe_live.viewer.hands.pointing import picture_axes
 
 # Distance between the middles of body and model: half of each, and a gap between them that lets light through.
 AWAY_SIDES = 1.7
-# Number of directions that are compared, and weights of a place nearer to the camera, to the side, and out of the
-# shadow.
+# Number of directions that are compared, and weights of a place nearer to the camera, to the side, out of the shadow,
+# and in the picture, without which the others are worth nothing.
 DIRECTIONS = 16
-NEARER, ASIDE, OUT_OF_SHADOW = 0.25, 0.5, 1.0
+NEARER, ASIDE, OUT_OF_SHADOW, IN_PICTURE = 0.25, 0.5, 1.0, 3.0
 TO_THE_RIGHT = 1e-3  # weight that only decides between places that are otherwise as good
 # Cosine of a light's elevation below which the body's shadow counts the less the shorter it is.
 STEEP_COSINE = 0.2
@@ -50,9 +52,20 @@ def first_places(tracked: TrackedFrame, light: Light | None, in_its_place: bool 
         shadow = -light.to_light_marker[:2]
         cosine = float(np.linalg.norm(shadow))
         worth = worth - OUT_OF_SHADOW * np.maximum(around @ shadow, 0) / max(cosine, STEEP_COSINE)
-    outwards = around[int(worth.argmax())]
-    x, y = AWAY_SIDES * tracked.marker.side_m * outwards
+    places = AWAY_SIDES * tracked.marker.side_m * around
+    best = int((worth + IN_PICTURE * _share_in_picture(tracked, places, tracked.marker.side_m)).argmax())
+    (x, y), outwards = places[best], around[best]
     # A row across the way to the body passes it by at the distance of the first model.
     across = np.array((-outwards[1], outwards[0])) / np.abs(outwards).max()
     across_x, across_y = across if across @ (right - away) >= 0 else -across
     return FirstPlaces((float(x), float(y)), (float(across_x), float(across_y)), tracked.marker.side_m)
+
+
+def _share_in_picture(tracked: TrackedFrame, places_m: Float, side_m: float) -> Float:
+    """(n,) how much of a model as large as the marker is seen at each of the places (n, 2)."""
+    assert tracked.marker is not None
+    box = side_m * np.array(list(itertools.product((-0.5, 0.5), (-0.5, 0.5), (0.0, 1.0))))
+    corners = (np.pad(places_m, ((0, 0), (0, 1)))[:, None] + box).reshape(-1, 3)
+    pixels = project(tracked.camera, tracked.marker.T_cam_marker, corners)
+    is_seen = ((pixels >= 0) & (pixels < tracked.frame.size)).all(axis=1)
+    return np.asarray(is_seen.reshape(-1, len(box)).mean(axis=1))

@@ -43,6 +43,18 @@ def test_it_stands_beside_the_cube_in_the_picture(azimuth_deg: float) -> None:
     assert beside[0] > middle[0] + 40
 
 
+@pytest.mark.parametrize("aside_m", [-0.2, 0.2])
+def test_beside_a_cube_near_the_pictures_rim_it_stands_where_it_is_seen(aside_m: float) -> None:
+    seen = tracked(75)
+    assert seen.marker is not None
+    T_cam_marker = seen.marker.T_cam_marker.copy()
+    T_cam_marker[0, 3] += aside_m
+    marker = dataclasses.replace(seen.marker, T_cam_marker=T_cam_marker)
+    x, y = first_places(dataclasses.replace(seen, marker=marker), None).of(0).shift_m
+    pixels = project(CAMERA, T_cam_marker, EDGE_M * CORNERS + (x, y, 0))
+    assert np.all((pixels > 0) & (pixels < seen.frame.size))
+
+
 @pytest.mark.parametrize("sun_deg", range(0, 360, 30))
 def test_it_stands_out_of_the_cubes_shadow(sun_deg: float) -> None:
     to_light = direction_from_angles(np.radians(sun_deg), np.radians(30))
