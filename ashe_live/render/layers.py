@@ -58,7 +58,7 @@ class LayerPasses:
                 self.cover.forget()
             return None
         follow = self.cover.follow_beside if self._is_beside else self.cover.follow
-        follow(scene.tracked, scene.illumination, waits)
+        follow(scene.tracked, scene.lit_in_video or scene.illumination, waits)
         return self.cover if len(self.cover.corners) else None
 
     def draw(self, content: LayerContent, with_models: bool = True, with_ground: bool = True) -> None:

@@ -40,6 +40,7 @@ def bare_scene(session: Session) -> Scene:
         casts_shadow=parts.casts_shadow,
         shows_model=parts.shows_model,
         covers_marker=session.covers_marker,
+        lit_in_video=None if session.hand.light is None else session.estimated_light,
         is_split=parts.is_split,
         time_s=session.table.motion_s,
     )

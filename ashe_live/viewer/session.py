@@ -60,7 +60,12 @@ class Session:
     @property
     def lit_by(self) -> Illumination:
         """The illumination that was set by hand, or else the estimated one."""
-        return self._light.now(self.tracked) if self.hand.light is None else self.hand.light
+        return self.estimated_light if self.hand.light is None else self.hand.light
+
+    @property
+    def estimated_light(self) -> Illumination:
+        """The estimated illumination, by the marker's frame as it lies now, whatever was set by hand."""
+        return self._light.now(self.tracked)
 
     @property
     def estimate(self) -> LightEstimate | None:
@@ -107,7 +112,7 @@ class Session:
         if is_being_moved:
             self._show(now_s)
         self.table.motion.tick(now_s)
-        self.arrangement.stand_clear(tracked, self._light.now(tracked).light, self.covers_marker)
+        self.arrangement.stand_clear(tracked, self.estimated_light.light, self.covers_marker)
         is_steady = self._first.add(tracked)
         if has_gone_round and self.settle_for_last(now_s):
             return
@@ -184,7 +189,7 @@ class Session:
             self.shown = light.jump(self.tracked) if now_s is None else light.shown(self.tracked, now_s)
 
     def _stand_clear_again(self) -> None:
-        self.arrangement.stand_clear_again(self.tracked, self._light.now(self.tracked).light, self.covers_marker)
+        self.arrangement.stand_clear_again(self.tracked, self.estimated_light.light, self.covers_marker)
 
     def handle(self, request: Request, now_s: float) -> bool:
         """Handles a request that needs neither window nor source; returns False for any other."""
@@ -219,7 +224,7 @@ class Session:
 
     def _handle_by_hand(self, request: Request, now_s: float) -> bool:
         before = self.hand.set_light
-        if not self.table.handle(request, self.tracked, self._light.now(self.tracked), now_s):
+        if not self.table.handle(request, self.tracked, self.estimated_light, now_s):
             return False
         if request.command is Command.RESET:
             self.view.parts = WHOLE

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ashe_live.core.types import Illumination, Light
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.render.screen import Screen
 from ashe_live.viewer import display as display_module
@@ -39,6 +40,15 @@ def test_the_lights_become_those_of_the_estimate(session):
     assert bare_scene(session).illumination.lights is not session.estimate.lights
     session.poll(EASED_OVER_S)
     assert bare_scene(session).illumination.lights is session.estimate.lights
+
+
+def test_shadows_in_the_video_are_those_of_the_estimated_light_while_another_is_set_by_hand(session):
+    assert bare_scene(session).lit_in_video is None
+    by_hand = Illumination((Light((1.0, 0.0, 1.0)),))
+    session.hand.light = by_hand
+    session.poll(EASED_OVER_S)
+    assert bare_scene(session).illumination is by_hand
+    assert bare_scene(session).lit_in_video.lights is session.estimate.lights
 
 
 def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):

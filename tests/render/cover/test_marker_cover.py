@@ -208,7 +208,9 @@ def test_cover_follows_sheen_that_moves_over_the_table(make_renderer, stage) -> 
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
 
-def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage) -> None:
+@pytest.mark.parametrize("is_lit_by_hand", [False, True])
+def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage, is_lit_by_hand: bool) -> None:
+    """Also under a light by hand, in which it would fall elsewhere."""
     light = stage.light(90, 45, RATIO)
     # A post behind the sheet whose shadow falls across its left half.
     radius, height, middle = 0.012, 0.1, (-0.02, 0.075)
@@ -222,7 +224,9 @@ def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage) ->
     renderer = make_renderer(FAST.render)
     mesh = box((0.006, 0.006, 0.002))
     aside = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((0.09, -0.06, 0.0), np.float32)))
-    renderer.render(Scene(tracked, aside, illumination, covers_marker=True))
+    shown = replace(illumination, lights=(stage.light(65, 45, RATIO),)) if is_lit_by_hand else illumination
+    lit_in_video = illumination if is_lit_by_hand else None
+    renderer.render(Scene(tracked, aside, shown, covers_marker=True, lit_in_video=lit_in_video))
     picture = renderer.read_bgr()
     places = project(
         tracked.camera, tracked.marker.T_cam_marker, [(middle[0], y, 0.0) for y in np.linspace(0.03, -0.01, 9)]
