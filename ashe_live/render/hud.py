@@ -117,7 +117,8 @@ def _wrapped(line: str, font_px: float, width: int) -> list[str]:
         else:
             parts[-1:] = [longer]
         parts += others
-    return parts
+    # What separated two readings is no indent where the line is broken between them.
+    return [parts[0], *(part.lstrip(" ") for part in parts[1:])]
 
 
 def _pieces(word: str, font_px: float, width: int) -> list[str]:

@@ -94,6 +94,12 @@ def test_nothing_of_a_line_is_lost_when_it_is_broken(line: str) -> None:
     assert all(word in line for part in parts for word in part.split(" "))
 
 
+def test_no_part_of_a_broken_line_is_indented() -> None:
+    _, *rest = hud._wrapped("60 fps   lantern (2 of 2)   balanced   paused   H: keys", 15, 120)
+    assert rest
+    assert all(part == part.lstrip() for part in rest)
+
+
 HOSTILE = {
     "many words": "word " * 300_000,
     "a long word": "w" * 1_500_000,
