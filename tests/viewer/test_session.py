@@ -546,6 +546,17 @@ def test_a_light_by_hand_is_shown_at_once_and_said_to_be_so(make, fakes):
     assert bare_scene(session).illumination is session.hand.light
 
 
+def test_what_was_said_of_a_light_by_hand_goes_with_it(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.handle(Request(Command.LIGHT_DISTANCE, -5), 1.0)
+    assert "lamp" in session.notice.shown(1.0)
+    session.handle(Request(Command.RESET), 1.5)
+    assert session.notice.shown(1.5) == "the light is no longer by hand: Ctrl+Z takes that back"
+    session.handle(Request(Command.UNDO), 2.0)
+    assert session.hand.light is not None
+
+
 def test_a_new_estimate_ends_the_light_by_hand_and_one_asked_for_before_does_not(make, fakes):
     session = make()
     session.take(fakes.tracked(), 0.0)

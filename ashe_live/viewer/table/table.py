@@ -125,6 +125,8 @@ class Table:
             case Command.RESET:
                 if self.arrangement.is_as_left:
                     self._say(f"{self.model_name} stands as at first: Ctrl+Z takes that back", now_s)
+                elif self.hand.light is not None:  # of which the last line may still speak
+                    self._say("the light is no longer by hand: Ctrl+Z takes that back", now_s)
                 self._undo.note(self.hand, request, now_s)
                 self.hand.reset()
                 self.arrangement.give_back()
