@@ -41,7 +41,8 @@ def write_cube_sheet(path: Path, cube: Layout, edge_m: float, paper: str = "a4",
     if not SMALLEST_MM <= edge_mm <= most_mm:
         remedy = f"choose --side from {SMALLEST_MM / 1000:g} to {most_mm / 1000:g}"
         larger = ", or --paper a3" if most_mm < edge_mm <= largest_edge_mm("a3") else ""
-        raise UserError(f"a cube of {edge_m:g} m does not fit on {paper}", remedy + larger)
+        fault = "is too small to be folded and seen" if edge_mm < SMALLEST_MM else f"does not fit on {paper}"
+        raise UserError(f"a cube of {edge_m:g} m {fault}", remedy + larger)
     page = PrintedPage.blank(size_mm)
     net = _Net(((size_mm[0] - COLUMNS * edge_mm) / 2, (size_mm[1] - ROWS * edge_mm - FLAP_MM) / 2), edge_mm)
     for number, (face, member) in enumerate(zip(FACES, cube.members, strict=True), 1):

@@ -106,6 +106,7 @@ def test_larger_paper_is_advised_only_where_the_cube_fits_on_it(tmp_path: Path, 
     with pytest.raises(UserError) as caught:
         write_cube_sheet(tmp_path / "cube.pdf", cube_layout(), edge_m)
     assert ("--paper a3" in caught.value.remedy) == fits_a3
+    assert ("too small" in caught.value.message) == (edge_m < 0.03)
 
 
 def test_a_face_looks_away_from_the_cubes_middle_and_lies_on_its_surface() -> None:
