@@ -24,7 +24,7 @@ ROUNDED = 6  # bodies are alike to one over so much of their heights, as far as 
 # Shadows of so many neighbouring rings and of so many directions around share a window of the map; all short ones one.
 RINGS_A_WINDOW, WINDOWS_AROUND, SHORT_RINGS = 3, 8, 9
 # Lights behind the camera, whose shadow the body hides: parts of the displacement at which the camera would cast it,
-# and how far beside it, over 1 + |s|. Each stands for what is nearer to it than to the next.
+# and how far beside it, over 1 + |s|. Each stands for a cell of these two steps.
 BEHIND_STEP, ASIDE_STEP = 0.1, 0.06
 BEHIND, BEHIND_ASIDE = 0.15 + BEHIND_STEP * np.arange(11), ASIDE_STEP * (np.arange(4) - 1.5)
 
@@ -58,7 +58,7 @@ class Templates:
         lengths = np.linalg.norm(further, axis=1)
         further = at_infinity(further / lengths[:, None])
         cell = length * BEHIND_STEP * (1 + length) * ASIDE_STEP
-        weight = np.where(_between(self.lights, s), 0.5, 1.0) * self.solid_angle
+        weight = np.where(_are_behind(self.lights, s), 0.5, 1.0) * self.solid_angle
         return Templates(
             np.concatenate([self.lights, further]),
             np.concatenate([weight, 0.5 * cell / lengths**3 / (2 * np.pi)]),
@@ -70,14 +70,14 @@ class Templates:
         )
 
 
-def _between(lights: Float, s: Float) -> Mask:
-    """(m,) which lights (m, 4) lie among those behind a camera towards `s` (2,): x / z and y / z of where it is."""
+def _are_behind(lights: Float, s: Float) -> Mask:
+    """(m,) which lights (m, 4) lie in the cells of those behind a camera at the displacement `s` (2,) from the foot."""
     displacements = lights[:, :2] / lights[:, 2:3]
     length = max(float(np.hypot(*s)), 1e-9)
     along, aside = displacements @ s / length**2, displacements @ np.array([-s[1], s[0]]) / (length * (1 + length))
     is_along = np.abs(along - BEHIND.mean()) < 0.5 * BEHIND_STEP * len(BEHIND)
-    is_between: Mask = is_along & (np.abs(aside) < 0.5 * ASIDE_STEP * len(BEHIND_ASIDE))
-    return is_between
+    are_behind: Mask = is_along & (np.abs(aside) < 0.5 * ASIDE_STEP * len(BEHIND_ASIDE))
+    return are_behind
 
 
 def templates_of(body: Proxy) -> Templates:

@@ -34,15 +34,15 @@ PLACES, LIT_SHARE = 9, 0.6
 # Least share of its seeming depth that a light's shadow has beside ground which sees as much sky. Stated: right answers
 # have 0.33 and more, cloudy skies 0.1 to 0.25 (docs/maths, "Confidence").
 LEAST_SHARE = 0.3
-MISSING_SIGMAS = 2.0  # by which what is missing of that depth has to exceed what a pattern makes of it
+# Standard deviations, of what a pattern makes of a depth, by which it must fall short of what it seems. Stated.
+MISSING_SIGMAS = 2.0
 
 
 class Depth(NamedTuple):
     """How much darker a shadow is than ground that sees as much sky, in log brightness: 0 for none."""
 
     value: float
-    # By how much ground of a shadow's shape is brighter in one place than in another, as a pattern makes it.
-    sigma: float = 0.0
+    sigma: float  # standard deviation, as lit ground of the shadow's shape is not as bright in all places: a pattern's
 
 
 def depths_beyond_sky(view: View, proxy: Proxy, lights: Float) -> list[Depth | None]:
@@ -105,7 +105,10 @@ def _sky_in_view(proxy: Proxy, view: View) -> Float32:
 
 
 def _depth(brightness: Float32, sky: NDArray[np.intp], core: Mask, is_lit: Mask) -> Depth | None:
-    """By how much less `brightness` (h, w) is in `core` than where `is_lit` at the same step of `sky`, (h, w) each."""
+    """By how much less `brightness` (h, w) is in `core` than where `is_lit` at the same step of `sky`, (h, w) each.
+
+    None where there is too little of either.
+    """
     weights, differences = [], []
     for step in np.unique(sky[core]):
         inside, outside = (brightness[mask & (sky == step)] for mask in (core, is_lit))
@@ -118,7 +121,10 @@ def _depth(brightness: Float32, sky: NDArray[np.intp], core: Mask, is_lit: Mask)
 
 
 def _scatter(brightness: Float32, core: Mask, is_lit: Mask) -> float:
-    """The standard deviation of the median `brightness` (h, w) of lit ground in places of the shape of `core`."""
+    """The standard deviation of the median `brightness` (h, w) of lit ground in places of the shape of `core`.
+
+    0 where there are not two such places, so that a pattern cannot be told.
+    """
     rows, columns = np.nonzero(core)
     height, width = core.shape
     medians = []

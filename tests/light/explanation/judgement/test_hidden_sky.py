@@ -81,7 +81,7 @@ def test_what_is_not_in_view_is_not_known() -> None:
     light = np.array([[*direction(200, 40), 0.0]])
     assert depths_beyond_sky(view(0.5, 40, towards=(-0.6, 0.0)), BALL, light) == [None]
     assert not is_of_sky_alone([None], [0.5])
-    assert is_of_sky_alone([None, Depth(0.05)], [0.5, 0.5])
+    assert is_of_sky_alone([None, Depth(0.05, 0.0)], [0.5, 0.5])
 
 
 @pytest.mark.parametrize("stripes_at_m", np.linspace(0, 2 * STRIPE_M, 8, endpoint=False))
