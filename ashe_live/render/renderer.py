@@ -86,6 +86,11 @@ class SceneRenderer:
         return self._models.is_settled and self._models_on_video.layers.cover.is_settled
 
     @property
+    def covers_marker(self) -> bool:
+        """Whether ground was painted over the marker in the last picture, which has to be made first."""
+        return len(self._models_on_video.layers.cover.corners) > 0
+
+    @property
     def preset(self) -> RenderPreset:
         return self._preset
 

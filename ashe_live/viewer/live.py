@@ -156,6 +156,7 @@ class LiveViewer:
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality.shown, self._playback.pace_shown, recording)))
         self._session.table.drawn = self._renderer.shown_models
+        self._session.view.cover_is_drawn = self._renderer.covers_marker
         readings = Readings(manner, self._stillness.fps(self._is_idle), status, moment)
         scene = self._display.scene(self._session, screen, readings, now_s)
         if menu := self._menu.overlays(screen):

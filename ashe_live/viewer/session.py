@@ -112,7 +112,7 @@ class Session:
         if is_being_moved:
             self._show(now_s)
         self.table.motion.tick(now_s)
-        self.arrangement.stand_clear(tracked, self.estimated_light.light, self.covers_marker)
+        self._stand_clear()
         is_steady = self._first.add(tracked)
         if has_gone_round and self.settle_for_last(now_s):
             return
@@ -170,6 +170,7 @@ class Session:
         Returns a new answer, once.
         """
         self.table.poll(now_s, is_quiet=self.notice.shown(now_s) is None)
+        self._stand_clear()
         new = self._accepted(self.watch.wait(0.0), now_s)
         self._show(now_s)
         return new
@@ -188,8 +189,9 @@ class Session:
         else:
             self.shown = light.jump(self.tracked) if now_s is None else light.shown(self.tracked, now_s)
 
-    def _stand_clear_again(self) -> None:
-        self.arrangement.stand_clear_again(self.tracked, self.estimated_light.light, self.covers_marker)
+    def _stand_clear(self, in_new_light: bool = False) -> None:
+        light, in_its_place = self.estimated_light.light, self.view.vacates_body(self.tracked)
+        self.arrangement.stand_clear(self.tracked, light, in_its_place, in_new_light)
 
     def handle(self, request: Request, now_s: float) -> bool:
         """Handles a request that needs neither window nor source; returns False for any other."""
@@ -215,7 +217,6 @@ class Session:
                     self.say(ANSWER_ALONE, now_s)
             case Command.COVER_MARKER:
                 view.wants_cover = not self.covers_marker
-                self._stand_clear_again()
             case Command.BEFORE_AFTER:
                 self.say(f"{view.next_parts()}: B goes on", now_s)
             case _:
@@ -245,7 +246,7 @@ class Session:
             return None
         new, frozen = found.estimate, found.frozen
         self._light.take(new.illumination.as_seen_in(frozen), frozen)
-        self._stand_clear_again()
+        self._stand_clear(in_new_light=True)
         self.answer = found
         if self.view.shows_steps and found.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)

@@ -46,6 +46,7 @@ class ViewOptions:
         self.shows_steps = False  # to the estimate, or its masks
         self.shows_hud = True
         self.wants_cover: bool | None = None  # None: nobody has chosen
+        self.cover_is_drawn = True  # in the last picture, if it is wanted; so too where nobody reports it
         self.is_mirrored = False  # in the window only: what is saved is as the camera sees it
         self.parts = WHOLE
         self.help = Help()
@@ -72,6 +73,10 @@ class ViewOptions:
         """Whether ground is painted over the marker: as chosen; if nobody chose, over a sheet and not over a body."""
         marker = None if tracked is None else tracked.marker
         return self.wants_cover if self.wants_cover is not None else marker is None or marker.body is None
+
+    def vacates_body(self, tracked: TrackedFrame | None) -> bool:
+        """Whether models may take the place of a body that the marker is on: once the ground over it is drawn."""
+        return self.covers_marker(tracked) and self.cover_is_drawn
 
     def next_parts(self) -> str:
         """Shows the next ones, and returns their notice."""

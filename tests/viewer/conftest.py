@@ -256,6 +256,7 @@ class FakeRenderer:
 
     gl_renderer, gl_version, preset, is_settled = "fake", "3.3", None, True
     shown_models = ()
+    covers_marker = False
 
     def __init__(self, _context: object = None, _preset: object = None, size: tuple[int, int] = SIZE) -> None:
         self.size = size

@@ -234,6 +234,23 @@ def test_a_sheet_is_covered_and_a_cube_is_not_unless_somebody_chooses(make, fake
             assert session.covers_marker is chosen
 
 
+def test_a_model_takes_a_covered_cubes_place_once_the_ground_over_it_is_drawn(make, fakes):
+    session, sheet = make(), fakes.tracked()
+    body = Proxy("box", [(0.0, 0.0, 0.03, 0.03, 0.03)])
+    session.take(dataclasses.replace(sheet, marker=dataclasses.replace(sheet.marker, body=body)), 0.0)
+    beside = session.hand.placement
+    assert beside != UNMOVED
+    session.handle(Request(Command.COVER_MARKER), 0.0)
+    # The cover is made once it is wanted, and may be dropped for another light or another place of the cube.
+    for is_drawn, expected in ((False, beside), (True, UNMOVED), (False, beside), (True, UNMOVED)):
+        session.view.cover_is_drawn = is_drawn
+        session.poll(1.0)
+        assert session.hand.placement == expected
+    session.handle(Request(Command.COVER_MARKER), 2.0)
+    session.poll(2.0)
+    assert session.hand.placement == beside
+
+
 def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
     session = make()
     session.take(fakes.tracked(), 0.0)

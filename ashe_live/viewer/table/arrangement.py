@@ -31,6 +31,7 @@ class Arrangement:
         self._left = LeftPlaces(shelf)
         self._first = FirstPlaces()  # where models stand that nobody has moved
         self._first_is_due = True  # whether it must still be found, by the light and the marker's body
+        self._in_its_place = False  # whether it was found for a body that is covered
         self._stand_as_left()
 
     def __len__(self) -> int:
@@ -129,11 +130,16 @@ class Arrangement:
         number = model_at(at_px, tracked, [(model, placement) for _, model, placement in self.models(tracked)])
         return None if number is None else self._changed_to(number)
 
-    def stand_clear(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool) -> None:
+    def stand_clear(
+        self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool, in_new_light: bool = False
+    ) -> None:
         """Has a model that nobody has moved stand over the marker; if that is on a body, clear of body and shadow.
 
-        in_its_place: the body is covered, and the model takes its place.
+        in_its_place: the body is covered, and the model takes its place. It is done once for each of the two, and
+        again `in_new_light`.
         """
+        self._first_is_due |= in_new_light or in_its_place != self._in_its_place
+        self._in_its_place = in_its_place
         if not self._first_is_due or tracked is None or tracked.marker is None:
             return
         self._first_is_due = False
@@ -143,11 +149,6 @@ class Arrangement:
         self._stands = [
             replace(stand, placement=self._left.cleared(stand, before, self._first)) for stand in self._stands
         ]
-
-    def stand_clear_again(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool) -> None:
-        """As `stand_clear`, even if it was done before: the light has changed, or whether the body is covered."""
-        self._first_is_due = True
-        self.stand_clear(tracked, light, in_its_place)
 
     def begin_anew(self) -> None:
         """Resets the places for another clip or photo: every model stands as it would in another run."""
