@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import tangent_basis
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.shape.directions import HEMISPHERE_RAD, FittedLight
 
 FLOOR_RAD = math.radians(0.4)  # sigma along each axis of systematic errors: corner bias, a curled sheet, the lens
 
@@ -21,13 +21,18 @@ def covariance_of_outlines(covariance_rad2: Float) -> Float:
 def overdispersed(covariance_rad2: Float, unseen_end: Float | float, factor: float) -> Float:
     """(..., 2, 2) covariances of directions with the part of outlines `factor` times as large.
 
+    The prior that a light is somewhere on the hemisphere, which they contain, is no error of outlines, and stays: what
+    outlines leave open is not wider than that.
+
     unseen_end: (...) the share of the elevations' variances that comes from shadows' ends out of view, and stays.
     """
     by_outlines = np.sqrt(1 - np.asarray(unseen_end))
     axes = np.stack([np.ones_like(by_outlines), by_outlines], axis=-1)
     total = factor * covariance_rad2 * axes[..., :, None] * axes[..., None, :]
     total[..., 1, 1] += unseen_end * covariance_rad2[..., 1, 1]
-    return np.asarray(total)
+    # The information of the prior that became `factor` times as small.
+    prior = max(1 - 1 / factor, 0.0) * axes**2 / HEMISPHERE_RAD**2 if factor > 0 else np.zeros_like(axes)
+    return np.asarray(np.linalg.solve(np.eye(2) + total * prior[..., None, :], total))
 
 
 @dataclass(frozen=True, slots=True)
