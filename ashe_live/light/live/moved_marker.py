@@ -61,8 +61,8 @@ def moved_illumination(illumination: Illumination, T_new_old: Float, marker: Mar
     is_level = stays_on_plane(T_new_old, marker.side_m)
     lights = tuple(moved_light(light, T_new_old) for light in illumination.lights)
     ambient = illumination.ambient_rgb_ratio
-    if not is_level:
-        lights, ambient = _shared_on_tilted(lights, illumination)
+    if not is_level or any(light.inverse_distance > 0 for light in lights):
+        lights, ambient = _shared_there(lights, illumination)
     if body is not None and marker.body is None:
         body = moved_body(body, T_new_old) if is_level else None
     return replace(
@@ -76,11 +76,11 @@ def moved_illumination(illumination: Illumination, T_new_old: Float, marker: Mar
     )
 
 
-def _shared_on_tilted(lights: tuple[Light, ...], before: Illumination) -> tuple[tuple[Light, ...], Float | None]:
-    """The moved lights and the ambient light with their shares of what a sheet receives that is tilted.
+def _shared_there(lights: tuple[Light, ...], before: Illumination) -> tuple[tuple[Light, ...], Float | None]:
+    """The moved lights and the ambient light with their shares of what the sheet receives where it lies now.
 
-    A light gives it as much as the cosine to its normal says, which was the sine of the light's elevation; the sky
-    gives it about as much as before.
+    A light gives it as much as the cosine to its normal says, which was the sine of the light's elevation, and a lamp
+    less with the square of its distance; the sky gives it about as much as before.
     """
     left = [_left_without(light) for light in lights]
     if not lights or any(ratio is None for ratio in left):
@@ -89,16 +89,24 @@ def _shared_on_tilted(lights: tuple[Light, ...], before: Illumination) -> tuple[
     # A lamp's intensity, which was measured at the marker's centre, takes precedence over the ambient light.
     ambient = None if any(light.intensity_rgb_ratio is not None for light in lights) else before.ambient_rgb_ratio
     sky = np.clip(1 - shares.sum(axis=0), 0, 1) if ambient is None else ambient
-    heights = np.array(
-        [[now.to_light_marker[2], was.to_light_marker[2]] for now, was in zip(lights, before.lights, strict=True)]
-    )
-    received = shares * (np.maximum(heights[:, 0], 0) / np.maximum(heights[:, 1], GRAZING))[:, None]
+    gains = np.array([_gain(now, was) for now, was in zip(lights, before.lights, strict=True)])
+    received = shares * gains[:, None]
     total = np.maximum(sky + received.sum(axis=0), DARKEST)
-    shared = (
-        replace(light, shadow_rgb_ratio=1 - one / total, intensity_rgb_ratio=None)
-        for light, one in zip(lights, received, strict=True)
-    )
+    shared = (_of_share(light, one / total) for light, one in zip(lights, received, strict=True))
     return tuple(shared), None if before.ambient_rgb_ratio is None else np.asarray(sky / total)
+
+
+def _gain(now: Light, was: Light) -> float:
+    """How much more a light gives to the sheet than where that lay before: Lambert's cosine, and a lamp's distance."""
+    nearer = 1.0 if was.inverse_distance == 0 else now.inverse_distance / was.inverse_distance
+    return nearer**2 * max(float(now.to_light_marker[2]), 0.0) / max(float(was.to_light_marker[2]), GRAZING)
+
+
+def _of_share(light: Light, share: Float) -> Light:
+    """The light with a share (3,) of all that the sheet receives, stated as it was: of a lamp over all other light."""
+    if light.intensity_rgb_ratio is None:
+        return replace(light, shadow_rgb_ratio=1 - share)
+    return replace(light, intensity_rgb_ratio=share / np.maximum(1 - share, DARKEST))
 
 
 def _left_without(light: Light) -> Float | None:

@@ -1,5 +1,6 @@
 """What is known by the marker's frame, by that frame where it has been moved: onto the ground below, or in the room."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from ashe_live.core.types import Light, TrackedFrame
 def moved_light(light: Light, T_new_old: Float) -> Light:
     """The light with its covariances by the new frame; T_new_old (4, 4): rigid, metres.
 
-    A lamp's brightness and size stay those at the old frame's origin, a few centimetres away.
+    A lamp is as large as it is seen from there; its brightness stays that at the old frame's origin.
     """
     turn, shift = T_new_old[:3, :3], T_new_old[:3, 3]
     there = turn @ light.to_light_marker + light.inverse_distance * shift
@@ -33,12 +34,16 @@ def moved_light(light: Light, T_new_old: Float) -> Light:
     if covariance is not None:
         # A lamp's direction is also as uncertain as its distance makes it at another place.
         covariance = _propagated(covariance, by_old[:2, :2]) if lamp_covariance is None else lamp_covariance[:2, :2]
+    size_rad = light.angular_size_rad
+    if light.radius_m is not None and nearness > 0:
+        size_rad = 2 * math.atan(light.radius_m * nearness)
     return replace(
         light,
         to_light_marker=to_light,
         inverse_distance=nearness,
         covariance_rad2=covariance,
         lamp_covariance=lamp_covariance,
+        angular_size_rad=size_rad,
     )
 
 

@@ -159,18 +159,40 @@ def test_a_light_gives_a_tilted_sheet_as_much_as_its_cosine_says() -> None:
     assert behind.shadow_rgb_ratio == pytest.approx(1)
 
 
-def test_so_does_a_lamp_whose_intensity_was_measured() -> None:
-    """The intensity, over the ambient light at the marker, takes precedence over what the shadow has left."""
+@pytest.mark.parametrize("is_measured", [True, False], ids=["intensity", "shadow"])
+@pytest.mark.parametrize("tilt_deg", [0.0, 30.0, -30.0])
+def test_so_does_a_lamp_and_less_with_the_square_of_its_distance(tilt_deg: float, is_measured: bool) -> None:
+    """By its intensity, over all other light at the marker, if that was measured, else by what its shadow has left."""
+    over_sky = 1.5
     lamp = Light(
         np.array([0.6, 0.0, 0.8]),
-        inverse_distance=0.5,
-        shadow_rgb_ratio=np.full(3, 0.3),
-        intensity_rgb_ratio=np.full(3, 1.5),
+        inverse_distance=2.0,
+        shadow_rgb_ratio=np.full(3, 0.3 if is_measured else 1 / (1 + over_sky)),
+        intensity_rgb_ratio=np.full(3, over_sky) if is_measured else None,
     )
-    away = rigid(cv2.Rodrigues(np.radians([0.0, 30.0, 0.0]))[0], [0.0, 0.0, 0.1])
-    for motion in (away, inverse_rigid(away)):
-        moved = moved_illumination(Illumination((lamp,), np.full(3, 0.4)), motion, PRINT)
-        (now,) = moved.lights
-        assert now.intensity_rgb_ratio is None
-        over_sky = (1 - now.shadow_rgb_ratio) / moved.ambient_rgb_ratio
-        assert over_sky == pytest.approx(1.5 * now.to_light_marker[2] / 0.8)
+    away = rigid(cv2.Rodrigues(np.radians([0.0, tilt_deg, 0.0]))[0], [0.3, 0.1, 0.0])
+    moved = moved_illumination(Illumination((lamp,), np.full(3, 0.4)), away, PRINT)
+    (now,) = moved.lights
+    received = [each.to_light_marker[2] * each.inverse_distance**2 for each in (lamp, now)]
+    expected = over_sky * received[1] / received[0]
+    left = 1 / (1 + now.intensity_rgb_ratio) if is_measured else now.shadow_rgb_ratio
+    assert 1 / left - 1 == pytest.approx(np.full(3, expected))
+    assert (1 - left) / moved.ambient_rgb_ratio == pytest.approx(np.full(3, expected))
+
+
+def test_beside_a_lamp_that_is_farther_the_sun_has_a_larger_share() -> None:
+    sun = Light(np.array([0.0, 0.6, 0.8]), shadow_rgb_ratio=np.full(3, 0.7))
+    lamp = Light(np.array([0.0, 0.0, 1.0]), inverse_distance=2.0, intensity_rgb_ratio=np.full(3, 1.0))
+    before = Illumination((lamp, sun), np.full(3, 0.2))
+    now, sun_now = moved_illumination(before, rigid(np.eye(3), [0.3, 0.0, 0.0]), PRINT).lights
+    fallen = (1 + 0.6**2) ** -1.5  # the lamp's light, half a metre above, at 0.6 of that aside
+    total = 0.2 + 0.3 + 0.5 * fallen
+    assert 1 - 1 / (1 + now.intensity_rgb_ratio) == pytest.approx(np.full(3, 0.5 * fallen / total))
+    assert 1 - sun_now.shadow_rgb_ratio == pytest.approx(np.full(3, 0.3 / total))
+
+
+def test_a_lamp_is_as_large_as_it_is_seen_from_where_the_marker_lies() -> None:
+    lamp = Light(np.array([0.0, 0.0, 1.0]), inverse_distance=2.0).with_angular_size(0.1)
+    (moved,) = moved_illumination(Illumination((lamp,)), rigid(np.eye(3), [0.5, 0.0, 0.0]), PRINT).lights
+    assert moved.radius_m == lamp.radius_m
+    assert math.tan(moved.angular_size_rad / 2) == pytest.approx(lamp.radius_m / math.hypot(0.5, 0.5))
