@@ -11,8 +11,7 @@ from ashe_live.core import arguments
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination
 from ashe_live.files.writing import written_whole
-from ashe_live.render.lights.lighting import lighting_of
-from ashe_live.render.lights.shadow_colour import steadied
+from ashe_live.render.lights.seen_light import lighting_in
 
 HEIGHT_PX = 512  # of the map
 
@@ -21,10 +20,10 @@ def light_map(illumination: Illumination) -> NDArray[np.float32]:
     """(h, 2 h, 3) linear RGB radiance from all around, in units in which lit level white ground has radiance 1.
 
     In the marker's frame, as Blender lays out an equirectangular world: z up, x in the middle, y a quarter from the
-    left. The upper half is the sky, with each light's disc in it, a lamp's as seen from the marker's centre; the lower
-    half is black, where the ground is.
+    left. The upper half is the sky as models are drawn in it, leaning as far as it leans, with each light's disc in it,
+    a lamp's as seen from the marker's centre; the lower half is black, where the ground is.
     """
-    lighting = lighting_of(*steadied(illumination))
+    lighting = lighting_in(illumination)
     elevations = math.pi * (0.5 - (np.arange(HEIGHT_PX) + 0.5) / HEIGHT_PX)
     azimuths = 2 * math.pi * (0.5 - (np.arange(2 * HEIGHT_PX) + 0.5) / (2 * HEIGHT_PX))
     flat = np.cos(elevations)[:, None]
@@ -34,8 +33,12 @@ def light_map(illumination: Illumination) -> NDArray[np.float32]:
     texel_sr: Float = np.broadcast_to((math.pi / HEIGHT_PX) ** 2 * flat, directions.shape[:2])
     is_above = elevations > 0
     radiance = np.zeros((HEIGHT_PX, 2 * HEIGHT_PX, 3))
-    # What gives level ground an irradiance of pi times this, from everywhere above.
-    radiance[is_above] = lighting.sky
+    # What gives level ground an irradiance of pi times this, and walls that of its slope (docs/maths, "Ambient").
+    sky = np.array(lighting.sky)
+    leaning = np.maximum(sky + 3 * directions[is_above][..., :2] @ lighting.sky_slope, 0.0)
+    to_level = (directions[..., 2] * texel_sr)[is_above]
+    level = np.einsum("hw,hwc->c", to_level, leaning) / to_level.sum()
+    radiance[is_above] = leaning * np.divide(sky, level, out=np.ones(3), where=level > 0)
     for light in lighting.lights:
         along = directions @ light.to_light
         disc = (along >= math.cos(light.angular_size_rad / 2)) & is_above[:, None]

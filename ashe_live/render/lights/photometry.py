@@ -1,30 +1,14 @@
 """The scene's irradiances and the video's exposure, blur and noise, measured again only when they may have changed."""
 
-from dataclasses import dataclass
-
-import numpy as np
-
-from ashe_live.core.arrays import Float, same_objects
+from ashe_live.core.arrays import same_objects
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.camera.held_look import HeldLook
 from ashe_live.render.camera.relief import Relief, relief_of
 from ashe_live.render.camera.shadow_border import unexplained_border_px
 from ashe_live.render.camera.video_look import VideoLook
-from ashe_live.render.camera.white import light_on_print, white_of
 from ashe_live.render.gl.preset import RenderPreset
-from ashe_live.render.lights.lighting import RGB, Lighting, lighting_of
-from ashe_live.render.lights.open_sky import open_sky
-from ashe_live.render.lights.shadow_colour import steadied
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Read:
-    """What the picture shows that an illumination was seen in."""
-
-    lighting: Lighting
-    ambient: Float | None  # (3,) as Illumination.ambient_rgb_ratio, of the open sky
-    albedo: Float | None  # (3,) of the ground
-    white_rgb: RGB | None  # that white, fully lit, has in it
+from ashe_live.render.lights.lighting import RGB, Lighting
+from ashe_live.render.lights.seen_light import SeenLight
 
 
 class Photometry:
@@ -34,7 +18,7 @@ class Photometry:
         self._preset = preset
         self._look = HeldLook(preset)
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
-        self._read: tuple[tuple[object, ...], _Read] | None = None
+        self._read: tuple[tuple[object, ...], SeenLight] | None = None
         self._border: tuple[Lighting, float] | None = None
         self._relief: tuple[tuple[object, ...], Lighting, Relief | None] | None = None
         self._relief_asked_by: Lighting | None = None
@@ -45,30 +29,14 @@ class Photometry:
             return self._as_it_lay(of).lighting
         known = _known(of)
         if self._lighting is None or not same_objects(self._lighting[0], known):
-            read, before = self._as_it_lay(of.as_it_lay), of.as_it_lay.ambient_rgb_ratio
-            lights, ambient = steadied(of)
-            if read.ambient is not None and before is not None and of.ambient_rgb_ratio is not None:
-                # On a tilted sheet it is another share of all light.
-                ambient = read.ambient * of.ambient_rgb_ratio / np.maximum(before, 1e-6)
-            self._lighting = known, lighting_of(lights, ambient, read.albedo, of.sky_slope_rgb)
+            self._lighting = known, self._as_it_lay(of.as_it_lay).moved_to(of)
         return self._lighting[1]
 
-    def _as_it_lay(self, of: Illumination) -> "_Read":
+    def _as_it_lay(self, of: Illumination) -> SeenLight:
         """What is read in the picture, by the marker's frame as it lay there."""
         known = _known(of)
         if self._read is None or not same_objects(self._read[0], known):
-            lights, ambient = steadied(of)
-            albedo = white_rgb = None
-            if of.seen_in is not None:
-                light = light_on_print(of.seen_in, lighting_of(lights, ambient), of.real_object)
-                white_rgb = white_of(of.seen_in, light)
-            if of.ground_rgb is not None and of.seen_in is not None and white_rgb is not None:
-                white = np.array(white_rgb)
-                albedo = of.ground_rgb / white
-                if of.real_object is not None and _was_seen_in_shadow(of):
-                    ambient = open_sky(of.seen_in, of.real_object, lighting_of(lights, ambient, albedo), white)
-            lighting = lighting_of(lights, ambient, albedo, of.sky_slope_rgb)
-            self._read = known, _Read(lighting, ambient, albedo, white_rgb)
+            self._read = known, SeenLight.of(of)
         return self._read[1]
 
     def white_seen_in(self, of: Illumination) -> RGB | None:
@@ -113,17 +81,3 @@ class Photometry:
 def _known(of: Illumination) -> tuple[object, ...]:
     """What the irradiances depend on."""
     return *of.lights, of.ambient_rgb_ratio, of.sky_slope_rgb, of.ground_rgb, of.seen_in, of.real_object
-
-
-def _was_seen_in_shadow(of: Illumination) -> bool:
-    """Whether the sky's share is that which was read in the shadow of the real object, in one light.
-
-    A known body's answer is that of the open sky, and a lamp's intensity says what the sky has at the marker's centre.
-    """
-    assert of.seen_in is not None
-    assert of.seen_in.marker is not None
-    is_read = [
-        light.shadow_rgb_ratio is not None and light.intensity_rgb_ratio is None and light.to_light_marker[2] > 0
-        for light in of.lights
-    ]
-    return is_read == [True] and of.seen_in.marker.body is None

@@ -64,6 +64,25 @@ def test_a_lamp_is_as_large_as_it_is_seen_from_the_marker(distance_m: float) -> 
     assert solid[disc].sum() == pytest.approx(2 * math.pi * (1 - math.cos(half)), rel=0.2)
 
 
+@pytest.mark.parametrize("lean", [(0.0, 0.0), (0.2, 0.0), (-0.1, 0.25)])
+def test_walls_get_as_much_of_a_sky_that_leans_as_the_models_sides_do(lean: tuple[float, float]) -> None:
+    """An upright wall gets half of an even sky, and what the slope gives to its normal; level ground gets no more."""
+    slope = np.outer(lean, (1.0, 0.8, 0.6))
+    radiance = light_map(Illumination((), sky_slope_rgb=slope))
+    towards, solid = directions(radiance.shape[0])
+    for normal in ((1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)):
+        facing = np.clip(towards @ normal, 0, None) * solid
+        on_wall = (radiance * facing[..., None]).sum(axis=(0, 1)) / math.pi
+        np.testing.assert_allclose(on_wall, 0.5 + np.array(normal[:2]) @ slope, atol=0.01)
+    np.testing.assert_allclose(level_over_pi(radiance), 1.0, rtol=0.01)
+
+
+def test_the_steepest_sky_is_nowhere_black_beyond_black() -> None:
+    radiance = light_map(Illumination((), sky_slope_rgb=np.full((2, 3), 3.0)))
+    assert radiance.min() >= 0
+    np.testing.assert_allclose(level_over_pi(radiance), 1.0, rtol=0.01)
+
+
 def test_without_a_light_the_sky_gives_all() -> None:
     radiance = light_map(Illumination())
     np.testing.assert_allclose(level_over_pi(radiance), 1.0, rtol=0.01)

@@ -12,6 +12,7 @@ from ashe_live.core.transforms import direction_from_angles, project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.quality import FAST
 from ashe_live.render.lights.cast_shadows import is_inside, shadow_hull_of_point
+from ashe_live.render.lights.light_map import HEIGHT_PX, light_map
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.lights.open_sky import open_sky
 from ashe_live.render.lights.photometry import Photometry
@@ -82,6 +83,12 @@ def test_shares_of_sky_and_light_are_all_of_the_light() -> None:
     lit = Illumination((Light(TO_LIGHT, shadow_rgb_ratio=RATIO),), real_object=BOX, ground_rgb=GROUND, seen_in=seen(0))
     lighting = Photometry(FAST.render).lighting(lit)
     assert np.array(lighting.sky) + lighting.ground_shares.sum(axis=0) == pytest.approx(np.ones(3))
+
+
+def test_the_sky_that_is_saved_is_the_one_that_models_are_drawn_in() -> None:
+    lit = Illumination((Light(TO_LIGHT, shadow_rgb_ratio=RATIO),), real_object=BOX, ground_rgb=GROUND, seen_in=seen(0))
+    sky = Photometry(FAST.render).lighting(lit).sky
+    assert np.median(light_map(lit)[: HEIGHT_PX // 2], axis=(0, 1)) == pytest.approx(np.array(sky), rel=1e-5)
 
 
 def test_they_are_so_in_a_colour_that_no_shadow_is_darker_in() -> None:
