@@ -2,6 +2,7 @@
 
 import base64
 import json
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import DracoPy
@@ -23,6 +24,18 @@ GRID_TRIANGLES = base64.b64decode(
     "4f7+/v7+/v7+///////////////+/v7+/v7+/v7+/v7+DwzyAvIC8gJ/BH8CfwJ/An8HDH8JDH8JDH8JDH8HDH8JDH8JDH8JDP8vDAHyBwzxCQwf"
     "CXAaGBdQFhYWUBYWFgB2h1ZneKmGZYlomAFpAAA="
 )
+# By the same encoder: bodies whose triangles each share an edge with one of those before, as in nearly all models.
+STRIP = [(i, i + 1, i + 2) if i % 2 == 0 else (i, i + 2, i + 1) for i in range(8)]
+FAN = [(0, i, i + 1) for i in range(20, 24)]
+STRIP_BACK = [(i, i - 1, i - 2) if i % 2 == 0 else (i, i - 2, i - 1) for i in range(40, 36, -1)]
+TETRAHEDRON = [(50, 51, 52), (50, 52, 53), (50, 53, 51), (53, 52, 51)]
+RING = [(61, 62), (62, 63), (63, 64), (64, 61)]
+OCTAHEDRON = [*((60, a, b) for a, b in RING), *((65, b, a) for a, b in RING)]
+FIRST_AGAIN = [(0, 1, 2), (0, 2, 3)]
+BODIES = [*STRIP, *FAN, *STRIP_BACK, *TETRAHEDRON, *OCTAHEDRON, *FIRST_AGAIN]
+BODIES_TRIANGLES = base64.b64decode(
+    "4fAQABAAEAAQ/w4ODv8dDR3/DgIR/w4OA34CERT+AP8AKAL/IAEB/x4CAv8OAgIAAHaHVmd4qYZliWiYAWkAAA=="
+)
 
 
 def grid() -> tuple[np.ndarray, np.ndarray]:
@@ -40,11 +53,21 @@ def test_what_meshoptimizer_wrote_is_read() -> None:
     points, triangles = grid()
     read = np.frombuffer(decompressed(GRID_POINTS, attributes(25, 8)), np.uint16).reshape(-1, 4)
     np.testing.assert_array_equal(read[:, :3], points)
-    of_triangles = {"count": 96, "byteStride": 2, "mode": "TRIANGLES"}
-    indices = np.frombuffer(decompressed(GRID_TRIANGLES, of_triangles), np.uint16).reshape(-1, 3)
-    # Each may begin with another of its corners.
-    turned = [np.roll(corners, -int(np.argmin(corners))).tolist() for corners in indices]
-    assert turned == [np.roll(corners, -int(np.argmin(corners))).tolist() for corners in triangles]
+    assert lowest_first(read_triangles(GRID_TRIANGLES, len(triangles))) == lowest_first(triangles)
+
+
+def test_triangles_beside_those_before_are_read() -> None:
+    assert lowest_first(read_triangles(BODIES_TRIANGLES, len(BODIES))) == lowest_first(BODIES)
+
+
+def read_triangles(content: bytes, count: int) -> np.ndarray:
+    compression = {"count": 3 * count, "byteStride": 2, "mode": "TRIANGLES"}
+    return np.frombuffer(decompressed(content, compression), np.uint16).reshape(-1, 3)
+
+
+def lowest_first(triangles: Iterable[Sequence[int]]) -> list[list[int]]:
+    """Each as turned so that its lowest corner comes first: the encoder may begin with any of them."""
+    return [np.roll(corners, -int(np.argmin(corners))).tolist() for corners in triangles]
 
 
 def test_the_specifications_example_of_a_group() -> None:
