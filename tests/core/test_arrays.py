@@ -1,11 +1,96 @@
-"""Computations on arrays that many parts need."""
+"""Arrays that are frozen, and computations on arrays that many parts need."""
 
 import numpy as np
 import pytest
 
-from ashe_live.core.arrays import cached_by_array, lowest_on_parabola
+from ashe_live.core.arrays import (
+    cached_by_array,
+    directions_on_spiral,
+    frozen_floats,
+    frozen_view,
+    lowest_on_parabola,
+    same_objects,
+    upper_median,
+    upper_quantile,
+)
 
 HEIGHTS = np.array([0.003, 0.004, 0.005])
+
+
+def test_what_is_frozen_is_a_copy_and_then_itself() -> None:
+    given = np.arange(6.0).reshape(2, 3)
+    frozen = frozen_floats(given, (-1, 3), "points")
+    given[:] = 9
+    assert frozen.tolist() == [[0, 1, 2], [3, 4, 5]]
+    assert not frozen.flags.writeable
+    assert frozen_floats(frozen, (2, 3), "points") is frozen
+    # A view may still change with the array that it is of.
+    view = given[:1]
+    view.flags.writeable = False
+    frozen = frozen_floats(view, (1, 3), "points")
+    given[:] = 0
+    assert frozen.tolist() == [[9, 9, 9]]
+
+
+@pytest.mark.parametrize(
+    "values", [np.zeros(3), np.zeros((3, 2)), np.zeros((1, 3, 1)), [(0, 0, np.nan)], [(0, 0, np.inf)]]
+)
+def test_another_shape_and_what_is_not_finite_are_refused(values: object) -> None:
+    with pytest.raises(ValueError, match="points"):
+        frozen_floats(values, (-1, 3), "points")
+
+
+@pytest.mark.parametrize(("values", "error"), [({}, TypeError), ("abc", ValueError), ([(1, 2), (3,)], ValueError)])
+def test_what_is_no_number_is_named(values: object, error: type[Exception]) -> None:
+    with pytest.raises(error, match=r"points must be numbers of the shape \(-1, 3\)"):
+        frozen_floats(values, (-1, 3), "points")
+
+
+def test_a_frozen_view_shares_its_pixels_and_is_then_itself() -> None:
+    image = np.zeros((2, 2, 3), np.uint8)
+    view = frozen_view(image)
+    assert np.shares_memory(view, image)
+    assert not view.flags.writeable
+    assert image.flags.writeable
+    assert frozen_view(view) is view
+    assert not frozen_view(image[:1]).flags.writeable
+    assert image[:1].flags.writeable
+
+
+def test_equal_objects_are_not_the_same() -> None:
+    one, other = [1], [1]
+    assert same_objects([one, other], [one, other])
+    assert not same_objects([one, other], [other, one])
+    assert not same_objects([one], [one, other])
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 10, 11])
+def test_an_upper_quantile_is_the_least_value_with_so_many_below(count: int) -> None:
+    values = np.random.default_rng(0).permutation(count).astype(float)
+    for share in (0.0, 0.3, 0.5, 0.99):
+        assert upper_quantile(values, share) == np.floor(share * count)
+    assert upper_median(values) == np.floor(count / 2)
+
+
+@pytest.mark.parametrize(("first_z", "last_z"), [(1.0, -1.0), (1.0, 0.0), (-0.9, 0.3)])
+def test_directions_on_a_spiral_are_spread_evenly_over_their_zone(first_z: float, last_z: float) -> None:
+    """By Archimedes a zone's area goes with its height; and no side of it has more of them than another."""
+    directions = directions_on_spiral(4000, first_z, last_z)
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1)
+    lower, upper = sorted((first_z, last_z))
+    counts, _ = np.histogram(directions[:, 2], bins=8, range=(lower, upper))
+    assert counts.tolist() == [500] * 8
+    sides, _ = np.histogram(np.arctan2(directions[:, 1], directions[:, 0]), bins=8, range=(-np.pi, np.pi))
+    np.testing.assert_allclose(sides, 500, atol=5)
+    # Neighbours are apart: with half of the mean distance on a square grid between them.
+    cosines = np.sort(directions[:500] @ directions.T, axis=1)[:, -2]
+    spacing = np.sqrt(2 * np.pi * (upper - lower) / len(directions))
+    assert np.arccos(cosines).min() > 0.5 * spacing
+
+
+def test_the_spiral_covers_the_whole_sphere_unless_told() -> None:
+    np.testing.assert_allclose(directions_on_spiral(1000).mean(axis=0), 0, atol=2e-3)
+    assert np.abs(directions_on_spiral(1000)[[0, -1], 2]).min() > 0.998
 
 
 @pytest.mark.parametrize("lowest", [0.0031, 0.004, 0.0048])

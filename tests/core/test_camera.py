@@ -4,11 +4,12 @@ import json
 import math
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.camera import Camera, read_camera_file
-from ashe_live.core.ranges import FIELD_OF_VIEW, FOCAL, SIDE
+from ashe_live.core.camera import DISTORTION_LENGTHS, Camera, drawn_size, fitted, read_camera_file
+from ashe_live.core.ranges import DRAWN, FIELD_OF_VIEW, FOCAL, SIDE
 from ashe_live.errors import UserError
 
 
@@ -60,8 +61,36 @@ def test_resizing_keeps_the_direction_of_every_edge() -> None:
 def test_resizing_allows_for_rounding_to_whole_pixels_and_refuses_another_shape() -> None:
     camera = Camera.from_hfov((1920, 1080), 60)
     assert camera.resized((853, 480)).size == (853, 480)
-    with pytest.raises(ValueError, match="aspect ratio"):
-        camera.resized((640, 480))
+    for wrong in ((640, 480), (850, 480), (857, 480), (1920, 1082)):
+        with pytest.raises(ValueError, match="aspect ratio"):
+            camera.resized(wrong)
+    with pytest.raises(UserError, match="the lens does not fit the picture"):
+        fitted(camera, (640, 480), "the lens")
+
+
+@pytest.mark.parametrize("count", range(16))
+def test_distortion_has_as_many_coefficients_as_opencv_takes(count: int) -> None:
+    def with_distortion() -> Camera:
+        return Camera((640, 480), np.diag([500.0, 500.0, 1.0]), np.full(count, 0.01), "file")
+
+    if count in DISTORTION_LENGTHS:
+        points = np.array([(0.1, 0.2, 1.0)])
+        assert cv2.projectPoints(points, np.zeros(3), np.zeros(3), with_distortion().K, with_distortion().dist)
+        assert not with_distortion().without_distortion().is_distorted
+    else:
+        with pytest.raises(ValueError, match=f"dist has {count} coefficients"):
+            with_distortion()
+
+
+@pytest.mark.parametrize("size", [(640, 480), (4096, 4096), (16384, 9216), (3000, 16000), (16384, 1)])
+def test_what_is_too_large_to_be_drawn_is_reduced_and_keeps_its_shape(size: tuple[int, int]) -> None:
+    width, height = drawn_size(size)
+    assert width * height in DRAWN
+    if size[0] * size[1] in DRAWN:
+        assert (width, height) == size
+    else:
+        assert width * height > 0.999 * DRAWN.high
+        assert abs(width - height * size[0] / size[1]) < 2 * max(size) / min(size)
 
 
 def test_a_source_that_is_none_is_wrong_use() -> None:
@@ -92,6 +121,11 @@ def test_reads_a_calibration(tmp_path: Path) -> None:
         '{"size": [640, 480], "K": [[1e400,0,0],[0,1,0],[0,0,1]]}',
         '{"size": [640, 480], "K": [[1e300,0,0],[0,1,0],[0,0,1]]}',
         '{"size": [640, 480], "K": [[500,0,1e300],[0,500,0],[0,0,1]]}',
+        '{"size": [640, 480], "K": [[500,0,0],[0,500,1e300],[0,0,1]]}',
+        '{"size": [640, 480], "K": [[500,0,0],[0,1e300,0],[0,0,1]]}',
+        '{"size": [640, 480], "K": [[500,1e300,0],[0,500,0],[0,0,1]]}',
+        '{"size": [640, 480], "K": [[500,0,0],[0,500,0],[0,0,2]]}',
+        '{"size": [640, 480], "K": [[500,0,0],[0,500,0],[0,1e-3,1]]}',
         '{"size": [640, 480], "K": [[500,0,0],[0,500,0],[0,0,1]], "dist": [1e300, 0, 0, 0]}',
         '{"size": [99999999999999999999, 480], "K": [[500,0,0],[0,500,0],[0,0,1]]}',
         "[" * 100_000,

@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.contract import FileRecord, Json, estimated_light_json, light_by_hand_json, snapshot_json
+from ashe_live.core.contract import (
+    FileRecord,
+    Json,
+    estimated_light_json,
+    light_by_hand_json,
+    light_json,
+    marker_json,
+    snapshot_json,
+)
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 from tests.checkout import CHECKOUT
@@ -76,6 +84,63 @@ def test_what_a_snapshot_carries_validates(pose: MarkerPose | None, light: Json 
     assert [other["model"] for other in record["others"]] == ["tree", "cube"]
     assert (record["estimate"] is None) is (light is None)
     assert light is None or record["estimate"]["frame"] == 3
+
+
+def test_the_numbers_of_a_light_are_its_own_in_the_units_that_are_named() -> None:
+    lamp = Light(
+        (0.0, 1.0, 1.0),
+        np.diag([1e-4, 4e-4]),
+        sigma_rad=0.015,
+        confidence=0.9,
+        angular_size_rad=0.06,
+        shadow_rgb_ratio=(0.2, 0.3, 0.4),
+        inverse_distance=2.0,
+        lamp_covariance=np.diag([1e-4, 4e-4, 0.01]),
+        radius_m=0.015,
+        intensity_rgb_ratio=(3.0, 2.0, 1.0),
+    )
+    half = math.sqrt(0.5)
+    expected = {
+        "kind": "lamp",
+        "to_light_marker": pytest.approx([0, half, half]),
+        "azimuth_deg": pytest.approx(90),
+        "elevation_deg": pytest.approx(45),
+        "sigma_deg": pytest.approx(math.degrees(0.015)),
+        "covariance_rad2": [[1e-4, 0], [0, 4e-4]],
+        "confidence": 0.9,
+        "angular_size_deg": pytest.approx(math.degrees(0.06)),
+        "shadow_rgb_ratio": [0.2, 0.3, 0.4],
+        "position_marker_m": pytest.approx([0, half / 2, half / 2]),
+        "lamp_covariance": [[1e-4, 0, 0], [0, 4e-4, 0], [0, 0, 0.01]],
+        "radius_m": 0.015,
+        "intensity_rgb_ratio": [3.0, 2.0, 1.0],
+        "reason": None,
+    }
+    assert light_json(lamp) == expected
+    assert light_json(None, "no shadow") == {**dict.fromkeys(expected), "kind": "none", "reason": "no shadow"}
+
+
+def test_what_was_found_of_the_marker_is_null_where_it_was_not() -> None:
+    corners = np.array([(1.0, 2.0), (3.0, 2.0), (3.0, 4.0), (1.0, 4.0)])
+    found = marker_json(MarkerPose(np.eye(4), corners, 0.08, 0.2, None))
+    assert found == {
+        "found": True,
+        "T_cam_marker": np.eye(4).tolist(),
+        "corners_px": corners.tolist(),
+        "reprojection_rms_px": 0.2,
+        "bridged": False,
+    }
+    assert marker_json(None) == {**dict.fromkeys(found), "found": False}
+
+
+def test_a_file_that_cannot_be_used_has_an_error_and_nothing_else() -> None:
+    record = RECORDS["bad file"].to_json()
+    said = "there is no file a.mp4: check the name"
+    assert (record["error"], record["light"]["reason"], record["light"]["kind"]) == (said, said, "none")
+    assert record["frame"] is record["marker"] is record["camera"] is record["timing_ms"] is None
+    without_marker = RECORDS["no marker"].to_json()
+    assert without_marker["marker"]["found"] is False
+    assert without_marker["light"]["reason"] == "no marker found"
 
 
 def test_views_are_frames_of_one_file_or_of_several_and_null_where_there_is_one() -> None:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.core.square import along_sides, mean_side_px, side_lengths_px, square_corners
+from ashe_live.core.square import PlaneMarker, along_sides, mean_side_px, side_lengths_px, square_corners
 
 
 def test_corners_are_in_the_order_of_the_print_and_a_side_apart() -> None:
@@ -9,6 +9,12 @@ def test_corners_are_in_the_order_of_the_print_and_a_side_apart() -> None:
     # Top-left, top-right, bottom-right, bottom-left as printed: y is up.
     np.testing.assert_array_equal(np.sign(corners), [(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)])
     np.testing.assert_allclose(side_lengths_px(corners[:, :2]), 0.06)
+
+
+def test_a_marker_beside_it_is_turned_counter_clockwise_and_then_shifted() -> None:
+    beside = PlaneMarker("aruco:4x4_50:1", np.array([0.3, 0.1]), np.pi / 2, 0.06)
+    points = np.array([(0.0, 0.0, 0.0), (0.02, 0.0, 0.01), (0.0, 0.02, 0.0)])
+    np.testing.assert_allclose(beside.on_plane(points), [(0.3, 0.1, 0), (0.3, 0.12, 0.01), (0.28, 0.1, 0)])
 
 
 def test_sides_are_counted_from_the_first_corner() -> None:
