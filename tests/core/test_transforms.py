@@ -154,3 +154,45 @@ def test_orthographic_maps_its_box_onto_the_clip_cube() -> None:
 def test_inverse_rigid() -> None:
     T = looking_down()
     np.testing.assert_allclose(tf.inverse_rigid(T) @ T, np.eye(4), atol=1e-14)
+
+
+@pytest.mark.parametrize("vector", [(3.0, 4.0, 0.0), (3e200, 4e200, 0.0), (3e-200, 4e-200, 0.0), (5e-324, 5e-324, 0.0)])
+def test_any_length_is_made_one(vector: tuple[float, float, float]) -> None:
+    x, y, z = tf.normalised(vector)
+    assert math.hypot(x, y, z) == pytest.approx(1, abs=1e-15)
+    assert math.atan2(y, x) == pytest.approx(math.atan2(vector[1], vector[0]), abs=1e-15)
+
+
+@pytest.mark.parametrize("smaller", [0.0, 0.1, 0.5, 0.9, 1.0])
+def test_the_radius_of_68_percent_holds_as_many_samples(smaller: float) -> None:
+    covariance = rotation((0, 0, 0.7))[:2, :2] @ np.diag([4e-4, smaller * 4e-4]) @ rotation((0, 0, -0.7))[:2, :2]
+    samples = np.random.default_rng(0).multivariate_normal((0, 0), covariance, 100_000)
+    radius = tf.radius_of_68_percent(covariance)
+    assert (np.linalg.norm(samples, axis=1) < radius).mean() == pytest.approx(0.68, abs=0.01)
+    assert tf.radius_of_68_percent(1e6 * covariance) == math.pi
+
+
+def test_a_motion_leads_from_where_the_marker_lay_to_where_it_lies() -> None:
+    before, now = tf.rigid(rotation((0, 0, 0.3)), (0.1, 0.2, 0)), tf.rigid(rotation((0.1, 0.2, -1)), (0.3, 0.1, 0.02))
+    point = np.array([(0.05, -0.02, 0.01)])
+    in_room = tf.transform_points(before, point)
+    motion = tf.motion_between(before, now)
+    np.testing.assert_allclose(tf.transform_points(now, tf.transform_points(motion, point)), in_room)
+    assert tf.motion_between(before, before) is tf.motion_between(None, now) is tf.motion_between(before, None) is None
+
+
+@pytest.mark.parametrize(
+    ("turn_deg", "shift_sides", "elsewhere"),
+    [(0.0, 0.0, False), (0.9, 0.029, False), (1.1, 0.0, True), (0.0, 0.031, True), (-1.1, -0.031, True)],
+)
+def test_a_marker_lies_elsewhere_when_turned_or_shifted(turn_deg: float, shift_sides: float, elsewhere: bool) -> None:
+    side_m = 0.08
+    before = tf.rigid(rotation((0, 0, 2.0)), (0.3, -0.2, 0))
+    moved = before @ tf.rigid(rotation((0, 0, math.radians(turn_deg))), (0, shift_sides * side_m, 0))
+    assert tf.lies_elsewhere(before, moved, side_m) is elsewhere
+    assert not tf.lies_elsewhere(None, moved, side_m)
+
+
+def test_what_is_shifted_is_then_scaled() -> None:
+    T = tf.translated_and_scaled((1, 2, 3), (2, 3, -4))
+    assert tf.transform_points(T, [(0, 0, 0), (1, 1, 1)]).tolist() == [[2, 6, -12], [4, 9, -16]]

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import pickle
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -57,6 +58,50 @@ def test_a_pose_is_finite_and_its_marker_has_a_size() -> None:
 def test_camera_and_frame_have_one_size() -> None:
     with pytest.raises(ValueError, match="camera"):
         TrackedFrame(frame(), Camera.from_hfov((8, 6), 60), None)
+
+
+POSE = MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, None)
+CAMERA = Camera.from_hfov((4, 3), 60)
+LIGHT = Light((0.0, 0.0, 1.0))
+SEEN = TrackedFrame(frame(), CAMERA, POSE)
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "named"),
+    [
+        (lambda: TrackedFrame(frame().image_bgr, CAMERA, POSE), TypeError, "frame"),
+        (lambda: TrackedFrame(frame(), CAMERA.K, POSE), TypeError, "camera"),
+        (lambda: TrackedFrame(frame(), CAMERA, np.eye(4)), TypeError, "marker"),
+        (lambda: TrackedFrame(frame(), CAMERA, POSE, T_room_marker=np.eye(3)), ValueError, "T_room_marker"),
+        (lambda: dataclasses.replace(SEEN, clean_plate_bgr=np.zeros((4, 4, 3), np.uint8)), ValueError, "clean plate"),
+        (lambda: dataclasses.replace(SEEN, clean_plate_bgr=np.zeros((3, 4, 3))), ValueError, "clean_plate_bgr"),
+        (lambda: MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, None, np.eye(3)), ValueError, "covariance"),
+        (lambda: Illumination([LIGHT]), TypeError, "lights"),
+        (lambda: Illumination((LIGHT.to_light_marker,)), TypeError, "each of lights"),
+        (lambda: Illumination((LIGHT,), real_object=CORNERS), TypeError, "real_object"),
+        (lambda: Illumination((LIGHT,), seen_in=frame()), TypeError, "seen_in"),
+        (lambda: Illumination((LIGHT,), seen_in=TrackedFrame(frame(), CAMERA, None)), ValueError, "without a marker"),
+        (lambda: Illumination((LIGHT,), ground_rgb=(0.1, 0.2)), ValueError, "ground_rgb"),
+        (lambda: LightEstimate("proxy", 0, (LIGHT,)), TypeError, "illumination"),
+        (lambda: LightEstimate("proxy", 0, Illumination((LIGHT,)), span_rad=-0.1), ValueError, "span_rad"),
+        (lambda: Light((0.0, 0.0, 0.0)), ValueError, "no direction"),
+        (lambda: Light((0.0, 0.0, 1.0), confidence=1.1), ValueError, "confidence"),
+        (lambda: Light((0.0, 0.0, 1.0), sigma_rad=math.inf), ValueError, "sigma_rad"),
+        (lambda: Light((0.0, 0.0, 1.0), angular_size_rad="wide"), TypeError, "angular_size_rad"),
+        (lambda: Light((0.0, 0.0, 1.0), radius_m=-0.1), ValueError, "radius_m"),
+    ],
+)
+def test_what_a_value_cannot_hold_is_named(make: Callable[[], object], error: type[Exception], named: str) -> None:
+    with pytest.raises(error, match=named):
+        make()
+
+
+def test_a_lamp_of_another_angular_size_has_a_radius_to_fit() -> None:
+    lamp = dataclasses.replace(LIGHT, inverse_distance=2.0, radius_m=0.02).with_angular_size(0.1)
+    assert lamp.angular_size_rad == 0.1
+    assert lamp.radius_m == pytest.approx(0.5 * math.tan(0.05))
+    assert LIGHT.with_angular_size(0.1).radius_m is None
+    assert lamp.with_angular_size(None).radius_m == lamp.radius_m
 
 
 def test_no_light_needs_a_reason() -> None:

@@ -1,5 +1,6 @@
 """A new file is there whole or not at all, and takes nothing away from what is there already."""
 
+import json
 import os
 import resource
 import subprocess
@@ -12,7 +13,14 @@ import pytest
 from ashe_live.errors import UserError
 from ashe_live.files import new_file
 from ashe_live.files.new_file import NewFile, check_output, partial_path
-from ashe_live.files.writing import check_folder, check_outputs, unused_name, write_json, written_whole
+from ashe_live.files.writing import (
+    check_folder,
+    check_outputs,
+    make_folder,
+    unused_name,
+    write_json,
+    written_whole,
+)
 from tests.checkout import CHECKOUT
 
 
@@ -114,6 +122,32 @@ def test_a_name_that_was_only_reserved_is_free_again(tmp_path: Path, monkeypatch
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_unnamed_file_that_cannot_be_given_a_name_is_said_and_gone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As where /proc is that of another system, or is forbidden."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError("no link to it")
+
+    monkeypatch.setattr(os, "link", refuse)
+    monkeypatch.setattr(new_file, "UNNAMED", getattr(os, "O_TMPFILE", 0))
+    if not new_file.UNNAMED:
+        pytest.skip("files cannot be without a name on this system")
+    with pytest.raises(UserError, match="cannot write"):
+        write(tmp_path / "a.txt", "whole")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_looking_whether_a_file_can_be_written_leaves_nothing_open(tmp_path: Path) -> None:
+    if not Path("/proc/self/fd").is_dir():
+        pytest.skip("no /proc on this system")
+    before = len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - Path.iterdir would itself be one more
+    check_output(tmp_path / "a.txt", overwrite=False)
+    assert len(os.listdir("/proc/self/fd")) == before  # noqa: PTH208
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_what_appears_before_a_result_is_written_stays_too(tmp_path: Path) -> None:
     """As where two programs save a picture in the same second, or a long run's report."""
     path = tmp_path / "a.txt"
@@ -157,6 +191,8 @@ def test_places_where_nothing_can_be_written_are_said_before(tmp_path: Path, nam
     (tmp_path / "file").write_text("x")
     with pytest.raises(UserError):
         check_output(tmp_path / name, overwrite=False)
+    with pytest.raises(UserError):
+        write(tmp_path / name, "whole", beside=True)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
@@ -201,12 +237,57 @@ def test_outputs_are_not_also_inputs_or_each_other(tmp_path: Path) -> None:
             check_outputs([output], [clip], overwrite=True)
     with pytest.raises(UserError, match="named twice"):
         check_outputs([report, tmp_path / "." / "report.json"], [clip], overwrite=True)
+    (tmp_path / "older.json").write_text("mine")
+    check_outputs([tmp_path / "older.json"], [clip], overwrite=True)
+    for wrong in (tmp_path / "older.json", tmp_path / "missing" / "report.json"):
+        with pytest.raises(UserError):
+            check_outputs([wrong], [clip], overwrite=False)
+
+
+def test_an_output_is_not_an_input_by_another_name(tmp_path: Path) -> None:
+    clip, report = tmp_path / "clip.mp4", tmp_path / "report.json"
+    clip.write_text("precious")
+    try:
+        report.hardlink_to(clip)
+    except PermissionError:
+        pytest.skip("no hard links here")
+    with pytest.raises(UserError, match="is also read"):
+        check_outputs([report], [clip], overwrite=True)
 
 
 def test_json_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
     with pytest.raises(ValueError, match="JSON"):
-        write_json(tmp_path / "a.json", {"a": float("nan")})
+        write_json(path, {"a": float("nan")})
     assert list(tmp_path.iterdir()) == []
+    assert write_json(path, {"a": "ä"}) == path
+    assert json.loads(path.read_bytes()) == {"a": "ä"}
+    assert path.read_text().endswith("}\n")
+    with pytest.raises(UserError, match="exists already"):
+        write_json(path, {"a": 2})
+    assert write_json(path, {"a": 2}, beside=True) == tmp_path / "a-2.json"
+    assert write_json(path, {"a": 3}, overwrite=True) == path
+    assert json.loads(path.read_bytes()) == {"a": 3}
+
+
+def test_names_are_numbered_from_the_second_on(tmp_path: Path) -> None:
+    at = datetime(2026, 11, 21, 14, 3, 12)
+    names = []
+    for _ in range(3):
+        path = unused_name(tmp_path, "mug", ".png", at)
+        names.append(path.name)
+        path.symlink_to("nowhere")  # a link that leads nowhere takes the name as well
+    assert names == ["mug-20261121-140312.png", "mug-20261121-140312-2.png", "mug-20261121-140312-3.png"]
+
+
+def test_a_folder_is_made_with_its_parents_or_it_is_said_why_not(tmp_path: Path) -> None:
+    for _ in range(2):
+        make_folder(tmp_path / "new" / "results")
+    assert (tmp_path / "new" / "results").is_dir()
+    (tmp_path / "file").write_text("mine")
+    for wrong in ("file", "file/within", "n" * 300, "nul\0"):
+        with pytest.raises(UserError, match="folder"):
+            make_folder(tmp_path / wrong)
 
 
 @pytest.mark.parametrize("stem", ["x" * 300, "ä" * 200])

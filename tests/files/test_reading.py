@@ -65,6 +65,14 @@ def test_no_more_is_read_than_was_asked_for(tmp_path: Path) -> None:
         read_bytes(path, 1000)
 
 
+def test_as_much_as_is_allowed_is_read_and_not_a_byte_more(tmp_path: Path) -> None:
+    path = tmp_path / "a"
+    path.write_bytes(1000 * b"x")
+    assert read_bytes(path, 1000) == 1000 * b"x"
+    with pytest.raises(UserError, match="give a file of 999 bytes or fewer"):
+        read_bytes(path, 999)
+
+
 def test_text_is_utf8_with_or_without_a_mark(tmp_path: Path) -> None:
     path = tmp_path / "a"
     for content in (b"\xc3\xa4", b"\xef\xbb\xbf\xc3\xa4"):
@@ -83,6 +91,16 @@ def test_only_json_of_finite_numbers_is_read(tmp_path: Path, content: str) -> No
     path.write_text(content)
     with pytest.raises(UserError, match="is not JSON"):
         read_json(path)
+
+
+def test_what_is_wrong_with_json_is_said_in_words_about_the_text(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    for content, said in (("[" * 100_000, "nested too deeply"), ('{"a" 1}', "line 1 column 6"), ("[NaN]", "NaN is no")):
+        path.write_text(content)
+        with pytest.raises(UserError, match=said):
+            read_json(path)
+    path.write_text('{"a": [1, 2.5, "ä", null]}')
+    assert read_json(path) == {"a": [1, 2.5, "ä", None]}
 
 
 @pytest.mark.parametrize("address", ["https://example.com/a.mp4", "RTSP://10.0.0.1/live", "https:/example.com/a.mp4"])
