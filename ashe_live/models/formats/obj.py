@@ -186,7 +186,7 @@ def _parsed(words: list[bytes]) -> Indices:
     """(k, 3) numbers of corners such as 1, 1/2, 1//3 and 1/2/3; 0 for what is left out."""
     slashes = words[0].count(b"/")
     text = b" ".join(words)
-    is_same = all(word.count(b"/") == slashes for word in words) and (b"//" in words[0]) == (b"//" in text)
+    is_same = all(word.count(b"/") == slashes for word in words)
     if is_same and slashes < 3 and (b"//" not in text or text.count(b"//") == len(words)):
         numbers = numbers_in(text.replace(b"//", b"/0/").replace(b"/", b" "))
         if len(numbers) == (slashes + 1) * len(words):
