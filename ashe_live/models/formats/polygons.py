@@ -8,6 +8,7 @@ from ashe_live.core.arrays import Float
 
 Indices = NDArray[np.int64]
 OTHER_DIAGONAL = np.array([(0, 1, 3), (1, 2, 3)])
+CROSSES_ITSELF = 1e-6  # share of its area by which the ears of a polygon that does so may be off, as others are not
 
 
 def triangulated(places: Float, corners: Indices, counts: Indices) -> Indices:
@@ -71,10 +72,13 @@ def _ears(polygon: Float) -> Indices | None:
     if (normal[dropped] < 0) != (dropped == 1):
         flat = np.ascontiguousarray(flat[:, ::-1])  # counter-clockwise as the polygon runs
     cut = mapbox_earcut.triangulate_float64(flat, np.array([len(flat)], np.uint32)).reshape(-1, 3).astype(np.int64)
-    if len(cut) != len(polygon) - 2:
-        return None
     a, b, c = np.moveaxis(flat[cut], 1, 0)
     (ux, uy), (vx, vy) = (b - a).T, (c - a).T
-    is_turned = ux * vy - uy * vx < 0
+    areas = ux * vy - uy * vx
+    whole = abs(float(normal[dropped]))
+    if abs(float(np.abs(areas).sum()) - whole) > CROSSES_ITSELF * whole:
+        return None
+    is_turned = areas < 0
     cut[is_turned] = cut[is_turned][:, ::-1]
-    return cut
+    # Of a corner that stands twice, or at the end of a spike, earcut makes no triangle; here it has one without area.
+    return np.pad(cut, ((0, len(polygon) - 2 - len(cut)), (0, 0)))

@@ -127,11 +127,16 @@ def test_what_is_not_drawn_of_a_material_is_said(tmp_path: Path) -> None:
 
 L_SHAPE = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]
 ARROW = [(0, 0), (2, 1), (0, 2), (1, 1)]  # four corners, one of them inwards
+SMALL_L = [(0.01 * x, 0.01 * y) for x, y in L_SHAPE]
+CORNER_TWICE = [*L_SHAPE[:2], *L_SHAPE[1:]]
+WITH_SPIKE = [*L_SHAPE, (0, 5), (0, 3)]
 
 
 @pytest.mark.parametrize("turn", range(6))
 @pytest.mark.parametrize("backwards", [False, True])
-@pytest.mark.parametrize(("shape", "size"), [(L_SHAPE, 5.0), (ARROW, 1.0)])
+@pytest.mark.parametrize(
+    ("shape", "size"), [(L_SHAPE, 5.0), (ARROW, 1.0), (CORNER_TWICE, 5.0), (WITH_SPIKE, 5.0), (SMALL_L, 5e-4)]
+)
 @pytest.mark.parametrize("plane", [(0, 1, 2), (2, 0, 1), (1, 2, 0)])
 def test_a_polygon_that_is_not_convex_keeps_its_area_and_sense(shape, size, turn, backwards, plane) -> None:
     """Wherever its first corner is, and whichever way it faces."""
@@ -140,9 +145,18 @@ def test_a_polygon_that_is_not_convex_keeps_its_area_and_sense(shape, size, turn
     triangles = triangulated(places, np.arange(len(places)), np.array([len(places)]))
     normals = face_normals(places.astype(np.float32), triangles)
     whole = np.cross(places, np.roll(places, -1, axis=0)).sum(axis=0)
-    assert (normals @ whole > 0).all()
+    has_area = np.linalg.norm(normals, axis=1) > 1e-6 * np.linalg.norm(whole)
+    assert (normals[has_area] @ whole > 0).all()
     assert np.linalg.norm(normals, axis=1).sum() == pytest.approx(np.linalg.norm(whole), rel=1e-6)
     assert np.linalg.norm(whole) == pytest.approx(2 * size * np.sqrt(1.02), rel=1e-6)
+
+
+def test_a_polygon_that_crosses_itself_has_triangles_of_its_corners() -> None:
+    star = np.array([(np.cos(turn), np.sin(turn), 0.0) for turn in np.arange(5) * 0.8 * np.pi])
+    triangles = triangulated(star, np.arange(5), np.array([5]))
+    assert triangles.tolist() == [[0, 1, 2], [0, 2, 3], [0, 3, 4]]
+    line = np.array([(x, 0.0, 0.0) for x in (0, 3, 1, 4, 2)])
+    assert triangulated(line, np.arange(5), np.array([5])).shape == (3, 3)
 
 
 def test_polygons_of_all_sizes_stand_beside_one_another(tmp_path: Path) -> None:
@@ -180,7 +194,8 @@ def test_negative_numbers_count_back_from_the_face(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "face", ["f 0 1 2", "f 1 2 4", "f -4 1 2", "f 1/2 2/2 3/2", "f 1//2 2//2 3//2", "f a b c", "f 1.5 2 3", "f 1e300 2 3"]
+    "face",
+    ["f 0 1 2", "f 1 2 4", "f -4 1 2", "f 1/2 2/2 3/2", "f 1//2 2//2 3//2", "f a b c", "f 1.5 2 3", "f 1e300 2 3"],
 )
 def test_a_face_of_what_is_not_there_is_said(tmp_path: Path, face: str) -> None:
     for values in ("", "vt 0 0\nvn 0 0 1\n"):

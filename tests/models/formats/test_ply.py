@@ -142,6 +142,18 @@ def test_headers_that_cannot_be_meant_are_refused(tmp_path: Path, old: str, new:
     assert said in str(caught.value)
 
 
+@pytest.mark.parametrize("kind", FORMATS)
+def test_an_element_without_items_and_a_list_without_values_may_end_the_file(tmp_path: Path, kind: str) -> None:
+    text = header(kind, 2).replace("end_header", "element strips 0\nproperty list int int vertex_indices\nend_header")
+    if kind == "ascii":
+        content = "".join(f"{x} {y} {z}\n" for x, y, z in PLACES) + "3 0 1 2\n0\n"
+    else:
+        numbers = (struct.pack(f"{FORMATS[kind]}3f", *place) for place in PLACES)
+        content = (b"".join(numbers) + struct.pack(f"{FORMATS[kind]}B3iB", 3, 0, 1, 2, 0)).decode("latin-1")
+    (tmp_path / "a.ply").write_text(text + content, encoding="latin-1")
+    assert load_model_file(tmp_path / "a.ply").triangle_count == 1
+
+
 def test_a_cloud_of_points_is_said_to_be_one(tmp_path: Path) -> None:
     head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
     (tmp_path / "a.ply").write_text(f"{head}end_header\n0 0 0\n")

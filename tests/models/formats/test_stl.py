@@ -76,3 +76,19 @@ def test_a_solid_may_have_any_name(tmp_path: Path, name: str, line_end: str) -> 
     (tmp_path / "a.stl").write_text(text, newline=line_end)
     model = load_model_file(tmp_path / "a.stl", "z")
     np.testing.assert_array_equal(model.bounds, [(0, 0, 0), (1, 1, 0)])
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"solid", "neither text STL nor binary STL"),
+        (bytes(83), "neither text STL nor binary STL"),
+        (bytes(80) + b"\x02\0\0\0" + bytes(99), "its header says 2 triangles, and there are 1"),
+        (b"solid a\nfacet\nvertex 0 0 0\nvertex 1 0 0\n", "2 vertices of 6 numbers are no triangles"),
+        (b"solid a\nfacet\nvertex 0 0 0\nvertex 1 0\nvertex 0 1 0\n", "3 vertices of 8 numbers are no triangles"),
+    ],
+)
+def test_what_holds_no_triangles_is_said(tmp_path: Path, content: bytes, said: str) -> None:
+    (tmp_path / "a.stl").write_bytes(content)
+    with pytest.raises(UserError, match=said):
+        load_model_file(tmp_path / "a.stl")
