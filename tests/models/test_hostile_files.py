@@ -82,6 +82,12 @@ def _unused_meshes(document: Document, it: dict[str, Any]) -> None:
     it["meshes"] += [{"primitives": [{"attributes": {"POSITION": 0}, "indices": indices}]}] * 30
 
 
+def _long_strips(document: Document, it: dict[str, Any]) -> None:
+    indices = document.accessor(np.zeros(300_000, np.uint16))
+    strips = [{"attributes": {"POSITION": 0}, "indices": indices, "mode": mode} for mode in (5, 6)]
+    it["meshes"].append({"primitives": 4 * strips})
+
+
 def _many_nodes(_: Document, it: dict[str, Any]) -> None:
     it["nodes"] = [{"mesh": 0}] * (limits.MAX_PARTS + 1)
     it["scenes"][0]["nodes"] = list(range(limits.MAX_PARTS + 1))
@@ -118,6 +124,7 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
     "accessors of nothing": ("bytes", lambda: changed(lambda _, it: it["accessors"].extend([BODYLESS] * 9))),
     "a shared accessor": ("vertices", lambda: changed(_shared_accessor)),
     "meshes that no node uses": ("triangles", lambda: changed(_unused_meshes)),
+    "strips and fans": ("2,399,986 triangles", lambda: changed(_long_strips)),
     "too many parts": ("parts", lambda: changed(_many_nodes)),
     "nodes too deep": ("nodes within nodes", lambda: changed(_deep_nodes)),
     "too many nodes": ("20,001 nodes", lambda: changed(_flat_nodes)),

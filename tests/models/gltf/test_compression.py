@@ -154,10 +154,35 @@ def test_compressed_views_that_are_torn_are_said(tmp_path: Path, cut: int) -> No
         load_model_file(document.save(tmp_path / "a.glb"))
 
 
+def test_a_compression_of_another_size_than_its_view_is_said(tmp_path: Path) -> None:
+    document = of_meshopt()
+    document.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["count"] = 26
+    with pytest.raises(UserError, match=r"bufferViews\[0\] is of 200 bytes, and its compression of 26 times 8 bytes"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
 @pytest.mark.parametrize("stream", [b"\xe1" + bytes(60), b"\xa0", b"", b"\xa1" + bytes(60)])
 def test_another_stream_is_refused(stream: bytes) -> None:
     with pytest.raises((MalformedError, IndexError)):
         decompressed(stream, attributes(4, 8))
+
+
+@pytest.mark.parametrize(
+    ("stream", "described", "said"),
+    [
+        (GRID_POINTS, attributes(25, 6), "elements of 6 bytes"),
+        (GRID_POINTS, attributes(25, 260), "elements of 260 bytes"),
+        (GRID_POINTS, attributes(25, 12, "OCTAHEDRAL"), "OCTAHEDRAL elements of 12 bytes"),
+        (GRID_POINTS, attributes(25, 4, "QUATERNION"), "QUATERNION elements of 4 bytes"),
+        (GRID_TRIANGLES, {"count": 96, "byteStride": 8, "mode": "TRIANGLES"}, "indices of 8 bytes"),
+        (GRID_TRIANGLES, {"count": 95, "byteStride": 2, "mode": "TRIANGLES"}, "95 indices are no triangles"),
+        (GRID_TRIANGLES, {"count": 96, "byteStride": 2, "mode": "INDICES"}, "0xe1 and not 0xd1"),
+        (b"\xd1" + 5 * b"\xff", {"count": 1, "byteStride": 4, "mode": "INDICES"}, "more than 32 bits"),
+    ],
+)
+def test_what_a_stream_cannot_be_is_said(stream: bytes, described: dict, said: str) -> None:
+    with pytest.raises(MalformedError, match=said):
+        decompressed(stream + bytes(600), described)
 
 
 def of_draco(content: bytes | None = None, normals: np.ndarray = NORMALS) -> Document:
