@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 from ashe_live.core.colour import linear_from_srgb
+from ashe_live.errors import UserError
 from ashe_live.models.gltf.materials import LEAST_COVER
 from ashe_live.models.gltf.specular import SpecularGlossiness
 from ashe_live.models.loading import load_model_file
@@ -91,6 +92,22 @@ def test_what_lies_beyond_a_map_is_as_its_sampler_says(tmp_path: Path, wrap: int
     assert material.layout("base_map").is_sharp == (wrap is not None)
 
 
+@pytest.mark.parametrize(("across", "down"), [(True, False), (False, True), (True, True)])
+@pytest.mark.parametrize("offset", [(0.0, 0.0), (0.5, 0.0), (0.5, -0.5), (-1.5, 2.5)])
+def test_what_is_mirrored_and_moved_is_where_the_format_says(tmp_path: Path, across: bool, down: bool, offset) -> None:
+    """The transform comes first, then what the sampler does beyond the picture."""
+    texels = (RED, GREEN), (BLUE, WHITE)
+    document = Document()
+    sampler = {"wrapS": 33648 if across else 10497, "wrapT": 33648 if down else 10497}
+    material = quad_of(tmp_path, moved(document, {"offset": list(offset)}, sampler), document).parts[0].material
+    for u in np.arange(-1.75, 2, 0.5):
+        for v in np.arange(-1.75, 2, 0.5):
+            x, y = u + offset[0], v + offset[1]
+            column = abs(x - 2 * round(x / 2)) if across else x % 1
+            row = abs(y - 2 * round(y / 2)) if down else y % 1
+            assert colour_at(material, (u, v)) == texels[int(row > 0.5)][int(column > 0.5)]
+
+
 def test_a_map_as_it_is_has_the_plain_layout(tmp_path: Path) -> None:
     document = Document()
     material = {"pbrMetallicRoughness": {"baseColorTexture": document.embedded(quarters())}}
@@ -151,6 +168,30 @@ def test_maps_of_the_older_kind_arrive(tmp_path: Path) -> None:
     )
     assert tuple(material.base_map[0, 0]) == pytest.approx(BLUE, abs=1)
     assert (material.metallic, material.roughness) == pytest.approx((0, 1 - 128 / 255), abs=0.01)
+
+
+def test_a_map_of_the_older_kind_that_is_laid_out_otherwise_is_averaged_and_said(tmp_path: Path) -> None:
+    document = Document()
+    shine = {**document.embedded(png((188, 188, 188, 51))), "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}
+    old = {
+        "diffuseTexture": document.embedded(png((0, 0, 0, 255))),
+        "specularFactor": [1.0, 0.8, 0.4],
+        "glossinessFactor": 0.5,
+        "specularGlossinessTexture": shine,
+    }
+    model = quad_of(tmp_path, {"extensions": {"KHR_materials_pbrSpecularGlossiness": old}}, document)
+    assert model.notes == ("a specular-glossiness map is laid out otherwise than its diffuse map, and averaged",)
+    material = model.parts[0].material
+    assert (material.metallic, material.roughness) == pytest.approx((1, 1 - 0.5 * 0.2), abs=0.01)
+    seen = linear_from_srgb(material.base_map[0, 0, :3] / 255)
+    np.testing.assert_allclose(seen, linear_from_srgb(188 / 255) * np.array((1.0, 0.8, 0.4)), atol=0.02)
+
+
+def test_a_picture_that_is_nowhere_is_said(tmp_path: Path) -> None:
+    document = Document()
+    material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"mimeType": "image/png"})}}
+    with pytest.raises(UserError, match=r"images\[0\], its baseColorTexture, has neither a uri nor a bufferView"):
+        quad_of(tmp_path, material, document)
 
 
 def test_grey_of_16_bits_keeps_its_steps(tmp_path: Path) -> None:

@@ -161,6 +161,7 @@ def test_maps_are_laid_out_by_two_sets_of_coordinates_and_no_third(tmp_path: Pat
             "occlusionTexture": {**picture, "texCoord": 1},
             "emissiveTexture": {**picture, "texCoord": 2},
             "emissiveFactor": [1, 1, 1],
+            "normalTexture": picture,
         },
         **{f"TEXCOORD_{number}": place for number, place in enumerate(sets)},
     )
@@ -171,6 +172,9 @@ def test_maps_are_laid_out_by_two_sets_of_coordinates_and_no_third(tmp_path: Pat
     np.testing.assert_allclose(beside.uvs[:, 0], UVS[:, 0])
     np.testing.assert_allclose(beside.more_uvs[:, 0], UVS[:, 0] * 0.5)
     assert beside.material.layout("occlusion_map").uv_set == 1
+    # Both sets are taken by then, and a map may be laid out by either.
+    assert beside.material.layout("normal_map").uv_set == 0
+    assert beside.material.normal_map is not None
     # What is left out leaves nothing behind: its factor alone would make the whole of it glow.
     assert beside.material.emissive_map is None
     assert beside.material.emissive == (0, 0, 0)
