@@ -88,14 +88,30 @@ def test_indices_are_deltas_to_either_of_two() -> None:
     assert read.tolist() == [10, 30, 1, 129]
 
 
-def stored(rows: np.ndarray) -> bytes:
-    """Rows as a stream that spares nothing: every byte's deltas whole."""
+def stored(rows: np.ndarray, first: np.ndarray | None = None) -> bytes:
+    """Rows as a stream that spares nothing: every byte's deltas whole, from the row `first` on, or from zeros."""
     values = np.ascontiguousarray(rows).view(np.uint8).reshape(len(rows), -1)
-    filled = np.vstack([values, np.repeat(values[-1:], -len(values) % 16, axis=0)])
-    deltas = np.diff(filled, axis=0, prepend=np.zeros((1, values.shape[1]), np.uint8)).astype(np.int8).astype(int)
-    codes = np.where(deltas < 0, -2 * deltas - 1, 2 * deltas).astype(np.uint8)
-    header = bytes([0xFF] * -(-len(filled) // 64))
-    return b"\xa0" + b"".join(header + column.tobytes() for column in codes.T) + bytes(max(32, values.shape[1]))
+    last = np.zeros(values.shape[1], np.uint8) if first is None else first
+    tail = bytes(max(32 - len(last), 0)) + last.tobytes()
+    most = min(8192 // values.shape[1] // 16 * 16, 256)
+    stream = b"\xa0"
+    for block in np.split(values, range(most, len(values), most)):
+        filled = np.vstack([block, np.repeat(block[-1:], -len(block) % 16, axis=0)])
+        deltas = np.diff(filled, axis=0, prepend=last[None]).astype(np.int8).astype(int)
+        codes = np.where(deltas < 0, -2 * deltas - 1, 2 * deltas).astype(np.uint8)
+        stream += b"".join(bytes([0xFF] * -(-len(filled) // 64)) + column.tobytes() for column in codes.T)
+        last = block[-1]
+    return stream + tail
+
+
+@pytest.mark.parametrize(("count", "stride"), [(1, 4), (256, 32), (257, 32), (600, 12), (70, 256)])
+def test_elements_go_on_from_block_to_block(count: int, stride: int) -> None:
+    """Blocks of 8 KiB or 256 elements at most; the first goes on from what the tail holds."""
+    random = np.random.default_rng(count)
+    first = random.integers(0, 256, stride).astype(np.uint8)
+    rows = first + np.cumsum(random.integers(-9, 10, (count, stride)), axis=0).astype(np.uint8)
+    read = decompressed(stored(rows, first), attributes(count, stride))
+    np.testing.assert_array_equal(np.frombuffer(read, np.uint8).reshape(count, stride), rows)
 
 
 def test_filters_give_directions_turns_and_floats() -> None:
