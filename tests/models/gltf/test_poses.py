@@ -1,6 +1,7 @@
 """Sparse arrays, morph targets, skins and instances: where vertices are, as the specification says."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -205,8 +206,10 @@ def test_a_vertex_of_no_joint_is_said(tmp_path: Path) -> None:
         load_model_file(document.save(tmp_path / "a.glb"))
 
 
-def animated(document: Document, path: str, values: np.ndarray, interpolation: str = "LINEAR") -> None:
-    frames = document.accessor(np.float32([0, 1]))
+def animated(
+    document: Document, path: str, values: np.ndarray, interpolation: str = "LINEAR", times: Sequence[float] = (0, 1)
+) -> None:
+    frames = document.accessor(np.float32(times))
     sampler = {"input": frames, "output": document.accessor(values), "interpolation": interpolation}
     channel = {"sampler": 0, "target": {"node": 0, "path": path}}
     document.json["animations"] = [{"samplers": [sampler], "channels": [channel]}]
@@ -248,6 +251,40 @@ def test_between_keyframes_it_moves_as_the_format_says(tmp_path: Path, interpola
         np.testing.assert_allclose(motion.normals[number], np.tile((0, -1, 0), (len(vertices), 1)), atol=1e-5)
 
 
+@pytest.mark.parametrize("interpolation", ["LINEAR", "STEP", "CUBICSPLINE"])
+def test_keyframes_may_be_any_time_apart(tmp_path: Path, interpolation: str) -> None:
+    """Two seconds at rest, four on the way, at the speed that the spline's tangents say."""
+    document = Document()
+    bare_quad(document)
+    still, speed = (0, 0, 0), (2.25, 0, 0)
+    reached = [still, still, (9, 0, 0)]
+    values = reached if interpolation != "CUBICSPLINE" else [
+        still, reached[0], still, still, reached[1], speed, speed, reached[2], still
+    ]  # fmt: skip
+    animated(document, "translation", np.float32(values), interpolation, times=(0, 2, 6))
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    assert model.duration_s == 6
+    motion = model.parts[0].motion
+    assert motion is not None
+    for number, vertices in enumerate(motion.vertices):
+        time_s = 6 * number / (len(motion.vertices) - 1)
+        on_the_way = 0 if interpolation == "STEP" and time_s < 6 else max(0.0, 2.25 * (time_s - 2))
+        assert_there(vertices, CORNERS + np.array((on_the_way, 0, 0)))
+
+
+def test_normals_stay_upright_on_what_is_stretched(tmp_path: Path) -> None:
+    document = Document()
+    document.quad({"rotation": [math.sin(math.pi / 8), 0, 0, math.cos(math.pi / 8)]})
+    document.json["nodes"] = [{"children": [1]}, document.json["nodes"][0]]
+    animated(document, "scale", np.float32([(-1, 1, 1), (-2, 3, 1)]))
+    part = load_model_file(document.save(tmp_path / "a.glb")).parts[0]
+    assert part.motion is not None
+    for vertices, normals in zip(part.motion.vertices, part.motion.normals, strict=True):
+        edges = vertices[part.triangles[:, 1:]] - vertices[part.triangles[:, :1]]
+        np.testing.assert_allclose(np.einsum("tek,tk->te", edges, normals[part.triangles[:, 0]]), 0, atol=1e-5)
+        assert (normals @ Y_UP @ (0, -1, 1) > 0).all()  # still on the side that they were on
+
+
 def test_a_spline_that_comes_back_to_where_it_began_moves_in_between(tmp_path: Path) -> None:
     """Appendix C: between two keyframes of the same value it follows their tangents."""
     document = Document()
@@ -274,6 +311,18 @@ def test_a_rotation_goes_the_shorter_way_at_an_even_pace(tmp_path: Path) -> None
             [(math.cos(angle), math.sin(angle), 0), (-math.sin(angle), math.cos(angle), 0), (0, 0, 1)]
         )
         assert_there(motion.at(time_s)[0], turned, within=2e-3)  # as a line between poses cuts the arc
+
+
+def test_a_rotation_may_rest_between_keyframes(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    quarter = math.sqrt(0.5)
+    none, turned = (0, 0, 0, 1), (0, 0, quarter, quarter)
+    animated(document, "rotation", np.float32([none, none, turned]), times=(0, 1, 2))
+    motion = load_model_file(document.save(tmp_path / "a.glb")).parts[0].motion
+    assert motion is not None
+    assert_there(motion.at(0.5)[0], CORNERS)
+    assert_there(motion.vertices[-1], [(0, 0, 0), (0, 1, 0), (-1, 1, 0), (-1, 0, 0)])
 
 
 def test_what_grows_from_nothing_is_whole_when_it_has_grown(tmp_path: Path) -> None:

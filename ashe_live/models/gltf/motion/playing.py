@@ -37,7 +37,7 @@ class Drawn:
         if joints is not None:
             return vertices, normals, False
         T = pose.instances(self.node)[self.instance]
-        turned = None if normals is None else normals @ of_normals(T).T
+        turned = None if normals is None else normals @ of_normals(T[:3, :3]).T
         return vertices @ T[:3, :3].T + T[:3, 3], turned, bool(np.linalg.det(T[:3, :3]) < 0)
 
 

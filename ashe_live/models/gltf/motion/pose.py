@@ -97,11 +97,12 @@ class Pose:
         return [self.worlds[place] @ matrix_of(*row) for row in rows]
 
 
-def of_normals(T: Float) -> Float:
-    """(3, 3) that turns normals where T (4, 4) moves places, also where it flattens them: its cofactors."""
-    x, y, z = T[:3, :3].T
-    cofactors = np.column_stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
-    return cofactors if x @ cofactors[:, 0] >= 0 else -cofactors
+def of_normals(turns: Float) -> Float:
+    """(..., 3, 3) that turn normals where matrices (..., 3, 3) move places, also where these flatten: cofactors."""
+    x, y, z = np.moveaxis(turns, -1, 0)
+    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=-1)
+    is_mirrored = (x * cofactors[..., 0]).sum(axis=-1) < 0
+    return np.where(is_mirrored[..., None, None], -cofactors, cofactors)
 
 
 def matrix_of(translation: Any, rotation: Any, scale: Any) -> Float:
@@ -169,18 +170,10 @@ def skinned(
         blended /= np.where(total > 0, total, 1)[:, None, None]
         moved[some] = np.einsum("nij,nj->ni", blended[:, :, :3], vertices[some]) + blended[:, :, 3]
         if normals is not None and turned is not None:
-            turned[some] = np.einsum("nij,nj->ni", _of_normals(blended[:, :, :3]), normals[some])
+            turned[some] = np.einsum("nij,nj->ni", of_normals(blended[:, :, :3]), normals[some])
     return moved, turned
 
 
 def are_mirroring(joints: Float) -> bool:
     """Whether most of the joints (m, 4, 4) mirror what follows them, so that its triangles' fronts lie behind."""
     return bool((np.linalg.det(joints[:, :3, :3]) < 0).mean() > 0.5)
-
-
-def _of_normals(turns: Float) -> Float:
-    """(n, 3, 3) as `of_normals`, of many."""
-    x, y, z = np.moveaxis(turns, 2, 0)
-    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=2)
-    is_mirrored = np.einsum("ni,ni->n", x, cofactors[:, :, 0]) < 0
-    return np.where(is_mirrored[:, None, None], -cofactors, cofactors)
