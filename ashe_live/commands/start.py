@@ -5,7 +5,10 @@ import argparse
 from ashe_live.capture.cameras import connected
 from ashe_live.commands import demo, webcam
 from ashe_live.commands.viewing.setup import check_outputs
-from ashe_live.process.messages import print_message
+from ashe_live.process.messages import listed, print_message
+
+# Beside the marker, what a person may say of a table and a camera: the demo's are known.
+OF_OWN_TABLE = ("marker_size", "caster", "camera_file", "focal_px", "hfov")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -13,7 +16,16 @@ def run(options: argparse.Namespace) -> int:
     if options.camera is None:
         devices = connected()
         if not devices:
-            print_message("no camera is connected, so this is the demo (ashe-live --help has more)")
+            unused = _unused(options)
+            options.caster = None
+            left_out = f"; it makes no use of {listed(unused)}" if unused else ""
+            print_message(f"no camera is connected, so this is the demo (ashe-live --help has more){left_out}")
             return demo.run(options)
         options.camera = str(devices[0].number)
     return webcam.run(options)
+
+
+def _unused(options: argparse.Namespace) -> list[str]:
+    """The flags that say something else of the table than holds for the demo's."""
+    of_marker = [] if options.takes_any_marker else ["--marker"]
+    return of_marker + [f"--{name.replace('_', '-')}" for name in OF_OWN_TABLE if getattr(options, name) is not None]

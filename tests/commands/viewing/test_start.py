@@ -37,6 +37,18 @@ def test_without_a_camera_one_line_and_the_demo(run, started, monkeypatch):
     assert "no camera" in outcome.err[0]
 
 
+def test_the_demo_says_which_flags_it_makes_no_use_of(run, started, monkeypatch):
+    connect(monkeypatch)
+    used = ("--model", "mug", "--light", "sun")
+    own = ("--marker", "aruco:4x4_50:7", "--marker-size", "0.1", "--caster", "sphere:0.02", "--hfov", "70")
+    (line,) = run(*used, *own).err
+    assert [flag for flag in (*used, *own) if flag.startswith("--") and flag in line.split("no use of ")[1]] == [
+        flag for flag in own if flag.startswith("--")
+    ]
+    assert not any("no use of" in line for line in run(*used).err)
+    assert started == 2 * [("demo", None, "mug")]
+
+
 def test_a_camera_that_is_asked_for_is_not_replaced(run, started, monkeypatch):
     connect(monkeypatch)
     run("--camera", "7")
