@@ -26,14 +26,14 @@ class Photos:
     to_light: np.ndarray
 
 
-def printed(painted: Painted) -> Image:
+def printed(painted: Painted, marker: str = "aruco:4x4_50:0") -> Image:
     """The picture with a print on its sheet that can be read."""
     tracked = painted.tracked
     print_px = 200
     metres = SIDE_M / print_px
     plane_from_print = np.array([(metres, 0, -SIDE_M / 2), (0, -metres, SIDE_M / 2), (0, 0, 1)])
     pixels = image_from_plane(tracked.camera, tracked.marker.T_cam_marker) @ plane_from_print
-    bitmap = cv2.cvtColor(parse_marker("aruco:4x4_50:0").bitmap(print_px), cv2.COLOR_GRAY2BGR)
+    bitmap = cv2.cvtColor(parse_marker(marker).bitmap(print_px), cv2.COLOR_GRAY2BGR)
     image = np.array(tracked.frame.image_bgr)
     size, border = tracked.camera.size, cv2.BORDER_TRANSPARENT
     return cv2.warpPerspective(bitmap // 2 + 20, pixels, size, dst=image, flags=cv2.INTER_AREA, borderMode=border)
@@ -86,6 +86,16 @@ def test_a_picture_that_is_no_clean_plate_is_said_in_one_line_with_status_2(run,
         (line,) = outcome.out + outcome.err
         assert said in line
         assert path.name in line
+
+
+def test_an_empty_table_with_another_marker_is_not_said_to_show_none(run, photos, tmp_path):
+    another = tmp_path / "another.png"
+    cv2.imwrite(str(another), printed(paint(ground="bricks", seed=2), "aruco:4x4_50:7"))
+    outcome = run("estimate", *KNOWN, photos.full, "--empty", another)
+    assert outcome.status == 2
+    (line,) = outcome.out + outcome.err
+    assert "shows no marker" not in line
+    assert "aruco:4x4_50:7 is in view" in line
 
 
 @pytest.mark.parametrize(("flags", "said"), [(("--together",), "moves"), (("--estimator", "paper"), "no use of")])

@@ -7,6 +7,7 @@ from ashe_live.capture.photo import PhotoSource
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.clean_plates import over_empty_table
+from ashe_live.tracking.families.in_view import in_view_text, markers_in_view
 from ashe_live.tracking.tracker import MarkerTracker
 
 
@@ -38,4 +39,7 @@ class EmptyTable:
         tracker.reset()
         empty = tracker.track(self.frame)
         tracker.reset()
+        if empty.marker is None and (others := markers_in_view(self.frame.image_bgr)):
+            said = f"{self.path} does not show the marker {tracker.marker.spec}: {in_view_text(others)}"
+            raise UserError(said, "leave the marker where it is, and take only the object away")
         return over_empty_table(tracked, replace(empty, camera=tracked.camera), str(self.path))
