@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.colour import REC709_LUMINANCE
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles
 from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.light.live.moved_marker import FixedInRoom
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
-from ashe_live.render.lights.lighting import angular_size, ground_ratio
+from ashe_live.render.lights.lighting import SUN_ANGULAR_SIZE_RAD, angular_size, ground_ratio
 from ashe_live.viewer.hands.pointing import Pixel, ground_at, picture_axes, pixel_of
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.hands.shadow_end import LOWEST_RAD, light_through, shadow_of
@@ -114,7 +115,11 @@ class Hand:
         wanted = self.placement.scale * SCALE_STEP ** min(max(notches, -MOST_NOTCHES), MOST_NOTCHES)
         scale = min(max(wanted, SMALLEST), LARGEST)
         self.placement = replace(self.placement, scale=scale)
-        return None if scale == wanted else f"the model goes from {SMALLEST:.0%} to {LARGEST:.0%} of its size"
+        return (
+            None
+            if scale == wanted
+            else f"the model goes from {100 * SMALLEST:.0f} % to {100 * LARGEST:.0f} % of its size"
+        )
 
     def _move(self, tracked: TrackedFrame, to_m: Float) -> None:
         assert tracked.marker is not None
@@ -173,10 +178,15 @@ class Hand:
         ratio = np.clip(np.exp(-depth), FAINTEST, 1 - FAINTEST)
         changed = replace(light.with_angular_size(size), shadow_rgb_ratio=ratio, intensity_rgb_ratio=None)
         # The measured ambient light is the shadow's ratio seen otherwise: kept, it would undo the change.
-        self.light = replace(base, lights=(changed, *others), ambient_rgb_ratio=None)
+        self.light = replace(base, lights=(_of_unknown_error(changed), *others), ambient_rgb_ratio=None)
         self.frame_index = tracked.frame.index
-        red, green, blue = (f"{100 * value:.0f}" for value in 1 - ratio)
-        return f"light: {math.degrees(size):.1f}° wide; its shadow takes {red}, {green}, {blue} % of red, green, blue"
+        if command is Command.LIGHT_SOFTNESS:
+            return f"light: {math.degrees(size):.1f}° wide (the sun is {math.degrees(SUN_ANGULAR_SIZE_RAD):.1f}°)"
+        share = 100 * (1 - ratio)
+        if command is Command.LIGHT_STRENGTH:
+            return f"light: {share @ REC709_LUMINANCE:.0f} % of what lights the table"
+        red, green, blue = (f"{value:.0f} %" for value in share)
+        return f"light: {red} of the red, {green} of the green and {blue} of the blue on the table"
 
     def _change_distance(self, tracked: TrackedFrame, context: HandContext, notches: float) -> str:
         """Moves the strongest light nearer or farther; at the marker it stays as large and strong. Says where it is."""

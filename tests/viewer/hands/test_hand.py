@@ -238,7 +238,7 @@ def test_the_model_grows_and_shrinks_between_its_limits():
     for notches, limit in ((1e9, LARGEST), (1, LARGEST), (-1e9, SMALLEST), (-1e9, SMALLEST)):
         said = [hand.obey(Request(Command.SCALE_MODEL, notches), sight(None)) for _ in range(5)]
         assert hand.placement.scale == limit
-        assert "10%" in said[-1]
+        assert "10 %" in said[-1]
 
 
 def test_the_model_turns_and_a_full_turn_is_none():
@@ -285,7 +285,6 @@ def test_the_light_by_hand_becomes_stronger_softer_and_warmer(estimated):
         hand.obey(Request(command, 0), sight(tracked, estimated))
         direction, size, before = hand.light.light.to_light_marker, hand.light.light.angular_size_rad, ratio(hand)
         said = hand.obey(Request(command, 1), sight(tracked, estimated))
-        assert "wide" in said
         np.testing.assert_array_equal(hand.light.light.to_light_marker, direction)
         darker = before - ratio(hand)
         if command is Command.LIGHT_STRENGTH:
@@ -294,9 +293,24 @@ def test_the_light_by_hand_becomes_stronger_softer_and_warmer(estimated):
             assert hand.light.light.angular_size_rad > size
         else:
             assert darker[0] > 0 > darker[2]
+        # What is said is what the key changes.
+        assert ("wide" in said, "red" in said) == (
+            command is Command.LIGHT_SOFTNESS,
+            command is Command.LIGHT_COLOUR,
+        )
         hand.obey(Request(command, -1), sight(tracked, estimated))
         np.testing.assert_allclose(ratio(hand), before, atol=1e-9)
         assert hand.light.light.angular_size_rad == pytest.approx(size)
+
+
+@pytest.mark.parametrize(
+    "command", [Command.LIGHT_STRENGTH, Command.LIGHT_SOFTNESS, Command.LIGHT_COLOUR, Command.LIGHT_DISTANCE]
+)
+def test_a_light_by_hand_states_no_uncertainty(command):
+    hand = Hand()
+    hand.obey(Request(command, -1), sight(seen_from(EYES[0])))
+    light = hand.light.light
+    assert light.sigma_rad is light.confidence is light.covariance_rad2 is light.lamp_covariance is None
 
 
 def test_no_key_makes_a_light_that_cannot_be():
