@@ -16,6 +16,7 @@ import pytest
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.core.types import Illumination, Light
 from ashe_live.light.estimators import estimator
+from ashe_live.tracking.families.markers import parse_marker
 from tests.commands.conftest import InstantEstimator
 
 pytestmark = pytest.mark.usefixtures("instant")
@@ -253,11 +254,21 @@ def test_a_calibration_of_the_same_shape_is_rescaled(run, files, tmp_path):
     np.testing.assert_allclose(record["camera"]["K"], [[300, 0, 159.5], [0, 300, 119.5], [0, 0, 1]])
 
 
-def test_an_assumed_field_of_view_is_announced_once(run, files):
+def test_a_field_of_view_that_the_marker_tells_is_not_said_to_be_assumed(run, files):
     outcome = run("estimate", "--json", files["photo"], files["photo"])
     assert [record["camera"]["source"] for record in outcome.records] == ["estimated", "estimated"]
     # The marker in the photo tells more than what is assumed of any camera.
     assert all(0 < record["camera"]["focal_sigma_px"] < 0.2 * record["camera"]["K"][0][0] for record in outcome.records)
+    assert outcome.err == []
+
+
+def test_an_assumed_field_of_view_is_announced_once(run, tmp_path):
+    photo = tmp_path / "from_above.png"
+    picture = np.full((480, 640), 200, np.uint8)
+    picture[150:330, 230:410] = parse_marker("aruco:4x4_50:0").bitmap(180)
+    cv2.imwrite(str(photo), picture)
+    outcome = run("estimate", "--json", photo, photo)
+    assert [record["camera"]["source"] for record in outcome.records] == ["assumed", "assumed"]
     (line,) = outcome.err
     assert "60 degrees are assumed" in line
 

@@ -18,7 +18,7 @@ from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, renumbered
 from ashe_live.commands.answers.steps_sheet import write_steps
 from ashe_live.commands.flags.marker_choice import marker_in, with_marker, with_marker_in
-from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, make_tracker
+from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, assumed_note, make_tracker
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.contract import FileRecord
@@ -50,6 +50,7 @@ class FileEstimator:
     # What the user has been told, and is not told again for every file.
     faults: set[str] = dataclasses.field(default_factory=set)  # faults whose traceback has been shown
     followed: set[str] = dataclasses.field(default_factory=set)  # markers that are followed without having been named
+    assumed: set[str] = dataclasses.field(default_factory=set)  # what of cameras is assumed
     without_steps: set[Path] = dataclasses.field(default_factory=set)  # files whose steps could not be written
 
     def of(self, path: Path) -> FileAnswer:
@@ -122,6 +123,9 @@ class FileEstimator:
             print_message(source.note)
         if tracked.note is not None:
             print_message(f"{path}: {tracked.note}")
+        if (note := assumed_note(tracked)) is not None and note not in self.assumed:
+            self.assumed.add(note)
+            print_message(note)
         if tracked.marker is not None:
             return _Looked(path, record, seen, tracker)
         in_view = markers_in_view(tracked.frame.image_bgr)

@@ -7,6 +7,7 @@ from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import other_markers
 from ashe_live.core.camera import Camera, Size, fitted, read_camera_file
+from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.models.caster import read_caster
@@ -71,20 +72,20 @@ class StatedFocal:
 
 
 class AssumedCamera:
-    """A camera for frames of any size about which nothing is known; says so when it is first needed."""
-
-    def __init__(self) -> None:
-        self._is_said = False
+    """A camera for frames of any size about which nothing is known."""
 
     def __call__(self, size: Size) -> Camera:
-        camera = Camera.assumed(size)
-        if not self._is_said:
-            self._is_said = True
-            print_message(
-                f"the camera's field of view is not known: {camera.hfov_deg:.0f} degrees are assumed where the marker "
-                "does not show it; give it by --hfov, --focal-px or --camera-file"
-            )
-        return camera
+        return Camera.assumed(size)
+
+
+def assumed_note(tracked: TrackedFrame) -> str | None:
+    """What is to be said of a frame whose camera is assumed although there is a marker; None: nothing."""
+    if tracked.marker is None or tracked.camera.source != "assumed":
+        return None
+    return (
+        f"the camera's field of view is not known: the marker does not show it, and {tracked.camera.hfov_deg:.0f} "
+        "degrees are assumed; give it by --hfov, --focal-px or --camera-file"
+    )
 
 
 def make_tracker(

@@ -12,7 +12,7 @@ from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX, LastPicture
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.recording.transparent import TransparentRecorder
 from ashe_live.commands.flags.marker_choice import other_markers_hint
-from ashe_live.commands.flags.setup import quality_of
+from ashe_live.commands.flags.setup import assumed_note, quality_of
 from ashe_live.commands.viewing.setup import ViewerSetup, opened_session, report_recordings_cut_short
 from ashe_live.core.arrays import Image
 from ashe_live.errors import ExitStatus, UserError
@@ -147,3 +147,5 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
     camera = camera_line(session.tracked)
     if camera is not None and session.tracked is not None and session.tracked.camera.source == "estimated":
         yield camera
+    elif session.tracked is not None and (note := assumed_note(session.tracked)) is not None:
+        yield note
