@@ -138,7 +138,7 @@ BINDINGS = (
     Binding(("F",), Command.FULLSCREEN, "F", "fullscreen"),
     Binding(("I",), Command.TOGGLE_HUD, "I", "hide or show all text"),
     Binding(("W",), Command.MIRROR, "W", "as in a mirror, or as it is"),
-    Binding(("H", "F1"), Command.HELP, "H or F1", "this help"),
+    Binding(("H", "F1"), Command.HELP, "H or F1", "all keys"),
     Binding(("ESCAPE",), Command.LEAVE, "Esc", "go back, then quit"),
 )
 
@@ -172,4 +172,4 @@ def request_for(label: str, place: str | None, held: str = "") -> Request | None
 
 def help_rows() -> tuple[tuple[str, str], ...]:
     """Keys and what they do, row by row."""
-    return (*((binding.shown, binding.help) for binding in BINDINGS), ("right click", "all this in a menu"))
+    return (*((binding.shown, binding.help) for binding in BINDINGS), ("right click", "most of this in a menu"))

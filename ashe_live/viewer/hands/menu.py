@@ -17,6 +17,7 @@ from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Re
 
 OFFERED = (
     Command.ESTIMATE,
+    Command.EMPTY_TABLE,
     Command.AUTOMATIC,
     Command.TOGGLE_LIGHT,
     Command.TOGGLE_STEPS,
@@ -33,6 +34,8 @@ OFFERED = (
     Command.UNDO,
     Command.RESET,
     Command.PAUSE,
+    Command.RESTART,
+    Command.LOOP,
     Command.OPEN,
     Command.SNAPSHOT,
     Command.CUT_OUT,
@@ -41,6 +44,7 @@ OFFERED = (
     Command.MIRROR,
     Command.QUALITY,
     Command.FULLSCREEN,
+    Command.TOGGLE_HUD,
     Command.HELP,
 )
 POINTED_AT_SRGBA = (246, 246, 242, 56)
@@ -48,6 +52,7 @@ CHOSEN, OTHER = ">", " "
 MORE = "more"
 CELLS = 3  # columns of text that an entry has: the mark, what it does, its keys
 HIGHEST = 0.6  # of the window: a higher menu stands in two columns, if these fit beside each other
+LARGEST = 0.6  # of the window's area: a larger menu is written in smaller letters, as the picture should be seen
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +201,7 @@ def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], screen: Scre
     one, shown, font_px = _rows(entries), entries, FONT_PT * screen.content_scale
     rows = one if row_layout(one, font_px).size[1] <= HIGHEST * size[1] else in_two(one)
     legible_px = max(MIN_FONT_PX, LEGIBLE_PT * screen.content_scale)
-    while font_px > legible_px and not fits(rows, font_px, size, gap=0):
+    while font_px > legible_px and not (fits(rows, font_px, size, gap=0) and _leaves_room(rows, font_px, size)):
         font_px = max(legible_px, SMALLER * font_px)
     if not fits(rows, font_px, size, gap=0):
         while font_px > MIN_FONT_PX and row_layout(one, font_px).size[0] > size[0]:
@@ -209,6 +214,11 @@ def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], screen: Scre
     left, top = (max(0, min(round(at), whole - own)) for at, whole, own in zip(at_px, size, layout.size, strict=True))
     later = (*entries[len(shown) - 1 :], *entries[: len(shown) - 1])
     return _Opened(shown, later, at_px, screen, font_px, left, top, rows, layout)
+
+
+def _leaves_room(rows: Rows, font_px: float, size: Size) -> bool:
+    width, height = row_layout(rows, font_px).size
+    return width * height <= LARGEST * size[0] * size[1]
 
 
 def _rows(entries: tuple[Entry, ...]) -> Rows:
