@@ -232,6 +232,7 @@ class LiveViewer:
         self._playback = Playback(pipeline, self._session, self._loop)
         watch = self._session.watch
         watch.key_views, watch.camera_may_move = pipeline.key_views, pipeline.is_camera
+        watch.is_photo = pipeline.is_photo
 
     def _leave(self) -> None:
         """Leaves one of these, the first that applies: the menu, the help, fullscreen, the program."""

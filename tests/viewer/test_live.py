@@ -196,6 +196,15 @@ def test_snapshots_have_the_videos_size(stage, tmp_path):
     assert len(list(tmp_path.glob("*.png"))) == 2
 
 
+@pytest.mark.parametrize("is_photo", [False, True])
+def test_the_table_of_a_photo_without_a_second_frame_is_not_taken_for_the_empty_one(stage, is_photo):
+    stage.pipeline.is_photo = is_photo
+    stage.put(0)
+    stage.run(None, Command.EMPTY_TABLE, None)
+    assert (stage.session.watch.empty is None) is is_photo
+    assert ("a photo" in stage.session.notice.text) is is_photo
+
+
 def test_recording_goes_on_while_paused_and_ends_by_the_same_key(stage, tmp_path, capfd):
     stage.put(0)
     steps = [Command.RECORD, *[None] * 60, Command.RECORD, None]

@@ -39,6 +39,7 @@ class LightWatch:
         self.preset = BALANCED
         self.key_views = KeyViews()  # of the scene that is shown; the capture thread adds to them
         self.camera_may_move = False  # whether the source is a camera that the user may move
+        self.is_photo = False  # which has no other frame
         self.held = HeldAnswer()  # since the user's last request
         self.empty: TrackedFrame | None = None  # a frame that shows the table without the object
         self._is_over_empty_table = False  # whether the held answer was found so
@@ -128,9 +129,13 @@ class LightWatch:
             return "the paper cube's light is found without an empty table"
         if self._worker.takes_one_frame:
             return "this estimator makes no use of the empty table"
+        if self.is_photo:
+            return (
+                "a photo has no second frame: `ashe-live estimate PHOTO --empty EMPTY` takes a photo of the empty table"
+            )
         self.empty = tracked
         if not self.camera_may_move:
-            return "the empty table is known: Space in another frame of this view counts only what came onto it"
+            return "the empty table is known: in another frame of this view press Space"
         return "the empty table is known: put the object there, leave the camera where it is, press Space"
 
     def _empty_for(self, frozen: TrackedFrame) -> TrackedFrame | None:
