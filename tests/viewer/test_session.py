@@ -1096,6 +1096,25 @@ def test_nobody_asks_about_a_picture_in_which_the_marker_is_being_moved(make, fa
     assert len(session.watch._worker.requested) == 2
 
 
+@pytest.mark.parametrize("other", ["none", "place", "camera"])
+def test_a_frame_in_doubt_is_compared_with_those_of_its_place_and_camera_alone(make, fakes, other):
+    """Beside a frame by another focal length, or from where the marker lay, poses do not fit each other."""
+    session = make()
+    watch, worker = session.watch, session.watch._worker
+    session.take(dataclasses.replace(fakes.tracked(0), T_room_marker=lying(0)), 0.0)
+    estimated(session, fakes, 0.0)
+    watch.key_views = fakes.KeyViews(dataclasses.replace(fakes.tracked(1), T_room_marker=lying(0)))
+    doubted = dataclasses.replace(fakes.tracked(2), T_room_marker=lying(0))
+    assert watch.ask_in_background(doubted, 1.0)
+    worker.answer, worker.outdated = fakes.estimate(2), (0,)
+    watch.wait(0.0)
+    seen = dataclasses.replace(fakes.tracked(3), T_room_marker=lying(40 if other == "place" else 0))
+    if other == "camera":
+        seen = dataclasses.replace(seen, camera=Camera.from_hfov(seen.camera.size, 70.0))
+    assert watch.ask_in_background(seen, 2.0)
+    assert (worker.doubted is doubted) is (other == "none")
+
+
 def seen_at(fakes, time_s: float, index: int = 0):
     tracked = fakes.tracked(index)
     return dataclasses.replace(tracked, frame=Frame(tracked.frame.image_bgr, index, time_s))

@@ -114,7 +114,8 @@ class LightWatch:
         shown = self.held.estimate
         held = shown and replace(shown, object_mask=None, shadow_mask=None)  # which nobody needs there
         task = EstimateTask(self.preset, draw, is_awaited, held, follows)
-        if not self._worker.request(frozen, others, self._doubted, task, self._empty_for(frozen)):
+        doubted = self._doubted if self._doubted is not None and fits(self._doubted, frozen) else None
+        if not self._worker.request(frozen, others, doubted, task, self._empty_for(frozen)):
             return False
         self._frozen, self._others, self._asked_s, self._is_awaited = frozen, others, now_s, is_awaited
         self._brightness.note(frozen.frame)
