@@ -1138,6 +1138,24 @@ def test_the_empty_table_goes_with_requests_until_it_is_old(make, fakes):
     assert session.watch.empty is None
 
 
+@pytest.mark.parametrize(("now_s", "turned_deg", "said"), [(400.0, 0.0, "minutes ago"), (5.0, 30.0, "elsewhere")])
+def test_that_the_empty_table_no_longer_counts_is_said_once_to_who_has_shown_it(make, fakes, now_s, turned_deg, said):
+    for is_shown in (True, False):
+        session = make()
+        session.take(dataclasses.replace(seen_at(fakes, 0.0), T_room_marker=lying(0)), 0.0)
+        if is_shown:
+            session.handle(Request(Command.EMPTY_TABLE), 0.0)
+        else:  # found by an estimate, of which the user knows nothing
+            session.watch.empty = session.tracked
+        session.take(dataclasses.replace(seen_at(fakes, now_s, 1), T_room_marker=lying(turned_deg)), now_s)
+        session.request_estimate(now_s)
+        session.poll(now_s)
+        assert (said in (session.notice.text or "")) is is_shown
+        session.say("", now_s)
+        session.poll(now_s)
+        assert said not in (session.notice.text or "")
+
+
 def test_a_frame_in_which_nothing_stands_there_is_the_empty_table(make, fakes):
     session = make()
     session.watch.camera_may_move = True

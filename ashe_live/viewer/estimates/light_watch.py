@@ -42,6 +42,8 @@ class LightWatch:
         self.is_photo = False  # which has no other frame
         self.held = HeldAnswer()  # since the user's last request
         self.empty: TrackedFrame | None = None  # a frame that shows the table without the object
+        self._shown_empty: TrackedFrame | None = None  # the last one of which the user has said so
+        self._news: str | None = None  # what has become of it
         self._is_over_empty_table = False  # whether the held answer was found so
         self.sharpening = Sharpening()
         self._asked_s = -math.inf
@@ -73,9 +75,15 @@ class LightWatch:
     def begin_anew(self) -> None:
         """Forgets the scene, and gives up an estimate in progress."""
         self._frozen, self._others, self._doubted, self._waiting = None, (), None, None
-        self.held, self.sharpening, self.empty = HeldAnswer(), Sharpening(), None
+        self.held, self.sharpening = HeldAnswer(), Sharpening()
+        self.empty = self._shown_empty = self._news = None
         self.key_views.drop()
         self._worker.give_up()
+
+    def take_news(self) -> str | None:
+        """What has become of the empty table that the user has shown, returned once."""
+        news, self._news = self._news, None
+        return news
 
     def ask(self, frozen: TrackedFrame, now_s: float, draw: Draw | None = None) -> bool:
         """The user requests an estimate of a frame together with the current key views; returns whether it is accepted.
@@ -134,7 +142,7 @@ class LightWatch:
             return (
                 "a photo has no second frame: `ashe-live estimate PHOTO --empty EMPTY` takes a photo of the empty table"
             )
-        self.empty = tracked
+        self.empty = self._shown_empty = tracked
         if not self.camera_may_move:
             return "the empty table is known: in another frame of this view press Space"
         return "the empty table is known: put the object there, leave the camera where it is, press Space"
@@ -147,6 +155,9 @@ class LightWatch:
         is_old = abs(frozen.frame.time_s - empty.frame.time_s) > EMPTY_FOR_S
         if is_old or not lies_as_in(empty, frozen):
             self.empty = None
+            if empty is self._shown_empty:
+                why = f"was shown over {EMPTY_FOR_S / 60:.0f} minutes ago" if is_old else "had the marker elsewhere"
+                self._news = f"the empty table {why} and no longer counts: Shift+Space shows it again"
         return self.empty if empty.frame.size == frozen.frame.size else None
 
     def _is_newer_than_empty(self, tracked: TrackedFrame) -> bool:
