@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 
 import numpy as np
 
@@ -23,6 +24,8 @@ AROUND_RAD, MOST_NONE = 2 * NEAR_RAD, 0.05
 LOG_NONE = math.log(0.5)
 # The same of a light whose shadow the body may hide, beside one sun whose edges are seen.
 LOG_NONE_FURTHER = 0.0
+# Of a normal distribution, each in the middle of an equal share of it.
+QUANTILES = [NormalDist().inv_cdf((number + 0.5) / 100) for number in range(100)]
 SURE_BY_TABLE = 0.95  # probability of a direction by map and sides, from which on edges are not needed
 
 
@@ -75,10 +78,15 @@ def _shares(one: FoundLight) -> Float:
     """(2,) probability that the light is within NEAR_RAD, AROUND_RAD which casts the shadow, by what its edges leave
     open of it.
     """
-    sigmas = np.sqrt(np.maximum(np.linalg.eigvalsh(one.fitted.covariance_rad2), 1e-12)).tolist()
-    return np.array(
-        [math.prod(math.erf(within / (math.sqrt(2) * sigma)) for sigma in sigmas) for within in (NEAR_RAD, AROUND_RAD)]
-    )
+    covariance = one.fitted.covariance_rad2
+    return np.array([probability_within(NEAR_RAD, covariance), probability_within(AROUND_RAD, covariance)])
+
+
+def probability_within(radius_rad: float, covariance_rad2: Float) -> float:
+    """Of an error that is normally distributed with a covariance (2, 2)."""
+    smaller, larger = np.sqrt(np.maximum(np.linalg.eigvalsh(covariance_rad2), 1e-12)).tolist()
+    left = [max(radius_rad**2 - (larger * quantile) ** 2, 0.0) for quantile in QUANTILES]
+    return sum(math.erf(math.sqrt(each / 2) / smaller) for each in left) / len(left)
 
 
 @dataclass(frozen=True, slots=True)
