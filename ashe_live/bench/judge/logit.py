@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ashe_live.bench.judge.samples import Candidate
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.errors import UserError
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge_tables import Curve, Score
 
@@ -63,9 +64,11 @@ def fitted_score(groups: Sequence[Sequence[Candidate]], weight: float = 1.0) -> 
 
     Right are a group's candidates with the highest `rightness` above 0. Candidates of a group share one probability,
     so it does not matter how often the right explanation was found. weight: of each group in the likelihood, below 1
-    where several groups show the same picture.
+    where several groups show the same picture. Raises UserError where there are no candidates at all.
     """
     every = [candidate for group in groups for candidate in group]
+    if not every:
+        raise UserError("nothing was tried in these pictures", "name more of them, with a marker, an object and ground")
     names = list(every[0].features)
     values = np.array([[candidate.features[name] for name in names] for candidate in every])
     knots = {name: _knots(values[:, i]) for i, name in enumerate(names)}

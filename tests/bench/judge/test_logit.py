@@ -5,6 +5,7 @@ import pytest
 
 from ashe_live.bench.judge.logit import fitted_score
 from ashe_live.bench.judge.samples import Candidate
+from ashe_live.errors import UserError
 
 GROUPS, TRIED = 600, 4
 
@@ -63,3 +64,9 @@ def test_of_two_that_are_right_the_one_with_all_lights_is_learned() -> None:
     groups = [[candidate({"second": 1.0}, 2), candidate({"second": 0.0}, 1)] for _ in range(50)]
     # A second light cannot count for an explanation, so that it can only be not held against it.
     assert set(fitted_score(groups).curves["second"].log_odds) == {0.0}
+
+
+def test_without_anything_to_fit_to_it_says_so() -> None:
+    for groups in ([], [[]]):
+        with pytest.raises(UserError, match="nothing was tried"):
+            fitted_score(groups)
