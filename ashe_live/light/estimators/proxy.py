@@ -81,20 +81,33 @@ class ProxyEstimator:
 
     def _of_agreeing(self, tracked: TrackedFrame, others: Sequence[TrackedFrame]) -> tuple[LightEstimate, Trace]:
         """As `traced`, of frames in which the plane z = 0 is the ground; those that show another scene are left out."""
-        clock = StageClock()
-        estimate, trace = self._traced(tracked, others, clock)
-        if len(estimate.views) > 1:
-            # Views that contradict each other may leave no answer; then the first view's answer shows which ones do.
-            explained = estimate if estimate.light is not None else self._traced(tracked, (), clock)[0]
-            odd = contradicting(explained, tracked, others, self._preset)
-            if explained is estimate:
-                odd = without_confirming(odd, _likeliest(trace), self._judge)
-            # If all the other views contradict the first one's answer, that answer is wrong rather than they.
-            is_doubtful = explained is not estimate and len(odd) == len(estimate.views) - 1 > 1
-            if odd and not is_doubtful:
-                agreeing = [other for other in others if not any(other is one for one in odd)]
-                return self._traced(tracked, agreeing, clock)
-        return estimate, trace
+        clock, left = StageClock(), list(others)
+        while True:
+            estimate, trace = self._traced(tracked, left, clock)
+            odd = self._contradicting(estimate, trace, tracked, left, clock)
+            if not odd:
+                return estimate, trace
+            # Others take their place, which may be of that scene as well.
+            left = [other for other in left if not any(other is one for one in odd)]
+
+    def _contradicting(
+        self,
+        estimate: LightEstimate,
+        trace: Trace,
+        tracked: TrackedFrame,
+        others: Sequence[TrackedFrame],
+        clock: StageClock,
+    ) -> list[TrackedFrame]:
+        """Those of the others on which an estimate rests that show another scene."""
+        if len(estimate.views) == 1:
+            return []
+        # Views that contradict each other may leave no answer; then the first view's answer shows which ones do.
+        explained = estimate if estimate.light is not None else self._traced(tracked, (), clock)[0]
+        odd = contradicting(explained, tracked, others, self._preset)
+        if explained is estimate:
+            return without_confirming(odd, _likeliest(trace), self._judge)
+        # If all the other views contradict the first one's answer, that answer is wrong rather than they.
+        return [] if len(odd) == len(estimate.views) - 1 > 1 else odd
 
     def _traced(
         self, tracked: TrackedFrame, others: Sequence[TrackedFrame], clock: StageClock

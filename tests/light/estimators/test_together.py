@@ -99,6 +99,19 @@ def test_views_of_another_scene_are_left_out(change: str) -> None:
     assert math.degrees(angle_between(estimate.light.to_light_marker, direction(200, 40))) < 1.0
 
 
+def test_views_that_take_the_place_of_those_left_out_are_looked_at_as_well() -> None:
+    """More views than are used at once, of which most show another light: FAST uses three beside the first."""
+    first, *same = views_of(BOX)
+    of_other_light = [
+        seen_from(heading, BOX, index=10 + number, azimuth_deg=235.0)
+        for number, heading in enumerate((105, 120, 60, 45, 110, 65))
+    ]
+    estimate = ProxyEstimator(FAST).estimate(first, [*same, *of_other_light])
+    assert estimate.views == (0, 1, 2)
+    assert estimate.light is not None
+    assert math.degrees(angle_between(estimate.light.to_light_marker, direction(200, 40))) < 1.0
+
+
 def test_a_plain_grey_box_under_a_high_sun_is_found_by_what_each_view_shows_alone() -> None:
     # Its sides are as dark as its short shadow, and shear at their edges alone.
     grey = dataclasses.replace(BOX, width_m=0.03, height_m=0.05, rgb=(0.08, 0.08, 0.09))
