@@ -1,5 +1,6 @@
 """The lights of an aligned body, and how far its borders determine them."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.outline_fit.search import information_on_lights
+from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import (
     FittedLight,
     corrected_for_cut_shadow,
@@ -23,11 +25,20 @@ MODEL_ERROR_SHARE = 0.007
 
 def lights_of(alignment: Alignment) -> tuple[FittedLight, ...]:
     """The lights of an aligned body, with the covariance that its normal equations imply."""
-    covariance = np.asarray(np.linalg.inv(_information(alignment)))
-    lights = fitted_lights(alignment.placed.lit.lights, covariance)
-    return tuple(
-        corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, alignment.ends_in_view, strict=True)
-    )
+    lit = alignment.placed.lit
+    # Lowered where the misfit shows that the body is a poor model.
+    information = tempered(information_on_lights(alignment.normal, lit.layout), alignment)
+    return lights_by_information(lit, information, alignment.ends_in_view)
+
+
+def lights_by_information(lit: LitBody, information: Float, ends_in_view: Sequence[float]) -> tuple[FittedLight, ...]:
+    """The lights of a body, with the covariance that information (split, split) on them and the hemisphere imply.
+
+    ends_in_view: the share of each shadow's far end that is in the picture; where that is cut, the light is lowered.
+    """
+    total = with_hemisphere_prior(information, lit.lights_in_body_frame)
+    lights = fitted_lights(lit.lights, np.asarray(np.linalg.inv(total)))
+    return tuple(corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, ends_in_view, strict=True))
 
 
 def averaged(light: FittedLight, directions: Float, weights: Float, spread_share: float = 0.0) -> FittedLight:
@@ -60,10 +71,3 @@ def tempered(information: Float, alignment: Alignment) -> Float:
 def relative_misfit(alignment: Alignment) -> float:
     """The alignment's misfit in units of MODEL_ERROR_SHARE."""
     return alignment.misfit_px / (MODEL_ERROR_SHARE * alignment.placed.object_px)
-
-
-def _information(alignment: Alignment) -> Float:
-    """(split, split) information on the lights, lowered where the misfit shows that the body is a poor model."""
-    lit = alignment.placed.lit
-    information = information_on_lights(alignment.normal, lit.layout)
-    return with_hemisphere_prior(tempered(information, alignment), lit.lights_in_body_frame)

@@ -12,16 +12,12 @@ from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, grouped_by_lights, measured
 from ashe_live.light.explanation.explain import refined_by_tangents
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
+from ashe_live.light.explanation.light_covariance import lights_by_information
 from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody, NearnessPrior
-from ashe_live.light.shape.directions import (
-    FittedLight,
-    corrected_for_cut_shadow,
-    fitted_lights,
-    with_hemisphere_prior,
-)
+from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.sight import Sight
 
 
@@ -123,11 +119,7 @@ def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_per_sample: float 
     alignment: of the same body; it says which shadows' ends are in view. views_per_sample: number of views over their
     effective sample size.
     """
-    information = with_hemisphere_prior(fit.information / views_per_sample, fit.lit.lights_in_body_frame)
-    lights = fitted_lights(fit.lit.lights, np.asarray(np.linalg.inv(information)))
-    return tuple(
-        corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, alignment.ends_in_view, strict=True)
-    )
+    return lights_by_information(fit.lit, fit.information / views_per_sample, alignment.ends_in_view)
 
 
 def _other_bodies(explanation: Explanation) -> list[LitBody]:
