@@ -1,7 +1,7 @@
 """Types of arrays, the checks with which value types freeze theirs, and a few computations that many parts need."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import wraps
 from typing import Any, TypeVar
 
@@ -12,6 +12,7 @@ Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 Image = NDArray[np.uint8]
+Item = TypeVar("Item")
 Owner = TypeVar("Owner")
 Result = TypeVar("Result")
 
@@ -20,6 +21,8 @@ SIGMA_OVER_MAD = 1.48
 # Multiples of the golden section of 1, or of a whole turn, taken modulo that, are spread evenly, however many.
 GOLDEN_SHARE = (math.sqrt(5) - 1) / 2
 GOLDEN_ANGLE_RAD = math.pi * (3 - math.sqrt(5))
+# Binary places of the coordinates of polygons that OpenCV draws.
+FRACTION_BITS = 4
 
 
 def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
@@ -71,6 +74,11 @@ def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:
     return len(some) == len(others) and all(a is b for a, b in zip(some, others, strict=True))
 
 
+def without(items: Iterable[Item], gone: Collection[Item]) -> list[Item]:
+    """Those that are none of the objects in `gone`; equal ones do not count."""
+    return [item for item in items if not any(item is other for other in gone)]
+
+
 def cached_by_array(method: Callable[[Owner, Float], Result]) -> Callable[[Owner, Float], Result]:
     """Makes a method of one array compute each result once for its object: `functools.cache` takes no arrays.
 
@@ -87,6 +95,16 @@ def cached_by_array(method: Callable[[Owner, Float], Result]) -> Callable[[Owner
         return results[key]
 
     return cached
+
+
+def fixed_point(pixels: Float | Float32, bits: int = FRACTION_BITS) -> NDArray[np.int32]:
+    """Coordinates of any shape in 2 ** -bits pixels, rounded: as OpenCV draws polygons with `shift=bits`."""
+    return np.round(pixels * 2**bits).astype(np.int32)
+
+
+def cross_2d(a: Float | Float32, b: Float | Float32) -> Float:
+    """(...) third components of the cross products of vectors (..., 2): NumPy's own takes three dimensions."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def upper_median(values: Float | Float32) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.arrays import FRACTION_BITS, Float, Image, Mask, fixed_point
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Light, LightEstimate
@@ -13,7 +13,6 @@ from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR
 from ashe_live.light.shape.predicted import outline, shadow_outline
 
 TINT = 0.6
-SUBPIXEL_BITS = 4
 
 
 def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
@@ -42,11 +41,7 @@ def draw_outline(picture_bgr: Image, points: Float | None, colour: tuple[int, in
     if points is not None:
         line = max(1, picture_bgr.shape[1] // 320)
         for width, ink in ((line + 2, PAPER_BGR), (line, colour)):
-            cv2.polylines(picture_bgr, [_fixed_point(points)], True, ink, width, cv2.LINE_AA, SUBPIXEL_BITS)
-
-
-def _fixed_point(points: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.int32]]:
-    return np.asarray(np.round(points * 2**SUBPIXEL_BITS), dtype=np.int32)
+            cv2.polylines(picture_bgr, [fixed_point(points)], True, ink, width, cv2.LINE_AA, FRACTION_BITS)
 
 
 def tinted(picture_bgr: Image, inside: Mask, colour: tuple[int, int, int]) -> Image:

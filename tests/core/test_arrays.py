@@ -1,17 +1,21 @@
 """Arrays that are frozen, and computations on arrays that many parts need."""
 
+import cv2
 import numpy as np
 import pytest
 
 from ashe_live.core.arrays import (
     cached_by_array,
+    cross_2d,
     directions_on_spiral,
+    fixed_point,
     frozen_floats,
     frozen_view,
     lowest_on_parabola,
     same_objects,
     upper_median,
     upper_quantile,
+    without,
 )
 
 HEIGHTS = np.array([0.003, 0.004, 0.005])
@@ -62,6 +66,23 @@ def test_equal_objects_are_not_the_same() -> None:
     assert same_objects([one, other], [one, other])
     assert not same_objects([one, other], [other, one])
     assert not same_objects([one], [one, other])
+    assert without([one, other, one], [one])[0] is other
+    assert without([one], [[1]]) == [[1]]
+
+
+def test_a_cross_product_in_the_plane_is_the_area_between_both_and_turns_with_them() -> None:
+    x, y = np.array([(2.0, 0.0), (1.0, 1.0)]), np.array([(0.0, 3.0), (1.0, -1.0)])
+    assert cross_2d(x, y).tolist() == [6, -2]
+    assert cross_2d(y, x).tolist() == [-6, 2]
+
+
+@pytest.mark.parametrize("bits", [4, 6])
+def test_opencv_draws_fixed_point_where_the_corners_are(bits: int) -> None:
+    mask = np.zeros((20, 20), np.uint8)
+    corners = np.array([(4.5, 5.0), (10.0 + 2 / 3, 5.0), (10.0 + 2 / 3, 9.0), (4.5, 9.0)])
+    cv2.polylines(mask, [fixed_point(corners, bits)], True, 255, 1, cv2.LINE_AA, bits)
+    column = mask[7].astype(float)
+    assert (column[9:13] @ np.arange(9, 13)) / column[9:13].sum() == pytest.approx(10 + 2 / 3, abs=0.1)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 10, 11])

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ashe_live.bench.cube.bounce import light_from_table, part_from_facet
 from ashe_live.bench.cube.painted_scene import CubeScene, PaintedLight, hull_of, level_of, on_table
-from ashe_live.core.arrays import GOLDEN_ANGLE_RAD, Float, Float32, Image
+from ashe_live.core.arrays import GOLDEN_ANGLE_RAD, Float, Float32, Image, fixed_point
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.transforms import image_from_plane
@@ -42,7 +42,7 @@ def painted(scene: CubeScene) -> Image:
     whole = projected(fine, scene.T_cam_cube, body)
     grey = _irradiance(scene, np.array((0.0, 0.0, 1.0)), np.zeros(3))
     cv2.fillConvexPoly(
-        light, _fixed(cv2.convexHull(whole.astype(np.float32))[:, 0]), (PAPER * grey).tolist(), shift=BITS
+        light, fixed_point(cv2.convexHull(whole.astype(np.float32))[:, 0], BITS), (PAPER * grey).tolist(), shift=BITS
     )
     for number, (face, reflectance) in enumerate(zip(FACES, _prints(), strict=True)):
         corners = scene.edge_m * scene.folds.placed(number, face.corners())
@@ -62,7 +62,7 @@ def painted(scene: CubeScene) -> Image:
             reflectance, H, of_part.shape[1::-1], flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
         inside = np.zeros(seen.shape, np.uint8)
-        cv2.fillConvexPoly(inside, _fixed(pixels), 1, shift=BITS)
+        cv2.fillConvexPoly(inside, fixed_point(pixels, BITS), 1, shift=BITS)
         here = inside > 0
         of_part[here] = seen[here, None] * _irradiance(scene, normal, corners.mean(axis=0)).astype(np.float32)
     averaged = cv2.resize(light, (width, height), interpolation=cv2.INTER_AREA)
@@ -162,7 +162,7 @@ def _shaded(scene: CubeScene, fine: Camera, body: Float, one: PaintedLight) -> t
     for pixels in shadows:
         shadow = np.zeros_like(hidden)
         hull = cv2.convexHull((pixels - (columns.start, rows.start)).astype(np.float32))[:, 0]
-        cv2.fillConvexPoly(shadow, _fixed(hull), 1, shift=BITS)
+        cv2.fillConvexPoly(shadow, fixed_point(hull, BITS), 1, shift=BITS)
         cv2.add(hidden, shadow, hidden)
     return part, np.asarray(hidden / np.float32(DISC), dtype=np.float32)
 
@@ -210,10 +210,6 @@ def projected(camera: Camera, T_cam_cube: Float, points: Float) -> Float:
     in_camera = points @ T_cam_cube[:3, :3].T + T_cam_cube[:3, 3]
     depth = np.maximum(in_camera[:, 2:], 0.01)
     return np.asarray((in_camera / depth) @ camera.K[:2].T).clip(-3e4, 3e4)
-
-
-def _fixed(pixels: NDArray[Any]) -> NDArray[np.int32]:
-    return np.asarray(np.round(pixels * 2**BITS), dtype=np.int32)
 
 
 def _print(bitmap: Image) -> Float32:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, cross_2d
 from ashe_live.light.shape.body import LitBody, members_of
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.supports import outline_reaches
@@ -52,7 +52,7 @@ def evenly_spaced(hulls_px: Sequence[Float]) -> OutlinePoints:
     along_edge = 1 - (ends[row, edge] - at) / length
     along = edges[row, edge]
     points = corners[row, edge] + along_edge[..., None] * along
-    twice_area = (corners[..., 0] * edges[..., 1] - corners[..., 1] * edges[..., 0]).sum(axis=1)
+    twice_area = cross_2d(corners, edges).sum(axis=1)
     sense = np.where(twice_area > 0, 1.0, -1.0)[:, None]  # of the corners' order: from x to y, or the other way
     normals = along[..., ::-1] * (1, -1) * (sense / length)[..., None]
     return OutlinePoints(points, normals, np.where(sense > 0, along_edge, 1 - along_edge))

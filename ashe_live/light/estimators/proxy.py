@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Mask
+from ashe_live.core.arrays import Mask, without
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
@@ -88,7 +88,7 @@ class ProxyEstimator:
             if not odd:
                 return estimate, trace
             # Others take their place, which may be of that scene as well.
-            left = [other for other in left if not any(other is one for one in odd)]
+            left = without(left, odd)
 
     def _contradicting(
         self,

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from ashe_live.core.arrays import without
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.explanation.explain import are_alike, different, explained_near, refined, refined_by_tangents
@@ -54,7 +55,7 @@ class Refiner:
         # They are compared with the rough ones by their steps of light, among others, which must be measured alike.
         measured = self.sharpener.measured([fine for fine in fines if fine is not None])
         found = with_lights_counted(measured, rough, self.view, self.preset.region_px, log_odds)
-        others = different(each for each in ranked if not any(each is one for one in chosen))
+        others = different(without(ranked, chosen))
         others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
         others = [each for each in others if not any(is_part_of(one, each) for one in found)]
         sharp = self._sharp_and_decided(found)
@@ -69,7 +70,7 @@ class Refiner:
         """
         view, region_px = self.view, self.preset.region_px
         searched = with_shadows_searched(judged, view, region_px, self.refined_alone, log_odds)
-        new = [each for each in searched if not any(each is one for one in judged)]
+        new = without(searched, judged)
         likeliest = max(searched, key=log_odds, default=None)
         # Also what takes the place of one of two lights, of which the second may be the artefact of a worse body.
         tried = [each for each in new if each is likeliest or any(is_part_of(both, each) for both in by_two)]

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float, Float32, fixed_point
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.table import FINER, SIDE, cell_m
 from ashe_live.light.shape.light_points import LOWEST_Z
@@ -111,7 +111,7 @@ def _window(corners: NDArray[np.int32]) -> slice:
 def corners_of(body: Proxy, lights: Float) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
     """(m, k, 2) the body's points cast by each light, in units of 1 / FIXED of a cell, and (m,) where it is finite."""
     cells, is_finite = cells_of(body, lights)
-    return np.round(((cells + 0.5) * FINER - 0.5) * 2**BITS).astype(np.int32), is_finite
+    return fixed_point((cells + 0.5) * FINER - 0.5, BITS), is_finite
 
 
 def cells_of(body: Proxy, lights: Float) -> tuple[Float, NDArray[np.bool_]]:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float, Image, without
 from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.ranges import VIEWS
 from ashe_live.core.transforms import transform_points, view_direction
@@ -99,7 +99,7 @@ class KeyViews:
             return False
         view = scaled(tracked, size)
         with self._changing:
-            stay = [each for each in _without(self.views, given_way) if _age_s(each, time_s) <= OLDEST_S]
+            stay = [each for each in without(self.views, given_way) if _age_s(each, time_s) <= OLDEST_S]
             self._set = _ViewSet((*stay, view))
         return True
 
@@ -118,7 +118,7 @@ class KeyViews:
     def drop(self, views: Sequence[TrackedFrame] | None = None) -> None:
         """Forgets these views, or all of them."""
         with self._changing:
-            self._set = _ViewSet(() if views is None else _without(self.views, views))
+            self._set = _ViewSet(() if views is None else tuple(without(self.views, views)))
 
 
 class _ViewSet:
@@ -159,11 +159,6 @@ def _is_well_posed(marker: MarkerPose) -> bool:
         return False
     covariance = marker.covariance if marker.noise_covariance is None else marker.noise_covariance
     return covariance is None or max(covariance[0, 0], covariance[1, 1]) <= MOST_ROTATION_SIGMA_RAD**2
-
-
-def _without(views: Sequence[TrackedFrame], gone: Sequence[TrackedFrame]) -> tuple[TrackedFrame, ...]:
-    """`views` without those in `gone`, compared by identity, not by their pictures."""
-    return tuple(view for view in views if not any(view is other for other in gone))
 
 
 def _age_s(view: TrackedFrame, now_s: float) -> float:

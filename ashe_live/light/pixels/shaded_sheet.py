@@ -9,14 +9,14 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Image, Mask
+from ashe_live.core.arrays import FRACTION_BITS, Float, Float32, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import shrunk
 from ashe_live.light.pixels.log_colour import DARKEST
 from ashe_live.light.pixels.mixtures import clusters
 from ashe_live.light.pixels.sheet import ADDED, MarkerPicture, Sheet
-from ashe_live.light.pixels.shown_as_ground import FRACTION_BITS, in_ground_colour, outline_of, painted_over
+from ashe_live.light.pixels.shown_as_ground import in_ground_colour, outline_of, painted_over
 
 # Paper in a shadow is darker than the rest by at least this, in log brightness, on at least this share of the margin;
 # curled paper differs by less. Paper is plain: either level scatters by less than this share of their difference.

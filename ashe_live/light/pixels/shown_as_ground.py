@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.arrays import FRACTION_BITS, Float, Image, Mask, fixed_point
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import grown, majority
@@ -18,7 +18,6 @@ STANDS_PX = 5  # across a neighbourhood whose majority decides between noise and
 # Where the colour this near to a page's border differs by so much from the lit ground's, in log-opponent distance,
 # something may cross the border so near.
 BESIDE_PX, OTHER, CROSSED_PX = 3, 0.6, 8
-FRACTION_BITS = 4  # of the coordinates of outlines, as OpenCV fills them
 PAINTED_PX = 2  # distance from a page's border of the pixels that it is painted over with
 
 
@@ -70,4 +69,4 @@ def outline_of(sheet: Sheet, picture: MarkerPicture) -> NDArray[np.int32]:
     outline = project(picture.camera, picture.T_cam_marker, points).clip(-1e4, 1e4)
     if len(points) and not np.array_equal(points, corners):  # some are where lines meet the near plane, in any order
         outline = cv2.convexHull(outline.astype(np.float32))[:, 0]
-    return np.asarray(np.round(outline * 2**FRACTION_BITS), dtype=np.int32)
+    return fixed_point(outline)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import FRACTION_BITS, Float, Float32, Mask, fixed_point
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
@@ -19,7 +19,6 @@ from ashe_live.light.shape.supports import outline_points
 
 AROUND = 32  # points on a body's rings: with 16, chords lie 2 % of the radius inside, which biases an alignment
 FARTHEST_PX = 1e5  # of an outline from the picture's corner: beyond, it is drawn as if it were there
-SUBPIXEL_BITS = 4  # binary places in which outlines are drawn
 LARGE_PX = 5e3  # of an outline, from which on it may extend behind the camera
 
 
@@ -108,5 +107,5 @@ def _hull(cloud: Float32) -> Float:
 def _filled(hull_px: Float | None, shape: tuple[int, ...]) -> Mask:
     mask = np.zeros(shape, np.uint8)
     if hull_px is not None:
-        cv2.fillConvexPoly(mask, np.round(hull_px * 2**SUBPIXEL_BITS).astype(np.int32), 1, shift=SUBPIXEL_BITS)
+        cv2.fillConvexPoly(mask, fixed_point(hull_px), 1, shift=FRACTION_BITS)
     return mask.view(np.bool_)

@@ -4,7 +4,7 @@ import mapbox_earcut
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, cross_2d
 
 Indices = NDArray[np.int64]
 OTHER_DIAGONAL = np.array([(0, 1, 3), (1, 2, 3)])
@@ -73,8 +73,7 @@ def _ears(polygon: Float) -> Indices | None:
         flat = np.ascontiguousarray(flat[:, ::-1])  # counter-clockwise as the polygon runs
     cut = mapbox_earcut.triangulate_float64(flat, np.array([len(flat)], np.uint32)).reshape(-1, 3).astype(np.int64)
     a, b, c = np.moveaxis(flat[cut], 1, 0)
-    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
-    areas = ux * vy - uy * vx
+    areas = cross_2d(b - a, c - a)
     whole = abs(float(normal[dropped]))
     if abs(float(np.abs(areas).sum()) - whole) > CROSSES_ITSELF * whole:
         return None

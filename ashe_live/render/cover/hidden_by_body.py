@@ -8,11 +8,11 @@ import math
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import FRACTION_BITS, Float, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, camera_centre, direction_from_angles
 from ashe_live.core.types import Illumination, MarkerPose
-from ashe_live.render.cover.rectified import BITS, fixed_point
+from ashe_live.render.cover.rectified import in_square
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 
 # A cover is kept while the camera turns by less than TURNED_RAD; it is made to reach far enough for MARGIN_RAD.
@@ -74,5 +74,5 @@ def _painted(hulls: list[Float], half_m: float, size: int) -> Mask:
     """(n, n) of a square of the plane, first row at the largest y: the insides of polygons (m, 2)."""
     mask = np.zeros((size, size), np.uint8)
     for hull in hulls:
-        cv2.fillConvexPoly(mask, cv2.convexHull(fixed_point(hull, half_m, size)), 1, shift=BITS)
+        cv2.fillConvexPoly(mask, cv2.convexHull(in_square(hull, half_m, size)), 1, shift=FRACTION_BITS)
     return mask > 0

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Float32, Image, Mask
+from ashe_live.core.arrays import FRACTION_BITS, Float, Float32, Image, Mask, fixed_point
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
@@ -19,7 +19,6 @@ BORDER_SIDES = 0.115  # of the marker: ground that close to the real shadow's bo
 SOFT_PX = 0.8  # standard deviation of that border
 LEAST_RATIO = 0.02  # of the light that a shadow may leave
 BESIDE_PX = 5  # of the object, in the picture: whose rim is no ground
-BITS = 4  # fractional bits of the corners of polygons that OpenCV draws
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,12 +81,12 @@ def _silhouette(body: Proxy, camera: Camera, T_cam_marker: Float) -> Image:
 
 def _shadow(body: Proxy, light: Light, half_m: float, size: int) -> Image:
     """(n, n) 255 where the body's shadow lies: from the middle of its penumbra inwards."""
-    outline = fixed_point(shadow_hull_of_point(body.surface()[0], light.homogeneous), half_m, size)
+    outline = in_square(shadow_hull_of_point(body.surface()[0], light.homogeneous), half_m, size)
     shadow = np.zeros((size, size), np.uint8)
-    return np.asarray(cv2.fillConvexPoly(shadow, outline, 255, cv2.LINE_AA, BITS), np.uint8)
+    return np.asarray(cv2.fillConvexPoly(shadow, outline, 255, cv2.LINE_AA, FRACTION_BITS), np.uint8)
 
 
-def fixed_point(corners: Float, half_m: float, size: int) -> NDArray[np.int32]:
-    """(n, 2) pixels times 2^BITS, in the square, of a polygon's corners (n, 2) on the plane, metres."""
+def in_square(corners: Float, half_m: float, size: int) -> NDArray[np.int32]:
+    """(n, 2) in 2 ** -FRACTION_BITS pixels of the square: a polygon's corners (n, 2) on the plane, metres."""
     pixels = (corners * (1, -1) / half_m + 1) * (size / 2) - 0.5
-    return np.round(pixels.clip(-4 * size, 5 * size) * 2**BITS).astype(np.int32)
+    return fixed_point(pixels.clip(-4 * size, 5 * size))

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import legendre
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, cross_2d
 
 # Points farther than this from the line have no weight (Tukey's biweight).
 OUTLIER_PX = 1.5
@@ -102,8 +102,8 @@ def _medians(values: Float, counts: Mask) -> Float:
 def meeting_points(starts: Float, directions: Float) -> Float:
     """(n, 4, 2) where each side's line meets the one before it in n squares; NaN when they are parallel."""
     before, towards = starts[:, BEFORE], directions[:, BEFORE]
-    cross = towards[..., 0] * directions[..., 1] - towards[..., 1] * directions[..., 0]
+    cross = cross_2d(towards, directions)
     gap = starts - before
     cross = np.where(np.abs(cross) > 1e-9, cross, np.nan)
-    way = (gap[..., 0] * directions[..., 1] - gap[..., 1] * directions[..., 0]) / cross
+    way = cross_2d(gap, directions) / cross
     return np.asarray(before + way[..., None] * towards)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, cross_2d
 from ashe_live.core.camera import Size
 from ashe_live.core.square import square_corners
 
@@ -117,5 +117,5 @@ def _inward(corners: Float) -> Float:
     after, before = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     after /= np.linalg.norm(after, axis=-1, keepdims=True)
     before /= np.linalg.norm(before, axis=-1, keepdims=True)
-    sine = np.abs(after[..., 0] * before[..., 1] - after[..., 1] * before[..., 0])
+    sine = np.abs(cross_2d(after, before))
     return np.asarray((after + before) / np.maximum(sine, 1e-6)[..., None])

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import FRACTION_BITS, Float, Float32, Mask, fixed_point
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre, project
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import shrunk
 from ashe_live.light.shape.light_points import relative_irradiance, towards
-from ashe_live.light.shape.predicted import SUBPIXEL_BITS
 
 AROUND, UPWARDS = 16, 9  # facets of the body's surface
 BOUNCE = 0.3  # fraction of the light on the ground that it reflects
@@ -106,11 +105,11 @@ def _irradiances(
     for light, ratio in zip(lights, shadow_ratios, strict=True):
         to_light = towards(light, foot)
         irradiance += (1 - ratio) / max(to_light[2], LOWEST_Z) * relative_irradiance(light, centres, normals, foot)
-    corners = np.round(pixels[front] * 2**SUBPIXEL_BITS).astype(np.int32)
+    corners = fixed_point(pixels[front])
     # Facets share the pixels of a common edge: the brighter one gets them, however the marker is rotated.
     order = np.argsort(irradiance)
     facet = np.zeros(view.is_ground.shape, np.int32)
     for number, index in enumerate(order, start=1):
-        cv2.fillConvexPoly(facet, corners[index], number, shift=SUBPIXEL_BITS)
+        cv2.fillConvexPoly(facet, corners[index], number, shift=FRACTION_BITS)
     lit, under_sky = (np.append(0.0, each[order]).astype(np.float32) for each in (irradiance, from_sky + bounced))
     return lit[facet], under_sky[facet]

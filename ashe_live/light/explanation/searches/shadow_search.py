@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, cross_2d
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, image_from_plane
 from ashe_live.light.explanation.scene_view import SceneView
@@ -140,7 +140,7 @@ class _MatchedFilter:
         centre = outlines.mean(axis=1, keepdims=True)
         arms = outlines - centre
         inner = np.concatenate([centre + radius * (points - centre) for radius in RADII], axis=1)
-        areas = 0.5 * np.abs(arms[..., 0] * sides[..., 1] - arms[..., 1] * sides[..., 0])
+        areas = 0.5 * np.abs(cross_2d(arms, sides))
         areas = np.repeat(areas / len(ALONG_SIDE), len(ALONG_SIDE), axis=1)
         inside, inside_px = self._mean(inner, np.concatenate([part * areas for part in AREA_FRACTIONS], axis=1))
         lengths = np.repeat(np.linalg.norm(sides, axis=2) / len(ALONG_SIDE), len(ALONG_SIDE), axis=1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask, upper_quantile
+from ashe_live.core.arrays import FRACTION_BITS, Float, Float32, Mask, fixed_point, upper_quantile
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre, project
 from ashe_live.light.pixels.view import View
@@ -27,7 +27,6 @@ INK_SIGMA, OVER_SIGMA = 0.33, 0.43
 INK_PX = 25.0  # width of facets from which on blur leaves the ink dark
 LEAST_INK = 1e-4  # linear light: darker ink is black in the picture, and no share of anything
 WITHIN_SIGMAS, STEPS = 4.0, 65  # of these
-BITS = 4
 FOLDED = 0.08  # of the body's extent: how deep a facet is that was folded by hand
 
 
@@ -111,8 +110,8 @@ def _inside(hull: Float32, others: Sequence[Float32], picture: Float32) -> Float
         return part.reshape(-1, 3)
     mask = np.zeros(part.shape[:2], np.uint8)
     corner = np.array((columns.start, rows.start), np.float32)
-    cv2.fillConvexPoly(mask, np.round((hull - corner) * 2**BITS).astype(np.int32), 1, shift=BITS)
+    cv2.fillConvexPoly(mask, fixed_point(hull - corner), 1, shift=FRACTION_BITS)
     within = cv2.erode(mask, np.ones((2 * RIM_PX + 1, 2 * RIM_PX + 1), np.uint8), borderValue=0)
     for other in others:
-        cv2.fillConvexPoly(within, np.round((other - corner) * 2**BITS).astype(np.int32), 0, shift=BITS)
+        cv2.fillConvexPoly(within, fixed_point(other - corner), 0, shift=FRACTION_BITS)
     return part[within > 0]
