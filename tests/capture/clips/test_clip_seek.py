@@ -145,6 +145,44 @@ def test_where_pictures_are_hardly_kept(film, monkeypatch) -> None:
     assert_seeks_right(film(EVEN, "film.h264", bf="2", g="12"))
 
 
+@pytest.mark.parametrize("name", ["film.mp4", "film.mkv", "film.mov"])
+def test_the_index_tells_every_frames_time_and_where_decoding_can_begin(film, name: str) -> None:
+    path = film([time + 7000 for time in UNEVEN], name, bf="2", g="12", **{"x264-params": "scenecut=0"})
+    with path.open("rb") as file:
+        index = ClipIndex.read(file)
+    assert index is not None
+    times_s = [float((pts - index.pts[0]) * index.time_base) for pts in index.pts]
+    np.testing.assert_allclose(times_s, (np.array(UNEVEN) - UNEVEN[0]) / 1000, atol=1e-3)
+    assert index.keyframes == tuple(range(0, COUNT, 12))
+    assert index.duration_s == times_s[-1]
+    for frame in (0, 11, 12, 40, COUNT - 1):
+        assert index.frame_of(index.pts[frame]) == index.frame_at(times_s[frame]) == frame
+        assert index.keyframe_before(frame) == frame // 12 * 12
+        assert index.frame_at(times_s[frame] - 1e-3) == max(0, frame - 1)
+    assert index.frame_of(None) is index.frame_of(index.pts[-1] + 1) is index.frame_of(index.pts[4] + 1) is None
+
+
+def test_a_jump_decodes_from_the_keyframe_before_it_alone(film, monkeypatch) -> None:
+    path = film(EVEN, bf="2", g="12", **{"x264-params": "scenecut=0"})
+    frames = read_through(path)
+    with ClipSource(path) as source:
+        monkeypatch.setattr(source, "rewind", lambda: pytest.fail("opened again"))
+        monkeypatch.setattr(source, "_kept", 2)
+        for place in (70, 30, 55, 13):
+            passed: list[int] = []
+            take = source._next
+
+            def counted(take=take, passed=passed):
+                passed.append(1)
+                return take()
+
+            with monkeypatch.context() as counting:
+                counting.setattr(source, "_next", counted)
+                source.seek_frame(place)
+            assert len(passed) <= place % 12 + 1
+            assert_same(source.read(), frames[place])
+
+
 def test_an_index_that_is_wrong_is_not_believed(film, monkeypatch) -> None:
     """Its keyframes are none."""
     path = film(EVEN, bf="2", g="30")

@@ -7,25 +7,31 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
-from ashe_live.capture.clips.wide_gamut import (
-    BT2020_PRIMARIES,
-    PQ_TRANSFER,
-    RGB_709_FROM_2020,
-    hlg_from_pq,
-    srgb_converter,
-)
+from ashe_live.capture.clips.wide_gamut import hlg_from_pq, srgb_converter
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
 
-HLG_TRANSFER, BT709 = 18, 1
+# Numbers of ISO/IEC 23091-2.
+BT709, BT2020_PRIMARIES = 1, 9
+PQ_TRANSFER, HLG_TRANSFER = 16, 18
+# Chromaticities x, y of R, G, B and of their white, D65.
+REC_709 = np.array([(0.640, 0.330), (0.300, 0.600), (0.150, 0.060)])
+REC_2020 = np.array([(0.708, 0.292), (0.170, 0.797), (0.131, 0.046)])
+D65 = (0.3127, 0.3290)
 # sRGB, 8 bits: greys, and colours as things have them.
 COLOURS = np.array(
     [(0, 0, 0), (64, 64, 64), (180, 180, 180), (255, 255, 255), (200, 100, 60), (60, 120, 50), (40, 60, 160)]
 )
 
 
+def xyz_from_rgb(primaries: np.ndarray) -> np.ndarray:
+    """(3, 3) of linear R, G, B with these chromaticities, as much of each as makes D65 together."""
+    columns = np.array([(x / y, 1, (1 - x - y) / y) for x, y in (*primaries, D65)]).T
+    return columns[:, :3] * np.linalg.solve(columns[:, :3], columns[:, 3])
+
+
 def in_2020(srgb: np.ndarray) -> np.ndarray:
-    """(n, 3) 8 bits of the same colours, by the inverse of the published matrix."""
-    linear = linear_from_srgb(srgb / 255) @ np.linalg.inv(RGB_709_FROM_2020).T
+    """(n, 3) 8 bits of the same colours."""
+    linear = linear_from_srgb(srgb / 255) @ (np.linalg.inv(xyz_from_rgb(REC_2020)) @ xyz_from_rgb(REC_709)).T
     return np.rint(255 * srgb_from_linear(linear)).astype(np.uint8)
 
 

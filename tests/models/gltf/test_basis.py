@@ -10,7 +10,7 @@ import pytest
 from ashe_live.errors import UserError
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.mesh import Model
-from ashe_live.models.parsing import basis
+from ashe_live.models.parsing import basis, limits
 from tests.models.gltf_files import UVS, Document
 
 # 16 by 16 texels with all smaller levels, above red and blue, below green; made by BinomialLLC's encoder.
@@ -59,6 +59,19 @@ def test_of_a_large_one_a_smaller_level_is_taken(tmp_path: Path, monkeypatch: py
     texels = model.parts[0].material.base_map
     assert texels is not None
     assert texels.shape == (8, 8, 4)
+
+
+def test_of_levels_that_are_all_too_large_it_is_the_smallest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(basis, "MAX_TEXTURE_PX", 0)
+    texels = read(tmp_path, zlib.decompress(base64.b64decode(FILES["UASTC"]))).parts[0].material.base_map
+    assert texels is not None
+    assert texels.shape == (1, 1, 4)
+
+
+def test_one_that_is_too_large_is_refused_by_its_header(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits, "MAX_PICTURE_TEXELS", 16 * 16 - 1)
+    with pytest.raises(UserError, match="has a texture of 16 x 16 texels"):
+        read(tmp_path, zlib.decompress(base64.b64decode(FILES["UASTC"])))
 
 
 @pytest.mark.parametrize("kind", FILES)
