@@ -28,7 +28,7 @@ def clip(tmp_path: Path, picture: Callable[[int], Image]) -> Path:
     path = tmp_path / "clip.mp4"
     with Recorder(path, SIZE, 25) as recorder:
         for i in range(60):
-            recorder.write(picture(i))
+            recorder.write(picture(i), i / 25)
     return path
 
 

@@ -47,8 +47,8 @@ def pictures() -> list[Image]:
 def board_clip(pictures: list[Image], tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("board") / "board.mp4"
     with Recorder(path, SIZE, 30) as recorder:
-        for picture in pictures:
-            recorder.write(picture)
+        for index, picture in enumerate(pictures):
+            recorder.write(picture, index / 30)
     return path
 
 

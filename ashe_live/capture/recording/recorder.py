@@ -38,9 +38,9 @@ class Recorder:
     def __init__(self, path: str | Path, size: tuple[int, int], fps: float, overwrite: bool = False) -> None:
         """`size` is (width, height) in pixels of the frames to come; an odd last column or row is left out.
 
-        `fps` is nominal: it paces frames without a time. Raises UserError when `path` exists (without `overwrite`),
-        is not an .mp4, or its folder is missing or not writable, and for pictures of less than 2 pixels a side, which
-        H.264 does not have; ValueError for a rate that no clip has.
+        `fps` is nominal: how long the last frame is shown, and how often a keyframe comes. Raises UserError when `path`
+        exists (without `overwrite`), is not an .mp4, or its folder is missing or not writable, and for pictures of less
+        than 2 pixels a side, which H.264 does not have; ValueError for a rate that no clip has.
         """
         self.path = Path(path)  # once closed, where the clip is: beside a file that has appeared there meanwhile
         self.frame_count = 0
@@ -52,8 +52,8 @@ class Recorder:
             raise UserError(f"{self.path} is not named as an MP4 file", "let its name end in .mp4")
         fps = min(fps, MAX_FPS)
         self._ticks_per_frame = max(1, round(TICKS_PER_S / fps))
-        self._last_pts = -self._ticks_per_frame
-        self._start_s: float | None = None
+        self._last_pts = -1
+        self._start_s: float | None = None  # the first frame's time
         self._overwrite = overwrite
         self._written: WrittenContainer | None = None
         self._fragments = NewFile(self.path, overwrite, is_recoverable=True)
@@ -68,8 +68,8 @@ class Recorder:
             self._fragments.discard()
             raise
 
-    def write(self, image_bgr: Image, time_s: float | None = None) -> None:
-        """Appends (h, w, 3) uint8, shown from `time_s` on a clock of the caller's; None: one frame period later.
+    def write(self, image_bgr: Image, time_s: float) -> None:
+        """Appends (h, w, 3) uint8, shown from `time_s` on, by a clock of the caller's.
 
         The clip begins with its first frame; one that comes before the last in time is shown right after it. Raises
         ValueError for another size or a closed recorder; UserError when the disk or the encoder fails: what came before
@@ -132,12 +132,10 @@ class Recorder:
         container.start_encoding()
         self._written.check()
 
-    def _pts(self, time_s: float | None) -> int:
+    def _pts(self, time_s: float) -> int:
         """In ticks from the first frame, later than the last."""
-        if time_s is None:
-            return self._last_pts + self._ticks_per_frame
         if self._start_s is None:
-            self._start_s = time_s - max(0, self._last_pts + self._ticks_per_frame) / TICKS_PER_S
+            self._start_s = time_s
         return max(round((time_s - self._start_s) * TICKS_PER_S), self._last_pts + 1)
 
     def _save_and_raise(self, error: Exception) -> None:

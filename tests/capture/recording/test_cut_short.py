@@ -23,7 +23,7 @@ import sys, numpy as np
 from ashe_live.capture.recording.recorder import Recorder
 recorder = Recorder(sys.argv[1], (96, 64), 10)
 for i in range(int(sys.argv[2])):
-    recorder.write(np.full((64, 96, 3), i, np.uint8))
+    recorder.write(np.full((64, 96, 3), i, np.uint8), i / 10)
 print("recording", flush=True)
 sys.stdin.read()
 """
@@ -92,7 +92,7 @@ def test_one_that_broke_off_before_its_first_picture_goes(tmp_path: Path) -> Non
 def test_what_is_being_recorded_is_left_alone_however_long_it_rests(tmp_path: Path, picture: Draw) -> None:
     with Recorder(tmp_path / "walk.mp4", (96, 64), 10) as recorder:
         for index in range(60):
-            recorder.write(picture(index))
+            recorder.write(picture(index), index / 10)
         (partial,) = tmp_path.iterdir()
         os.utime(partial, (0, 0))
         assert rescue_recordings(tmp_path) == []

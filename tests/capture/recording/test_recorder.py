@@ -62,8 +62,8 @@ def test_colours_survive(tmp_path: Path) -> None:
     colours = np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(5, 25, 3)
     image = np.repeat(np.repeat(colours, 32, axis=0), 32, axis=1)
     with Recorder(tmp_path / "a.mp4", (800, 160), 30) as recorder:
-        for _ in range(3):
-            recorder.write(image)
+        for index in range(3):
+            recorder.write(image, index / 30)
     for frame in frames_of(tmp_path / "a.mp4"):
         error = frame.image_bgr[16::32, 16::32].astype(int) - colours
         assert np.abs(error).max() <= 8
@@ -90,7 +90,7 @@ def test_odd_sizes_lose_the_last_column_and_row(tmp_path: Path) -> None:
     image = np.zeros((65, 97, 3), np.uint8)
     image[:, :40] = 200
     with Recorder(tmp_path / "a.mp4", (97, 65), 30) as recorder:
-        recorder.write(image)
+        recorder.write(image, 0.0)
     (frame,) = frames_of(tmp_path / "a.mp4")
     assert frame.size == (96, 64)
     assert np.abs(frame.image_bgr.astype(int) - image[:64, :96]).mean() < 4
@@ -99,7 +99,7 @@ def test_odd_sizes_lose_the_last_column_and_row(tmp_path: Path) -> None:
 def test_flipped_views_are_written_as_they_look(tmp_path: Path, picture: Draw) -> None:
     """OpenGL's rows run upwards, so the viewer hands over views with negative strides."""
     with Recorder(tmp_path / "a.mp4", (96, 64), 30) as recorder:
-        recorder.write(picture(3)[::-1, ::-1])
+        recorder.write(picture(3)[::-1, ::-1], 0.0)
     (frame,) = frames_of(tmp_path / "a.mp4")
     assert np.abs(frame.image_bgr.astype(int) - picture(3)[::-1, ::-1]).mean() < 6
 
@@ -114,7 +114,7 @@ def test_existing_file_is_refused_before_anything_is_written(clip: Path) -> None
 
 def test_overwriting_replaces_only_at_the_end(clip: Path, picture: Draw) -> None:
     with Recorder(clip, (96, 64), 30, overwrite=True) as recorder:
-        recorder.write(picture(0))
+        recorder.write(picture(0), 0.0)
         assert len(frames_of(clip)) == 60
     assert len(frames_of(clip)) == 1
 
@@ -143,7 +143,7 @@ def test_without_frames_no_file_is_left(tmp_path: Path) -> None:
 
 def write_seven_and_fail(recorder: Recorder, picture: Draw) -> None:
     for i in range(7):
-        recorder.write(picture(i))
+        recorder.write(picture(i), i / 30)
     raise KeyError("in mid-run")
 
 
@@ -155,14 +155,16 @@ def test_clip_is_finished_after_an_exception_and_close_may_be_repeated(tmp_path:
     assert len(frames_of(tmp_path / "a.mp4")) == 7
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
     with pytest.raises(ValueError, match="closed"):
-        recorder.write(picture(0))
+        recorder.write(picture(0), 0.0)
 
 
 def test_another_size_in_mid_stream_is_the_callers_fault(tmp_path: Path, picture: Draw) -> None:
     with Recorder(tmp_path / "a.mp4", (96, 64), 30) as recorder:
-        recorder.write(picture(0))
+        recorder.write(picture(0), 0.0)
         with pytest.raises(ValueError, match="in a recording of"):
-            recorder.write(np.zeros((64, 98, 3), np.uint8))
+            recorder.write(np.zeros((64, 98, 3), np.uint8), 1.0)
+        with pytest.raises(ValueError, match="float64 in a recording of"):
+            recorder.write(np.zeros((64, 96, 3)), 1.0)
     assert len(frames_of(tmp_path / "a.mp4")) == 1
 
 
@@ -177,7 +179,7 @@ def files_of_60_kb_at_most() -> Iterator[None]:
 
 def write_forever(recorder: Recorder, image: Image) -> None:
     for i in itertools.count():
-        recorder.write(np.roll(image, i * 7, axis=1))
+        recorder.write(np.roll(image, i * 7, axis=1), i / 2)
 
 
 @pytest.mark.usefixtures("files_of_60_kb_at_most")
@@ -199,7 +201,7 @@ def test_a_disk_that_is_full_at_closing_is_said(tmp_path: Path, most_bytes: int)
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     recorder = Recorder(tmp_path / "a.mp4", (96, 64), 30)
     for i in range(40):
-        recorder.write(np.roll(noise, i * 7, axis=1))
+        recorder.write(np.roll(noise, i * 7, axis=1), i / 30)
     resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, hard))
     try:
         with pytest.raises(UserError, match="cannot write"):
@@ -225,7 +227,7 @@ def test_a_copy_that_is_not_whole_is_not_trusted(
     monkeypatch.setattr(fragments_module, "with_index_first", cut)
     with Recorder(tmp_path / "a.mp4", (96, 64), 30) as recorder:
         for i in range(70):
-            recorder.write(picture(i))
+            recorder.write(picture(i), i / 30)
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
     assert len(frames_of(tmp_path / "a.mp4")) == 70
 
@@ -233,9 +235,9 @@ def test_a_copy_that_is_not_whole_is_not_trusted(
 def test_what_appears_under_its_name_meanwhile_stays(tmp_path: Path, picture: Draw) -> None:
     wanted = tmp_path / "a.mp4"
     with Recorder(wanted, (96, 64), 30) as recorder, Recorder(wanted, (96, 64), 30) as other:
-        recorder.write(picture(0))
-        for _ in range(2):
-            other.write(picture(1))
+        recorder.write(picture(0), 0.0)
+        for index in range(2):
+            other.write(picture(1), index / 30)
         wanted.write_text("precious")
     assert wanted.read_text() == "precious"
     assert len(frames_of(recorder.path)) == 1
@@ -249,7 +251,7 @@ def test_what_appears_under_its_name_meanwhile_stays(tmp_path: Path, picture: Dr
 def test_a_long_name_is_no_obstacle(tmp_path: Path, picture: Draw) -> None:
     wanted = tmp_path / ("ä" * 124 + ".mp4")  # 252 bytes of the 255 that a name may have
     with Recorder(wanted, (96, 64), 30) as recorder:
-        recorder.write(picture(0))
+        recorder.write(picture(0), 0.0)
     assert len(frames_of(wanted)) == 1
 
 
