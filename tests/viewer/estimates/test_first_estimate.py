@@ -1,0 +1,48 @@
+"""When the light is estimated without a request: once, and not before the marker is steady or the frame is there."""
+
+import numpy as np
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
+
+POSE = MarkerPose(np.diag([1.0, -1, -1, 1]), np.array([(0.0, 0), (9, 0), (9, 9), (0, 9)]), 0.08, 0.1, None)
+
+
+def frame(index: int) -> TrackedFrame:
+    return TrackedFrame(Frame(np.zeros((12, 16, 3), np.uint8), index, index / 30), Camera.from_hfov((16, 12), 60), POSE)
+
+
+def due(first: FirstEstimate, indices: range, is_done_when_due: bool = True) -> list[int]:
+    found = []
+    for index in indices:
+        first.add(frame(index))
+        if first.is_due_in(frame(index)):
+            found.append(index)
+            if is_done_when_due:
+                first.done()
+    return found
+
+
+def test_it_is_made_of_the_first_frame_in_which_the_marker_is_steady_and_once() -> None:
+    first = FirstEstimate(on_first_steady=True)
+    assert first.awaits_steady
+    (steady,) = due(first, range(100))
+    assert steady > 0
+    assert not first.awaits_steady
+    assert Steadiness.of(is_photo=True).add(frame(0))
+    assert due(FirstEstimate(Steadiness.of(is_photo=True), on_first_steady=True), range(3)) == [0]
+
+
+def test_it_is_made_of_a_frame_with_a_number_or_of_the_next_one_that_was_tracked() -> None:
+    first = FirstEstimate(at_frame=7)
+    assert not first.awaits_steady
+    assert due(first, range(20)) == [7]
+    assert due(FirstEstimate(at_frame=7), range(0, 20, 3)) == [9]
+
+
+def test_unasked_there_is_none() -> None:
+    first = FirstEstimate()
+    assert not first.awaits_steady
+    assert due(first, range(100)) == []
