@@ -83,7 +83,7 @@ def assumed_note(tracked: TrackedFrame) -> str | None:
     if tracked.marker is None or tracked.camera.source != "assumed":
         return None
     return (
-        f"the camera's field of view is not known: the marker does not show it, and {tracked.camera.hfov_deg:.0f} "
+        f"the camera's field of view is not known: where the marker does not show it, {tracked.camera.hfov_deg:.0f} "
         "degrees are assumed; give it by --hfov, --focal-px or --camera-file"
     )
 
