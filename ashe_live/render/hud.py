@@ -4,6 +4,7 @@ Lines that are wider than their place are broken; where they then are too many, 
 """
 
 import math
+import re
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -27,6 +28,9 @@ SMALLER = 0.95
 FINER = 4  # letters are drawn so many times as large and reduced: small ones would stand at whole pixels, unevenly
 PLATE_SRGBA = (12, 14, 18, 175)
 TEXT_SRGBA = (246, 246, 242, 255)
+# Spaces at which no line is broken: within "42° ± 1.0°", "98 %" and "H: keys".
+UNBROKEN = re.compile(r"(?<=±) | (?=[±%])|(?<=\bH:) ")
+NO_BREAK = "\u00a0"
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +113,7 @@ def _wrapped(line: str, font_px: float, width: int) -> list[str]:
         return [line]
     parts: list[str] = []
     # Word by word, so that the time it takes grows with the line and not with its square.
-    for word in line.split(" "):
+    for word in UNBROKEN.sub(NO_BREAK, line).split(" "):
         begin, *others = _pieces(word, font_px, width)
         longer = f"{parts[-1]} {begin}" if parts else begin
         if parts and parts[-1].strip() and _extent(((longer,),), font_px)[0] > width:
@@ -118,7 +122,7 @@ def _wrapped(line: str, font_px: float, width: int) -> list[str]:
             parts[-1:] = [longer]
         parts += others
     # What separated two readings is no indent where the line is broken between them.
-    return [parts[0], *(part.lstrip(" ") for part in parts[1:])]
+    return [part.replace(NO_BREAK, " ") for part in (parts[0], *(part.lstrip(" ") for part in parts[1:]))]
 
 
 def _pieces(word: str, font_px: float, width: int) -> list[str]:

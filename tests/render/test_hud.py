@@ -94,6 +94,15 @@ def test_nothing_of_a_line_is_lost_when_it_is_broken(line: str) -> None:
     assert all(word in line for part in parts for word in part.split(" "))
 
 
+@pytest.mark.parametrize("width", [120, 160, 200, 240, 280])
+def test_no_number_is_parted_from_its_sign_and_no_key_from_what_it_does(width: int) -> None:
+    line = "60 fps   balanced   H: keys, elevation 42° ± 1.0°, 98 % sure, light: 83 % of the red"
+    parts = hud._wrapped(line, 15, width)
+    assert " ".join(parts).split() == line.split()
+    for whole in ("H: keys", "42° ± 1.0°,", "98 %", "83 %"):
+        assert any(whole in part for part in parts)
+
+
 def test_no_part_of_a_broken_line_is_indented() -> None:
     _, *rest = hud._wrapped("60 fps   lantern (2 of 2)   balanced   paused   H: keys", 15, 120)
     assert rest
