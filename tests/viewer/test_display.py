@@ -8,6 +8,7 @@ from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.render.screen import Screen
 from ashe_live.viewer import display as display_module
 from ashe_live.viewer.display import Display, Readings, bare_scene
+from ashe_live.viewer.drawn.estimate_inset import BORDER_PX
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.session import Session
@@ -82,6 +83,17 @@ def test_what_has_not_changed_is_the_same_object(session):
     assert all(a is b for a, b in zip(first, again, strict=True))
     later = display.scene(session, SCREEN, Readings("fast", 75.0), 5.0).overlays
     assert [now is before for now, before in zip(later, first, strict=True)] == [True, True, False]
+
+
+def test_the_masks_are_mirrored_as_the_window_is(session):
+    session.view.shows_steps = True
+    display, edge, shown = Display(), BORDER_PX, []
+    for is_mirrored in (False, True):
+        session.view.is_mirrored = is_mirrored
+        inset, *_ = display.scene(session, SCREEN, Readings("fast"), 0.0).overlays
+        shown.append(inset.image_rgba[edge:-edge, edge:-edge])
+    as_seen, mirrored = shown
+    np.testing.assert_array_equal(mirrored, as_seen[:, ::-1])
 
 
 def test_the_masks_are_shown_over_the_frozen_frame(session):

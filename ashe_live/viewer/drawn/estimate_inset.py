@@ -44,7 +44,7 @@ class EstimateInset:
     """The inset of the last estimate: the same objects until it has to move out of the model's way."""
 
     def __init__(self) -> None:
-        self._drawn: tuple[LightEstimate, Size, Corner, tuple[Overlay, ...]] | None = None
+        self._drawn: tuple[LightEstimate, Size, bool, Corner, tuple[Overlay, ...]] | None = None
         self._full_sizes: list[Size] = []  # of the parts at full scale
 
     def overlays(
@@ -54,28 +54,36 @@ class EstimateInset:
         size: Size,
         steps_bgr: Image | None,
         models: Span | None,
+        is_mirrored: bool = False,
     ) -> tuple[Overlay, ...]:
         """As `inset_overlays`, in the first of CORNERS where it covers no model; if in none, at the smallest size."""
-        if self._drawn is None or self._drawn[0] is not estimate or self._drawn[1] != size:
-            self._draw(estimate, frozen, size, steps_bgr, Corner())
+        if self._drawn is None or self._drawn[0] is not estimate or self._drawn[1:3] != (size, is_mirrored):
+            self._draw(estimate, frozen, size, steps_bgr, Corner(), is_mirrored)
             self._full_sizes = [overlay.shown_size for overlay in self.shown]
         assert self._drawn is not None
-        at = self._drawn[2]
+        at = self._drawn[3]
         if models is not None and self._covers(models, size, at):
             free = (corner for corner in CORNERS if not self._covers(models, size, corner))
             corner = next(free, Corner(scale=SCALES[-1]))
             if corner != at:
-                self._draw(estimate, frozen, size, steps_bgr, corner)
+                self._draw(estimate, frozen, size, steps_bgr, corner, is_mirrored)
         return self.shown
 
     @property
     def shown(self) -> tuple[Overlay, ...]:
-        return () if self._drawn is None else self._drawn[3]
+        return () if self._drawn is None else self._drawn[4]
 
     def _draw(
-        self, estimate: LightEstimate, frozen: TrackedFrame, size: Size, steps_bgr: Image | None, corner: Corner
+        self,
+        estimate: LightEstimate,
+        frozen: TrackedFrame,
+        size: Size,
+        steps_bgr: Image | None,
+        corner: Corner,
+        is_mirrored: bool,
     ) -> None:
-        self._drawn = estimate, size, corner, inset_overlays(estimate, frozen, size, steps_bgr, corner)
+        overlays = inset_overlays(estimate, frozen, size, steps_bgr, corner, is_mirrored)
+        self._drawn = estimate, size, is_mirrored, corner, overlays
 
     def _covers(self, models: Span, size: Size, corner: Corner) -> bool:
         sizes = [(round(corner.scale * width), round(corner.scale * height)) for width, height in self._full_sizes]
@@ -91,16 +99,19 @@ def inset_overlays(
     size: Size,
     steps_bgr: Image | None = None,
     corner: Corner = CORNERS[0],
+    is_mirrored: bool = False,
 ) -> tuple[Overlay, ...]:
     """For a framebuffer of `size`; `frozen` is the frame, with a marker, that `estimate` was made from.
 
     With the sheet of the steps that led to the answer, this sheet; else the answer alone, and the light rose beside it.
+    The answer is mirrored as the window is; the sheet and the rose, which is a map, have words in them.
     """
     if steps_bgr is not None:
         fitted = _size_in(size, STEPS_WIDTH, steps_bgr.shape[1::-1], corner.scale)
         sheet = np.asarray(cv2.resize(steps_bgr, fitted, interpolation=cv2.INTER_AREA), np.uint8)
         return _in_corner([sheet], size, corner)
     picture = answer_picture(estimate, frozen, _size_in(size, WIDTH, frozen.frame.size, corner.scale)[0])
+    picture = np.ascontiguousarray(picture[:, ::-1]) if is_mirrored else picture
     if not estimate.lights:
         return _in_corner([picture], size, corner)
     both = _in_corner([picture, rose_picture(estimate, frozen, picture.shape[0])], size, corner)
