@@ -97,9 +97,9 @@ def cached_by_array(method: Callable[[Owner, Float], Result]) -> Callable[[Owner
     return cached
 
 
-def fixed_point(pixels: Float | Float32, bits: int = FRACTION_BITS) -> NDArray[np.int32]:
+def fixed_point(pixels: NDArray[Any], bits: int = FRACTION_BITS) -> NDArray[np.int32]:
     """Coordinates of any shape in 2 ** -bits pixels, rounded: as OpenCV draws polygons with `shift=bits`."""
-    return np.round(pixels * 2**bits).astype(np.int32)
+    return np.asarray(np.round(pixels * 2**bits), dtype=np.int32)
 
 
 def cross_2d(a: Float | Float32, b: Float | Float32) -> Float:
