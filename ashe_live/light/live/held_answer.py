@@ -35,8 +35,8 @@ SHARPER, SURER = 0.95, 0.02
 # A light that is followed in single frames has moved if its offset exceeds twice its sigma by this.
 MOVED_RAD = math.radians(1.0)
 # An answer that is about as good replaces the held one, as it is newer and the sun moves: its sigma may be larger by
-# this factor, and its confidence less by this than that of the surest answer that agreed with it. Both vary by as much
-# from view to view.
+# this factor than that of the sharpest answer that agreed with it, and its confidence less by this than that of the
+# surest. Both vary by as much from view to view.
 AS_SHARP, AS_SURE = 1.1, 0.06
 LEAST_SHOWN = 0.5  # of what an answer's frame showed of object and shadow: a frame with less says nothing of the light
 
@@ -53,7 +53,7 @@ class HeldAnswer:
         # The answer as it was made, and where the marker lay then: by a sheet that is lifted, the real object is lost.
         self._as_made: tuple[LightEstimate, Float | None] | None = None
         self._dissent: list[LightEstimate] = []
-        self._surest = 0.0  # largest confidence of the answers that agreed with the held one
+        self._surest, self._sharpest = 0.0, math.inf  # of all answers that agreed with the held one
 
     @property
     def _T_room_marker(self) -> Float | None:
@@ -106,8 +106,11 @@ class HeldAnswer:
             self._dissent.clear()
             is_sure = _confidence(new) >= self._surest - AS_SURE
             is_surer = _confidence(new) > self._surest + SURER
+            is_sharp = _sigma(new) <= AS_SHARP * self._sharpest
             self._surest = max(self._surest, _confidence(new))
-            if not is_sure or _sigma(new) > AS_SHARP * _sigma(held):
+            if is_sure:
+                self._sharpest = min(self._sharpest, _sigma(new))
+            if not (is_sure and is_sharp):
                 return False
             self._take(new, is_news=False)
             return is_surer or _sigma(new) < SHARPER * _sigma(held)
@@ -135,7 +138,8 @@ class HeldAnswer:
     def _take(self, new: LightEstimate, is_news: bool) -> bool:
         self._hold(new)
         self.is_news, self._dissent = is_news, []
-        self._surest = _confidence(new) if is_news else self._surest
+        if is_news:
+            self._surest, self._sharpest = _confidence(new), _sigma(new)
         return True
 
     def _hold(self, new: LightEstimate) -> None:

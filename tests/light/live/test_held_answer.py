@@ -11,7 +11,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, rigid, tangent_basis
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
-from ashe_live.light.live.held_answer import AS_SURE, CHANGED_AFTER, RESTS_NO_LONGER, HeldAnswer, agree
+from ashe_live.light.live.held_answer import AS_SHARP, AS_SURE, CHANGED_AFTER, RESTS_NO_LONGER, HeldAnswer, agree
 from ashe_live.light.views.in_view import share_shown
 
 SUN = direction_from_angles(0.7, 0.8)
@@ -69,7 +69,7 @@ def test_watching_on_never_makes_anybody_less_sure_of_an_unchanged_light() -> No
         sure.append(answer.estimate.light.confidence)
         sharp.append(answer.estimate.light.sigma_rad)
     assert sure[-1] >= max(sure) - AS_SURE
-    assert sharp[-1] <= 1.5 * min(sharp)
+    assert sharp[-1] <= AS_SHARP * min(sharp)
 
 
 def test_from_more_views_a_much_sharper_answer_is_taken_though_it_is_rated_a_little_less_sure() -> None:
@@ -78,6 +78,12 @@ def test_from_more_views_a_much_sharper_answer_is_taken_though_it_is_rated_a_lit
     assert answer.offer(estimate(light(SUN, 2.0, 0.86), views=8))
     assert not answer.offer(estimate(light(SUN, 1.0, 0.80), views=12)), "not step by step to any confidence"
     assert answer.estimate.light.confidence == 0.86
+
+
+def test_answers_that_are_each_a_little_vaguer_do_not_take_the_light_step_by_step_to_any_uncertainty() -> None:
+    answer = held(*(estimate(light(SUN, 2.0 * 1.08**step)) for step in range(9)))
+    assert answer.estimate.light.sigma_rad <= AS_SHARP * light(SUN, 2.0).sigma_rad
+    assert answer.offer(estimate(light(SUN, 1.5))), "a sharper one is taken as ever"
 
 
 def test_an_answer_as_good_is_taken_as_it_is_newer_but_gains_nothing() -> None:
