@@ -80,6 +80,18 @@ def tangent_basis(direction: ArrayLike) -> Float:
     return np.array([east, up])
 
 
+def on_tangent_basis(direction: ArrayLike, covariance_rad2: Float, near_by: ArrayLike) -> Float:
+    """(2, 2) rad^2: on the tangent basis at `direction`, the covariance (2, 2) that is given on the one at `near_by`.
+
+    It is carried along the great circle between them (parallel transport). Close to the zenith two bases are turned
+    against each other by far more than their directions are apart.
+    """
+    (xx, xy), (yx, yy) = tangent_basis(direction) @ tangent_basis(near_by).T
+    angle = math.atan2(yx - xy, xx + yy)  # of the nearest rotation
+    turn = np.array([(math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))])
+    return np.asarray(turn @ covariance_rad2 @ turn.T)
+
+
 def radius_of_68_percent(covariance_rad2: Float) -> float:
     """Radius of the circle that holds a 2D normal distribution's sample with probability 0.68.
 

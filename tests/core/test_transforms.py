@@ -107,6 +107,15 @@ def test_tangent_basis_is_orthonormal_and_points_where_the_angles_grow(azimuth: 
     assert np.linalg.det(frame) == pytest.approx(1)
 
 
+def test_a_covariance_is_the_same_in_space_on_the_tangent_basis_of_another_direction() -> None:
+    here, there = (tf.direction_from_angles(np.radians(azimuth), np.radians(89.0)) for azimuth in (10.0, 130.0))
+    covariance = np.array([[4e-4, 1e-4], [1e-4, 9e-4]])
+    moved = tf.on_tangent_basis(there, covariance, here)
+    in_space = [tf.tangent_basis(at).T @ on @ tf.tangent_basis(at) for at, on in ((here, covariance), (there, moved))]
+    np.testing.assert_allclose(in_space[1][:2, :2], in_space[0][:2, :2], rtol=0.01, atol=1e-6)
+    np.testing.assert_allclose(tf.on_tangent_basis(here, covariance, here), covariance)
+
+
 def test_tangent_basis_is_the_derivative_of_the_direction() -> None:
     azimuth, elevation, step = 2.0, 0.6, 1e-6
     here = tf.direction_from_angles(azimuth, elevation)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import normalised, tangent_basis
+from ashe_live.core.transforms import normalised, on_tangent_basis, tangent_basis
 from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.outline_fit.search import information_on_lights
@@ -55,11 +55,12 @@ def averaged(light: FittedLight, directions: Float, weights: Float, spread_share
     offsets = (directions - directions[0]) @ tangent_basis(directions[0]).T  # (n, 2), rad
     mean = weights @ offsets
     spread = np.einsum("n,ni,nj->ij", weights, offsets - mean, offsets - mean)
+    covariance = light.covariance_rad2 + spread_share * spread
     towards = normalised(light.to_light_marker + mean @ tangent_basis(light.to_light_marker))
     return replace(
         light,
         light=np.append(towards, light.light[3]),
-        covariance_rad2=light.covariance_rad2 + spread_share * spread,
+        covariance_rad2=on_tangent_basis(towards, covariance, light.to_light_marker),
     )
 
 

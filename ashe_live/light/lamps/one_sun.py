@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import normalised, radius_of_68_percent, tangent_basis
+from ashe_live.core.transforms import normalised, on_tangent_basis, radius_of_68_percent, tangent_basis
 from ashe_live.core.types import Light
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.shape.directions import FittedLight, displacement_of, information_on_displacement
@@ -38,13 +38,13 @@ def by_all_objects(light: Light, objects: Sequence[FittedLight], shared_rad2: Fl
     east_and_up = tangent_basis(light.to_light_marker)
     pull, information = np.zeros(2), np.zeros((2, 2))
     for each in objects:
-        turn = east_and_up @ tangent_basis(each.to_light_marker).T
-        sigmas2, axes = np.linalg.eigh(turn @ each.covariance_rad2 @ turn.T - shared_rad2)
+        here = on_tangent_basis(light.to_light_marker, each.covariance_rad2, each.to_light_marker)
+        sigmas2, axes = np.linalg.eigh(here - shared_rad2)
         own = axes / np.maximum(sigmas2, LEAST_RAD**2) @ axes.T
         information += own
         pull += own @ (east_and_up @ each.to_light_marker)
-    covariance = np.linalg.inv(information)
-    towards = normalised(light.to_light_marker + (covariance @ pull) @ east_and_up)
-    covariance = covariance + shared_rad2
+    own_rad2 = np.linalg.inv(information)
+    towards = normalised(light.to_light_marker + (own_rad2 @ pull) @ east_and_up)
+    covariance = on_tangent_basis(towards, own_rad2 + shared_rad2, light.to_light_marker)
     sigma_rad = radius_of_68_percent(covariance)
     return replace(light, to_light_marker=towards, covariance_rad2=covariance, sigma_rad=sigma_rad)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.core.transforms import angle_between
+from ashe_live.core.transforms import angle_between, tangent_basis
 from ashe_live.light.explanation.light_covariance import averaged
 from ashe_live.light.shape.directions import FittedLight
 from tests.light.synthetic_masks import direction
@@ -32,3 +32,16 @@ def test_what_directions_differ_by_is_added_to_the_covariance_as_far_as_asked() 
     added = averaged(SUN, several, weights, 0.5).covariance_rad2 - SUN.covariance_rad2
     between = np.radians(3.0) ** 2  # the variance of two directions 6 degrees apart in elevation
     assert added == pytest.approx(np.diag([0.0, 0.5 * between]), rel=0.01, abs=1e-9)
+
+
+def test_near_the_zenith_a_covariance_keeps_its_axes_in_space() -> None:
+    """Half way between azimuths that are 90 degrees apart, what was east lies between east and up."""
+    one, other = direction(0.0, 88.0), direction(90.0, 88.0)
+    sun = FittedLight(np.append(one, 0.0), np.diag([1e-4, 9e-4]))
+    moved = averaged(sun, np.array([one, other]), np.ones(2))
+    assert np.degrees(angle_between(moved.to_light_marker, direction(45.0, 88.6))) < 0.05
+    before, after = (
+        tangent_basis(each.to_light_marker).T @ each.covariance_rad2 @ tangent_basis(each.to_light_marker)
+        for each in (sun, moved)
+    )
+    assert after[:2, :2] == pytest.approx(before[:2, :2], rel=0.01, abs=1e-6)

@@ -60,6 +60,19 @@ def test_near_the_zenith_covariances_are_turned_with_their_axes() -> None:
     assert angle_between(light.to_light_marker, np.array([0.0, 0.0, 1.0])) < math.radians(0.1)
 
 
+def test_near_the_zenith_what_is_stated_keeps_its_axes_in_space() -> None:
+    """Two suns 2° beside the zenith, a quarter turn apart, both uncertain along x: their mean is so, too."""
+    narrow, wide = math.radians(0.5) ** 2, math.radians(4.0) ** 2
+    # At the first, up is along x; at the other one, east is.
+    along_x = {0: np.diag([narrow, wide]), 90: np.diag([wide, narrow])}
+    several = [FittedLight(seen(azimuth, 88, 1.0).light, own + SHARED) for azimuth, own in along_x.items()]
+    light = together(*several)
+    basis = tangent_basis(light.to_light_marker)
+    assert light.covariance_rad2 is not None
+    in_space = (basis.T @ light.covariance_rad2 @ basis)[:2, :2]
+    assert in_space == pytest.approx(np.diag([wide, narrow]) / 2 + SHARED, rel=0.02, abs=1e-6)
+
+
 def test_more_objects_never_make_the_shared_error_smaller() -> None:
     light = together(*(seen(30, 50, 1.0) for _ in range(50)))
     assert (np.linalg.eigvalsh(light.covariance_rad2) >= SHARED[0, 0]).all()
