@@ -204,8 +204,9 @@ class Illumination:
     # (2, 3) linear RGB, the lean of the sky: beyond the light of an even sky, a surface of normal n gets n_x times the
     # first row plus n_y times the second, relative to all light on level ground. None: an even sky.
     sky_slope_rgb: Float | None = None
-    # The same by the marker's frame as it lay in `seen_in`, where the marker has been moved since: what is read in that
-    # picture, as the white of its paper, is where it was then. None: it lies there still.
+    # The same by the marker's frame as it lay in `seen_in`, where the marker has been moved since, and in the lights of
+    # then, where others were set by hand: what is read in that picture, as the white of its paper, is where it was, and
+    # as it was lit, then. None: it lies there still, in these lights.
     as_it_lay: "Illumination | None" = None
 
     def __post_init__(self) -> None:
@@ -227,6 +228,11 @@ class Illumination:
         if tracked is not None and arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
             tracked = None
         return replace(self, seen_in=tracked)
+
+    def relit(self, lights: tuple[Light, ...], ambient_rgb_ratio: Float | None) -> Self:
+        """A copy in other lights, as a person sets them; what is read in the picture `seen_in` stays as it was."""
+        as_it_lay = None if self.seen_in is None else self.as_it_lay or self
+        return replace(self, lights=lights, ambient_rgb_ratio=ambient_rgb_ratio, as_it_lay=as_it_lay)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

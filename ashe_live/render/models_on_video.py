@@ -97,7 +97,7 @@ class ModelsOnVideo:
         frame = framing(camera, T_cam_marker, drawn, viewport)
         if frame is None:
             return
-        look = self.photometry.look(tracked, scene.illumination)
+        look = self.photometry.look(tracked, scene.lit_in_video or scene.illumination)
         white_rgb = self.photometry.white_seen_in(scene.illumination) or look.white_rgb
         self._environment.show(scene.illumination, white_rgb, _covered(cover))
         straight = self._video

@@ -1,5 +1,7 @@
 """The scene's irradiances and the video's exposure, blur and noise, measured again only when they may have changed."""
 
+from collections import deque
+
 from ashe_live.core.arrays import same_objects
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.camera.held_look import HeldLook
@@ -17,7 +19,8 @@ class Photometry:
     def __init__(self, preset: RenderPreset) -> None:
         self._preset = preset
         self._look = HeldLook(preset)
-        self._lighting: tuple[tuple[object, ...], Lighting] | None = None
+        # Of the last illuminations that are not as their picture was: the drawn one, and that of the video.
+        self._lightings: deque[tuple[tuple[object, ...], Lighting]] = deque(maxlen=2)
         self._read: tuple[tuple[object, ...], SeenLight] | None = None
         self._border: tuple[Lighting, float] | None = None
         self._relief: tuple[tuple[object, ...], Lighting, Relief | None] | None = None
@@ -28,12 +31,14 @@ class Photometry:
         if of.as_it_lay is None:
             return self._as_it_lay(of).lighting
         known = _known(of)
-        if self._lighting is None or not same_objects(self._lighting[0], known):
-            self._lighting = known, self._as_it_lay(of.as_it_lay).moved_to(of)
-        return self._lighting[1]
+        found = next((lighting for key, lighting in self._lightings if same_objects(key, known)), None)
+        if found is None:
+            found = self._as_it_lay(of.as_it_lay).lighting_now(of)
+            self._lightings.append((known, found))
+        return found
 
     def _as_it_lay(self, of: Illumination) -> SeenLight:
-        """What is read in the picture, by the marker's frame as it lay there."""
+        """What is read in the picture, by the marker's frame as it lay there, in the lights of then."""
         known = _known(of)
         if self._read is None or not same_objects(self._read[0], known):
             self._read = known, SeenLight.of(of)
@@ -58,8 +63,8 @@ class Photometry:
     def relief(self, of: Illumination) -> Relief | None:
         """How much flatter the ground is in the real object's shadow than in the light; None where it is not.
 
-        It belongs to the frame in which the light was estimated: it stays while the light is turned by hand to where no
-        real shadow is, and while one light eases to another it is not measured anew for each picture.
+        It belongs to the frame in which the light was estimated, and to that light, whatever is set by hand. While one
+        light eases to another it is not measured anew for each picture.
         """
         of = of.as_it_lay or of
         lighting = self._as_it_lay(of).lighting
@@ -74,7 +79,7 @@ class Photometry:
         return self._relief[2]
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
-        """The look that the preset matches of the video."""
+        """The look that the preset matches of the video, which is lit by `of`."""
         return self._look.at(tracked, self.lighting(of), of.real_object)
 
 

@@ -36,8 +36,8 @@ class SeenLight:
                 ambient = open_sky(seen_in, body, lighting_of(lights, ambient, albedo), white)
         return SeenLight(lighting_of(lights, ambient, albedo, illumination.sky_slope_rgb), ambient, albedo, white_rgb)
 
-    def moved_to(self, illumination: Illumination) -> Lighting:
-        """The irradiances of `illumination`, which is this one by the frame of a marker that has been moved since."""
+    def lighting_now(self, illumination: Illumination) -> Lighting:
+        """The irradiances of `illumination`, whose `as_it_lay` this is: by another place of the marker, or by hand."""
         lights, ambient = steadied(illumination)
         before = None if illumination.as_it_lay is None else illumination.as_it_lay.ambient_rgb_ratio
         if self.ambient is not None and before is not None and illumination.ambient_rgb_ratio is not None:
@@ -50,7 +50,7 @@ def lighting_in(illumination: Illumination) -> Lighting:
     """The irradiances with which a model is drawn in an illumination; `Photometry` keeps them."""
     if illumination.as_it_lay is None:
         return SeenLight.of(illumination).lighting
-    return SeenLight.of(illumination.as_it_lay).moved_to(illumination)
+    return SeenLight.of(illumination.as_it_lay).lighting_now(illumination)
 
 
 def _was_seen_in_shadow(of: Illumination) -> bool:

@@ -178,7 +178,7 @@ class Hand:
         ratio = np.clip(np.exp(-depth), FAINTEST, 1 - FAINTEST)
         changed = replace(light.with_angular_size(size), shadow_rgb_ratio=ratio, intensity_rgb_ratio=None)
         # The measured ambient light is the shadow's ratio seen otherwise: kept, it would undo the change.
-        self.light = replace(base, lights=(_of_unknown_error(changed), *others), ambient_rgb_ratio=None)
+        self.light = base.relit((_of_unknown_error(changed), *others), None)
         self.frame_index = tracked.frame.index
         if command is Command.LIGHT_SOFTNESS:
             return f"light: {math.degrees(size):.1f}° wide (the sun is {math.degrees(SUN_ANGULAR_SIZE_RAD):.1f}°)"
@@ -210,7 +210,7 @@ class Hand:
             radius = min(radius, distance * math.tan(SOFTEST_RAD / 2))
             changed = replace(light, inverse_distance=1 / distance).with_angular_size(2 * math.atan(radius / distance))
             said = f"a lamp, {100 * distance:.0f} cm from the marker"
-        self.light = replace(base, lights=(_of_unknown_error(changed), *others))
+        self.light = base.relit((_of_unknown_error(changed), *others), base.ambient_rgb_ratio)
         self.frame_index = tracked.frame.index
         return f"light: {said}"
 
@@ -222,13 +222,13 @@ class Hand:
             return context.illumination
         right, _ = picture_axes(tracked)
         first = direction_from_angles(math.atan2(-right[1], -right[0]), FIRST_ELEVATION_RAD)
-        return Illumination((Light(first),), seen_in=context.illumination.seen_in)
+        return Illumination(seen_in=context.illumination.seen_in).relit((Light(first),), None)
 
     def _set_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
         """Turns the strongest light of `base`; measured colours are kept, the uncertainty of the direction is not."""
         moved, *others = base.lights
         light = _of_unknown_error(replace(moved, to_light_marker=to_light))
-        self.light, self.frame_index = replace(base, lights=(light, *others)), tracked.frame.index
+        self.light, self.frame_index = base.relit((light, *others), base.ambient_rgb_ratio), tracked.frame.index
 
 
 def _of_unknown_error(light: Light) -> Light:

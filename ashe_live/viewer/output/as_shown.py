@@ -2,7 +2,7 @@
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -92,8 +92,7 @@ class AsShown:
         session.hand.light = None
         if shown.by_hand is not None:
             # The ground and the real object are those that this run has estimated.
-            lights, ambient = shown.by_hand.lights, shown.by_hand.ambient_rgb_ratio
-            session.hand.light = replace(session.lit_by, lights=lights, ambient_rgb_ratio=ambient)
+            session.hand.light = session.lit_by.relit(shown.by_hand.lights, shown.by_hand.ambient_rgb_ratio)
         session.arrangement.stand_as(shown.stands)
         session.view.parts, session.view.wants_cover = shown.parts, shown.wants_cover
         session.shown = session.lit_by

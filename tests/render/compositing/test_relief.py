@@ -88,7 +88,7 @@ def test_it_stays_while_the_light_is_turned_by_hand(stage, light) -> None:
     photometry = Photometry(QUALITIES["fast"].render)
     measured = photometry.relief(estimated)
     assert measured is not None
-    turned = replace(estimated, lights=(stage.light(-20, 40, (RATIO, RATIO, RATIO)),))
+    turned = estimated.relit((stage.light(-20, 40, (RATIO, RATIO, RATIO)),), None)
     assert [photometry.relief(turned) for _ in range(3)] == [measured] * 3
     bare = _table(stage, light, LIT)  # another frame, where nothing is flatter
     assert photometry.relief(replace(estimated, seen_in=bare)) != measured
