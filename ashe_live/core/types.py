@@ -167,6 +167,15 @@ class Light:
             radius_m = math.tan(angular_size_rad / 2) / self.inverse_distance
         return replace(self, angular_size_rad=angular_size_rad, radius_m=radius_m)
 
+    def elsewhere(self, to_light_marker: Float, inverse_distance: float) -> Self:
+        """The light in another direction (3,) and, of a lamp, at another distance (1/m), as large as it looks there."""
+        size_rad = self.angular_size_rad
+        if self.radius_m is not None and inverse_distance > 0:
+            size_rad = 2 * math.atan(self.radius_m * inverse_distance)
+        return replace(
+            self, to_light_marker=to_light_marker, inverse_distance=inverse_distance, angular_size_rad=size_rad
+        )
+
     def summary(self, decimals: int = 0) -> str:
         """For the user: "lamp, 62 ± 5 cm, azimuth 30°, elevation 45° ± 4.0°, 90 % sure". `decimals`: of the angles."""
         sigma = "" if self.sigma_rad is None else f" ± {math.degrees(self.sigma_rad):.1f}°"

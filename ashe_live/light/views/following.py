@@ -105,8 +105,15 @@ def _aligned(lights: Sequence[Light], body: Proxy, fine: View, index: int) -> Al
 
 
 def _moved(light: Light, now: Float) -> Light:
-    """The light in the place to which its shadow leads, a homogeneous point (4,): a lamp stays at its height."""
-    return replace(light, to_light_marker=now[:3], inverse_distance=float(now[3] / np.linalg.norm(now[:3])))
+    """The light in the place to which its shadow leads, a homogeneous point (4,): a lamp stays at its height.
+
+    From there it gives the marker's centre the less the farther it is, with the third power: by Lambert's cosine, too.
+    """
+    moved = light.elsewhere(now[:3], float(now[3] / np.linalg.norm(now[:3])))
+    if light.intensity_rgb_ratio is None or light.inverse_distance == 0:
+        return moved
+    nearer = moved.inverse_distance / light.inverse_distance
+    return replace(moved, intensity_rgb_ratio=light.intensity_rgb_ratio * nearer**3)
 
 
 def _is_clear(found: Alignment) -> bool:

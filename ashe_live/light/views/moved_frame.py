@@ -1,6 +1,5 @@
 """What is known by the marker's frame, by that frame where it has been moved: onto the ground below, or in the room."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -34,17 +33,8 @@ def moved_light(light: Light, T_new_old: Float) -> Light:
     if covariance is not None:
         # A lamp's direction is also as uncertain as its distance makes it at another place.
         covariance = _propagated(covariance, by_old[:2, :2]) if lamp_covariance is None else lamp_covariance[:2, :2]
-    size_rad = light.angular_size_rad
-    if light.radius_m is not None and nearness > 0:
-        size_rad = 2 * math.atan(light.radius_m * nearness)
-    return replace(
-        light,
-        to_light_marker=to_light,
-        inverse_distance=nearness,
-        covariance_rad2=covariance,
-        lamp_covariance=lamp_covariance,
-        angular_size_rad=size_rad,
-    )
+    moved = light.elsewhere(to_light, nearness)
+    return replace(moved, covariance_rad2=covariance, lamp_covariance=lamp_covariance)
 
 
 def moved_body(body: Proxy, T_new_old: Float) -> Proxy:

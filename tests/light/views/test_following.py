@@ -60,7 +60,9 @@ def test_a_lamp_is_followed_at_its_height(farther_m: float) -> None:
     before_m = at_m * (1 + farther_m / 0.25, 1 + farther_m / 0.25, 1)
     distance_m = float(np.linalg.norm(before_m))
     estimate = known()
-    lamp = dataclasses.replace(estimate.light, to_light_marker=before_m, inverse_distance=1 / distance_m)
+    lamp = dataclasses.replace(
+        estimate.light, to_light_marker=before_m, inverse_distance=1 / distance_m, intensity_rgb_ratio=np.full(3, 2.0)
+    ).with_angular_size(0.05)
     estimate = dataclasses.replace(estimate, illumination=dataclasses.replace(estimate.illumination, lights=(lamp,)))
     found = follow(estimate, painted_from(90, BOX, lamp_m=at_m))
     assert found is not None
@@ -68,6 +70,10 @@ def test_a_lamp_is_followed_at_its_height(farther_m: float) -> None:
     assert found.light.position_marker_m is not None
     assert found.light.position_marker_m[2] == pytest.approx(at_m[2], rel=1e-6)
     assert np.linalg.norm(found.light.position_marker_m - at_m) < 0.01 < np.linalg.norm(before_m - at_m)
+    # Of its light, which falls by the square of the distance and by the cosine; and how large it looks from there.
+    received = [each.to_light_marker[2] * each.inverse_distance**2 for each in (lamp, found.light)]
+    assert found.light.intensity_rgb_ratio == pytest.approx(np.full(3, 2.0 * received[1] / received[0]))
+    assert math.tan(found.light.angular_size_rad / 2) == pytest.approx(lamp.radius_m * found.light.inverse_distance)
 
 
 def test_a_light_that_is_elsewhere_is_not_followed() -> None:
