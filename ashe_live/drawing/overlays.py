@@ -10,6 +10,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Light, LightEstimate
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR
+from ashe_live.light.pixels.areas import resized
 from ashe_live.light.shape.predicted import outline, shadow_outline
 
 TINT = 0.6
@@ -19,7 +20,7 @@ def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
     """The picture, tinted where the estimate's masks, scaled to its size, are set."""
     for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
         if mask is not None:
-            picture_bgr = tinted(picture_bgr, enlarged(mask, picture_bgr.shape), colour)
+            picture_bgr = tinted(picture_bgr, resized(mask, picture_bgr.shape[1::-1]), colour)
     return picture_bgr
 
 
@@ -48,9 +49,3 @@ def tinted(picture_bgr: Image, inside: Mask, colour: tuple[int, int, int]) -> Im
     """A copy of the picture, blended with `colour` (BGR) where the mask `inside` (h, w) is set."""
     blended = cv2.addWeighted(picture_bgr, 1 - TINT, np.full_like(picture_bgr, colour), TINT, 0)
     return np.where(inside[:, :, None], blended, picture_bgr).astype(np.uint8)
-
-
-def enlarged(mask: Mask, shape: tuple[int, ...]) -> Mask:
-    """A mask of any size, scaled to the size of a picture of `shape`."""
-    size = shape[1], shape[0]
-    return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST).astype(bool)

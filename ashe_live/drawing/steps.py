@@ -16,10 +16,10 @@ from ashe_live.core.transforms import camera_centre
 from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR, UNSEEN_BGR
 from ashe_live.drawing.light_rose import light_rose
-from ashe_live.drawing.overlays import draw_outline, enlarged, tinted, with_body, with_masks
+from ashe_live.drawing.overlays import draw_outline, tinted, with_body, with_masks
 from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.areas import grown, resized
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import predicted
@@ -77,7 +77,7 @@ def traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
     pictures = [DebugPicture("lit ground", _encoded(lit)), DebugPicture("ratio to lit ground", _encoded(ratio))]
     marked = view.image_bgr
     for region in trace.regions:
-        marked = tinted(marked, enlarged(region.in_frame(region.unlit), marked.shape), UNEXPLAINED_BGR)
+        marked = tinted(marked, resized(region.in_frame(region.unlit), marked.shape[1::-1]), UNEXPLAINED_BGR)
     pictures.append(DebugPicture(f"regions {len(trace.regions)}, splits fitted {len(trace.proposals)}", marked))
     if trace.judged:
         likely = sorted(zip(trace.probabilities, trace.judged, strict=True), key=itemgetter(0))[-MOST_EXPLANATIONS:]
@@ -116,7 +116,7 @@ def _with_hulls(picture_bgr: Image, estimate: LightEstimate) -> Image:
     picture = picture_bgr.copy()
     for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
         if mask is not None and mask.any():
-            inside = enlarged(mask, picture.shape).astype(np.uint8)
+            inside = resized(mask, picture.shape[1::-1]).astype(np.uint8)
             contours, _ = cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
             cv2.drawContours(picture, contours, -1, colour, 1)
             draw_outline(picture, cv2.convexHull(np.concatenate(contours))[:, 0].astype(np.float64), colour)
@@ -130,7 +130,7 @@ def _with_residual(photo: Image, view: View, estimate: LightEstimate, body: Prox
     masked = np.zeros(photo.shape[:2], np.bool_)
     for mask in (estimate.object_mask, estimate.shadow_mask):
         if mask is not None:
-            masked |= enlarged(mask, photo.shape)
+            masked |= resized(mask, photo.shape[1::-1])
     return tinted(tinted(photo, masked & ~fitted, UNEXPLAINED_BGR), fitted & ~masked & view.is_ground, UNSEEN_BGR)
 
 

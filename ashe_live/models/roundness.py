@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ashe_live.models.mesh import Mesh
+from ashe_live.models.mesh import Mesh, face_normals
 
 LOOKED_AT = 5000  # triangles of a mesh, spread evenly over it
 FEW = 0.02  # share of them that must stand for a round surface
@@ -13,8 +13,7 @@ ROUND_DEG = 37.0  # up to which the surface counts as round: where model.frag ha
 def stands_for_round(mesh: Mesh) -> bool:
     """Whether enough triangles lean away from their corners' normals as on a round surface, and not as at an edge."""
     corners = mesh.triangles[:: max(1, len(mesh.triangles) // LOOKED_AT)]
-    points = mesh.vertices[corners].astype(np.float64)
-    facing = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    facing = face_normals(mesh.vertices, corners)
     facing /= np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-30)
     cosines = np.abs(np.einsum("nk,nvk->nv", facing, mesh.normals[corners])).min(axis=1)
     is_round = (cosines < np.cos(np.radians(SEEN_DEG))) & (cosines > np.cos(np.radians(ROUND_DEG)))

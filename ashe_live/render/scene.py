@@ -1,6 +1,7 @@
 """What one picture shows: the only value that the viewer hands to the renderer."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -10,6 +11,12 @@ from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 
 UNLIT = Illumination()
+
+
+@cache
+def one_pixel(srgba: tuple[int, int, int, int]) -> Image:
+    """(1, 1, 4) the picture of an overlay of one colour, whatever its size: the same one for the same colour."""
+    return frozen_view(np.array(srgba, np.uint8).reshape(1, 1, 4))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

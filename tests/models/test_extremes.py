@@ -8,9 +8,9 @@ import trimesh
 from trimesh.visual.material import PBRMaterial
 
 from ashe_live.errors import UserError
-from ashe_live.models.assembly.shading_normals import face_normals, row_keys
+from ashe_live.models.assembly.shading_normals import row_keys
 from ashe_live.models.loading import load_model_file
-from ashe_live.models.mesh import Mesh
+from ashe_live.models.mesh import Mesh, face_normals
 
 
 def _volume(part: Mesh) -> float:

@@ -8,9 +8,8 @@ from PIL import Image
 
 from ashe_live.errors import UserError
 from ashe_live.models import loading
-from ashe_live.models.assembly.shading_normals import face_normals
 from ashe_live.models.loading import load_model_file
-from ashe_live.models.mesh import Mesh, Model
+from ashe_live.models.mesh import Mesh, Model, face_normals
 from ashe_live.models.parsing import limits
 
 EXTENTS = (1.0, 2.0, 3.0)

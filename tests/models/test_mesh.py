@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.models.assembly.shading_normals import face_normals
-from ashe_live.models.mesh import Mesh, Model
+from ashe_live.models.mesh import Mesh, Model, face_normals
 from ashe_live.models.primitives import box, revolved
 
 TRIANGLE = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], dtype=np.float32)

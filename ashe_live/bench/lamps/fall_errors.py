@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from ashe_live.bench.cases import Case
@@ -20,6 +19,7 @@ from ashe_live.light.lamps.kinds import AUTO
 from ashe_live.light.lamps.lit_by_lamp import LEAST_PX, lit_ground_of
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import anywhere_about, share_of, with_fall_off
+from ashe_live.light.pixels.areas import resized
 from ashe_live.light.pixels.view import View
 
 KNOWN_M, OPEN = 0.01, 30.0  # sigmas: of the displacement at the object, which is given, and of the nearness (1/m)
@@ -55,9 +55,9 @@ def fall_error(case: Case, preset: ProxyPreset) -> FallError | None:
     if ground is None:
         return None
     taken = [each for each in (body, shadow, case.mask("clutter")) if each is not None]
-    unlit = np.logical_or.reduce([_scaled(mask, view) for mask in taken])
+    unlit = np.logical_or.reduce([resized(mask, view.size) for mask in taken])
     fall_off = FallOff.of(view, ground, clear_of(unlit | unlit_mask(ground, view.is_ground, LEAST_PX)))
-    dark = _scaled(shadow, view) & view.is_ground & ~_scaled(body, view)
+    dark = resized(shadow, view.size) & view.is_ground & ~resized(body, view.size)
     shift = shift_within(ground.colours[dark], ground) if dark.any() else None
     if fall_off is None or shift is None:
         return None
@@ -112,8 +112,3 @@ def _middle(area: Mask, view: View) -> Float:
         image_from_plane(view.camera, view.T_cam_marker), np.stack([columns, rows, np.ones(len(rows))])
     )
     return np.asarray((on_plane[:2] / on_plane[2]).mean(axis=1))
-
-
-def _scaled(mask: Mask, view: View) -> Mask:
-    """A mask of the picture at the view's size."""
-    return cv2.resize(mask.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST).astype(np.bool_)

@@ -91,23 +91,27 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
     )
 
 
+def camera_and_marker(view: Json) -> tuple[Camera, MarkerPose]:
+    """Those of a rendered picture, as they are written down."""
+    camera = Camera(tuple(view["size"]), np.array(view["K"]), np.zeros(5), "file")
+    T_cam_marker, side_m = rigid(view["R"], view["t"]), view["marker_side_m"]
+    corners_px = project(camera, T_cam_marker, square_corners(side_m))
+    return camera, MarkerPose(T_cam_marker, corners_px, side_m, 0.0, None)
+
+
 def _reference(folder: Path, view: Json, model: str) -> Reference:
     name = view["name"]
     bare = read_picture(folder / f"{name}.png")
-    side_m = view["marker_side_m"]
-    camera = Camera(tuple(view["size"]), np.array(view["K"]), np.zeros(5), "file")
-    T_cam_marker = rigid(view["R"], view["t"])
-    corners_px = project(camera, T_cam_marker, square_corners(side_m))
-    marker = MarkerPose(T_cam_marker, corners_px, side_m, 0.0, None)
+    camera, marker = camera_and_marker(view)
     light = _light(view)
     pixels = np.stack(np.meshgrid(*map(np.arange, camera.size)), axis=-1).reshape(-1, 2)
-    ground = raycast_to_plane(camera, T_cam_marker, pixels)[:, :2]
+    ground = raycast_to_plane(camera, marker.T_cam_marker, pixels)[:, :2]
     lighting = lighting_of((light,))
     linear = LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3)
     x, y = view["caster"]["base_xy_m"]
     discs = [(x, y, height, radius, 0.0) for radius, height in view["caster"]["profile_m"]]
     proxy = Proxy("lathe", np.array(discs))
-    outline = cv2.convexHull(project(camera, T_cam_marker, proxy.points_marker()).astype(np.float32))
+    outline = cv2.convexHull(project(camera, marker.T_cam_marker, proxy.points_marker()).astype(np.float32))
     silhouette = cv2.fillConvexPoly(np.zeros(bare.shape[:2], np.uint8), np.round(outline).astype(np.int32), 1) > 0
     is_object = silhouette.ravel()
     # Points of the real object are taken to be as far from the light as its foot.
@@ -116,7 +120,7 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     tracked = TrackedFrame(Frame(bare, 0, 0.0), camera, marker)
     scene = Scene(
         tracked,
-        _placed(model, side_m),
+        _placed(model, marker.side_m),
         Illumination(
             (light,),
             real_object=proxy,

@@ -13,18 +13,17 @@ import cv2
 import numpy as np
 
 from ashe_live.bench.render.borders import shadow_border
-from ashe_live.bench.render.error import mean_where, read_picture, smooth_difference
+from ashe_live.bench.render.error import camera_and_marker, mean_where, read_picture, smooth_difference
 from ashe_live.bench.render.flip import flip_error
 from ashe_live.bench.render.forced_choice import crop_features
 from ashe_live.bench.render.seams import seam_pixels
 from ashe_live.core.arrays import Float, Image, Mask
-from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.contract import Json
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import square_corners
-from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Frame, Illumination, Light, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.catalogue import load_model
@@ -209,10 +208,7 @@ def ground_rgb(bare: Image) -> Float:
 
 
 def _pair(folder: Path, entry: Json, model: str) -> Pair:
-    side_m = entry["marker_side_m"]
-    camera = Camera(tuple(entry["size"]), np.array(entry["K"]), np.zeros(5), "file")
-    T_cam_marker = rigid(entry["R"], entry["t"])
-    marker = MarkerPose(T_cam_marker, project(camera, T_cam_marker, square_corners(side_m)), side_m, 0.0, None)
+    camera, marker = camera_and_marker(entry)
     bare, expected, without_sheet = (
         read_picture(folder / f"{entry['id']}_{version}.jpg") for version in ("bare", "model", "open")
     )
@@ -222,13 +218,13 @@ def _pair(folder: Path, entry: Json, model: str) -> Pair:
         angular_size_rad=math.radians(entry["angular_diameter_deg"]),
         shadow_rgb_ratio=np.array(entry["shadow_ratio"]),
     )
-    sheet = project(camera, T_cam_marker, square_corners(entry["paper_side_m"]))
+    sheet = project(camera, marker.T_cam_marker, square_corners(entry["paper_side_m"]))
     is_sheet = np.zeros(bare.shape[:2], np.uint8)
     cv2.fillConvexPoly(is_sheet, np.round(sheet).astype(np.int32), 1)
     is_model = read_picture(folder / f"{entry['id']}_mask.png")[..., 0] > 127
     body = Proxy("hull", np.pad(np.array(entry["body_m"]), ((0, 0), (0, 2))))
     illumination = Illumination((light,), real_object=body, ground_rgb=ground_rgb(bare), seen_in=tracked)
-    scene = Scene(tracked, placed_on_marker(load_model(model), side_m), illumination)
+    scene = Scene(tracked, placed_on_marker(load_model(model), marker.side_m), illumination)
     name = f"{entry['id']} ({entry['ground']}, {entry['camera']}, {entry['angular_diameter_deg']:.1f} deg)"
     return Pair(
         name,

@@ -3,11 +3,10 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 
-import cv2
 import numpy as np
 
 from ashe_live.bench.cases import Case
-from ashe_live.bench.track.measures import MEDIAN_6
+from ashe_live.bench.track.measures import MEDIAN_6, pose_error
 from ashe_live.bench.track.tables import Figure
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
@@ -117,7 +116,5 @@ def _squared_error(seen: Seen, errors: CornerErrors) -> tuple[float, float]:
     pose = seen.pose(errors)
     if pose is None or pose.covariance is None:
         return NO_POSE, 0.0
-    T = pose.T_cam_marker
-    turn = cv2.Rodrigues(T[:3, :3] @ seen.truth[:3, :3].T)[0].ravel()
-    error = np.concatenate([turn, T[:3, 3] - seen.truth[:3, 3]])
+    error = pose_error(pose.T_cam_marker, seen.truth)
     return float(error @ np.linalg.solve(pose.covariance, error)), float(np.linalg.slogdet(pose.covariance)[1]) / 2

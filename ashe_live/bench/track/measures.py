@@ -67,11 +67,15 @@ def normalised_error_squared(given: Sequence[Answer]) -> float:
     squares = []
     for answer in given:
         if answer.pose is not None and answer.pose.noise_covariance is not None:
-            T = answer.pose.measured_T_cam_marker
-            turn = cv2.Rodrigues(T[:3, :3] @ answer.truth[:3, :3].T)[0].ravel()
-            error = np.concatenate([turn, T[:3, 3] - answer.truth[:3, 3]])
+            error = pose_error(answer.pose.measured_T_cam_marker, answer.truth)
             squares.append(float(error @ np.linalg.solve(answer.pose.noise_covariance, error)))
     return float(np.median(squares)) / MEDIAN_6
+
+
+def pose_error(T_cam_marker: Float, truth: Float) -> Float:
+    """(6,) of (w, v), rad and m, by which a pose (4, 4) is off: as in MarkerPose.covariance."""
+    turn = cv2.Rodrigues(T_cam_marker[:3, :3] @ truth[:3, :3].T)[0].ravel()
+    return np.concatenate([turn, T_cam_marker[:3, 3] - truth[:3, 3]])
 
 
 def _answered(given: Sequence[Answer]) -> Iterator[tuple[Answer, Float]]:

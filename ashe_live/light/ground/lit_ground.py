@@ -15,7 +15,7 @@ from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.light.ground.preset import GroundPreset
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
 from ashe_live.light.ground.slow_shading import LightFall, field_beside, robust_trend, slow_bases
-from ashe_live.light.pixels.areas import cleaned, grown, large_areas, shrunk, smoothed
+from ashe_live.light.pixels.areas import cleaned, grown, large_areas, resized, shrunk, smoothed
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
 from ashe_live.light.pixels.view import View, Window
@@ -112,8 +112,7 @@ def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float
     """
     colours = log_opponent(image_bgr[window])
     flat = colours - (slow_bases(image_bgr.shape[:2], ground.fall, window) @ ground.field).reshape(colours.shape)
-    size = image_bgr.shape[1::-1]
-    sheen = cv2.resize(ground.sheen.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)[window].astype(bool)
+    sheen = resized(ground.sheen, image_bgr.shape[1::-1])[window]
     return without_sheen(flat, sheen, ground.palette)
 
 
@@ -162,7 +161,7 @@ def with_unlit_on_average(unlit: Mask, view: View) -> Mask:
     if ground is None:
         return unlit
     averaged = unlit_mask(ground, small.is_ground, LEAST_AVERAGED_PX)
-    whole = cv2.resize(averaged.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST) > 0
+    whole = resized(averaged, view.size)
     reach = round(1 / AVERAGED)
     thick = grown(shrunk(whole & view.is_ground & ~grown(unlit, 1), reach), reach)
     return unlit | (thick & view.is_ground)

@@ -13,7 +13,7 @@ from ashe_live.core.camera import scaled_pixels
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.ground.lit_ground import MOST_DISTANCE, LitGround, ground_colours
 from ashe_live.light.ground.surroundings import stands_inside, surroundings_in
-from ashe_live.light.pixels.areas import distance_to, grown, majority, shrunk
+from ashe_live.light.pixels.areas import distance_to, grown, majority, resized, shrunk
 from ashe_live.light.pixels.mixtures import nearest_squared_distance
 from ashe_live.light.pixels.quantised import Quantised
 from ashe_live.light.pixels.view import View, Window
@@ -128,7 +128,7 @@ def _clear_parts(group: Mask, ground: LitGround, fine: View) -> list[Mask]:
     if not is_mostly_faint or _box_px(group) < HUGE * group.size:
         return []
     # What is no ground, as a wall or the marker itself, is at no distance from the ground's colours.
-    is_ground = _resized(fine.is_ground, group.shape, (slice(None), slice(None)))
+    is_ground = resized(fine.is_ground, group.shape[::-1])
     lit = ground.colours[..., 0][is_ground & (ground.squared_distance < UNLIT_DISTANCE)]
     dark = clear & (ground.colours[..., 0] < (np.median(lit) if len(lit) else -np.inf) - DARKER)
     parts = _groups(clear, dark, fine)[:CLEAR_PARTS]
@@ -175,10 +175,10 @@ def region_of(fine: View, area: Mask, ground: LitGround, size_px: int, surroundi
     window = _window((x, y, across, down), view.size[0] / width, view.size[1] / height, view.is_ground.shape)
     colours = ground_colours(view.image_bgr, ground, window)
     cut, shape = view.cut(window), view.is_ground.shape
-    beyond = None if surroundings is None else _resized(surroundings, shape, window)
+    beyond = None if surroundings is None else resized(surroundings, shape[::-1])[window]
     before = cut.is_ground if beyond is None else cut.is_ground & ~beyond
-    unlit, faint = _unlit(colours, ground, _resized(area, shape, window), before)
-    broad = None if ground.broad is None else _resized(ground.broad.mask, shape, window)
+    unlit, faint = _unlit(colours, ground, resized(area, shape[::-1])[window], before)
+    broad = None if ground.broad is None else resized(ground.broad.mask, shape[::-1])[window]
     return Region(cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint, broad, beyond)
 
 
@@ -197,12 +197,6 @@ def _on_plane(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -
     height, width = frame_shape
     whole = cv2.resize(ground.on_plane, (width, height), interpolation=cv2.INTER_LINEAR)
     return np.asarray(whole[window], dtype=np.float32)
-
-
-def _resized(mask: Mask, frame_shape: tuple[int, ...], window: Window) -> Mask:
-    """(h, w) a window's pixels of a mask of the whole frame; arguments as for `_on_plane`."""
-    height, width = frame_shape
-    return cv2.resize(mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)[window] > 0
 
 
 def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shape: tuple[int, ...]) -> Window:

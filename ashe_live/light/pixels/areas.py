@@ -75,6 +75,11 @@ def filled(mask: Mask) -> Mask:
     return picture.view(np.bool_)
 
 
+def resized(mask: Mask, size: tuple[int, int]) -> Mask:
+    """Scaled to a size (width, height): of each pixel the nearest one's."""
+    return cv2.resize(_bytes(mask), size, interpolation=cv2.INTER_NEAREST).view(np.bool_)
+
+
 def distance_to(mask: Mask) -> Float32:
     """(h, w) distance in pixels to the nearest pixel of `mask`; 1000 everywhere if the mask is empty."""
     if not mask.any():

@@ -30,8 +30,12 @@ def log_opponent(image_bgr: Image, smoothing_px: float = 0.7) -> Float32:
     The picture is blurred first by a Gaussian of `smoothing_px`.
     """
     smooth = cv2.GaussianBlur(image_bgr, (0, 0), smoothing_px) if smoothing_px > 0 else image_bgr
-    logs_bgr = cv2.LUT(smooth, np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32))
-    return np.asarray(cv2.transform(logs_bgr, OPPONENT[:, ::-1]), dtype=np.float32)
+    return np.asarray(cv2.transform(log_linear(np.asarray(smooth)), OPPONENT[:, ::-1]), dtype=np.float32)
+
+
+def log_linear(image_bgr: Image) -> Float32:
+    """(h, w, 3) log of the linear light of an sRGB picture (h, w, 3), bounded from below by DARKEST."""
+    return np.asarray(cv2.LUT(image_bgr, np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32)), dtype=np.float32)
 
 
 def log_opponent_of_linear(rgb: Float) -> Float:

@@ -12,6 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import image_from_plane, project
 from ashe_live.core.types import MarkerPose, TrackedFrame
+from ashe_live.light.pixels.areas import resized
 from ashe_live.light.pixels.clean_plate.plain_ground import over_plain_ground
 from ashe_live.light.pixels.near_plane import before_camera
 from ashe_live.light.pixels.page import PageAround, page_around
@@ -138,7 +139,7 @@ class View(MarkerPicture):
             printed += [] if self.page is None else self.page.between(self.side_m)
         is_ground, size = _ground_mask(self.camera, self.T_cam_marker, printed), self.size
         if self.paper_as_ground is not None:
-            is_ground |= cv2.resize(self.paper_as_ground.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+            is_ground |= resized(self.paper_as_ground, size)
         if self.shown is not None:
             # Only pixels of which the lens shows all.
             is_ground &= cv2.resize(self.shown.astype(np.float32), size, interpolation=cv2.INTER_AREA) > ALL_SHOWN

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.models.assembly.shading_normals import (
     corner_normals,
-    face_normals,
     flat_normals,
     is_inside_out,
     row_keys,
@@ -16,7 +15,7 @@ from ashe_live.models.assembly.shading_normals import (
     vertex_normals,
 )
 from ashe_live.models.material import Material
-from ashe_live.models.mesh import Float32, Indices, Mesh, Motion
+from ashe_live.models.mesh import Float32, Indices, Mesh, Motion, face_normals
 from ashe_live.models.parsing.malformed import MalformedError
 
 

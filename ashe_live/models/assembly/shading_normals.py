@@ -6,18 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.models.mesh import Float32, Indices
+from ashe_live.models.mesh import Float32, Indices, face_normals
 
 CREASE_RAD = math.radians(40)
 MAX_CROWD = 32
 WAYS = 32  # steps of each coordinate of a unit vector, 4 to 6 degrees
 CLOSED_WITHIN = 1e-4  # of the area
-
-
-def face_normals(vertices: Float32, triangles: Indices) -> Float:
-    """(m, 3) normals of twice the triangles' area in length, right-handed."""
-    a, b, c = np.moveaxis(vertices[triangles].astype(np.float64), 1, 0)
-    return np.asarray(np.cross(b - a, c - a))
 
 
 def vertex_normals(vertices: Float32, triangles: Indices) -> Float:

@@ -9,7 +9,7 @@ from PIL import ImageDraw
 
 from ashe_live.core.arrays import Image, frozen_view
 from ashe_live.render.hud import PLATE_SRGBA, TEXT_SRGBA, bleed_px, text_ink, text_width
-from ashe_live.render.scene import Overlay
+from ashe_live.render.scene import Overlay, one_pixel
 from ashe_live.render.screen import Screen
 
 HEIGHT_PT, LINE_PT, KNOB_PT, FONT_PT, GAP_PT = 26, 4, 12, 13, 10
@@ -67,7 +67,7 @@ class TimeBar:
 
     def __init__(self) -> None:
         self._plate, self._rest, self._played = (
-            _one_pixel(srgba) for srgba in ((*PLATE_SRGBA[:3], 210), REST_SRGBA, TEXT_SRGBA)
+            one_pixel(srgba) for srgba in ((*PLATE_SRGBA[:3], 210), REST_SRGBA, TEXT_SRGBA)
         )
         self._text: tuple[str, float, Image] | None = None
         self._last: tuple[tuple[Moment, Screen], tuple[Overlay, ...]] | None = None
@@ -118,10 +118,6 @@ def clock(time_s: float, with_tenths: bool) -> str:
     tenths = int(time_s * 10 + 1e-6)
     minutes, seconds = divmod(tenths // 10, 60)
     return f"{minutes}:{seconds:02d}" + (f".{tenths % 10}" if with_tenths else "")
-
-
-def _one_pixel(srgba: tuple[int, int, int, int]) -> Image:
-    return frozen_view(np.array(srgba, np.uint8).reshape(1, 1, 4))
 
 
 @lru_cache(maxsize=2)

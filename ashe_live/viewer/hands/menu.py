@@ -4,12 +4,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numpy as np
-
 from ashe_live.core.arrays import Image, frozen_view
 from ashe_live.core.camera import Size
 from ashe_live.render.hud import FONT_PT, MIN_FONT_PX, SMALLER, RowLayout, Rows, fits, in_two, row_layout, rows_plate
-from ashe_live.render.scene import Overlay
+from ashe_live.render.scene import Overlay, one_pixel
 from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import BINDINGS
 from ashe_live.viewer.hands.help import LEGIBLE_PT
@@ -187,7 +185,7 @@ class Menu:
             plate = Overlay(_plate(opened.rows, opened.font_px), opened.left, opened.top)
             shown: tuple[Overlay, ...] = (plate,)
             if self._pointed_at is not None:
-                shown += (Overlay(_bar(), *opened.place_of(self._pointed_at)),)
+                shown += (Overlay(one_pixel(POINTED_AT_SRGBA), *opened.place_of(self._pointed_at)),)
             self._drawn = opened, self._pointed_at, shown
         return self._drawn[2]
 
@@ -228,8 +226,3 @@ def _rows(entries: tuple[Entry, ...]) -> Rows:
 @lru_cache(maxsize=1)
 def _plate(rows: Rows, font_px: float) -> Image:
     return frozen_view(rows_plate(rows, font_px))
-
-
-@lru_cache(maxsize=1)
-def _bar() -> Image:
-    return frozen_view(np.array(POINTED_AT_SRGBA, np.uint8).reshape(1, 1, 4))

@@ -7,11 +7,10 @@ import pytest
 from PIL import Image
 
 from ashe_live.errors import UserError
-from ashe_live.models.assembly.shading_normals import face_normals
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import NO_COORDINATES, Alpha, Material
-from ashe_live.models.mesh import Model
+from ashe_live.models.mesh import Model, face_normals
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"

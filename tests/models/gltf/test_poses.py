@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from ashe_live.errors import UserError
-from ashe_live.models.assembly.shading_normals import face_normals
 from ashe_live.models.loading import load_model_file
-from ashe_live.models.mesh import Model
+from ashe_live.models.mesh import Model, face_normals
 from tests.models.gltf_files import CORNERS, TRIANGLES, Document
 
 Y_UP = np.float32([(1, 0, 0), (0, 0, -1), (0, 1, 0)])  # from z up

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float32, Image
-from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.light.pixels.log_colour import DARKEST, is_exposed
+from ashe_live.core.colour import srgb_from_linear
+from ashe_live.light.pixels.log_colour import DARKEST, is_exposed, log_linear
 
 # Linear light of the plain ground: things may be five times as bright until they are saturated, and shadows of a
 # fiftieth of it are still resolved by eight bits.
@@ -65,8 +65,3 @@ def exposure(ratio: Float32) -> Float32:
     mode = edges[int(smooth.argmax())] + BIN / 2
     near = np.abs(brightness - mode) < WITHIN
     return np.asarray(np.median(ratio[near] if near.any() else ratio, axis=0), dtype=np.float32)
-
-
-def log_linear(image_bgr: Image) -> Float32:
-    """(h, w, 3) the log of linear light, bounded from below as in log-opponent colours."""
-    return np.asarray(cv2.LUT(image_bgr, np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32)), dtype=np.float32)

@@ -12,8 +12,8 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.areas import grown
-from ashe_live.light.pixels.clean_plate.plain_ground import change_of_light, log_linear
-from ashe_live.light.pixels.log_colour import is_exposed
+from ashe_live.light.pixels.clean_plate.plain_ground import change_of_light
+from ashe_live.light.pixels.log_colour import is_exposed, log_linear
 from ashe_live.light.pixels.sheet import MarkerPicture
 from ashe_live.light.pixels.view import plane_homography, scaled_down
 
