@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from ashe_live.core.arrays import without
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.live.comparable import is_by_same_camera
 from ashe_live.light.live.key_views import RENEWED_AFTER_S, span_of
@@ -81,5 +82,5 @@ class Sharpening:
             return span_rad >= MUCH_WIDER * self._widest_rad + MUCH_WIDER_BY_RAD
         if len(views) > 1 and span_rad >= WIDER * self.span_rad + WIDER_BY_RAD:
             return True
-        new = sum(not any(view is other for other in self._views) for view in views)
+        new = len(without(views, self._views))
         return new >= max(2, NEW_SHARE * len(views)) and span_rad >= AS_WIDE * self.span_rad

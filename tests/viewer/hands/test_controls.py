@@ -70,6 +70,23 @@ def test_each_key_asks_for_what_the_table_says():
         assert request_for(name if len(name) == 1 else "", name, modifiers) is request
 
 
+def test_what_one_key_does_another_undoes_step_by_step():
+    """Of the commands with two ways to go; places to choose from have none."""
+    for binding in BINDINGS:
+        ways = set(binding.arguments)
+        if not ways or binding.command is Command.CHOOSE_MODEL:
+            continue
+        back = {(-way[0], -way[1]) if isinstance(way, tuple) else -way for way in ways}
+        assert ways == back
+        step = 5 if binding.command is Command.SEEK else 1  # seconds, or one
+        assert all(max(map(abs, way)) == 1 if isinstance(way, tuple) else abs(way) == step for way in ways)
+    assert request_for("", "LEFT", "CTRL+") == Request(Command.MOVE_LIGHT, (-1, 0))
+    assert request_for("", "UP", "ALT+") == Request(Command.MOVE_MODEL, (0, 1))
+    assert request_for("+", None) == request_for("=", "=") == Request(Command.SCALE_MODEL, 1)
+    assert request_for("", "PAGE_DOWN", "ALT+") == Request(Command.LIGHT_DISTANCE, -1)
+    assert request_for(",", ",") == Request(Command.STEP, -1)
+
+
 def test_modifiers_have_names():
     assert held(0) == ""
     assert held(glfw.MOD_SHIFT | glfw.MOD_CONTROL) == "CTRL+SHIFT+"

@@ -90,10 +90,12 @@ def test_the_picture_stays_in_view_beside_it(size: tuple[int, int]):
 
 
 @pytest.mark.parametrize("size", [SIZE, (1280, 720), (1000, 2000)])
-def test_what_is_pointed_at_is_what_is_brighter(size: tuple[int, int]):
+@pytest.mark.parametrize("opened_at", [(0.0, 0.0), (0.3, 0.2), (1.0, 1.0)])
+def test_what_is_pointed_at_is_what_is_brighter(size: tuple[int, int], opened_at: tuple[float, float]):
+    x_px, y_px = (share * side for share, side in zip(opened_at, size, strict=True))
     for x in np.linspace(1, size[0] - 1, 5):
         for y in np.linspace(1, size[1] - 1, 60):
-            menu = opened(0, 0, size)
+            menu = opened(x_px, y_px, size)
             menu.take_mouse(MouseEvent(MOVED, x, y), lambda: ENTRIES, Screen(size))
             bars = menu.overlays(Screen(size))[1:]
             wanted = chosen_at(x, y, menu, size) if menu.is_open and bars else None
@@ -115,6 +117,14 @@ def test_a_press_beside_it_closes_it_and_reaches_nothing_below():
     assert chosen_at(left + width + 5, top + height + 5, menu) is None
     assert not menu.is_open
     assert not menu.take_mouse(MouseEvent(PRESSED, 1, 1), lambda: ENTRIES, Screen(SIZE))
+
+
+def test_a_press_on_its_rim_asks_for_nothing_and_leaves_it_open():
+    menu = opened()
+    left, top, width, height = plate(menu)
+    for x, y in ((left + width / 2, top + 1), (left + width - 1, top + height - 1)):
+        assert chosen_at(x, y, menu) is None
+        assert menu.is_open
 
 
 def test_while_it_is_closed_the_mouse_is_the_picture_s():
