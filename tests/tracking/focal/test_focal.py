@@ -158,3 +158,13 @@ def test_the_camera_says_where_it_comes_from_and_how_sure_it_is() -> None:
     camera = FocalEstimate(SIZE, 600.0, 12.0, 20).camera()
     assert (camera.source, camera.K[0, 0], camera.focal_sigma_px) == ("estimated", 600.0, 12.0)
     assert camera.resized((1280, 960)).focal_sigma_px == pytest.approx(24.0)
+
+
+def test_corners_that_follow_from_the_pose_tell_nothing_of_the_focal_length() -> None:
+    """As where the marker reaches out of the picture, or is one of several: the assumed camera sees them so."""
+    estimator = FocalEstimator(SIZE)
+    for index, T_cam_marker in enumerate(hand_held(620, 40, 12, 1)):
+        corners = project(ASSUMED, T_cam_marker, SIDE_M * SQUARE)
+        pose = MarkerPose(T_cam_marker, corners, SIDE_M, 0.1, None)
+        assert estimator.add(TrackedFrame(Frame(PICTURE, index, index / 30), ASSUMED, pose)) is None
+    assert estimator.estimate is None
