@@ -64,6 +64,7 @@ class MarkerPlace:
         return replace(tracked, T_room_marker=self._T_room_marker)
 
     def _compare(self, tracked: TrackedFrame, before: StillFrame) -> None:
+        """Where the marker lies in the frame, by the ground around it in one from `before`, when it lay still."""
         assert tracked.marker is not None
         corners_px, time_s = scaled_pixels(tracked.marker.corners_px, before.scale), tracked.frame.time_s
         is_at_rest = self._last_px is not None and np.abs(corners_px - self._last_px).max() < AT_REST_PX

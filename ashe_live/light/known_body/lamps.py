@@ -65,6 +65,10 @@ def as_lamps(seen: Seen, found: Sequence[FoundLight], decided: int = 0) -> list[
 
 
 def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad: float | None) -> FoundLight:
+    """The light as a lamp, as a sun, or as a sun that may be a lamp: as its shadow's edges beside the others' have it.
+
+    size_rad: its angular size, where that is known.
+    """
     if one.fit is None:
         return one
     image = image_beside(seen, others)

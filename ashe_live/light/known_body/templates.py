@@ -89,6 +89,7 @@ def templates_of(body: Proxy) -> Templates:
 
 @lru_cache(maxsize=4)
 def _templates(family: str, spheroids: bytes) -> Templates:
+    """As `templates_of`, of a body 1 high with its foot in the origin: `spheroids` are the bytes of (k, 5) float64."""
     body = Proxy(family, np.frombuffer(spheroids).reshape(-1, 5))
     displacements = []
     for length in LENGTHS:

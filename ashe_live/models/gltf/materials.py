@@ -58,6 +58,7 @@ class Materials:
         return self._made[key]
 
     def _converted(self, given: Json, uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:
+        """The material, and the sets of texture coordinates by which its maps are laid out, by the file's numbers."""
         extensions = given.get("extensions", {})
         maps, alpha = Maps(uv_sets), ALPHAS[given.get("alphaMode", "OPAQUE")]
         covers = alpha is not Alpha.OPAQUE

@@ -62,6 +62,7 @@ def even_surroundings(size: int, ground_rgb: Float) -> Surroundings:
 
 
 def _reduced_linear(tracked: TrackedFrame) -> LinearPicture:
+    """(h, w, 3) linear RGB of the frame, about READ_WIDTH_PX wide."""
     image = tracked.frame.image_bgr
     factor = max(1, round(image.shape[1] / READ_WIDTH_PX))
     # In linear light, as it is light that adds up where a pattern is too fine to be seen.
@@ -78,6 +79,7 @@ def _ground(
     ground_rgb: Float | None,
     covered: Float,
 ) -> LinearPicture:
+    """The ground of `Surroundings`; `ground_rgb` and `covered` as for `surroundings_of`."""
     assert tracked.marker is not None
     at = _square(size)
     radius = np.linalg.norm(at, axis=2, keepdims=True)

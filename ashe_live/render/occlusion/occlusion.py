@@ -69,6 +69,10 @@ def _rounds() -> Iterator[Float]:
 def _found(
     ctx: moderngl.Context, programs: Programs, model: GpuModel, contact: ContactPatch
 ) -> Generator[None, None, Hidden]:
+    """What the model hides of the sky, from itself and from the ground at its foot, by shadows from all directions.
+
+    Yields after each part of the work, so that frames are drawn meanwhile.
+    """
     stand_in = stand_in_for(model.placed)
     caster = model
     depth_map = ShadowMaps(ctx, DEPTHS)

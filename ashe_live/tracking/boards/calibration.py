@@ -141,6 +141,7 @@ def _best_lens(views: Sequence[BoardView], size: Size) -> tuple[_Fit, int]:
 
 
 def _fitted(views: Sequence[BoardView], size: Size, flags: int) -> _Fit | None:
+    """The camera with the coefficients that `flags` leave free, as OpenCV fits it; None where the views give none."""
     points = [view.points.astype(np.float32)[:, None] for view in views]
     corners = [view.corners_px.astype(np.float32)[:, None] for view in views]
     try:

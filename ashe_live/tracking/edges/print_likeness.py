@@ -52,6 +52,7 @@ class PrintLikeness:
         return samples if shade is None else shade.removed_from(samples)
 
     def _warped(self, view: LightPatch, corners_px: Float) -> Light:
+        """As `sampled`, with the shadow that may be on it."""
         n = self._side - 2 * self._margin
         # In indices of the samples.
         ends = (UNIT * n + self._margin - 0.5).astype(np.float32)

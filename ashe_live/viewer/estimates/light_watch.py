@@ -206,6 +206,7 @@ class LightWatch:
         return new
 
     def _taken(self, outcome: Outcome) -> NewAnswer | WorkerFailure | None:
+        """The answer from now on, by what the worker has found; None where the one before stands."""
         assert self._frozen is not None
         if isinstance(outcome, WorkerFailure):
             self.sharpening.answered(False)
