@@ -4,21 +4,16 @@ import argparse
 
 from ashe_live.capture.opening import open_source
 from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker_in
-from ashe_live.commands.flags.model_choice import with_markers_spelled
+from ashe_live.commands.flags.model_choice import refuse_model, with_markers_spelled
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.viewing.setup import ViewerSetup, check_outputs
 from ashe_live.commands.viewing.window import show
-from ashe_live.errors import UserError
-from ashe_live.models.loading import SUFFIXES
 
 
 def run(options: argparse.Namespace) -> int:
     check_outputs(options)
     spelled = with_markers_spelled(options)
-    if options.file.suffix.lower() in SUFFIXES and options.file.is_file():
-        raise UserError(
-            f"{options.file} is a model, and no clip or photo", "give it by --model, and a clip or photo to stand in"
-        )
+    refuse_model(options.file)
     make_tracker(spelled)  # reports a wrong --marker before the file is opened
     source = open_source(options.file)
     notes: list[str] = []

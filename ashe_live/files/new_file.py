@@ -196,6 +196,4 @@ def _check_name(path: Path, overwrite: bool) -> None:
 
 
 def _is_there(path: Path) -> UserError:
-    return UserError(
-        f"{path} exists already", "choose another name, or say that it is to be replaced (--overwrite, overwrite=True)"
-    )
+    return UserError(f"{path} exists already", "choose another name, or replace it by --overwrite (overwrite=True)")

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 import pytest
 
 from ashe_live import quality
-from ashe_live.commands.flags import option_groups, values
+from ashe_live.commands.flags import option_groups, parser, values
 from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.parser import build_parser, build_start_parser
+from ashe_live.models import loading
 
 COMMANDS = (
     "demo",
@@ -34,6 +35,7 @@ COMMANDS = (
         (["esitmate", "a.jpg"], "did you mean estimate?"),
         (["films/a.mp4"], "looks like a file: ashe-live play FILE shows it"),
         (["a.jpg", "--quality", "fast"], "looks like a file: ashe-live play FILE shows it"),
+        (["models/mug.GLB"], "looks like a file: ashe-live demo --model FILE shows it"),
         (["estimate", "a.jpg", "--jsn"], "did you mean --json?"),
         (["play", "a.mp4", "--markersize=0.1"], "did you mean --marker-size?"),
         (["estimate", "a.jpg", "--quality", "acurate"], "did you mean accurate?"),
@@ -117,6 +119,10 @@ def test_behind_two_dashes_every_word_is_a_file() -> None:
 def test_the_qualities_that_are_offered_are_those_there_are() -> None:
     """The parser has names of its own, so that --help need not load what has the presets."""
     assert tuple(quality.QUALITIES) == option_groups.QUALITIES
+
+
+def test_the_kinds_of_models_that_the_parser_knows_are_those_there_are() -> None:
+    assert parser.MODEL_SUFFIXES == loading.SUFFIXES
 
 
 def parsers(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:

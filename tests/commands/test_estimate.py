@@ -46,6 +46,14 @@ def test_the_pose_is_the_true_one(run, files, film):
     assert record["camera"]["source"] == "file"
 
 
+def test_a_model_is_not_taken_for_a_damaged_clip(run, tmp_path):
+    model = tmp_path / "ball.STL"
+    model.write_bytes(b"solid ball")
+    outcome = run("estimate", *KNOWN, model)
+    assert outcome.status == 2
+    assert "ball.STL is a model" in outcome.out[0]
+
+
 def test_a_short_name_stands_before_its_answer_as_any_other(run, files, tmp_path, monkeypatch):
     """Though its letters are in what is said of it."""
     monkeypatch.chdir(tmp_path)

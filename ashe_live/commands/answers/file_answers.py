@@ -18,6 +18,7 @@ from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, renumbered
 from ashe_live.commands.answers.steps_sheet import write_steps
 from ashe_live.commands.flags.marker_choice import marker_in, with_marker, with_marker_in
+from ashe_live.commands.flags.model_choice import refuse_model
 from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, assumed_note, make_tracker
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
@@ -107,6 +108,7 @@ class FileEstimator:
         wanted = Wanted(options.views if self.empty is None else 1, options.estimate_at, first, last)
         try:
             refuse_folder(path)  # others have been replaced by the files in them
+            refuse_model(path)
             with open_source(path) as source:
                 is_known = _states_no_camera(source) and source.size in cameras
                 camera_for = cameras.__getitem__ if is_known else self.camera_for

@@ -7,6 +7,7 @@ from pathlib import Path
 from ashe_live.commands.flags.values import marker_and_model
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
+from ashe_live.models.loading import SUFFIXES
 from ashe_live.tracking.cube.faces import CUBE
 from ashe_live.tracking.families.markers import Marker, parse_marker
 
@@ -21,6 +22,12 @@ def marker_files(options: argparse.Namespace) -> list[Path]:
     specs = (getattr(options, "marker", None), *(marker for marker, _ in _given(options)))
     kinds = (spec.removeprefix(f"{CUBE}+").partition(":") for spec in specs if spec is not None)
     return [Path(file) for kind, _, file in kinds if kind in ("pattern", "image")]
+
+
+def refuse_model(path: Path) -> None:
+    """Raises UserError for a model where a clip or a photo is wanted."""
+    if path.suffix.lower() in SUFFIXES and path.is_file():
+        raise UserError(f"{path} is a model, and no clip or photo", "see it by ashe-live demo --model FILE")
 
 
 def with_markers_spelled(options: argparse.Namespace) -> argparse.Namespace:

@@ -27,6 +27,8 @@ EPILOG = (
 START = "start"
 CAMERA_HELP = "number or path, as `ashe-live cameras` lists them"
 PAGE_HELP = "the page to print"
+# The same as in ashe_live.models.loading, whose imports --help must not wait for.
+MODEL_SUFFIXES = (".glb", ".gltf", ".obj", ".ply", ".stl")
 NEAR = 0.75  # likeness, from 0 to 1, of a word that may have been meant: one letter of six is wrong
 
 
@@ -181,6 +183,11 @@ def _add_paper(printed: argparse.ArgumentParser) -> None:
     )
 
 
+def _shown_by(file: str) -> str:
+    """The command that shows a file of that name."""
+    return "demo --model FILE" if file.lower().endswith(MODEL_SUFFIXES) else "play FILE"
+
+
 def _place(words: Sequence[str], word: str) -> int:
     """Where the first such word is, or else the end."""
     return next((index for index, each in enumerate(words) if each == word), len(words))
@@ -228,7 +235,7 @@ class CommandParser(argparse.ArgumentParser):
         if near and value not in (action.choices or ()):
             raise argparse.ArgumentError(action, f"invalid choice: {value!r}{near}")
         if action.metavar == "COMMAND" and {".", "/", "\\"} & set(str(value)):  # as in no command's name
-            said = f"{value!r} is not one, but looks like a file: ashe-live play FILE shows it"
+            said = f"{value!r} is not one, but looks like a file: ashe-live {_shown_by(str(value))} shows it"
             raise argparse.ArgumentError(action, said)
         super()._check_value(action, value)
 
