@@ -26,6 +26,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _unused(options: argparse.Namespace) -> list[str]:
-    """The flags that say something else of the table than holds for the demo's."""
-    of_marker = [] if options.takes_any_marker else ["--marker"]
-    return of_marker + [f"--{name.replace('_', '-')}" for name in OF_OWN_TABLE if getattr(options, name) is not None]
+    """The flags that say something else of the table than holds for the demo's; not the settings, which always do."""
+    settings = {key: str(value) for key, value in options.from_settings.items()}
+    given = {name.replace("_", "-"): getattr(options, name) for name in OF_OWN_TABLE}
+    given["marker"] = None if options.takes_any_marker else options.marker
+    return [f"--{key}" for key, value in given.items() if value is not None and settings.get(key) != str(value)]

@@ -5,6 +5,7 @@ import pytest
 from ashe_live.capture.cameras import Device
 from ashe_live.commands import demo, start, webcam
 from ashe_live.commands.flags.parser import START
+from ashe_live.commands.flags.settings_file import settings_path
 
 
 @pytest.fixture
@@ -47,6 +48,16 @@ def test_the_demo_says_which_flags_it_makes_no_use_of(run, started, monkeypatch)
     ]
     assert not any("no use of" in line for line in run(*used).err)
     assert started == 2 * [("demo", None, "mug")]
+
+
+def test_settings_for_a_table_of_ones_own_are_not_called_flags(run, started, monkeypatch, tmp_path):
+    connect(monkeypatch)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    settings_path().parent.mkdir(parents=True, exist_ok=True)
+    settings_path().write_text('marker = "aruco:4x4_50:7"\nmarker-size = 0.1\n')
+    (line,) = run("--marker-size", "0.2").err
+    assert line.endswith("it makes no use of --marker-size")
+    assert started == [("demo", None, "cube")]
 
 
 def test_a_camera_that_is_asked_for_is_not_replaced(run, started, monkeypatch):
