@@ -33,15 +33,15 @@ def directions_from_labels(
 
     Masks are (h, w) of the frame, which must have a marker and no distortion: the object, the ground in each light's
     shadow (one light or two), and other pixels that are not ground. None where no light is found: too little ground is
-    visible, a shadow is too small to measure its colours, or no body fits the outlines.
+    visible, no label lies on it, a shadow is too small to measure its colours, or no body fits the outlines.
     """
     fine = View.of(tracked, preset.fine_width_px).with_paper_as_ground()
     coarse = fine.scaled(preset.coarse_width_px)
     ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, preset.ground)
-    if ground is None:
+    area = _resized(np.logical_or.reduce([object_mask, *shadow_masks]), coarse.size) & coarse.is_ground
+    if ground is None or not area.any():
         return None
-    area = _resized(np.logical_or.reduce([object_mask, *shadow_masks]), coarse.size)
-    region = region_of(fine, area & coarse.is_ground, ground, preset.region_px)
+    region = region_of(fine, area, ground, preset.region_px)
 
     def here(mask: Mask) -> Mask:
         return _resized(mask, (region.frame_shape[1], region.frame_shape[0]))[region.window]

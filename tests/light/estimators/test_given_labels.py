@@ -7,6 +7,8 @@ from ashe_live.bench.cases import read_cases
 from ashe_live.bench.light.truth import error_on_true_labels_deg
 from ashe_live.light.estimators.given_labels import directions_from_labels
 from ashe_live.light.estimators.preset import BALANCED
+from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.view import View
 from tests.shared_data import shared_folder
 from tests.shipped_scenes import CASES, LIT
 
@@ -36,6 +38,16 @@ def test_without_a_shadow_there_is_no_light() -> None:
     body = case.mask("object")
     assert body is not None
     assert directions_from_labels(case.tracked(), body, [np.zeros_like(body)], BALANCED) is None
+
+
+def test_labels_off_the_ground_lead_to_no_light() -> None:
+    case = CASES["diffuse_cylinder"]
+    tracked = case.tracked()
+    nowhere = np.zeros(tracked.frame.image_bgr.shape[:2], np.bool_)
+    off_ground = ~grown(View.of(tracked, tracked.frame.size[0]).is_ground, 3)  # within the marker's sheet
+    assert off_ground.any()
+    for body in (nowhere, off_ground):
+        assert directions_from_labels(tracked, body, [nowhere], BALANCED) is None
 
 
 def test_the_papers_scenes() -> None:
