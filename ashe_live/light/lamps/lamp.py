@@ -8,7 +8,7 @@ shadow of a lamp is not that of a sun.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from operator import attrgetter
 
 import numpy as np
@@ -160,7 +160,8 @@ def _as_suns(lights: tuple[Light, ...], first: SeenObject, scene: PictureContext
     sun = replace(lights[0], to_light_marker=alone.to_light_marker, covariance_rad2=alone.covariance_rad2)
     others = companions(first, place_of_sun(alone), scene.judged, scene.covariance_rad2, scene.view)
     suns = [each.as_sun for each in (first, *others)]
-    return (by_all_objects(sun, suns, scene.judge.shared_rad2(sun, scene.tracked)) if others else sun,)
+    shared_rad2 = partial(scene.judge.shared_rad2, tracked=scene.tracked)
+    return (by_all_objects(sun, suns, shared_rad2) if others else sun,)
 
 
 def _is_lamp(seen: PlaceEvidence, place: Place, from_sun: Place) -> bool:

@@ -5,7 +5,7 @@ Another object errs independently, so that their mean, weighted by informations,
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -28,23 +28,24 @@ def place_of_sun(sun: FittedLight) -> Place:
     return Place(np.append(displacement_of(sun.to_light_marker), 0.0), information)
 
 
-def by_all_objects(light: Light, objects: Sequence[FittedLight], shared_rad2: Float) -> Light:
+def by_all_objects(light: Light, objects: Sequence[FittedLight], shared_rad2: Callable[[Float], Float]) -> Light:
     """The light, as one object shows it, where several objects show it together.
 
-    objects: the light as each of them shows it, that one first, with covariances of all causes. shared_rad2: (2, 2) on
-    the light's tangent basis, the part of these that all objects err by alike, as by the marker's pose; more of them
-    make it no smaller.
+    objects: the light as each of them shows it, that one first, with covariances of all causes. shared_rad2: of a
+    direction (3,) the part of these, (2, 2) on its tangent basis, that all objects err by alike, as by the marker's
+    pose; more of them make it no smaller.
     """
     east_and_up = tangent_basis(light.to_light_marker)
     pull, information = np.zeros(2), np.zeros((2, 2))
     for each in objects:
-        here = on_tangent_basis(light.to_light_marker, each.covariance_rad2, each.to_light_marker)
-        sigmas2, axes = np.linalg.eigh(here - shared_rad2)
-        own = axes / np.maximum(sigmas2, LEAST_RAD**2) @ axes.T
+        # A turned marker moves lights from elsewhere otherwise: what is an object's own is left of all by its own.
+        sigmas2, axes = np.linalg.eigh(each.covariance_rad2 - shared_rad2(each.to_light_marker))
+        own_there = (axes * np.maximum(sigmas2, LEAST_RAD**2)) @ axes.T
+        own = np.linalg.inv(on_tangent_basis(light.to_light_marker, own_there, each.to_light_marker))
         information += own
         pull += own @ (east_and_up @ each.to_light_marker)
     own_rad2 = np.linalg.inv(information)
     towards = normalised(light.to_light_marker + (own_rad2 @ pull) @ east_and_up)
-    covariance = on_tangent_basis(towards, own_rad2 + shared_rad2, light.to_light_marker)
+    covariance = on_tangent_basis(towards, own_rad2, light.to_light_marker) + shared_rad2(towards)
     sigma_rad = radius_of_68_percent(covariance)
     return replace(light, to_light_marker=towards, covariance_rad2=covariance, sigma_rad=sigma_rad)

@@ -26,7 +26,7 @@ def seen(azimuth_deg: float, elevation_deg: float, sigma_deg: float) -> FittedLi
 
 def together(*objects: FittedLight) -> Light:
     first = objects[0]
-    return by_all_objects(Light(first.to_light_marker, first.covariance_rad2, 0.1, 0.9), objects, SHARED)
+    return by_all_objects(Light(first.to_light_marker, first.covariance_rad2, 0.1, 0.9), objects, lambda _: SHARED)
 
 
 def test_two_objects_that_are_as_exact_meet_in_the_middle_and_halve_the_variance_of_their_own() -> None:
@@ -76,6 +76,29 @@ def test_near_the_zenith_what_is_stated_keeps_its_axes_in_space() -> None:
 def test_more_objects_never_make_the_shared_error_smaller() -> None:
     light = together(*(seen(30, 50, 1.0) for _ in range(50)))
     assert (np.linalg.eigvalsh(light.covariance_rad2) >= SHARED[0, 0]).all()
+
+
+def test_what_an_object_errs_by_itself_is_what_the_pose_leaves_in_its_own_direction() -> None:
+    """A marker that may be turned about x by 2° moves a sun in the east sideways, and one 12° aside up as well.
+
+    The second object shows the elevation to 1°, and it alone; it is no surer of that where the pose says less.
+    """
+    of_turn = np.diag(np.radians([2.0, 0.2, 0.2]) ** 2)
+
+    def by_pose(to_light: np.ndarray) -> np.ndarray:
+        east, up = tangent_basis(to_light)
+        by_turn = np.array([up, -east])
+        return by_turn @ of_turn @ by_turn.T + SHARED
+
+    def shown(azimuth_deg: float, own_deg: tuple[float, float]) -> FittedLight:
+        direction = direction_from_angles(math.radians(azimuth_deg), math.radians(40))
+        own = np.diag(np.radians(own_deg) ** 2)
+        return FittedLight(np.append(direction, 0.0), own + by_pose(direction))
+
+    first, second = shown(45, (1.0, 1.0)), shown(33, (30.0, 1.0))
+    light = by_all_objects(Light(first.to_light_marker, first.covariance_rad2, 0.1, 0.9), [first, second], by_pose)
+    own = light.covariance_rad2 - by_pose(first.to_light_marker)
+    assert math.degrees(math.sqrt(own[1, 1])) == pytest.approx(1 / math.sqrt(2), rel=0.05)
 
 
 def test_the_place_of_a_sun_is_at_infinity_in_its_direction() -> None:

@@ -91,9 +91,9 @@ class Judge:
             lights.append(Light(fitted.to_light_marker, covariance, sigma_rad, confidence))
         return tuple(lights)
 
-    def shared_rad2(self, light: Light, tracked: TrackedFrame) -> Float:
-        """(2, 2) rad^2 on a light's tangent basis: what directions by all objects of a frame are off by alike."""
-        exact = FittedLight(np.append(light.to_light_marker, 0.0), np.zeros((2, 2)))
+    def shared_rad2(self, to_light_marker: Float, tracked: TrackedFrame) -> Float:
+        """(2, 2) rad^2 on the tangent basis of a direction (3,): what all objects of a frame show it off by alike."""
+        exact = FittedLight(np.append(to_light_marker, 0.0), np.zeros((2, 2)))
         return self.calibration.covariance(exact, 1.0, tracked)
 
     def _calibration_of(self, explanation: Explanation) -> Calibration:
