@@ -82,3 +82,16 @@ def test_reset_forgets() -> None:
 def test_no_frames_are_wrong_use() -> None:
     with pytest.raises(ValueError, match="none"):
         Steadiness(frames=0)
+
+
+def test_a_marker_that_was_followed_and_not_read_is_not_steady() -> None:
+    steadiness = Steadiness(frames=2)
+    bridged = _tracked(MarkerPose(np.eye(4), SQUARE, 1.0, 0.0, None, bridged=True))
+    assert [steadiness.add(frame) for frame in (seen(), bridged, seen(), seen())] == [False, False, False, True]
+
+
+def test_the_time_that_counts_is_that_between_two_frames() -> None:
+    """Late in a clip as at its beginning."""
+    steadiness = Steadiness(frames=2)
+    steadiness.add(seen(time_s=100.0))
+    assert not steadiness.add(seen(shift_px=10, time_s=100.0 + FRAME_S))
