@@ -79,6 +79,8 @@ def test_what_is_beyond_the_first_order_is_not_estimated(share: float, least: fl
     (borders,) = lamp_borders(replace(explanation, nearness=asked))
     assert borders.nearness == pytest.approx(nearness)
     assert least <= borders.nearness_sigma / sigma < most
+    # The displacement that is known is that at the body: seen from the marker, a nearer light moves with the way there.
+    np.testing.assert_allclose(borders.by_nearness, frame.origin_marker, atol=1e-9)
 
 
 def test_several_views_say_as_much_more_of_the_nearness_as_of_the_direction() -> None:
