@@ -32,7 +32,10 @@ def run(options: argparse.Namespace) -> int:
         return _cube(options)
     if options.side is not None:
         raise UserError("--side is a cube's edge", "give --cube with it, or --size-mm for a flat marker")
+    flags = [] if spec == DEFAULT_MARKER else [f"--marker {shlex.quote(spec)}"]
     if options.show:
+        if options.size_mm is not None:
+            raise UserError("--size-mm is for printing", "leave it out, and measure the marker on the screen")
         # Imported here, as printing must need neither GLFW nor OpenGL.
         from ashe_live.commands.viewing.setup import has_display
         from ashe_live.viewer.windows.marker_window import show_marker
@@ -41,12 +44,11 @@ def run(options: argparse.Namespace) -> int:
             raise UserError("there is no display to show a marker on", "give --out marker.pdf instead, and print it")
         if isinstance(marker, Layout):
             raise UserError("a grid of markers is for printing", "name one marker with --marker, or give --out")
-        show_marker(marker.spec, marker.bitmap(SHOWN_PX))
+        show_marker(marker.spec, marker.bitmap(SHOWN_PX), flags)
         return ExitStatus.ANSWERED
     check_outputs([options.out], marker_files(options), options.overwrite)
     size_mm = USUAL_MM if options.size_mm is None else options.size_mm
     page_mm = write_marker_sheet(options.out, marker, size_mm / 1000, options.overwrite, options.paper)
-    flags = [] if spec == DEFAULT_MARKER else [f"--marker {shlex.quote(spec)}"]
     flags += [] if size_mm == USUAL_MM else [f"--marker-size {size_mm / 1000:g}"]
     use = f"; use it with {' '.join(flags)}" if flags else ""
     print_answer(

@@ -6,9 +6,12 @@ import sys
 import cv2
 import pytest
 
+from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
 from ashe_live.commands.flags.options import parsed
+from ashe_live.commands.viewing import setup
 from ashe_live.tracking.families.layout import usual_side_m
 from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.viewer.windows import marker_window
 
 
 def test_the_printed_marker_is_found_again(run, tmp_path):
@@ -89,6 +92,7 @@ def test_a_cube_is_printed_by_either_of_its_names(run, tmp_path):
     ("arguments", "words"),
     [
         (("--cube", "--show"), "no use"),
+        (("--show", "--size-mm", "50"), "--size-mm is for printing"),
         (("--cube", "--out", "cube.pdf", "--side", "0.07"), "--side from 0.03 to 0.064"),
         (("--cube", "--out", "cube.pdf", "--side", "-1"), "not a number"),
         (("--out", "flat.pdf", "--side", "0.05"), "--cube"),
@@ -97,7 +101,7 @@ def test_a_cube_is_printed_by_either_of_its_names(run, tmp_path):
         (("--out", "cube.pdf", "--marker", "cube+aruco:4x4_50:3"), "by another `marker --marker aruco:4x4_50:3`"),
     ],
 )
-def test_a_cube_that_cannot_be_is_one_line(run, tmp_path, monkeypatch, arguments, words):
+def test_a_marker_that_cannot_be_is_one_line(run, tmp_path, monkeypatch, arguments, words):
     monkeypatch.chdir(tmp_path)
     outcome = run("marker", *arguments)
     assert outcome.status == 2
@@ -114,6 +118,15 @@ def test_without_a_display_there_is_no_marker_on_it(run, monkeypatch):
     assert outcome.status == 2
     (line,) = outcome.err
     assert "--out marker.pdf" in line
+
+
+@pytest.mark.parametrize("spec", ["aruco:4x4_50:0", "apriltag:36h11:7"])
+def test_a_marker_on_the_screen_says_with_which_flags_it_is_found(run, monkeypatch, spec):
+    shown = []
+    monkeypatch.setattr(setup, "has_display", lambda: True)
+    monkeypatch.setattr(marker_window, "show_marker", lambda name, _square, flags: shown.append((name, *flags)))
+    assert run("marker", "--show", "--marker", spec).status == 0
+    assert shown == [(spec,) if spec == DEFAULT_MARKER else (spec, f"--marker {spec}")]
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="cameras are files on Linux only")

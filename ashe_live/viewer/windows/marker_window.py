@@ -1,5 +1,7 @@
 """The window of `ashe-live marker --show`: the marker on a screen, where there is no printer."""
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
@@ -13,14 +15,18 @@ SIDE_PX = 720
 # Width of the white around the square, as a fraction of the window's side; the rest of the screen may be dark.
 MARGIN = 0.12
 FRAME_S = 0.1
-EXPLAINED = (
-    "lay the screen flat, or film it as it stands; measure the black square's side in metres:",
-    "ashe-live webcam --marker-size METRES      F: fullscreen, I: hide this, Esc: end",
-)
+LEAST_TEXT = 0.6  # width of the explanation beside the marker, as a fraction of the window's height
 
 
-def show_marker(spec: str, square_grey: Image) -> None:
-    """Shows the marker until Esc. `square_grey`: (n, n) uint8, with its border. Raises UserError without a display."""
+def show_marker(spec: str, square_grey: Image, flags: Sequence[str]) -> None:
+    """Shows the marker until Esc. `square_grey`: (n, n) uint8, with its border. Raises UserError without a display.
+
+    `flags`: those by which a camera looks for it, but for its size.
+    """
+    explained = (
+        "lay the screen flat, or film it as it stands      F: fullscreen, I: hide this, Esc: end",
+        " ".join(["measure the black square: ashe-live webcam", *flags, "--marker-size METRES"]),
+    )
     with PictureWindow(f"ashe-live: marker {spec}", (SIDE_PX, SIDE_PX)) as pictures:
         window = pictures.window
         explains = True
@@ -33,7 +39,16 @@ def show_marker(spec: str, square_grey: Image) -> None:
                 if request.command is Command.TOGGLE_HUD:
                     explains = not explains
             if not window.screen.is_minimised:
-                pictures.show(on_white(square_grey, window.screen.size), HudText(hint=EXPLAINED if explains else ()))
+                size = window.screen.size
+                text = HudText(hint=explained if explains else ())
+                pictures.show(on_white(square_grey, size), text, room_beside(size))
+
+
+def room_beside(size: Size) -> int | None:
+    """Pixels from the left that text may have so that it does not reach the marker; None: there is too little room."""
+    width, height = size
+    room = (width - height) // 2
+    return room if room > LEAST_TEXT * height else None
 
 
 def on_white(square_grey: Image, size: Size) -> Image:

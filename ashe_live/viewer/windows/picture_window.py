@@ -22,14 +22,14 @@ class PictureWindow:
         self._renderer = SceneRenderer(self.window.context, FAST.render, self.window.screen.size)
         self._hud = Hud()
 
-    def show(self, picture_bgr: Image, text: HudText) -> None:
-        """(h, w, 3) uint8, fitted into the window, which must not be minimised."""
+    def show(self, picture_bgr: Image, text: HudText, free_width: int | None = None) -> None:
+        """(h, w, 3) uint8, fitted into the window, which must not be minimised; `free_width` as `Hud.overlays`."""
         screen = self.window.screen
         if screen.size != self._renderer.size:
             self._renderer.resize(screen.size)
         frame = Frame(picture_bgr, 0, 0.0)
         camera = Camera.assumed(frame.size)
-        overlays = self._hud.overlays(text, screen)
+        overlays = self._hud.overlays(text, screen, free_width)
         self._renderer.render(Scene(TrackedFrame(frame, camera, None), overlays=overlays))
         self.window.present(self._renderer)
         self.window.swap()
