@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -39,6 +40,8 @@ class Guidance(Protocol):
 
 def run(options: argparse.Namespace) -> int:
     inputs = [Path(options.camera)]
+    if options.size is not None and not options.camera.isdecimal() and _is_recorded(options.camera):
+        raise UserError("--size is asked of a connected camera, and clips and photos have theirs", "leave it out")
     with contextlib.suppress(UserError):  # opening it says why
         inputs += pictures_in(inputs[0], with_clips=False)[0]
     check_outputs([options.out], inputs, options.overwrite)
@@ -61,6 +64,10 @@ def run(options: argparse.Namespace) -> int:
         f"views; use it with --camera-file {path}"
     )
     return ExitStatus.ANSWERED
+
+
+def _is_recorded(path: str) -> bool:
+    return os.path.isfile(path) or os.path.isdir(path)  # noqa: PTH112, PTH113 - a name that is too long is none
 
 
 def _opened(options: argparse.Namespace) -> Source:
@@ -127,7 +134,7 @@ class _Lines:
 
 @contextlib.contextmanager
 def _lines() -> Iterator[Guidance]:
-    columns = (BarColumn(), TextColumn("{task.fields[views]} views  {task.description}", markup=False))
+    columns = (BarColumn(), TextColumn("views: {task.fields[views]}  {task.description}", markup=False))
     with Progress(*columns, console=TerminalConsole(stderr=True)) as progress:
         yield _Lines(progress)
 

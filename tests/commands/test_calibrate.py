@@ -80,6 +80,14 @@ def test_photos_of_two_sizes_are_refused_by_name(run, pictures: list[Image], tmp
     assert "b.png has 480x352 pixels" in outcome.err[-1]
 
 
+def test_no_size_is_asked_of_photos(run, pictures: list[Image], tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "1.png"), pictures[0])
+    outcome = run("calibrate", "--camera", tmp_path, "--size", "640x480", "--out", tmp_path / "camera.json")
+    assert outcome.status == 2
+    assert "--size" in outcome.err[0]
+    assert len(outcome.err) == 1
+
+
 def test_a_folder_without_photos_is_refused(run, tmp_path: Path) -> None:
     outcome = run("calibrate", "--camera", tmp_path, "--out", tmp_path / "camera.json")
     assert outcome.status == 2

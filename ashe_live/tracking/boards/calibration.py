@@ -104,7 +104,7 @@ def calibrate(views: Sequence[BoardView], size: Size) -> Calibration:
     """
     if len(views) < MIN_VIEWS:
         raise UserError(
-            f"{len(views)} different views of the board are too few",
+            f"the board was seen in too few different views ({len(views)})",
             f"show it in at least {MIN_VIEWS} places, tilted to every side",
         )
     used, fit, flags = _without_outliers(views, size)

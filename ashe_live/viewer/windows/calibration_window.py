@@ -45,7 +45,7 @@ class CalibrationWindow:
 
 
 def progress_lines(view: BoardView | None, guide: CalibrationGuide) -> tuple[str, ...]:
-    state = f"{100 * guide.progress:.0f} %   {len(guide.kept)} views"
+    state = f"{100 * guide.progress:.0f} %   views: {len(guide.kept)}"
     return (state, "no board in view" if view is None else (guide.wanted() or "enough"))
 
 

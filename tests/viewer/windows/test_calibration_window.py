@@ -43,6 +43,6 @@ def test_the_corners_that_are_found_are_marked(guide: CalibrationGuide) -> None:
 
 def test_it_says_how_far_it_is_and_what_is_wanted(guide: CalibrationGuide) -> None:
     state, wanted = progress_lines(board_at(0, 0), guide)
-    assert "1 views" in state
+    assert "views: 1" in state
     assert wanted == guide.wanted()
     assert progress_lines(None, guide)[1] == "no board in view"
