@@ -40,7 +40,7 @@ def by_all_objects(light: Light, objects: Sequence[FittedLight], shared_rad2: Ca
     for each in objects:
         # A turned marker moves lights from elsewhere otherwise: what is an object's own is left of all by its own.
         sigmas2, axes = np.linalg.eigh(each.covariance_rad2 - shared_rad2(each.to_light_marker))
-        own_there = (axes * np.maximum(sigmas2, LEAST_RAD**2)) @ axes.T
+        own_there = np.asarray((axes * np.maximum(sigmas2, LEAST_RAD**2)) @ axes.T, dtype=np.float64)
         own = np.linalg.inv(on_tangent_basis(light.to_light_marker, own_there, each.to_light_marker))
         information += own
         pull += own @ (east_and_up @ each.to_light_marker)
