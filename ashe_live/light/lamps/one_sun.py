@@ -40,11 +40,11 @@ def by_all_objects(light: Light, objects: Sequence[FittedLight], shared_rad2: Ca
     for each in objects:
         # A turned marker moves lights from elsewhere otherwise: what is an object's own is left of all by its own.
         sigmas2, axes = np.linalg.eigh(each.covariance_rad2 - shared_rad2(each.to_light_marker))
-        own_there = np.asarray((axes * np.maximum(sigmas2, LEAST_RAD**2)) @ axes.T, dtype=np.float64)
+        own_there = (axes * np.maximum(sigmas2, LEAST_RAD**2)) @ axes.T
         own = np.linalg.inv(on_tangent_basis(light.to_light_marker, own_there, each.to_light_marker))
         information += own
         pull += own @ (east_and_up @ each.to_light_marker)
-    own_rad2 = np.linalg.inv(information)
+    own_rad2 = np.asarray(np.linalg.inv(information), dtype=np.float64)
     towards = normalised(light.to_light_marker + (own_rad2 @ pull) @ east_and_up)
     covariance = on_tangent_basis(towards, own_rad2, light.to_light_marker) + shared_rad2(towards)
     sigma_rad = radius_of_68_percent(covariance)
