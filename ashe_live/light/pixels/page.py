@@ -113,7 +113,7 @@ def _are_of_a_print(ends: Float, large: Mask) -> bool:
 
 
 def _printed_shapes() -> Float:
-    """(p, 4) how far each printed page reaches right, above, left and below of its marker's centre, over its width."""
+    """(p, 4) how far each printed page reaches right, above, left and below of its marker's centre, in half widths."""
     width, height = np.array(PRINTED_MM).T
     return np.asarray(np.column_stack([width, height - PAGE_FOOT_MM, width, height + PAGE_FOOT_MM]) / width[:, None])
 

@@ -26,9 +26,8 @@ class Family:
     parts: Callable[[Float], Parts]  # spheroids and derivatives for parameters (n, q)
     starts: Callable[[Float], Float]  # starts (n, q) from a member of that family (the first guess is a frustum)
     spread: tuple[float, ...]  # (q,) sigma of the prior on each parameter about its start; inf: none
-    heights: tuple[
-        int, ...
-    ] = ()  # the parameters that are logarithms of heights, all of which they scale; none if fixed
+    # The parameters that are logarithms of heights, and scale all heights together; none where these are fixed.
+    heights: tuple[int, ...] = ()
 
     @property
     def size(self) -> int:
