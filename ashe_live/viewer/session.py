@@ -258,7 +258,7 @@ class Session:
                 self.say(f"no clear light: {new.reason}; it stays as set by hand", now_s)
                 self.automatic = False
             else:
-                self.hand.light = None
+                self.table.take_estimated_light()
         return found
 
     def _toggle_automatic(self, now_s: float) -> None:

@@ -574,6 +574,24 @@ def test_what_was_said_of_a_light_by_hand_goes_with_it(make, fakes):
     assert session.hand.light is not None
 
 
+def test_undoing_goes_back_through_all_lights_that_were_shown_an_estimate_among_them(make, fakes):
+    """Two lights by hand, then an estimate: what came before it is the second of them."""
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    estimated(session, fakes, 0.0)
+    shown = [session.lit_by]
+    for now_s in (1.0, 10.0):
+        by_hand(session, now_s)
+        shown.append(session.lit_by)
+    estimated(session, fakes, 20.0)
+    assert session.hand.light is None
+    for before in reversed(shown[1:]):
+        session.handle(Request(Command.UNDO), 30.0)
+        assert session.lit_by is before
+    session.handle(Request(Command.UNDO), 30.0)
+    assert session.hand.light is None
+
+
 def test_a_new_estimate_ends_the_light_by_hand_and_one_asked_for_before_does_not(make, fakes):
     session = make()
     session.take(fakes.tracked(), 0.0)

@@ -49,6 +49,11 @@ class Undo:
         if not continues:
             self._before.append(_State(hand.set_light, hand.placement))
 
+    def note_estimated(self, hand: Hand) -> None:
+        """Keeps the state of `hand` before an estimate replaces the light that it has set."""
+        self._last = None, -math.inf
+        self._before.append(_State(hand.set_light, hand.placement))
+
     def note_change(self, take_back: Callable[[], str]) -> None:
         """Keeps that there is one model more, or one fewer; `take_back` ends that, and says so."""
         self._last = None, -math.inf

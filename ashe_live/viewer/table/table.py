@@ -84,6 +84,11 @@ class Table:
         self.arrangement.begin_anew()
         self._undo.forget()
 
+    def take_estimated_light(self) -> None:
+        """An estimate takes the place of the light by hand, which undoing gives back."""
+        self._undo.note_estimated(self.hand)
+        self.hand.light = None
+
     def poll(self, now_s: float, is_quiet: bool) -> None:
         """Takes what has been loaded, and says, also on the terminal, what is not drawn as its file says.
 
