@@ -96,10 +96,13 @@ def read_cases(folder: Path) -> list[Case]:
     try:
         content = read_json(path, MOST_TRUTH_BYTES)
         return [*_scenes(folder, content.get("scenes", [])), *_photos(folder, content)]
-    except OSError as error:
-        raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise UserError(f"{path} is no list of scenes ({error})", "it needs `scenes` or `photos`") from error
+
+
+def cases_of(folders: Iterable[Path], limit: int | None = None, every: int = 1) -> list[Case]:
+    """Of each folder the first `limit` cases, and of these every `every`th. Raises UserError as `read_cases`."""
+    return [case for folder in folders for case in read_cases(folder)[:limit:every]]
 
 
 def over_empty_tables(cases: Iterable[Case], folder: Path) -> list[Case]:
@@ -117,14 +120,7 @@ def over_empty_tables(cases: Iterable[Case], folder: Path) -> list[Case]:
 def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
     """Rendered scenes, with camera, pose, corners, lights and masks given."""
     for scene in scenes:
-        width, height = scene["size"]
-        camera = Camera(
-            (width, height),
-            np.array(scene["K"]),
-            np.array(scene.get("dist") or np.zeros(5), dtype=np.float64),
-            "file",
-            EXACT_PX,
-        )
+        camera = rendering_camera(scene)
         marker, tags = scene["marker"], scene.get("tags", {})
         T_cam_marker = rigid(scene["R"], scene["t"])
         corners_px = _corners_px(camera, T_cam_marker, marker)
@@ -159,6 +155,13 @@ def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
         yield Case(
             Path(file).stem, folder.resolve().name, PHOTO_CATEGORY, None, folder / file, camera, marker, lights, {}
         )
+
+
+def rendering_camera(scene: Mapping[str, Any]) -> Camera:
+    """The camera that a scene or take was rendered with."""
+    width, height = scene["size"]
+    dist = np.array(scene.get("dist") or np.zeros(5), dtype=np.float64)
+    return Camera((width, height), np.array(scene["K"], dtype=np.float64), dist, "file", EXACT_PX)
 
 
 def marker_spec_of(marker: Mapping[str, Any]) -> str | None:

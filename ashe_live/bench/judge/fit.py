@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from ashe_live.bench.bench import Bench
-from ashe_live.bench.cases import Case, read_cases
+from ashe_live.bench.cases import Case, cases_of
 from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
 from ashe_live.files.writing import write_json
@@ -33,7 +33,7 @@ class FitBench(Bench):
 
     def cases(self) -> list[Case]:
         """The pictures that it fits to, whose lights are known; raises UserError where there is none."""
-        several = [case for folder in self.scenes for case in read_cases(folder)[: self.limit : self.every]]
+        several = cases_of(self.scenes, self.limit, self.every)
         known = [case for case in several if case.to_lights_marker is not None]
         if not known:
             raise UserError("there is no picture with a known light in these sets", "give a training set of scenes")

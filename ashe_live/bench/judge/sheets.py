@@ -15,7 +15,7 @@ import numpy as np
 from rich.progress import track
 
 from ashe_live.bench.bench import Bench
-from ashe_live.bench.cases import Case, read_cases
+from ashe_live.bench.cases import Case, cases_of
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
@@ -59,7 +59,7 @@ class SheetsBench(Bench):
     every: int = 1  # of these, only every `every`th
 
     def parts(self) -> Iterator[Json]:
-        cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit : self.every]]
+        cases = cases_of(self.scenes, self.limit, self.every)
         lit = [case for case in cases if case.to_lights_marker is not None and len(case.to_lights_marker) == 1]
         seen = [seen_sheet(case) for case in track(lit, "sheets", console=self.console, transient=True)]
         found = fitted_to(seen)

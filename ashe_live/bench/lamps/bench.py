@@ -9,7 +9,7 @@ import numpy as np
 from rich.progress import track
 
 from ashe_live.bench.bench import Bench
-from ashe_live.bench.cases import read_cases
+from ashe_live.bench.cases import cases_of
 from ashe_live.bench.lamps.fall_errors import FallError, fall_error, fitted_share, whole_share
 from ashe_live.bench.metrics import ELLIPSE_95
 from ashe_live.bench.tables import figures_table
@@ -37,7 +37,7 @@ class LampBench(Bench):
     limit: int | None = None  # number of pictures of each folder, the first ones; None: all
 
     def parts(self) -> Iterator[Json]:
-        cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit]]
+        cases = cases_of(self.scenes, self.limit)
         looked_at = track(cases, "pictures", console=self.console, transient=True)
         several = ((case, fall_error(case, BALANCED)) for case in looked_at)
         found = {f"{case.folder}/{case.id}": error for case, error in several if error is not None}

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from ashe_live.bench.cases import (
-    EXACT_PX,
     GROUND_TRUTH,
     MOST_TRUTH_BYTES,
     Case,
     lamp_and_foot,
     marker_spec_of,
+    rendering_camera,
     reprojection_rms_px,
     to_lights_marker,
 )
@@ -96,8 +96,6 @@ def read_takes(folder: Path) -> list[Take]:
     try:
         content = read_json(path, MOST_TRUTH_BYTES)
         takes = [found for take in content.get("takes", ()) if (found := _take(folder, take)) is not None]
-    except OSError as error:
-        raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise UserError(f"{path} is no list of takes ({error})", "it needs `takes` with `frames`") from error
     return [take for take in takes if take.case.to_lights_marker is not None]
@@ -153,9 +151,7 @@ def p95_deg(results: Sequence[CaseResult]) -> float | None:
 
 def _take(folder: Path, take: dict[str, Any]) -> Take | None:
     """The take, or None where no frame shows the marker."""
-    width, height = take["size"]
-    dist = np.array(take.get("dist") or np.zeros(5), dtype=np.float64)
-    camera = Camera((width, height), np.array(take["K"], dtype=np.float64), dist, "file", EXACT_PX)
+    camera = rendering_camera(take)
     side_m = take["marker"]["side_m"]
     poses = {}
     for frame in take["frames"]:

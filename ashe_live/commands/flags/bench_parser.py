@@ -82,13 +82,13 @@ def _add_light(light: argparse.ArgumentParser) -> None:
         action="store_true",
         help="takes by the tracker's own poses, and a focal length 1 %% too long, in place of the true ones",
     )
-    light.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+    _add_limit(light)
 
 
 def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
     _add_scenes(judge)
     _add_results_folder(judge)
-    judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+    _add_limit(judge)
     judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
     only = judge.add_mutually_exclusive_group()
     only.add_argument(
@@ -108,7 +108,7 @@ def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
 def _add_fit_lamps(lamps: argparse.ArgumentParser) -> None:
     _add_scenes(lamps)
     _add_results_folder(lamps)
-    lamps.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+    _add_limit(lamps)
 
 
 def _add_cube(cube: argparse.ArgumentParser) -> None:
@@ -138,6 +138,10 @@ def _add_scenes(bench: argparse.ArgumentParser, instead: str | None = None) -> N
     bench.add_argument(
         "--scenes", type=values.path, nargs="+", required=instead is None, default=(), metavar="DIR", help=said
     )
+
+
+def _add_limit(bench: argparse.ArgumentParser) -> None:
+    bench.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
 
 
 def _add_results_folder(bench: argparse.ArgumentParser) -> None:

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.bench import cases
 from ashe_live.bench.cases import Case
-from ashe_live.bench.lamps import bench
 from ashe_live.bench.lamps.bench import LampBench
 from ashe_live.bench.lamps.fall_errors import FallError, fall_error, fitted_share, whole_share
 from ashe_live.errors import UserError
@@ -83,7 +83,7 @@ def test_suns_and_several_lights_are_left_out(lamp_case: Case) -> None:
 def test_pictures_of_the_same_name_in_several_sets_all_count(
     lamp_case: Case, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(bench, "read_cases", lambda folder: [replace(lamp_case, folder=folder.name)])
+    monkeypatch.setattr(cases, "read_cases", lambda folder: [replace(lamp_case, folder=folder.name)])
     record = LampBench([tmp_path / name for name in ("one", "two", "three")]).run()
     assert record["lamps"].keys() == {"one/lamp", "two/lamp", "three/lamp"}
 
