@@ -14,6 +14,7 @@ from ashe_live.light.ground.shadow_shift import shadow_ratio
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.lamp import PictureContext, StatedExplanation, stated
+from ashe_live.light.lamps.sources import shadow_middle
 from ashe_live.light.pixels.view import View
 from ashe_live.render.lights.lighting import angular_size
 from tests.light.painted_regions import painted_region
@@ -85,6 +86,21 @@ def test_a_lamp_is_drawn_as_large_as_it_was_seen(angular_size_rad: float) -> Non
     lamp = replace(answer(0.9).lights[0], angular_size_rad=None).with_angular_size(angular_size_rad)
     assert lamp.inverse_distance > 0
     assert angular_size(lamp) == pytest.approx(angular_size_rad, rel=1e-9)
+
+
+def test_a_lamp_is_as_bright_at_the_marker_as_by_the_inverse_square_and_the_cosine_from_its_shadow() -> None:
+    """The shadow's ratio tells of the lamp's light where the shadow lies."""
+    here, found = painted_region(BOX, lamp_m=LAMP_M), answer(0.9)
+    lamp, ratio = found.lights[0], shadow_ratio(here.ground, here.true_shift)
+    assert lamp.position_marker_m is not None
+
+    def irradiance(place: np.ndarray) -> float:
+        towards = lamp.position_marker_m - np.append(place, 0.0)
+        return float(towards[2] / np.linalg.norm(towards) ** 3)
+
+    brighter = irradiance(np.zeros(2)) / irradiance(shadow_middle(found.explanation))
+    assert abs(brighter - 1) > 0.1
+    np.testing.assert_allclose(lamp.intensity_rgb_ratio, brighter * (1 - ratio) / ratio, rtol=1e-6)
 
 
 def test_no_sun_is_believed_where_the_ground_is_lit_by_a_lamp_and_no_lamp_fits_the_labels() -> None:
