@@ -26,11 +26,16 @@ LAMP_M = (-0.3, -0.1, 0.45)
 WITHIN_99 = 11.3  # squared Mahalanobis distance in three dimensions
 
 
-def test_a_place_that_is_certain_stays_as_it_is() -> None:
-    alone = PlaceMixture.of([ONE, OTHER], np.array([1.0, 0.0]))
-    np.testing.assert_allclose(alone.mean.mean, ONE.mean)
-    np.testing.assert_allclose(alone.mean.covariance, ONE.covariance, rtol=1e-6)
-    of_direction = ONE.lamp_covariance[:2, :2]
+# Known across the way to the light's foot and hardly along it, as by a shadow without an end.
+LONG = Place(np.array([0.9, -0.7, 1.5]), np.array([[400.0, 440.0, 0.0], [440.0, 500.0, 0.0], [0.0, 0.0, 20.0]]))
+
+
+@pytest.mark.parametrize("place", [ONE, LONG], ids=["round", "long"])
+def test_a_place_that_is_certain_stays_as_it_is(place: Place) -> None:
+    alone = PlaceMixture.of([place, OTHER], np.array([1.0, 0.0]))
+    np.testing.assert_allclose(alone.mean.mean, place.mean)
+    np.testing.assert_allclose(alone.mean.covariance, place.covariance, rtol=1e-6, atol=1e-12)
+    of_direction = place.lamp_covariance[:2, :2]
     assert alone.errors.radius(0.68) == pytest.approx(radius_of_68_percent(of_direction), rel=0.02)
 
 
