@@ -23,7 +23,7 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, write_json
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import print_answer, print_message
-from ashe_live.tracking.boards.calibration import Calibration
+from ashe_live.tracking.boards.calibration import CameraCalibration
 from ashe_live.tracking.boards.calibration_board import BoardView, CalibrationBoard
 from ashe_live.tracking.boards.calibration_guide import CalibrationGuide, KeptView
 
@@ -80,7 +80,7 @@ def _opened(options: argparse.Namespace) -> Source:
     return WebcamSource(options.camera, options.size) if path.is_char_device() else open_source(path)
 
 
-def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Calibration | None:
+def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> CameraCalibration | None:
     """Reads until a live camera is calibrated; None at the end of a clip, and where the user ended it before."""
     board = CalibrationBoard()
     frame: Frame | None = None
@@ -149,7 +149,7 @@ def _window(source: Source) -> Iterator[Guidance]:
         yield guidance
 
 
-def _print_figures(console: TerminalConsole, calibration: Calibration, kept: list[KeptView]) -> None:
+def _print_figures(console: TerminalConsole, calibration: CameraCalibration, kept: list[KeptView]) -> None:
     table = Table("view", "frame", "corners", "error, px", "")
     for number, (view, rms_px, used) in enumerate(
         zip(kept, calibration.view_rms_px, calibration.used, strict=True), start=1

@@ -32,7 +32,7 @@ class Posed(NamedTuple):
     sightings: list[Sighting]
 
 
-class Members:
+class MarkerMembers:
     """One marker, those of a sheet, or a cube's faces, with the flat marker beside it once it is known where that lies.
 
     A cube is folded by hand, and no two are alike: where its corners are is learned. For use by one thread at a time.

@@ -19,7 +19,7 @@ from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import Layout
 from ashe_live.tracking.families.markers import Marker
-from ashe_live.tracking.members import Members, Posed
+from ashe_live.tracking.members import MarkerMembers, Posed
 from ashe_live.tracking.memory import Memory, remembered
 from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.poses.pose import Sighting, poses_of_square
@@ -61,7 +61,7 @@ class MarkerTracker:
         self.preset = preset
         self.others = PlaneMarkers(())  # further markers to look for on the same plane
         self.filters = True  # whether poses are smoothed; if not, each frame's pose is as measured
-        self._members = Members(marker, side_m)
+        self._members = MarkerMembers(marker, side_m)
         self._camera = camera
         self._camera_now: Camera | None = None
         self._filter = PoseFilter()

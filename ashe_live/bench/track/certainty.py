@@ -33,7 +33,7 @@ FACTORS = 1.5, 1.2, 1.08
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class SeenMarker:
     """A marker found in a picture, and where it is in truth."""
 
     square: FittedSquare
@@ -49,12 +49,12 @@ class Seen:
         return pose_of_squares([sighting], self.camera, self.side_m, tolerance=tolerance)
 
 
-def look_at(cases: Sequence[Case], preset: TrackingPreset) -> list[Seen | None]:
+def look_at(cases: Sequence[Case], preset: TrackingPreset) -> list[SeenMarker | None]:
     """What is found of the markers that the cases name, each without a frame before; None where nothing is."""
     return [_seen(parse_marker(case.marker_spec), case, preset) for case in cases if case.marker_spec is not None]
 
 
-def certainty_figures(name: str, seen: Sequence[Seen | None]) -> Iterator[Figure]:
+def certainty_figures(name: str, seen: Sequence[SeenMarker | None]) -> Iterator[Figure]:
     """The squared errors of poses over their covariances: the median, and the share in the 95 % ellipsoid."""
     squares = np.array([_squared_error(one, FITTED)[0] for one in seen if one is not None])
     if seen:
@@ -68,7 +68,7 @@ def certainty_figures(name: str, seen: Sequence[Seen | None]) -> Iterator[Figure
 
 
 def fitted(
-    seen: Sequence[Seen | None], start: CornerErrors = FITTED, stated: Sequence[str] = STATED
+    seen: Sequence[SeenMarker | None], start: CornerErrors = FITTED, stated: Sequence[str] = STATED
 ) -> CornerErrors | None:
     """The standard deviations with the smallest ellipsoids that hold 95 % of the errors, near `start`.
 
@@ -94,24 +94,24 @@ def fitted(
     return best
 
 
-def _seen(marker: Marker, case: Case, preset: TrackingPreset) -> Seen | None:
+def _seen(marker: Marker, case: Case, preset: TrackingPreset) -> SeenMarker | None:
     image = case.tracked().frame.image_bgr
     for thorough in (False, True):
         for coarse_px in anywhere([marker], image, preset.detection_width_px, thorough)[0][:1]:
             square = refined(marker, image, case.camera, coarse_px, preset.edge_samples)
             if square is not None:
-                return Seen(square, case.camera, case.marker.side_m, case.marker.T_cam_marker)
+                return SeenMarker(square, case.camera, case.marker.side_m, case.marker.T_cam_marker)
     return None
 
 
-def _cost(seen: Sequence[Seen], errors: CornerErrors) -> float:
+def _cost(seen: Sequence[SeenMarker], errors: CornerErrors) -> float:
     """The mean logarithm of the ellipsoids' volumes, with what they cost that hold too few errors."""
     squared, log_volumes = np.array([_squared_error(one, errors) for one in seen]).T
     within = float((squared <= WITHIN_95_PERCENT_6).mean())
     return float(log_volumes.mean()) + SHORTFALL_COST * max(0.0, WANTED_WITHIN - within)
 
 
-def _squared_error(seen: Seen, errors: CornerErrors) -> tuple[float, float]:
+def _squared_error(seen: SeenMarker, errors: CornerErrors) -> tuple[float, float]:
     """The squared error of the pose in standard deviations, and the logarithm of the ellipsoid's volume."""
     pose = seen.pose(errors)
     if pose is None or pose.covariance is None:

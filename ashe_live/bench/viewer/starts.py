@@ -12,14 +12,14 @@ LONGEST_START_S = 120.0
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class ViewerStart:
     """The least times of several runs, as other load on the machine only ever adds."""
 
     wall_s: float  # of the whole command, which ends after that picture
     cpu_s: float  # of all its threads and processes; 0 where the system does not provide it
 
 
-def time_start(clip: KnownClip, quality: str, runs: int, *options: str) -> Start | None:
+def time_start(clip: KnownClip, quality: str, runs: int, *options: str) -> ViewerStart | None:
     """Times playing one frame of `clip`, `runs` times; None when that fails, as in a window without a display.
 
     Without an estimate of the light, which a window does not wait for: it is asked for in a frame that is not played.
@@ -48,7 +48,7 @@ def time_start(clip: KnownClip, quality: str, runs: int, *options: str) -> Start
         cpus_s.append(_childrens_cpu_s() - begun_cpu_s)
         if outcome.returncode != 0:
             return None
-    return Start(min(walls_s), min(cpus_s))
+    return ViewerStart(min(walls_s), min(cpus_s))
 
 
 def _childrens_cpu_s() -> float:

@@ -33,7 +33,7 @@ SPECULAR_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness"
 LEAST_COVER = 0.15
 
 
-class Materials:
+class GltfMaterials:
     """The materials of one file. Their pictures are read when they are asked for."""
 
     def __init__(self, header: Json, arrays: Arrays, folder: Folder, notes: Notes) -> None:

@@ -18,7 +18,7 @@ from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.attributes import Attributes, DracoPrimitive
 from ashe_live.models.gltf.container import Buffers, split
 from ashe_live.models.gltf.layouts import UV_SETS
-from ashe_live.models.gltf.materials import Materials
+from ashe_live.models.gltf.materials import GltfMaterials
 from ashe_live.models.gltf.missing import note_what_is_missing
 from ashe_live.models.gltf.motion.animation import Animation
 from ashe_live.models.gltf.motion.playing import Drawn, played
@@ -61,7 +61,7 @@ def read_gltf(path: Path, content: bytes, folder: Folder, notes: Notes) -> list[
     check_layout(header)
     note_what_is_missing(document, header, notes)
     arrays = Arrays(header, Buffers(header, binary, folder))
-    reader = _Reader(header, arrays, Materials(header, arrays, folder, notes), notes)
+    reader = _Reader(header, arrays, GltfMaterials(header, arrays, folder, notes), notes)
     animation = Animation(header, arrays)
     drawn = list(reader.drawn(Pose(header, arrays, animation.at(0.0))))
     if animation.is_damaged:
@@ -91,7 +91,7 @@ def _check_extensions(path: Path, document: Json) -> None:
 class _Reader:
     """Makes a RawMesh of each primitive of the scene's nodes."""
 
-    def __init__(self, header: Json, arrays: Arrays, materials: Materials, notes: Notes) -> None:
+    def __init__(self, header: Json, arrays: Arrays, materials: GltfMaterials, notes: Notes) -> None:
         self._header = header
         self._arrays = arrays
         self._materials = materials

@@ -48,7 +48,7 @@ MAX_RMS = 0.0015
 
 
 @dataclass(frozen=True, slots=True)
-class Calibration:
+class CameraCalibration:
     """A camera and its uncertainty."""
 
     camera: Camera
@@ -97,7 +97,7 @@ class _Fit:
         return np.concatenate([self.K[(0, 1, 0, 1), (0, 1, 2, 2)], self.dist])
 
 
-def calibrate(views: Sequence[BoardView], size: Size) -> Calibration:
+def calibrate(views: Sequence[BoardView], size: Size) -> CameraCalibration:
     """The camera that took `views` in pictures of `size`.
 
     Raises UserError, with what is missing, when they do not determine it.
@@ -114,7 +114,7 @@ def calibrate(views: Sequence[BoardView], size: Size) -> Calibration:
     _refuse_unknown(fit, sigma, size)
     camera = Camera(size, fit.K, fit.dist, "file")
     errors = np.array([_view_rms(view, camera) for view in views])
-    return Calibration(camera, fit.rms_px, sigma[:2], sigma[2:4], sigma[4:], errors, used)
+    return CameraCalibration(camera, fit.rms_px, sigma[:2], sigma[2:4], sigma[4:], errors, used)
 
 
 def _without_outliers(views: Sequence[BoardView], size: Size) -> tuple[Mask, _Fit, int]:

@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.transforms import angle_between
 from ashe_live.errors import UserError
-from ashe_live.tracking.boards.calibration import MIN_VIEWS, Calibration, calibrate
+from ashe_live.tracking.boards.calibration import MIN_VIEWS, CameraCalibration, calibrate
 from ashe_live.tracking.boards.calibration_board import BoardView
 
 # The picture is divided into nine cells at these shares of its sides. The outer cells are narrower, as lenses distort
@@ -116,7 +116,7 @@ class CalibrationGuide:
             return f"bring the board to the {missing[0]} of the picture"
         return None if len(self.kept) >= ENOUGH_VIEWS else "show it from yet another side"
 
-    def calibration(self) -> Calibration:
+    def calibration(self) -> CameraCalibration:
         """From the views kept so far. Raises UserError, with what is missing, when they do not determine the camera."""
         if not self.frames_with_board:
             raise UserError(

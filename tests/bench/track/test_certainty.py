@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.bench.track.certainty import Seen, certainty_figures, fitted
+from ashe_live.bench.track.certainty import SeenMarker, certainty_figures, fitted
 from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
@@ -13,14 +13,14 @@ from ashe_live.tracking.edges.corner_errors import FITTED
 from ashe_live.tracking.edges.squares import FittedSquare
 
 
-def seen_with(sigma_px: float, stated_px: float, count: int = 60) -> list[Seen]:
+def seen_with(sigma_px: float, stated_px: float, count: int = 60) -> list[SeenMarker]:
     """Squares whose corners are off by `sigma_px`, and that state `stated_px` for their edges' noise."""
     rng, seen = np.random.default_rng(5), []
     for _ in range(count):
         truth = pose_at(rng.uniform(0.4, 0.9), rng.uniform(20, 55), rng.uniform(0, 360))
         corners = project(SMALL, truth, square_corners(SIDE_M)) + rng.normal(0, sigma_px, (4, 2))
         square = replace(FittedSquare.guessed(corners, stated_px), bows=np.zeros(4), bleed_px=0.0)
-        seen.append(Seen(square, SMALL, SIDE_M, truth))
+        seen.append(SeenMarker(square, SMALL, SIDE_M, truth))
     return seen
 
 

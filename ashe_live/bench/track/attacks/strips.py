@@ -34,7 +34,7 @@ MOST_WRONG_PERCENT, LEAST_RIGHT_PERCENT = 2.0, 60.0
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class CoveredView:
     """One sheet in front of the camera and what comes to lie on it."""
 
     T_cam_marker: Float  # (4, 4)
@@ -77,7 +77,7 @@ def strip_figures(preset: TrackingPreset, views: int) -> Iterator[Figure]:
         yield Figure(f"edge covered by a strip, {how}, right", "%", *right, None, least=LEAST_RIGHT_PERCENT)
 
 
-def covered_views(material: str, views: int, seed: int) -> Iterator[View]:
+def covered_views(material: str, views: int, seed: int) -> Iterator[CoveredView]:
     """Sheets 60 to 200 px large, tilted by 10 to 50 degrees; half of the strips come from outside as fingers do."""
     rng = np.random.default_rng(seed)
     for number in range(views):
@@ -91,10 +91,10 @@ def covered_views(material: str, views: int, seed: int) -> Iterator[View]:
         cover = Cover(
             number // 2 % 4, inwards, outwards, along, rng.uniform(-0.04, 0.04), rng.uniform(*MATERIALS[material])
         )
-        yield View(pose, cover, rng.uniform(-0.002, 0.002, 3) * distance_m)
+        yield CoveredView(pose, cover, rng.uniform(-0.002, 0.002, 3) * distance_m)
 
 
-def filmed(view: View, canvas: Float, bitmap: Image, index: int, following: bool) -> tuple[Frame, Float]:
+def filmed(view: CoveredView, canvas: Float, bitmap: Image, index: int, following: bool) -> tuple[Frame, Float]:
     """A frame of the view on `canvas` and its true T_cam_marker (4, 4); following, the strip comes in from outside."""
     rng = np.random.default_rng(index)
     T, cover = view.T_cam_marker.copy(), view.cover
