@@ -16,6 +16,7 @@ from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.lamp import PictureContext, StatedExplanation, stated
 from ashe_live.light.lamps.sources import shadow_middle
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.light_points import towards
 from ashe_live.render.lights.lighting import angular_size
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX
@@ -101,6 +102,15 @@ def test_a_lamp_is_as_bright_at_the_marker_as_by_the_inverse_square_and_the_cosi
     brighter = irradiance(np.zeros(2)) / irradiance(shadow_middle(found.explanation))
     assert abs(brighter - 1) > 0.1
     np.testing.assert_allclose(lamp.intensity_rgb_ratio, brighter * (1 - ratio) / ratio, rtol=1e-6)
+
+
+def test_the_middle_of_the_shadow_is_behind_the_middle_of_the_body() -> None:
+    explanation = answer(0.9).explanation
+    lit = explanation.alignment.placed.lit
+    ground = np.append(shadow_middle(explanation), 0.0)
+    middle = np.array([*lit.body.frame.origin_marker, lit.body.middle_m])
+    to_middle = (middle - ground) / np.linalg.norm(middle - ground)
+    np.testing.assert_allclose(to_middle, towards(lit.lights[0], ground), atol=1e-9)
 
 
 def test_no_sun_is_believed_where_the_ground_is_lit_by_a_lamp_and_no_lamp_fits_the_labels() -> None:

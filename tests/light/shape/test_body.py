@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.light.shape.body import Body, BodyFrame, LitBody
+from ashe_live.light.shape.body import HIGHEST_NEARNESS, Body, BodyFrame, LitBody
 from ashe_live.light.shape.families import FAMILIES
-from ashe_live.light.shape.layout import light_parameters
+from ashe_live.light.shape.layout import light_parameters, nearness_of
+from ashe_live.light.shape.light_points import towards
 from ashe_live.light.shape.predicted import lit_outlines, outlines
 from ashe_live.light.shape.sight import Sight
 from tests.light.painted_bodies import body_of
@@ -42,8 +43,8 @@ def test_a_radius_has_no_sign() -> None:
 def test_lights_are_unit_vectors_from_which_the_shadow_falls() -> None:
     here = painted_region(BOX)
     lights = [here.scene.to_light, direction(30.0, 5.0), direction(0.0, 90.0)]
-    for towards, light in zip(body_of(here, BOX, *lights).to_lights_marker, lights, strict=True):
-        np.testing.assert_allclose(towards, light, atol=1e-12)
+    for found, light in zip(body_of(here, BOX, *lights).to_lights_marker, lights, strict=True):
+        np.testing.assert_allclose(found, light, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", FAMILIES)
@@ -69,9 +70,34 @@ def test_a_lamp_in_a_bodys_own_frame_stands_where_it_stood() -> None:
 
 def test_a_lamp_is_seen_from_the_bodys_foot() -> None:
     body, lamp = painted(BOX), np.array([0.4, 0.1, 0.8, 1.0])
-    (towards,) = LitBody(body, lamp[None]).to_lights_marker
+    (found,) = LitBody(body, lamp[None]).to_lights_marker
     offset = lamp[:3] - (*BOX.at, 0.0)
-    np.testing.assert_allclose(towards, offset / np.linalg.norm(offset))
+    np.testing.assert_allclose(found, offset / np.linalg.norm(offset))
+
+
+@pytest.mark.parametrize("light", [(0.5, 0.2, 0.9, 0.0), (-0.4, 0.3, 0.8, 1.1)], ids=["sun", "lamp"])
+@pytest.mark.parametrize("nearness", [0.0, 0.7, 2.0, 1e6])
+def test_a_light_brought_nearer_is_seen_in_the_same_direction_from_the_bodys_middle(
+    light: tuple[float, ...], nearness: float
+) -> None:
+    other = np.array([0.1, -0.7, 0.6, 0.3])
+    lit = LitBody(painted(BOX), np.array([light, other]))
+    near = lit.with_first_light_near(nearness).lights
+    middle = np.array([*BOX.at, lit.body.middle_m])
+    np.testing.assert_allclose(towards(near[0], middle), towards(np.array(light), middle), atol=1e-9)
+    # A lamp stays well above the body's top.
+    assert nearness_of(near[:1])[0] == pytest.approx(min(nearness, HIGHEST_NEARNESS / lit.body.middle_m))
+    np.testing.assert_allclose(near[1] / near[1, 2], other / other[2])
+    several = lit.first_light_near([0.0, nearness])
+    np.testing.assert_allclose(several[1], near[0] / near[0, 2])
+    assert nearness_of(several)[0] == 0
+
+
+def test_a_step_of_the_nearness_keeps_a_lamp_above_the_body() -> None:
+    lit = LitBody(painted(BOX), np.array([[0.5, 0.2, 0.9, 0.3]]))
+    for step, expected in ((-10.0, 0.0), (1000.0, HIGHEST_NEARNESS / lit.body.middle_m)):
+        moved = lit.moved(np.array([0, 0, step, 0, 0, 0, 0, 0, 0.0]), with_nearness=True)
+        assert nearness_of(moved.lights)[0] == pytest.approx(expected)
 
 
 def test_a_step_leaves_a_lamp_as_high_as_it_was() -> None:
