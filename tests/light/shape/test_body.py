@@ -149,3 +149,55 @@ def test_a_stretched_body_throws_the_same_shadow(name: str, factor: float, lamp:
 def test_a_ball_is_no_stretched_ball() -> None:
     body = Body(painted(BOX).frame, FAMILIES["sphere"], np.zeros(3))
     assert LitBody(body, np.array([[0.3, 0.2, 1.0, 0.0]])).stretched(1.5) is None
+
+
+def spheroids_of(name: str, *shape: float) -> np.ndarray:
+    """(k, 5) of a member of a family whose frame is the marker's."""
+    return Body(BodyFrame(np.zeros(2), 1.0), FAMILIES[name], np.array(shape)).proxy.spheroids_marker
+
+
+def fraction(share: float) -> float:
+    """The parameter that stands for it."""
+    return float(np.log(share / (1 - share)))
+
+
+def test_a_wagon_is_an_l_raised_on_four_feet() -> None:
+    breadth, depth, height, length, level, clearance, inset = 0.5, 0.3, 0.8, 0.4, 0.6, 0.25, 0.7
+    points = spheroids_of(
+        "wagon",
+        2.0,
+        -1.0,
+        np.pi / 2,
+        *np.log([breadth, depth, height, length]),
+        *map(fraction, (level, clearance, inset)),
+    )
+    assert not points[:, 3:].any()
+    tall, low, feet = points[:8, :3], points[8:12, :3], points[12:, :3]
+    lift = clearance * height
+    # Turned by a quarter, what is across runs along y, and what is along it against x.
+    np.testing.assert_allclose(np.ptp(tall, axis=0), (2 * depth, 2 * breadth, height - lift))
+    np.testing.assert_allclose((tall[:, 2].min(), tall[:, 2].max()), (lift, height))
+    np.testing.assert_allclose((low[:, 2].min(), low[:, 2].max()), (lift, lift + level * (height - lift)))
+    np.testing.assert_allclose(low[:, 1], -1.0 + breadth + length)
+    np.testing.assert_allclose(feet[:, 2], 0)
+    np.testing.assert_allclose(np.ptp(feet[:, 1]), inset * (2 * breadth + length))
+    np.testing.assert_allclose(feet[:, 1].mean(), -1.0 + length / 2)
+    np.testing.assert_allclose(np.sort(np.unique(points[:, 0].round(9))), (2.0 - depth, 2.0 + depth))
+
+
+def test_an_ell_is_a_box_and_a_lower_one_at_its_side() -> None:
+    breadth, depth, height, length, level = 0.5, 0.3, 0.8, 0.4, 0.6
+    points = spheroids_of("ell", 2.0, -1.0, 0.0, *np.log([breadth, depth, height, length]), fraction(level))
+    tall, low = points[:8, :3], points[8:, :3]
+    np.testing.assert_allclose((tall.min(axis=0), tall.max(axis=0)), ((1.5, -1.3, 0), (2.5, -0.7, height)))
+    np.testing.assert_allclose((low.min(axis=0), low.max(axis=0)), ((2.9, -1.3, 0), (2.9, -0.7, level * height)))
+
+
+def test_a_pylon_is_a_cone_on_a_square_plate_and_a_mug_has_its_handle_at_its_side() -> None:
+    plate = spheroids_of("pylon", 2.0, -1.0, 0.0, np.log(0.5), fraction(0.1), np.log(0.8), 0.2)
+    np.testing.assert_allclose(
+        (plate[:8, :3].min(axis=0), plate[:8, :3].max(axis=0)), ((1.5, -1.5, 0), (2.5, -0.5, 0.08))
+    )
+    np.testing.assert_allclose(plate[8], (2.0, -1.0, 0.8, 0.2, 0))
+    mug = spheroids_of("mug", 2.0, -1.0, np.log(0.8), 0.3, 0.4, 0.5, -0.1, fraction(0.5), *np.log([0.1, 0.2]))
+    np.testing.assert_allclose(mug, [(2, -1, 0, 0.3, 0), (2, -1, 0.8, 0.4, 0), (2.5, -1.1, 0.4, 0.1, 0.2)])
