@@ -18,7 +18,7 @@ class Notice:
         """The line, while it is to be shown."""
         return None if self.text is None or now_s > self._until_s else self.text
 
-    def withdraw(self, text: str) -> None:
-        """No longer shows the line, if it is this one."""
-        if self.text == text:
+    def withdraw(self, begin: str) -> None:
+        """No longer shows the line, if it begins so."""
+        if self.text is not None and self.text.startswith(begin):
             self._until_s = 0.0

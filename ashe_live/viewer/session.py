@@ -20,6 +20,8 @@ from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import Table
 from ashe_live.viewer.view_options import WHOLE, ViewOptions
 
+NO_ARROW_YET = "the arrow appears when the light is known"
+NO_ANSWER_YET = "nothing has been estimated yet"
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
 
 
@@ -208,13 +210,13 @@ class Session:
             case Command.TOGGLE_LIGHT:
                 view.shows_light = not view.shows_light
                 if view.shows_light and self.lit_by.light is None:
-                    self.say(f"the arrow appears when the light is known: {self.how_it_gets_known}", now_s)
+                    self.say(f"{NO_ARROW_YET}: {self.how_it_gets_known}", now_s)
             case Command.TOGGLE_STEPS:
                 view.shows_steps = not view.shows_steps
                 if not view.shows_steps:
                     self.notice.withdraw(ANSWER_ALONE)
                 elif self.answer is None:
-                    self.say(f"nothing has been estimated yet: {self.how_it_gets_known}", now_s)
+                    self.say(f"{NO_ANSWER_YET}: {self.how_it_gets_known}", now_s)
                 elif self.answer.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
             case Command.COVER_MARKER:
@@ -235,6 +237,7 @@ class Session:
         if self.hand.set_light is not None and self.hand.set_light is not before:
             self._by_hand_s = now_s
             self._first.done()
+            self.notice.withdraw(NO_ARROW_YET)
             if self.automatic:
                 self.automatic = False
                 self.say("the light is by hand: A watches it again", now_s)
@@ -250,6 +253,11 @@ class Session:
         self._light.take(new.illumination.as_seen_in(frozen), frozen)
         self._stand_clear(in_new_light=True)
         self.answer = found
+        self.notice.withdraw(NO_ANSWER_YET)
+        if new.light is not None:
+            self.notice.withdraw(NO_ARROW_YET)
+        if found.steps_bgr is not None:
+            self.notice.withdraw(ANSWER_ALONE)
         if self.view.shows_steps and found.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
         # An estimate that was requested before the light was set by hand does not replace it.

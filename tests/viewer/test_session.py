@@ -281,6 +281,37 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
     assert session.notice.shown(20.0) == ANSWER_ALONE
 
 
+def test_what_was_said_to_be_missing_is_not_said_once_it_is_there(make, fakes):
+    toggles = {Command.TOGGLE_LIGHT: "the arrow", Command.TOGGLE_STEPS: "nothing has been estimated"}
+    for command, said in toggles.items():
+        session = make()
+        session.take(fakes.tracked(), 0.0)
+        session.handle(Request(command), 0.0)
+        assert said in session.notice.shown(0.1)
+        session.request_estimate(0.2)
+        session.watch._worker.answer, session.watch._worker.picture = fakes.estimate(), np.zeros((8, 8, 3), np.uint8)
+        session.poll(0.3)
+        assert session.notice.shown(0.3) is None
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.handle(Request(Command.TOGGLE_LIGHT), 0.0)
+    session.handle(Request(Command.MOVE_LIGHT, (1, 0)), 0.1)  # by hand
+    assert session.notice.shown(0.1) is None
+
+
+def test_the_answer_alone_is_no_longer_spoken_of_beside_its_steps(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    for now_s, picture in ((0.0, None), (1.0, np.zeros((8, 8, 3), np.uint8))):
+        session.request_estimate(now_s)
+        session.watch._worker.answer, session.watch._worker.picture = fakes.estimate(), picture
+        session.poll(now_s)
+        if picture is None:
+            session.handle(Request(Command.TOGGLE_STEPS), now_s)
+            assert session.notice.shown(now_s) == ANSWER_ALONE
+    assert session.notice.shown(1.0) is None
+
+
 def test_what_needs_the_window_is_left_to_it(make):
     left = {command for command in Command if not make().handle(Request(command), 0.0)}
     names = ("PAUSE", "RESTART", "STEP", "SEEK", "SPEED", "LOOP", "OPEN")

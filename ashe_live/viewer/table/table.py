@@ -6,7 +6,7 @@ from pathlib import Path
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, PlacedModel
-from ashe_live.process.messages import print_message
+from ashe_live.process.messages import listed, print_message
 from ashe_live.viewer.hands.hand import Hand, HandContext
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.hands.undo import Undo
@@ -128,10 +128,11 @@ class Table:
             case Command.UNDO:
                 self._say(self._undo.undo(self.hand) or "nothing was done by hand that could be undone", now_s)
             case Command.RESET:
-                if self.arrangement.is_as_left:
-                    self._say(f"{self.model_name} stands as at first: Ctrl+Z takes that back", now_s)
-                elif self.hand.light is not None:  # of which the last line may still speak
-                    self._say("the light is no longer by hand: Ctrl+Z takes that back", now_s)
+                changed = [f"{self.model_name} stands as at first"] if self.arrangement.is_as_left else []
+                if self.hand.light is not None:  # of which the last line may still speak
+                    changed.append("the light is no longer by hand")
+                if changed:
+                    self._say(f"{listed(changed)}: Ctrl+Z takes that back", now_s)
                 self._undo.note(self.hand, request, now_s)
                 self.hand.reset()
                 self.arrangement.give_back()

@@ -73,6 +73,16 @@ def test_what_is_given_back_is_forgotten_unless_that_is_undone(run) -> None:
     assert same(run().hand.placement, LEFT)
 
 
+def test_light_and_place_that_are_given_back_together_are_both_spoken_of(run, fakes) -> None:
+    left(run(), LEFT)
+    session = run()
+    session.take(fakes.tracked(), 0.0)
+    session.handle(Request(Command.MOVE_LIGHT, (1, 0)), 0.0)
+    session.handle(Request(Command.RESET), 1.0)
+    assert "mug stands as at first" in str(session.notice.shown(1.0))
+    assert "no longer by hand" in str(session.notice.shown(1.0))
+
+
 def test_a_run_that_moves_nothing_changes_nothing(run, tmp_path: Path) -> None:
     left(run(), UNMOVED)
     assert not (tmp_path / "models.json").exists()
