@@ -96,8 +96,8 @@ class FollowedMarker:
         if self._hfov_deg is None:
             self._announce("the field of view is as it was at the start", now_s)
         else:
-            said = f"--hfov {self._hfov_deg:g}"
-            self._announce(f"the camera's picture counts as {self._hfov_deg:g}° wide now: {said} says so", now_s)
+            said = f"--hfov {self._hfov_deg:g} sets this from the start"
+            self._announce(f"the field of view is taken for {self._hfov_deg:g}° now: {said}, G goes on", now_s)
 
     def _take_next(self, in_view: tuple[str, ...], now_s: float) -> None:
         """Follows the next marker in the order of their names, so that asking again and again goes round."""
