@@ -26,6 +26,8 @@ from ashe_live.process.messages import listed, print_answer, print_exactly, prin
 from ashe_live.process.signals import ended_by_signals
 
 PAGES = (".html", ".htm")
+NO_MARKER = "no marker found: show all of it, or name the one that is there with --marker"
+NAMED = 3  # of the files without a marker in a folder
 WORST_FIRST = (
     ExitStatus.FAULT,
     ExitStatus.WRONG_USE,
@@ -53,19 +55,26 @@ def run(options: argparse.Namespace) -> int:
     make_tracker(options, camera_for)  # reports a wrong --marker before any file is opened
     page = LightPage()
     statuses = set()
+    without_marker: list[str] = []  # of the files that no one named, which are reported together
     files = FileEstimator(estimator, camera_for, options, empty)
     answers = files.of_all(named) if options.together else (files.of(path) for path in _watched(named))
     with ended_by_signals() as end_if_asked:
         try:
             for record, picture in answers:
-                is_read = print_exactly(record.to_line()) if options.json else print_answer(_line(record))
                 statuses.add(_status(record))
+                if not options.json and _answer_text(record) == NO_MARKER and Path(record.file) not in options.files:
+                    without_marker.append(record.file)
+                    is_read = True
+                else:
+                    is_read = print_exactly(record.to_line()) if options.json else print_answer(_line(record))
                 if options.sheet is not None:
                     page.add(_named(record), _answer_text(record), picture)
                 elif not is_read and options.debug is None:
                     break  # whoever read the output has gone
                 end_if_asked()
         finally:  # a request to end in the middle of a long batch must not lose the sheet
+            if without_marker:
+                print_answer(f"{listed(without_marker, NAMED)}: {NO_MARKER}")
             if page.has_figures:
                 if makes_folder_of_sheet:
                     make_folder(options.debug)
@@ -141,7 +150,7 @@ def _answer_text(record: FileRecord) -> str:
     if record.marker is None:
         if record.in_view:
             return f"the marker was not found: {other_markers_hint(record.in_view, record.looked_for)}"
-        return "no marker found: show all of it, or name the one that is there with --marker"
+        return NO_MARKER
     estimate = record.estimate
     assert estimate is not None
     if not estimate.lights:

@@ -54,6 +54,20 @@ def test_a_model_is_not_taken_for_a_damaged_clip(run, tmp_path):
     assert "ball.STL is a model" in outcome.out[0]
 
 
+def test_files_of_a_folder_in_which_there_is_no_marker_share_a_line(run, files, tmp_path):
+    """In JSON, and where they are named, each has its own."""
+    for name in ("a.png", "c.png", "d.png"):
+        shutil.copy(files["empty_table"], tmp_path / name)
+    shutil.copy(files["photo"], tmp_path / "b.png")
+    outcome = run("estimate", *KNOWN, tmp_path)
+    assert outcome.status == 3
+    answer, others = outcome.out
+    assert "azimuth" in answer
+    assert [name in others for name in ("a.png", "b.png", "c.png", "d.png")] == [True, False, True, True]
+    assert len(run("estimate", *KNOWN, tmp_path / "a.png", tmp_path / "c.png").out) == 2
+    assert len(run("estimate", *KNOWN, "--json", tmp_path).records) == 4
+
+
 def test_a_short_name_stands_before_its_answer_as_any_other(run, files, tmp_path, monkeypatch):
     """Though its letters are in what is said of it."""
     monkeypatch.chdir(tmp_path)
