@@ -22,7 +22,7 @@ from ashe_live.viewer.view_options import WHOLE, ViewOptions
 
 NO_ARROW_YET = "the arrow appears when the light is known"
 NO_ANSWER_YET = "nothing has been estimated yet"
-ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
+ANSWER_ALONE = "this is the answer alone: Space shows the steps to it (the paper's method keeps none)"
 
 
 class Session:
