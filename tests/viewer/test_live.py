@@ -522,6 +522,21 @@ def test_a_marker_with_a_model_of_its_own_is_not_followed_beside_one_without(sta
     assert stage.session.arrangement.followed == "aruco:4x4_50:5"
 
 
+def test_a_marker_is_followed_once_though_it_is_not_tracked_at_once(stage, others, capfd):
+    stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))
+    seen_again = awaited(stage, lambda: stage.pipeline.followed and stage.session.markers_in_view)
+    stage.run(
+        awaited(stage, lambda: stage.pipeline.followed),
+        seen_again,
+        None,
+        Command.FOLLOW_OTHER,
+        None,
+        takes_any_marker=True,
+    )
+    assert stage.pipeline.followed == others
+    assert capfd.readouterr().out.count("is followed now") == 1
+
+
 def test_of_several_markers_a_person_chooses(stage, others):
     others.append("apriltag:36h11:3")
     stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))

@@ -65,15 +65,17 @@ class FollowedMarker:
         if (answer := self._hunt.take_answer()) is not None:
             self._take_next(answer, now_s)
         elif is_news and self._takes_any_marker and not session.has_seen_marker:
-            own = {stand.marker for stand in session.arrangement.stands}
+            # The first frames after a change are still those in which the new marker was not looked for.
+            own = {self._pipeline.marker, *(stand.marker for stand in session.arrangement.stands)}
             free = [spec for spec in self._hunt.in_view if spec not in own]
             if len(free) == 1:
                 self._follow(free[0], now_s)
 
     def follow_other(self, now_s: float) -> None:
         """Follows another marker in view; while the one that is followed is there, others are looked for first."""
-        if self._hunt.in_view:
-            self._follow(self._hunt.in_view[0], now_s)
+        others = [spec for spec in self._hunt.in_view if spec != self._pipeline.marker]
+        if others:
+            self._follow(others[0], now_s)
         elif not self._pipeline.may_follow_others:
             self._session.say("the demo's marker is known: there is no other to follow", now_s)
         else:
