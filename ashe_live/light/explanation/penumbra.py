@@ -35,6 +35,9 @@ FEWEST_EDGES = 12  # places with a clear step, for a regression
 LEAST_VARIANCE_RATIO = 0.5
 LEAST_SIGMAS = 3.0  # standard errors by which the squared diameter must differ from 0
 EDGES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their number over the effective sample size
+# What the edges tell of the diameter, over what they would tell if the blur were known: less is rounding, as where all
+# of them are cast from one height and are seen from straight above.
+LEAST_INFORMATION = 1e-9
 LARGEST_RAD = math.radians(20)
 ROBUST_ROUNDS = 6
 # For widths of borders in the whole picture, as `soft_size` measures them.
@@ -125,8 +128,11 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
         rest = variances - design @ np.array([blur, squared])
         scale = SIGMA_OVER_MAD * float(np.median(np.abs(rest))) + 1e-3
         weights = 1 / np.sqrt(1 + (rest / (2 * scale)) ** 2)
-    information = (design * weights[:, None]).T @ (design * weights[:, None])
-    error = scale * math.sqrt(EDGES_PER_SAMPLE * float(np.linalg.inv(information)[1, 1]))
+    (of_blur, mixed), (_, of_squared) = (design * weights[:, None]).T @ (design * weights[:, None])
+    information = of_squared - mixed**2 / of_blur  # on the squared diameter, whatever the blur
+    if information < LEAST_INFORMATION * of_squared:
+        return None
+    error = scale * math.sqrt(EDGES_PER_SAMPLE / information)
     if squared <= LEAST_SIGMAS * error or squared * np.percentile(spreads, 90) ** 2 < LEAST_VARIANCE_RATIO * max(
         blur, 0.25
     ):

@@ -73,6 +73,22 @@ def test_a_lamp_far_away_is_a_sun() -> None:
     assert size_of(share, np.append(1e6 * TO_LIGHT, 1.0)) == pytest.approx(size_of(share), rel=1e-3)
 
 
+def test_an_edge_from_one_height_does_not_tell_penumbra_from_blur() -> None:
+    """Of a box straight below the camera, where only the far edge of the top casts what is seen."""
+    foot = (0.0, -0.06), (0.02, -0.06), (0.02, 0.06), (0.0, 0.06)
+    corners = [(x, y, z, 0.0, 0.0) for z in (0.0, 0.06) for x, y in foot]
+    box, light = Proxy("box", np.array(corners)), at_infinity(direction_from_angles(math.pi, math.radians(50)))
+    straight_down = rigid(np.diag([1.0, -1.0, -1.0]), (0.0, 0.0, 0.5))
+    here = replace(view(), T_cam_marker=straight_down)
+    masks = predicted(box, light[None], here)
+    (x, y), *_ = project(here.camera, straight_down, np.array([[0.02 + 0.06 / math.tan(math.radians(50)), 0.0, 0.0]]))
+    is_ground = np.zeros_like(here.is_ground)
+    is_ground[round(y) - 25 : round(y) + 26, round(x) - 15 : round(x) + 16] = True
+    lost = cv2.GaussianBlur(masks.shadow.astype(np.float32), (0, 0), 3.0)
+    lost += np.random.default_rng(0).normal(0, 0.01, lost.shape).astype(np.float32)
+    assert angular_size(box, light, lost, masks, replace(here, is_ground=is_ground)) is None
+
+
 @pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
 def test_shadows_move_with_the_light_as_they_are_cast(light: Float) -> None:
     """By central differences of where the points' shadows fall."""
