@@ -48,5 +48,6 @@ def _overlap(found: Mask | None, true: Mask | None) -> float | None:
     if found is None or true is None:
         return None
     height, width = true.shape
-    enlarged = cv2.resize(found.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
+    # INTER_NEAREST goes by corners of pixels, half a pixel of the smaller mask off at most sizes.
+    enlarged = cv2.resize(found.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST_EXACT)
     return overlap(enlarged.astype(bool), true)

@@ -50,6 +50,21 @@ def test_masks_of_another_size_are_compared_all_the_same(scene, case):
     assert mask_overlaps(LightEstimate("e", 0, Illumination(), "-"), case) == (None, None)
 
 
+@pytest.mark.parametrize("width", [213, 333, 431])
+def test_true_labels_of_another_size_lie_where_the_true_ones_do(scene, case, tmp_path, width):
+    height, whole = scene.body.shape
+    size = width, round(height * width / whole)
+    masks = [np.asarray(mask, np.float32) for mask in (scene.body, scene.shadows[0])]
+    found = [cv2.resize(mask, size, interpolation=cv2.INTER_AREA) > 0.5 for mask in masks]
+    estimate = LightEstimate("e", 0, Illumination(), "-", *found)
+    paths = {name: tmp_path / f"moved_{name}.png" for name in case.mask_paths}
+    for by in (-1, 1):
+        for path, mask in zip(paths.values(), masks, strict=True):
+            cv2.imwrite(str(path), np.roll(mask > 0.5, (by, by), axis=(0, 1)).astype(np.uint8) * 255)
+        moved = mask_overlaps(estimate, dataclasses.replace(case, mask_paths=paths))
+        assert np.subtract(mask_overlaps(estimate, case), moved).min() > 0
+
+
 def test_true_labels_leave_only_the_geometrys_error(case):
     assert error_on_true_labels_deg(case, case.tracked(), BALANCED) < 1.0
 
