@@ -214,8 +214,8 @@ class Illumination:
     # first row plus n_y times the second, relative to all light on level ground. None: an even sky.
     sky_slope_rgb: Float | None = None
     # The same by the marker's frame as it lay in `seen_in`, where the marker has been moved since, and in the lights of
-    # then, where others were set by hand: what is read in that picture, as the white of its paper, is where it was, and
-    # as it was lit, then. None: it lies there still, in these lights.
+    # then, where these are others (`relit`): what is read in that picture, as the white of its paper, is where it was,
+    # and as it was lit, then. None: it lies there still, in these lights.
     as_it_lay: "Illumination | None" = None
 
     def __post_init__(self) -> None:
@@ -239,7 +239,7 @@ class Illumination:
         return replace(self, seen_in=tracked)
 
     def relit(self, lights: tuple[Light, ...], ambient_rgb_ratio: Float | None) -> Self:
-        """A copy in other lights, as a person sets them; what is read in the picture `seen_in` stays as it was."""
+        """A copy in other lights, set by hand or on their way; what is read in the picture it was seen in stays."""
         as_it_lay = None if self.seen_in is None else self.as_it_lay or self
         return replace(self, lights=lights, ambient_rgb_ratio=ambient_rgb_ratio, as_it_lay=as_it_lay)
 

@@ -58,7 +58,8 @@ class Scene:
     is_cut_out: bool = False  # without the video: transparent, so that it gives the same picture when put over it
     # The sheet, or the body that it is on, is covered by ground like that around it, where there is a model.
     covers_marker: bool = False
-    # What lights the video, where `illumination` was set by hand, as shadows in it lie elsewhere then; None: the same.
+    # What lights the video, where `illumination` was set by hand or is on its way there, as shadows in it lie elsewhere
+    # then; None: the same.
     lit_in_video: Illumination | None = None
     time_s: float = 0.0  # since the motion of a model that moves began
     is_split: bool = False  # the video's left half is shown alone

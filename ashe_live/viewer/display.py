@@ -29,7 +29,7 @@ def bare_scene(session: Session) -> Scene:
     """Video, models and light, as recordings and snapshots want them."""
     models = [(model, placement) for _, model, placement in session.arrangement.models(session.tracked)]
     (model, placement), *others = models
-    parts = session.view.parts
+    parts, lit_in_video = session.view.parts, session.estimated_light
     return Scene(
         session.tracked,
         model if parts.shows_model or parts.casts_shadow else None,
@@ -40,7 +40,7 @@ def bare_scene(session: Session) -> Scene:
         casts_shadow=parts.casts_shadow,
         shows_model=parts.shows_model,
         covers_marker=session.covers_marker,
-        lit_in_video=None if session.hand.light is None else session.estimated_light,
+        lit_in_video=None if session.shown is lit_in_video else lit_in_video,
         is_split=parts.is_split,
         time_s=session.table.motion_s,
     )

@@ -43,7 +43,9 @@ def test_the_lights_become_those_of_the_estimate(session):
     assert bare_scene(session).illumination.lights is session.estimate.lights
 
 
-def test_shadows_in_the_video_are_those_of_the_estimated_light_while_another_is_set_by_hand(session):
+def test_shadows_in_the_video_are_those_of_the_estimated_light_while_another_is_on_its_way_or_set_by_hand(session):
+    assert bare_scene(session).lit_in_video.lights is session.estimate.lights
+    session.poll(EASED_OVER_S)
     assert bare_scene(session).lit_in_video is None
     by_hand = Illumination((Light((1.0, 0.0, 1.0)),))
     session.hand.light = by_hand

@@ -52,7 +52,7 @@ def _between(start: Illumination, end: Illumination, share: float) -> Illuminati
     lights = tuple(_lights_between(of_start, of_end, eased))
     ambient = (1 - eased) * sky_of_start + eased * sky_of_end
     slope = (1 - eased) * _slope(start) + eased * _slope(end)
-    return replace(end, lights=lights, ambient_rgb_ratio=ambient, sky_slope_rgb=slope if slope.any() else None)
+    return replace(end.relit(lights, ambient), sky_slope_rgb=slope if slope.any() else None)
 
 
 def _as_drawn(illumination: Illumination) -> tuple[list[tuple[Light, Float]], Float]:

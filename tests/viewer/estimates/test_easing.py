@@ -9,8 +9,11 @@ import pytest
 
 from ashe_live.core.transforms import angle_between, direction_from_angles
 from ashe_live.core.types import Illumination, Light
+from ashe_live.quality import FAST
 from ashe_live.render.lights.lighting import angular_size, lighting_of
+from ashe_live.render.lights.photometry import Photometry
 from ashe_live.viewer.estimates.easing import EASED_OVER_S, LightEasing
+from tests.render.lights.test_photometry import CARTON, GROUND, RATIO, seen
 
 SUN = direction_from_angles(0.7, 0.8)
 NONE = Illumination()
@@ -151,3 +154,15 @@ def test_a_sky_leans_over_without_a_jump():
     assert (values[0], values[-1]) == (0.0, 0.1)
     assert max(b - a for a, b in itertools.pairwise(values)) < 0.02
     assert passage(replace(lit, sky_slope_rgb=slope), lit)[-1].sky_slope_rgb is None
+
+
+def test_on_the_way_the_picture_is_read_as_it_is_lit():
+    """At first the light stands behind a carton, whose shadow is not on the marker in the picture."""
+    end = Illumination((Light((0.0, 0.2, 0.9), shadow_rgb_ratio=RATIO),), RATIO, GROUND, CARTON, seen())
+    behind = replace(end, lights=(Light((0.6, 0.0, 0.4), shadow_rgb_ratio=RATIO),))
+    shown = passage(behind, end)[1:]
+    photometry = Photometry(FAST.render)
+    assert {photometry.white_seen_in(each) for each in shown} == {photometry.white_seen_in(end)}
+    skies = np.array([photometry.lighting(each).sky for each in shown])
+    assert np.abs(np.diff(skies, axis=0)).max() < 0.01
+    assert photometry.lighting(shown[-1]) is photometry.lighting(end)
