@@ -90,10 +90,14 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
         fit = replace(fit, light=fit.light + light - edges.light)
         return replace(one, light=light, covariance=covariance, fit=fit, has_folds=edges.has_folds)
     if nearness.sun > 0.5:
+        sun, as_sun = one.fit.light, one.fit.covariance[:2, :2]
+        if sun[3] != 0:  # its edges were found as a lamp's
+            sun = _along(edges.light, by_nearness, np.zeros(1))[0]
+            as_sun = (edges.covariance - edges.covariance[2, 2] * np.outer(by_nearness, by_nearness))[:2, :2]
         # As uncertain as a sun is by its edges, and as the nearness leaves it, whose mean is not what is stated.
         squared = nearness.variance + nearness.mean**2
-        own = one.fit.covariance[:2, :2] + squared * np.outer(by_nearness[:2], by_nearness[:2])
-        return replace(one, light=one.light * (1, 1, 1, 0), covariance=own, has_folds=False)
+        own = as_sun + squared * np.outer(by_nearness[:2], by_nearness[:2])
+        return replace(one, light=sun, covariance=own, may_be_lamp=False, has_folds=False)
     sun_or_lamp = replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2])
     return replace(sun_or_lamp, may_be_lamp=True, has_folds=edges.has_folds)
 

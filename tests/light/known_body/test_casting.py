@@ -96,3 +96,22 @@ def test_a_sun_that_may_be_a_lamp_is_as_unsure_as_a_lamp_would_be_far_from_it(
 
     np.testing.assert_allclose(covariance(0.5, 0.25), covariance(0.0, 0.5))
     assert np.trace(covariance(0.5, 0.25)) > np.trace(covariance(0.0, 0.25))
+
+
+@pytest.mark.parametrize("found_as", ["what may be a lamp", "a lamp"])
+def test_what_is_likelier_a_sun_after_all_is_the_sun_that_its_edges_show(
+    seen: Seen, suns: list[FoundLight], found_as: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lamps, "_nearness", lambda *_: _Nearness(0.9, 0.05, 0.1))
+    one = stated_elsewhere(suns[0])
+    if found_as == "a lamp":
+        start = suns[0].sun_alike(seen.body.height_m)
+        near = np.append(start[:2] / start[2] * (1 - 3 * seen.body.height_m), (1.0, 3.0))
+        fit = fitted(image_beside(seen, ()), near, suns[0].darkening, with_nearness=True)
+        assert fit is not None
+        assert abs(fit.light[3]) > 0.1
+        one = FoundLight(fit.light, fit.covariance, fit, suns[0].darkening)
+    sun_after_all, _ = as_lamps(seen, [one, suns[1]], decided=1)
+    assert not sun_after_all.is_lamp
+    assert not sun_after_all.may_be_lamp
+    assert sun_after_all.light == pytest.approx(suns[0].light, abs=0.01)
