@@ -93,6 +93,15 @@ def test_what_is_too_large_to_be_drawn_is_reduced_and_keeps_its_shape(size: tupl
         assert abs(width - height * size[0] / size[1]) < 2 * max(size) / min(size)
 
 
+@pytest.mark.parametrize("hfov_deg", [0.0, 180.0, -60.0, math.nan])
+def test_a_field_of_view_that_no_camera_has_is_named(hfov_deg: float) -> None:
+    for make in (Camera.from_hfov, Camera.from_longer_side):
+        with pytest.raises(ValueError, match="hfov_deg"):
+            make((640, 480), hfov_deg)
+    with pytest.raises(ValueError, match="focal_px"):
+        Camera.from_focal((640, 480), 0.0)
+
+
 def test_a_source_that_is_none_is_wrong_use() -> None:
     with pytest.raises(ValueError, match="source 'guess' is not one of file, flag, exif, assumed, estimated"):
         Camera.from_focal((640, 480), 500.0, "guess")

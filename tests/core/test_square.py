@@ -17,6 +17,13 @@ def test_a_marker_beside_it_is_turned_counter_clockwise_and_then_shifted() -> No
     np.testing.assert_allclose(beside.on_plane(points), [(0.3, 0.1, 0), (0.3, 0.12, 0.01), (0.28, 0.1, 0)])
 
 
+def test_a_marker_beside_it_has_a_size_and_a_place() -> None:
+    with pytest.raises(ValueError, match="side_m"):
+        PlaneMarker("aruco:4x4_50:1", np.zeros(2), 0.0, 0.0)
+    with pytest.raises(ValueError, match="centre_m"):
+        PlaneMarker("aruco:4x4_50:1", np.zeros(3), 0.0, 0.06)
+
+
 def test_sides_are_counted_from_the_first_corner() -> None:
     corners = np.array([(0.0, 0.0), (3.0, 4.0), (3.0, 6.0), (0.0, 6.0)])
     np.testing.assert_allclose(side_lengths_px(corners), (5, 2, 3, 6))

@@ -86,6 +86,8 @@ SEEN = TrackedFrame(frame(), CAMERA, POSE)
         (lambda: LightEstimate("proxy", 0, Illumination((LIGHT,)), span_rad=-0.1), ValueError, "span_rad"),
         (lambda: Light((0.0, 0.0, 0.0)), ValueError, "no direction"),
         (lambda: Light((0.0, 0.0, 1.0), confidence=1.1), ValueError, "confidence"),
+        (lambda: Light((0.0, 0.0, 1.0), covariance_rad2=np.eye(3)), ValueError, "covariance_rad2"),
+        (lambda: Light((0.0, 0.0, 1.0), lamp_covariance=np.eye(2)), ValueError, "lamp_covariance"),
         (lambda: Light((0.0, 0.0, 1.0), sigma_rad=math.inf), ValueError, "sigma_rad"),
         (lambda: Light((0.0, 0.0, 1.0), angular_size_rad="wide"), TypeError, "angular_size_rad"),
         (lambda: Light((0.0, 0.0, 1.0), radius_m=-0.1), ValueError, "radius_m"),

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.core.transforms import camera_centre
 from ashe_live.light.shape.body import HIGHEST_NEARNESS, Body, BodyFrame, LitBody
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.layout import light_parameters, nearness_of
@@ -122,6 +123,26 @@ def test_outlines_of_several_bodies_are_those_of_each() -> None:
             directions = np.array([np.cos(angles), np.sin(angles)])
             # Circles are drawn with corners, which need not be the same.
             np.testing.assert_allclose((hull @ directions).max(axis=0), (expected @ directions).max(axis=0), atol=0.2)
+
+
+def test_a_shadow_that_reaches_behind_the_camera_is_cut_off_before_it() -> None:
+    """Projected without that it would turn round, and lie on the other side of the picture."""
+    here = painted_region(BOX)
+    view = here.region.view
+    eye = camera_centre(view.T_cam_marker)
+    # A sun opposite the camera, a little higher than where the shadow's end is at the camera's foot.
+    towards_camera = np.degrees(np.arctan2(eye[1] - BOX.at[1], eye[0] - BOX.at[0]))
+    lit = body_of(here, BOX, direction(float(towards_camera) + 180.0, 2.0))
+    body, shadow = lit_outlines([lit], [Sight.of(view)])[0]
+    expected_body, expected_shadow = outlines(lit.body.proxy, lit.lights, view)
+    assert body is not None
+    assert shadow is not None
+    for found, expected in ((body, expected_body), (shadow, expected_shadow)):
+        np.testing.assert_allclose(found.min(axis=0), expected.min(axis=0), atol=0.5)
+        np.testing.assert_allclose(found.max(axis=0), expected.max(axis=0), rtol=1e-3)
+    # It begins at the body, and leaves the picture towards the camera, which is below.
+    assert shadow[:, 1].max() > view.size[1]
+    assert shadow[:, 1].min() > body[:, 1].min()
 
 
 @pytest.mark.parametrize("lamp", [False, True], ids=["sun", "lamp"])

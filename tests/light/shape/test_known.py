@@ -1,10 +1,12 @@
 """The family of a known body: its points are the body's, moved and turned, and its derivatives are those of that."""
 
+import math
+
 import numpy as np
 import pytest
 
 from ashe_live.core.caster import Caster
-from ashe_live.light.shape.known import family_of, resized_family_of, size_ratios, unit_m
+from ashe_live.light.shape.known import TURNS, family_of, resized_family_of, size_ratios, unit_m
 
 HULL = Caster.hull(np.array([(0, 0, 0), (0.06, 0, 0), (0, 0.05, 0), (0.02, 0.01, 0.1)]))
 CASTERS = {
@@ -76,6 +78,8 @@ def test_starts_are_spread_over_the_turns_that_differ(name: str) -> None:
         return
     steps = np.diff(np.append(starts[:, 2], caster.period_rad))
     np.testing.assert_allclose(steps, caster.period_rad / len(starts))
+    assert len(starts) >= 2
+    assert caster.period_rad / len(starts) == pytest.approx(2 * math.pi / TURNS, rel=0.3)
 
 
 def test_a_known_body_has_one_family() -> None:
