@@ -1,6 +1,7 @@
 """The options of a command: from its flags, else from the settings, else the defaults."""
 
 import argparse
+import re
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -52,8 +53,9 @@ def with_origin(error: UserError, options: argparse.Namespace | None) -> UserErr
 
     for key, value in getattr(options, "from_settings", {}).items():
         given = getattr(options, key.replace("-", "_"), ())
-        holds = value in map(str, given if isinstance(given, tuple) else (given,))  # no flag has replaced it
-        if holds and str(value) in error.message:
+        holds = str(value) in map(str, given if isinstance(given, tuple) else (given,))  # no flag has replaced it
+        # As a word of it, as a number may be a digit in another; of a camera's number, Linux names the device.
+        if holds and re.search(rf"(?<!\w)(/dev/video)?{re.escape(str(value))}(?!\w)", error.message):
             return UserError(error.message, f"{error.remedy} (`{key}` is set in {settings_path()})")
     return error
 

@@ -35,6 +35,15 @@ def test_of_another_error_or_value_it_is_not(error: UserError, given: argparse.N
     assert with_origin(error, given) is error
 
 
+def test_a_camera_may_be_a_number_there() -> None:
+    given = argparse.Namespace(from_settings={"camera": 2}, camera="2")
+    for said in ("camera 2 cannot be used", "there is no camera /dev/video2"):
+        assert "`camera` is set in" in with_origin(UserError(said, "choose another"), given).remedy
+    for other in ("there is no camera 21", "there is no file a2.mp4"):
+        error = UserError(other, "choose another")
+        assert with_origin(error, given) is error
+
+
 def test_one_of_several_models_may_be_that_of_the_settings() -> None:
     given = argparse.Namespace(from_settings={"model": "teapot"}, model=("mug", "teapot"))
     said = with_origin(UserError("there is no model teapot", "choose another"), given)
