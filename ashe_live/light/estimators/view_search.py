@@ -30,7 +30,8 @@ from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.pixels.view import View
 
 HINTS = 5  # number of lights in which a known object's place is searched
-SAME_RAD, SAME_M = math.radians(1), 0.003  # angle and distance within which two explanations count as one
+# Angle, and distance over a known object's size, within which two explanations count as one.
+SAME_RAD, SAME_PLACE = math.radians(1), 0.03
 
 
 @dataclass(slots=True, eq=False)
@@ -144,4 +145,5 @@ def _is_same(one: Explanation, other: Explanation) -> bool:
     """Whether two explanations of one known object have it at one place in one light."""
     away = float(np.linalg.norm(one.proxy.foot_marker - other.proxy.foot_marker))
     near = angle_between(one.lights[0].to_light_marker, other.lights[0].to_light_marker)
-    return near < SAME_RAD and away < SAME_M and len(one.lights) == len(other.lights)
+    size = one.alignment.placed.lit.body.frame.unit_m
+    return near < SAME_RAD and away < SAME_PLACE * size and len(one.lights) == len(other.lights)
