@@ -178,8 +178,9 @@ def are_alike(one: Explanation, other: Explanation) -> bool:
 def _have_one_object_in_one_light(one: Explanation, other: Explanation) -> bool:
     if len(one.lights) != len(other.lights):
         return False
-    a, b = one.alignment.placed.lit.body.frame, other.alignment.placed.lit.body.frame
-    if np.linalg.norm(a.origin_marker - b.origin_marker) > SAME_PLACE * min(a.unit_m, b.unit_m):
+    # By where the bodies stand, and not by their frames' origins, from which a fit moves them.
+    away = np.linalg.norm(one.proxy.foot_marker - other.proxy.foot_marker)
+    if away > SAME_PLACE * min(each.alignment.placed.lit.body.frame.unit_m for each in (one, other)):
         return False
     turns = (angle_between(p.to_light_marker, q.to_light_marker) for p, q in zip(one.lights, other.lights, strict=True))
     return max(turns) < SAME_RAD

@@ -94,6 +94,26 @@ def test_an_explanation_of_which_nothing_is_left_is_dropped() -> None:
     assert refined([], preset.FAST) == []
 
 
+def test_an_object_seen_in_two_regions_is_where_it_stands_whatever_frame_it_was_fitted_in() -> None:
+    here = painted_region(CYLINDER)
+    one = explanation_of(here, CYLINDER)
+    other = replace(one, region=replace(here.region))
+    lit = one.alignment.placed.lit
+    frame, x = lit.body.frame, np.array([1.0, 0.0])
+
+    def standing(*, frame_moved: float, body_moved: float) -> Explanation:
+        """In sizes of the object."""
+        moved = replace(frame, origin_marker=frame.origin_marker + frame_moved * frame.unit_m * x)
+        shape = lit.body.shape + np.append((body_moved - frame_moved) * x, np.zeros(3))
+        body = replace(lit.body, frame=moved, shape=shape)
+        placed = replace(one.alignment.placed, lit=replace(lit, body=body))
+        return replace(other, alignment=replace(one.alignment, placed=placed))
+
+    assert are_alike(one, standing(frame_moved=0.0, body_moved=0.0))
+    assert are_alike(one, standing(frame_moved=0.5, body_moved=0.0))
+    assert not are_alike(one, standing(frame_moved=0.0, body_moved=0.5))
+
+
 def test_explanations_of_nearly_the_same_pixels_are_alike_either_way_round() -> None:
     here = painted_region(BOX)
     edge = grown(here.body, 1) & ~here.body
