@@ -213,10 +213,9 @@ class Illumination:
     # (2, 3) linear RGB, the lean of the sky: beyond the light of an even sky, a surface of normal n gets n_x times the
     # first row plus n_y times the second, relative to all light on level ground. None: an even sky.
     sky_slope_rgb: Float | None = None
-    # The same by the marker's frame as it lay in `seen_in`, where the marker has been moved since, and in the lights of
-    # then, where these are others (`relit`): what is read in that picture, as the white of its paper, is where it was,
-    # and as it was lit, then. None: it lies there still, in these lights.
-    as_it_lay: "Illumination | None" = None
+    # The illumination as it was when `seen_in` was read: by the marker's frame as it lay there, where the marker has
+    # been moved since, and in the lights of then, where these are others (`relit`). None: it is this one.
+    as_read: "Illumination | None" = None
 
     def __post_init__(self) -> None:
         for light in arguments.instance(self.lights, tuple, "lights"):
@@ -240,8 +239,8 @@ class Illumination:
 
     def relit(self, lights: tuple[Light, ...], ambient_rgb_ratio: Float | None) -> Self:
         """A copy in other lights, set by hand or on their way; what is read in the picture it was seen in stays."""
-        as_it_lay = None if self.seen_in is None else self.as_it_lay or self
-        return replace(self, lights=lights, ambient_rgb_ratio=ambient_rgb_ratio, as_it_lay=as_it_lay)
+        as_read = None if self.seen_in is None else self.as_read or self
+        return replace(self, lights=lights, ambient_rgb_ratio=ambient_rgb_ratio, as_read=as_read)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -72,7 +72,7 @@ def moved_illumination(illumination: Illumination, T_new_old: Float, marker: Mar
         real_object=body,
         seen_in=seen_in and with_moved_marker(seen_in, T_new_old),
         sky_slope_rgb=None if slope is None else T_new_old[:2, :2] @ slope,
-        as_it_lay=None if seen_in is None else illumination.as_it_lay or illumination,
+        as_read=None if seen_in is None else illumination.as_read or illumination,
     )
 
 

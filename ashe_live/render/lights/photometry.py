@@ -28,16 +28,16 @@ class Photometry:
 
     def lighting(self, of: Illumination) -> Lighting:
         """The irradiances; the same object for the same illumination."""
-        if of.as_it_lay is None:
-            return self._as_it_lay(of).lighting
+        if of.as_read is None:
+            return self._seen_light(of).lighting
         known = _known(of)
         found = next((lighting for key, lighting in self._lightings if same_objects(key, known)), None)
         if found is None:
-            found = self._as_it_lay(of.as_it_lay).lighting_now(of)
+            found = self._seen_light(of.as_read).lighting_now(of)
             self._lightings.append((known, found))
         return found
 
-    def _as_it_lay(self, of: Illumination) -> SeenLight:
+    def _seen_light(self, of: Illumination) -> SeenLight:
         """What is read in the picture, by the marker's frame as it lay there, in the lights of then."""
         known = _known(of)
         if self._read is None or not same_objects(self._read[0], known):
@@ -46,12 +46,12 @@ class Photometry:
 
     def white_seen_in(self, of: Illumination) -> RGB | None:
         """What white, fully lit, has in the frame that the illumination was seen in; None where there is no frame."""
-        return self._as_it_lay(of.as_it_lay or of).white_rgb
+        return self._seen_light(of.as_read or of).white_rgb
 
     def border_share(self, of: Illumination) -> float:
         """Standard deviation of the real shadow's border beyond that by lens and light, over the picture's width."""
-        of = of.as_it_lay or of
-        lighting = self._as_it_lay(of).lighting
+        of = of.as_read or of
+        lighting = self._seen_light(of).lighting
         if self._border is None or self._border[0] is not lighting:
             share = 0.0
             if self._preset.matches_blur and of.seen_in is not None and of.real_object is not None and lighting.lights:
@@ -66,8 +66,8 @@ class Photometry:
         It belongs to the frame in which the light was estimated, and to that light, whatever is set by hand. While one
         light eases to another it is not measured anew for each picture.
         """
-        of = of.as_it_lay or of
-        lighting = self._as_it_lay(of).lighting
+        of = of.as_read or of
+        lighting = self._seen_light(of).lighting
         is_steady, self._relief_asked_by = lighting is self._relief_asked_by, lighting
         if of.seen_in is None or of.real_object is None or not lighting.lights:
             return None

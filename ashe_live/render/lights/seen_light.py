@@ -37,9 +37,9 @@ class SeenLight:
         return SeenLight(lighting_of(lights, ambient, albedo, illumination.sky_slope_rgb), ambient, albedo, white_rgb)
 
     def lighting_now(self, illumination: Illumination) -> Lighting:
-        """The irradiances of `illumination`, whose `as_it_lay` this is: by another place of the marker, or by hand."""
+        """The irradiances of `illumination`, whose `as_read` this is: by another place of the marker, or by hand."""
         lights, ambient = steadied(illumination)
-        before = None if illumination.as_it_lay is None else illumination.as_it_lay.ambient_rgb_ratio
+        before = None if illumination.as_read is None else illumination.as_read.ambient_rgb_ratio
         if self.ambient is not None and before is not None and illumination.ambient_rgb_ratio is not None:
             # On a tilted sheet it is another share of all light.
             ambient = self.ambient * illumination.ambient_rgb_ratio / np.maximum(before, 1e-6)
@@ -48,9 +48,9 @@ class SeenLight:
 
 def lighting_in(illumination: Illumination) -> Lighting:
     """The irradiances with which a model is drawn in an illumination; `Photometry` keeps them."""
-    if illumination.as_it_lay is None:
+    if illumination.as_read is None:
         return SeenLight.of(illumination).lighting
-    return SeenLight.of(illumination.as_it_lay).lighting_now(illumination)
+    return SeenLight.of(illumination.as_read).lighting_now(illumination)
 
 
 def _was_seen_in_shadow(of: Illumination) -> bool:

@@ -140,8 +140,8 @@ def test_the_cube_goes_with_its_prints() -> None:
 def test_what_was_read_in_the_picture_is_known_by_the_marker_as_it_lay_there() -> None:
     lit = Illumination((Light(np.array([0.5, 0.3, 0.8])),), seen_in=seen())
     once = moved_illumination(lit, TURNED, PRINT)
-    assert once.as_it_lay is lit
-    assert moved_illumination(once, TURNED, PRINT).as_it_lay is lit
+    assert once.as_read is lit
+    assert moved_illumination(once, TURNED, PRINT).as_read is lit
 
 
 def test_a_light_gives_a_tilted_sheet_as_much_as_its_cosine_says() -> None:
