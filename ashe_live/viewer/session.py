@@ -12,6 +12,7 @@ from ashe_live.models.catalogue import ChosenModel
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.estimates.light_watch import LightWatch, NewAnswer
+from ashe_live.viewer.estimates.not_there_yet import NotThereYet
 from ashe_live.viewer.estimates.room_light import RoomLight
 from ashe_live.viewer.estimates.sharpening import Sharpening
 from ashe_live.viewer.hands.requests import Command, Request
@@ -19,10 +20,6 @@ from ashe_live.viewer.notice import Notice
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import Table
 from ashe_live.viewer.view_options import WHOLE, ViewOptions
-
-NO_ARROW_YET = "the arrow appears when the light is known"
-NO_ANSWER_YET = "nothing has been estimated yet"
-ANSWER_ALONE = "this is the answer alone: Space shows the steps to it (the paper's method keeps none)"
 
 
 class Session:
@@ -48,6 +45,7 @@ class Session:
         self.shown = Illumination()  # on its way to `lit_by`
         self.notice = Notice()
         self.say = self.notice.say
+        self._not_there_yet = NotThereYet(self.notice)
         self.table = Table(shelf, others, self.say)
         self.hand, self.arrangement = self.table.hand, self.table.arrangement
         self.automatic = automatic
@@ -210,15 +208,13 @@ class Session:
             case Command.TOGGLE_LIGHT:
                 view.shows_light = not view.shows_light
                 if view.shows_light and self.lit_by.light is None:
-                    self.say(f"{NO_ARROW_YET}: {self.how_it_gets_known}", now_s)
+                    self._not_there_yet.show_light(self.how_it_gets_known, now_s)
             case Command.TOGGLE_STEPS:
                 view.shows_steps = not view.shows_steps
-                if not view.shows_steps:
-                    self.notice.withdraw(ANSWER_ALONE)
-                elif self.answer is None:
-                    self.say(f"{NO_ANSWER_YET}: {self.how_it_gets_known}", now_s)
-                elif self.answer.steps_bgr is None:
-                    self.say(ANSWER_ALONE, now_s)
+                if view.shows_steps:
+                    self._not_there_yet.show_steps(self.answer, self.how_it_gets_known, now_s)
+                else:
+                    self._not_there_yet.hide_steps()
             case Command.COVER_MARKER:
                 view.wants_cover = not self.covers_marker
             case Command.BEFORE_AFTER:
@@ -237,7 +233,7 @@ class Session:
         if self.hand.set_light is not None and self.hand.set_light is not before:
             self._by_hand_s = now_s
             self._first.done()
-            self.notice.withdraw(NO_ARROW_YET)
+            self._not_there_yet.take_light()
             if self.automatic:
                 self.automatic = False
                 self.say("the light is by hand: A watches it again", now_s)
@@ -253,13 +249,7 @@ class Session:
         self._light.take(new.illumination.as_seen_in(frozen), frozen)
         self._stand_clear(in_new_light=True)
         self.answer = found
-        self.notice.withdraw(NO_ANSWER_YET)
-        if new.light is not None:
-            self.notice.withdraw(NO_ARROW_YET)
-        if found.steps_bgr is not None:
-            self.notice.withdraw(ANSWER_ALONE)
-        if self.view.shows_steps and found.steps_bgr is None:
-            self.say(ANSWER_ALONE, now_s)
+        self._not_there_yet.take_answer(found, self.view.shows_steps, now_s)
         # An estimate that was requested before the light was set by hand does not replace it.
         if self.hand.light is not None and found.asked_s >= self._by_hand_s:
             if new.light is None:

@@ -21,10 +21,11 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.estimates.light_watch import EMPTY_FOR_S
+from ashe_live.viewer.estimates.not_there_yet import ANSWER_ALONE
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
 from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.notice import NOTICE_S
-from ashe_live.viewer.session import ANSWER_ALONE, Session
+from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import (
     LAMP_AMONG,
     LAMP_BELOW,

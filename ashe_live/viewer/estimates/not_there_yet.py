@@ -1,0 +1,43 @@
+"""What is said where the arrow, or the steps to the answer, are to be shown and are not there: until they are."""
+
+from ashe_live.viewer.estimates.light_watch import NewAnswer
+from ashe_live.viewer.notice import Notice
+
+NO_ARROW_YET = "the arrow appears when the light is known"
+NO_ANSWER_YET = "nothing has been estimated yet"
+ANSWER_ALONE = "this is the answer alone: Space shows the steps to it (the paper's method keeps none)"
+
+
+class NotThereYet:
+    """Says what is lacking, and withdraws that once it is there or no longer to be shown."""
+
+    def __init__(self, notice: Notice) -> None:
+        self._notice = notice
+
+    def show_light(self, how_it_gets_known: str, now_s: float) -> None:
+        """The arrow is to be shown, and no light is known."""
+        self._notice.say(f"{NO_ARROW_YET}: {how_it_gets_known}", now_s)
+
+    def show_steps(self, answer: NewAnswer | None, how_it_gets_known: str, now_s: float) -> None:
+        """The steps to `answer` are to be shown, if there are any."""
+        if answer is None:
+            self._notice.say(f"{NO_ANSWER_YET}: {how_it_gets_known}", now_s)
+        elif answer.steps_bgr is None:
+            self._notice.say(ANSWER_ALONE, now_s)
+
+    def hide_steps(self) -> None:
+        self._notice.withdraw(ANSWER_ALONE)
+
+    def take_light(self) -> None:
+        """A light is known."""
+        self._notice.withdraw(NO_ARROW_YET)
+
+    def take_answer(self, answer: NewAnswer, shows_steps: bool, now_s: float) -> None:
+        """There is an answer. `shows_steps`: whether the steps to it are to be shown."""
+        self._notice.withdraw(NO_ANSWER_YET)
+        if answer.estimate.light is not None:
+            self.take_light()
+        if answer.steps_bgr is not None:
+            self._notice.withdraw(ANSWER_ALONE)
+        elif shows_steps:
+            self._notice.say(ANSWER_ALONE, now_s)
