@@ -88,6 +88,12 @@ def _long_strips(document: Document, it: dict[str, Any]) -> None:
     it["meshes"].append({"primitives": 4 * strips})
 
 
+def _sparse_beyond(document: Document, it: dict[str, Any]) -> None:
+    indices, values = document.view(np.arange(4, dtype=np.uint16).tobytes()), document.view(bytes(12))
+    parts = {"indices": {"bufferView": indices, "componentType": 5123}, "values": {"bufferView": values}}
+    it["accessors"][0]["sparse"] = {"count": 4, **parts}
+
+
 def _many_nodes(_: Document, it: dict[str, Any]) -> None:
     it["nodes"] = [{"mesh": 0}] * (limits.MAX_PARTS + 1)
     it["scenes"][0]["nodes"] = list(range(limits.MAX_PARTS + 1))
@@ -175,6 +181,22 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
     ),
     "a node within itself": ("two places", lambda: changed(lambda _, it: it["nodes"][0].update(children=[0]))),
     "a node in two places": ("two places", lambda: changed(_diamond)),
+    "a child twice": (
+        "node 1 stands in two places",
+        lambda: changed(lambda _, it: it.update(nodes=[{"children": [1, 1]}, {"mesh": 0}])),
+    ),
+    "places in whole numbers": (
+        r"primitives\[0\]: POSITION cannot be VEC3 of componentType 5125",
+        _with("accessors", componentType=5125),
+    ),
+    "a stride beyond its part": (
+        r"accessors\[0\] ends at byte 768 of a bufferView of 48",
+        lambda: changed(lambda _, it: it["bufferViews"][0].update(byteStride=252)),
+    ),
+    "sparse items beyond their part": (
+        r"accessors\[0\].sparse.values ends at byte 48 of a bufferView of 12",
+        lambda: changed(_sparse_beyond),
+    ),
     "a stride past the end": (
         "malformed",
         lambda: changed(lambda _, it: it["bufferViews"][0].update(byteStride=2**40)),

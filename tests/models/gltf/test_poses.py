@@ -4,10 +4,12 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 from ashe_live.errors import UserError
+from ashe_live.models.gltf.motion.pose import matrix_of
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.mesh import Model, face_normals
 from tests.models.gltf_files import CORNERS, TRIANGLES, Document
@@ -397,6 +399,18 @@ def test_an_animation_of_what_is_not_drawn_plays_nothing(tmp_path: Path) -> None
     animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
     document.json["animations"][0]["channels"][0]["target"]["node"] = 1
     assert load_model_file(document.save(tmp_path / "a.glb")).duration_s == 0
+
+
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, -2, 3), (-0.3, 0.5, 0.2)])
+@pytest.mark.parametrize("length", [1.0, 0.2, 7.0])
+def test_a_quaternion_of_any_length_turns_about_its_axis(axis: tuple[float, float, float], length: float) -> None:
+    angle = 1.1
+    along = np.array(axis, dtype=np.float64) / np.linalg.norm(axis)
+    quaternion = length * np.append(math.sin(angle / 2) * along, math.cos(angle / 2))
+    matrix = matrix_of((1, 2, 3), quaternion, (2, 3, 4))
+    np.testing.assert_allclose(matrix[:3, :3], cv2.Rodrigues(angle * along)[0] * (2, 3, 4), atol=1e-12)
+    np.testing.assert_array_equal(matrix[:, 3], (1, 2, 3, 1))
+    np.testing.assert_array_equal(matrix_of(None, (0, 0, 0, 0), None), np.eye(4))
 
 
 def test_a_mesh_is_drawn_wherever_its_node_says(tmp_path: Path) -> None:
