@@ -335,10 +335,15 @@ def test_nothing_but_files_of_the_folder_is_read(tmp_path: Path, uri: str) -> No
 
 
 @pytest.mark.usefixtures("no_network")
-@pytest.mark.parametrize("uri", ["file:///etc/a.bin", "file:a.bin", "http://example.org/a.bin", "HTTPS:a.bin"])
+@pytest.mark.parametrize(
+    "uri",
+    ["file:///etc/a.bin", "file:a.bin", "http://example.org/a.bin", "HTTPS:a.bin", "http://example.org/../../../a.bin"],
+)
 def test_that_no_address_is_read_is_said(tmp_path: Path, uri: str) -> None:
+    """Nor what lies beside the model and has the name that the address ends in."""
     document = Document()
     document.quad()
+    (tmp_path / "a.bin").write_bytes(document.buffer)
     path = document.save(tmp_path / "a.gltf")
     header = json.loads(path.read_text())
     header["buffers"][0]["uri"] = uri
