@@ -154,6 +154,7 @@ class Session:
             advice = ": point the camera at it, then press Space" if self.watch.camera_may_move else ""
             self.say(f"no marker in view{advice}", now_s)
         elif not self.watch.ask(self.tracked, now_s, self._draw):
+            self._by_hand_s = -math.inf  # the answer that is under way is wanted in the place of a light by hand
             self.say("still estimating", now_s)
         else:
             return True

@@ -638,6 +638,19 @@ def test_a_new_estimate_ends_the_light_by_hand_and_one_asked_for_before_does_not
     assert session.lit_by.lights is session.estimate.lights
 
 
+def test_an_estimate_asked_for_again_while_it_is_made_ends_the_light_by_hand(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.request_estimate(1.0)
+    by_hand(session, 2.0)
+    session.handle(Request(Command.ESTIMATE), 3.0)
+    assert session.notice.shown(3.0) == "still estimating"
+    session.watch._worker.answer = fakes.estimate()
+    session.poll(4.0)
+    assert session.hand.light is None
+    assert session.lit_by.lights is session.estimate.lights
+
+
 def test_a_light_by_hand_that_is_brought_back_by_undoing_counts_from_then(make, fakes):
     session = make(automatic=True)
     session.take(fakes.tracked(), 0.0)
