@@ -180,8 +180,12 @@ def test_links_are_neither_followed_nor_replaced(tmp_path: Path, target: str, ov
 def test_devices_pipes_and_folders_are_not_replaced(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "folder").mkdir()
-    for path in (tmp_path / "pipe", tmp_path / "folder", Path("/dev/null")):
-        with pytest.raises(UserError):
+    for path, said in (
+        (tmp_path / "pipe", "is a device or a pipe and not a file"),
+        (tmp_path / "folder", "is a folder"),
+        (Path("/dev/null"), "is a device or a pipe and not a file"),
+    ):
+        with pytest.raises(UserError, match=said):
             check_output(path, overwrite=True)
     assert (tmp_path / "pipe").is_fifo()
 
@@ -202,8 +206,11 @@ def test_a_folder_is_checked_without_being_made(tmp_path: Path) -> None:
     assert not folder.parent.exists()
     (tmp_path / "file").write_text("mine")
     (tmp_path / "link").symlink_to(tmp_path / "nowhere")
-    for wrong in ("file", "file/within", "link", "n" * 300, "nul\0"):
-        with pytest.raises(UserError):
+    for wrong in ("file", "file/within", "link"):
+        with pytest.raises(UserError, match="is a file, not a folder"):
+            check_folder(tmp_path / wrong)
+    for wrong in ("n" * 300, "nul\0"):
+        with pytest.raises(UserError, match="cannot write"):
             check_folder(tmp_path / wrong)
     with pytest.raises(UserError, match="exists already"):
         check_folder(tmp_path, ("file",))

@@ -36,8 +36,9 @@ def make_nothing(_: Path) -> None:
 )
 def test_what_is_no_file_with_something_in_it_is_said(tmp_path: Path, make, said: str) -> None:
     make(tmp_path / "a")
-    with pytest.raises(UserError, match=said):
+    with pytest.raises(UserError, match=said) as caught:
         opened(tmp_path / "a")
+    assert said in caught.value.message
 
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="only Linux has it")
