@@ -91,6 +91,7 @@ def test_clips_are_those_listed_and_those_described(tmp_path):
 def test_every_tenth_frame_is_tracked(clip):
     with Recorder(clip.path, SIZE, 10) as recorder:
         for index in range(25):
-            recorder.write(cv2.cvtColor(np.full((SIZE[1], SIZE[0]), 10 * index, np.uint8), cv2.COLOR_GRAY2BGR))
+            grey = np.full((SIZE[1], SIZE[0]), 10 * index, np.uint8)
+            recorder.write(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), index / 10)
     assert [tracked.frame.index for tracked in frames_of(clip)] == [0, 10, 20]
     assert [tracked.frame.index for tracked in frames_of(clip, limit=2)] == [0, 10]
