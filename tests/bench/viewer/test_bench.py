@@ -55,8 +55,8 @@ def clip(tmp_path_factory):
     print_bgr = cv2.cvtColor(parse_marker(SPEC).bitmap(side_px), cv2.COLOR_GRAY2BGR)
     picture = cv2.warpPerspective(print_bgr, H, SIZE, flags=cv2.INTER_AREA, borderValue=(255, 255, 255))
     with Recorder(path, SIZE, 24) as recorder:
-        for _ in range(12):
-            recorder.write(picture)
+        for index in range(12):
+            recorder.write(picture, index / 24)
     return KnownClip(path, camera, SPEC, SIDE_M, np.array([0.6, 0.0, 0.8]))
 
 
