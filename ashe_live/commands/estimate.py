@@ -17,6 +17,7 @@ from ashe_live.commands.flags.model_choice import marker_files
 from ashe_live.commands.flags.named_files import named_files
 from ashe_live.commands.flags.setup import camera_chooser, light_preset, make_tracker
 from ashe_live.core.contract import FileRecord
+from ashe_live.drawing.light_text import light_text
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_folder, check_outputs, make_folder
 from ashe_live.light.estimators.estimator import make_estimator
@@ -159,7 +160,7 @@ def _answer_text(record: FileRecord) -> str:
     where = "" if record.is_photo else f"frame {record.frame}, "
     if estimate.span_rad is not None:
         where = f"{len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°, "
-    lights = "; ".join(light.summary(decimals=1) for light in estimate.lights)
+    lights = "; ".join(light_text(light, decimals=1) for light in estimate.lights)
     return f"{lights} ({where}{milliseconds:.0f} ms)"
 
 

@@ -176,25 +176,6 @@ class Light:
             self, to_light_marker=to_light_marker, inverse_distance=inverse_distance, angular_size_rad=size_rad
         )
 
-    def summary(self, decimals: int = 0) -> str:
-        """For the user: "lamp, 62 ± 5 cm, azimuth 30°, elevation 45° ± 4.0°, 90 % sure". `decimals`: of the angles."""
-        sigma = "" if self.sigma_rad is None else f" ± {math.degrees(self.sigma_rad):.1f}°"
-        # No estimate is certain, whatever a probability is rounded to.
-        sure = "" if self.confidence is None else f", {min(100 * self.confidence, 99):.0f} % sure"
-        angles = f"azimuth {self.azimuth_deg:.{decimals}f}°, elevation {self.elevation_deg:.{decimals}f}°"
-        return f"{self._distance_summary()}{angles}{sigma}{sure}"
-
-    def _distance_summary(self) -> str:
-        """ "lamp, 62 ± 5 cm, ", the distance from the marker's centre; empty for a sun."""
-        if self.inverse_distance == 0:
-            return ""
-        distance_cm = 100 / self.inverse_distance
-        sigma = ""
-        if self.lamp_covariance is not None:
-            # To first order, the relative error of the distance is that of its inverse.
-            sigma = f" ± {distance_cm * math.sqrt(max(self.lamp_covariance[2, 2], 0.0)) / self.inverse_distance:.0f}"
-        return f"lamp, {distance_cm:.0f}{sigma} cm, "
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Illumination:

@@ -16,6 +16,7 @@ from ashe_live.core.transforms import camera_centre
 from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR, UNSEEN_BGR
 from ashe_live.drawing.light_rose import light_rose
+from ashe_live.drawing.light_text import light_text
 from ashe_live.drawing.overlays import draw_outline, tinted, with_body, with_masks
 from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.ground.lit_ground import LitGround
@@ -58,7 +59,7 @@ def debug_pictures(tracked: TrackedFrame, estimate: LightEstimate, trace: Trace 
         rest = _with_residual(photo, view, estimate, body)
         pictures.append(DebugPicture("red: not explained, green: not seen", rest))
     rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_centre(T_cam_marker))
-    summary = "; ".join(light.summary() for light in estimate.lights) or f"none: {estimate.reason}"
+    summary = "; ".join(light_text(light) for light in estimate.lights) or f"none: {estimate.reason}"
     pictures.append(DebugPicture(summary, centred(rose, photo.shape)))
     return pictures
 

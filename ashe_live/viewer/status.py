@@ -6,6 +6,7 @@ import numpy as np
 
 from ashe_live.core.transforms import angle_between, transform_points
 from ashe_live.core.types import TrackedFrame
+from ashe_live.drawing.light_text import light_text
 from ashe_live.render.gl.framing import box_corners, framing
 from ashe_live.render.lights.light_view import sees
 from ashe_live.tracking.families.in_view import in_view_text
@@ -45,7 +46,7 @@ def light_line(session: Session) -> str:
         assert estimate is not None
         text = f"no clear light{_over_empty_table(session)}: {estimate.reason}"
     else:
-        text = f"{'light' if session.hand.light is None else 'light by hand'}: {light.summary()}"
+        text = f"{'light' if session.hand.light is None else 'light by hand'}: {light_text(light)}"
         if session.hand.light is None:
             text += views_text(session)
         if (count := len(session.lit_by.lights)) > 1:

@@ -15,6 +15,7 @@ import pytest
 
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.core.types import Illumination, Light
+from ashe_live.drawing.light_text import light_text
 from ashe_live.light.estimators import estimator
 from ashe_live.tracking.families.markers import parse_marker
 from tests.commands.conftest import InstantEstimator
@@ -99,7 +100,7 @@ def test_every_light_is_named(run, files, monkeypatch):
 
     monkeypatch.setitem(estimator.ESTIMATORS, DEFAULT_ESTIMATOR, two)
     (line,) = run("estimate", *KNOWN, files["photo"]).out
-    assert all(light.summary(decimals=1) in line for light in lights)
+    assert all(light_text(light, decimals=1) in line for light in lights)
 
 
 def test_without_a_light_the_status_is_4(run, files, schema, go_dark):

@@ -170,21 +170,3 @@ def test_a_light_without_inverse_distance_is_a_sun() -> None:
 def test_a_lamp_is_neither_behind_the_plane_nor_inside_the_marker(inverse_distance: float) -> None:
     with pytest.raises(ValueError, match="inverse_distance"):
         Light(np.array([0.0, 0.0, 1.0]), inverse_distance=inverse_distance)
-
-
-def test_no_light_is_said_to_be_certain() -> None:
-    for confidence in (0.996, 1.0):
-        assert Light((0.0, 0.0, 1.0), confidence=confidence).summary().endswith(", 99 % sure")
-
-
-def test_a_lamp_is_summed_up_with_its_distance() -> None:
-    """Its error to first order: a relative error of the inverse distance is one of the distance."""
-    lamp = Light((0.0, 1.0, 1.0), inverse_distance=1 / 0.62, sigma_rad=math.radians(4.0), confidence=0.9)
-    assert lamp.summary() == "lamp, 62 cm, azimuth 90°, elevation 45° ± 4.0°, 90 % sure"
-    sigma = 0.05 / 0.62**2
-    assert (
-        dataclasses.replace(lamp, lamp_covariance=np.diag([0.01, 0.01, sigma**2]))
-        .summary()
-        .startswith("lamp, 62 ± 5 cm, ")
-    )
-    assert Light((0.0, 1.0, 1.0)).summary().startswith("azimuth")
