@@ -16,9 +16,12 @@ from ashe_live.tracking.tracker import MarkerTracker
 
 # Views that are asked one by one for the focal length, as for a photo; then it takes several at once.
 VIEWS_ASKED = 3
-# A photo that was cut out of a larger one states that one's angle of view. It is not believed where the marker's
-# perspective tells a focal length that is so many standard deviations of both from the stated one.
+# A photo that was cut out of a larger one states that one's angle of view, and a lens may have been zoomed since its
+# focal length was remembered. Neither is believed where the marker's perspective tells a focal length that is so many
+# standard deviations of both from it.
 DOUBTED = 4.0
+# What is remembered is borne out by an estimate of this run that is so sure, and agrees: by a fifth no lens was zoomed.
+BORNE_OUT_SIGMA = 0.04
 CUT = "the focal length in its EXIF data does not fit the marker, as when a photo was cut: it is not used"
 
 
@@ -38,6 +41,7 @@ class FocalTracker(MarkerTracker):
         self._assumed = assumed
         self._memory = memory
         self._known: FocalEstimate | None = None
+        self._is_remembered = False  # whether it is of an earlier run, and has not been borne out by this one
         self._stated: Camera | None = None
         self._views_asked = 0
         self._estimator: FocalEstimator | None = None
@@ -60,7 +64,7 @@ class FocalTracker(MarkerTracker):
     @property
     def is_sure(self) -> bool:
         """Whether the focal length is known so well that nothing more is learned."""
-        return self._known is not None and self._known.relative_sigma <= FOUND_SIGMA
+        return self._known is not None and not self._is_remembered and self._known.relative_sigma <= FOUND_SIGMA
 
     def use_stated(self, camera: Camera) -> None:
         """The focal length that pictures state is used until the marker contradicts it, or gives a surer one."""
@@ -87,14 +91,14 @@ class FocalTracker(MarkerTracker):
             found = focal_of_view(self._sightings, prior, self.side_m)
             if found is None or found.relative_sigma > least_sure * FOCAL_SIGMA["assumed"]:
                 continue
-            sigma = math.hypot(found.relative_sigma, FOCAL_SIGMA["exif"])
-            if abs(math.log(found.focal_px / focal_px)) > DOUBTED * sigma:
+            if _contradicts(found, focal_px, FOCAL_SIGMA["exif"]):
                 return True
         return False
 
     def _known_or_assumed(self, size: Size) -> Camera:
         """For frames of another size than before: nothing has been learned from them."""
         self._known = None if self._memory is None else self._memory.recall(size)
+        self._is_remembered = self._known is not None
         self._estimator, self._views_asked = FocalEstimator(size), 0
         if self._known is not None:
             return self._known.camera()
@@ -109,9 +113,27 @@ class FocalTracker(MarkerTracker):
     def _learn_from(self, tracked: TrackedFrame) -> None:
         assert self._estimator is not None
         new = self._estimator.add(tracked)
-        if new is None or not self._is_better(new, tracked.camera):
+        if new is None or not (self._is_zoomed(new) or self._is_better(new, tracked.camera)):
             return
         self._known = new
         self.use_camera(new.camera())
         if self._memory is not None:
             self._memory.keep(new)
+
+    def _is_zoomed(self, new: FocalEstimate) -> bool:
+        """Whether the lens was zoomed since its focal length was remembered, which is forgotten then."""
+        if not self._is_remembered or self._known is None or self._memory is None:
+            return False
+        is_zoomed = new.relative_sigma <= KNOWN_SIGMA and _contradicts(
+            new, self._known.focal_px, self._known.relative_sigma
+        )
+        if is_zoomed:
+            self._memory.forget(new.size)
+        self._is_remembered = not is_zoomed and new.relative_sigma > BORNE_OUT_SIGMA
+        return is_zoomed
+
+
+def _contradicts(found: FocalEstimate, focal_px: float, relative_sigma: float) -> bool:
+    """Whether an estimate says that a focal length with this uncertainty is wrong."""
+    away = abs(math.log(found.focal_px / focal_px))
+    return away > DOUBTED * math.hypot(found.relative_sigma, relative_sigma)

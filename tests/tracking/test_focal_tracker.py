@@ -105,6 +105,18 @@ def test_what_is_known_well_is_left_alone(tmp_path: Path) -> None:
     assert tracker.is_sure
 
 
+@pytest.mark.parametrize("zoomed", [0.6, 1.5])
+def test_a_lens_that_was_zoomed_since_is_learned_anew_and_remembered_so(zoomed: float, tmp_path: Path) -> None:
+    memory, size, truth_px = FocalMemory("table", tmp_path / "kept.json"), CLIP.camera.size, CLIP.camera.K[0, 0]
+    memory.keep(FocalEstimate(size, zoomed * truth_px, 0.005 * truth_px, 60))
+    tracker = tracker_with(memory)
+    last = list(watched(tracker))[-1]
+    assert last.camera.K[0, 0] == pytest.approx(truth_px, rel=0.05)
+    kept = memory.recall(size)
+    assert kept is not None
+    assert kept.focal_px == last.camera.K[0, 0]
+
+
 def test_frames_of_another_size_begin_anew() -> None:
     tracker = tracker_with(None)
     for size in ((640, 480), (320, 240), (480, 640)):

@@ -36,5 +36,9 @@ class FocalMemory:
         entry = {"focal_px": estimate.focal_px, "sigma_px": estimate.sigma_px, "views": estimate.views}
         self._kept.write({**self._kept.read(), self._key(estimate.size): entry})
 
+    def forget(self, size: Size) -> None:
+        """What was kept for pictures of `size` is wrong."""
+        self._kept.write({key: entry for key, entry in self._kept.read().items() if key != self._key(size)})
+
     def _key(self, size: Size) -> str:
         return f"{self._name}, {size[0]}x{size[1]}"

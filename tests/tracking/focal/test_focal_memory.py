@@ -33,6 +33,15 @@ def test_what_is_surer_stays(path: Path) -> None:
         assert recalled.sigma_px == kept
 
 
+def test_what_is_wrong_is_forgotten_for_that_size_alone(path: Path) -> None:
+    memory, other = FocalMemory("camera", path), FocalEstimate((1280, 720), 1200.0, 20.0, 30)
+    for estimate in (FocalEstimate(SIZE, 600.0, 2.0, 30), other):
+        memory.keep(estimate)
+    memory.forget(SIZE)
+    assert memory.recall(SIZE) is None
+    assert memory.recall((1280, 720)) == other
+
+
 @pytest.mark.parametrize(
     "content",
     ["", "{", "[]", '{"camera, 640x480": 5}', '{"camera, 640x480": {"focal_px": -1, "sigma_px": 1, "views": 9}}'],
