@@ -18,6 +18,7 @@ AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain sur
 SET_BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
 WITHOUT_IT = "or take the thing away, press Shift+Space, put it back and press Space: then nothing else counts"
 KEYS = "H: keys"
+BENT_PX = 1.0  # root mean square of the marker's corners about those of a flat square, from which on it is told
 # An answer so sharp needs no advice, and where views over so wide an angle gave none, moving on will not.
 SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
 LAMP_BELOW = "the lamp is below the table: it gives no light"
@@ -81,7 +82,10 @@ def marker_line(tracked: TrackedFrame | None) -> str:
         return "waiting for the first picture"
     if tracked.marker is None:
         return "marker: not in view"
-    return f"marker: in view, its corners fit to {tracked.marker.reprojection_rms_px:.2f} px"
+    off_px = tracked.marker.reprojection_rms_px
+    if off_px < BENT_PX or tracked.marker.body is not None:
+        return "marker: in view"
+    return f"marker: in view, but its corners are {off_px:.1f} px from where a flat square's would be"
 
 
 def camera_line(tracked: TrackedFrame | None) -> str | None:
