@@ -13,6 +13,7 @@ import numpy as np
 from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Table
 
+from ashe_live.capture.cameras import connected
 from ashe_live.capture.folder import pictures_in
 from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo_series import PhotoSeries
@@ -72,7 +73,13 @@ def _is_recorded(path: str) -> bool:
 
 def _opened(options: argparse.Namespace) -> Source:
     if options.camera.isdecimal():
-        return WebcamSource(int(options.camera), options.size)
+        try:
+            return WebcamSource(int(options.camera), options.size)
+        except UserError:
+            if connected():
+                raise
+            remedy = "connect one, or name a clip or a folder of photos of the board with --camera"
+            raise UserError("there is no camera", remedy) from None
     path = Path(options.camera)
     if path.is_dir():
         return PhotoSeries(path)

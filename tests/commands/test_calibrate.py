@@ -158,6 +158,21 @@ def test_ctrl_c_ends_it_with_what_was_seen(
     assert (tmp_path / "camera.json").exists() == (status == 0)
 
 
+@pytest.mark.parametrize("are_others", [False, True])
+def test_without_a_camera_it_names_what_else_shows_the_board(
+    run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, are_others: bool
+) -> None:
+    def refuse(camera: int, size: object) -> None:  # noqa: ARG001
+        raise UserError("/dev/video0 is busy", "close what uses it")
+
+    monkeypatch.setattr(calibrate, "WebcamSource", refuse)
+    monkeypatch.setattr(calibrate, "connected", lambda: [object()] if are_others else [])
+    outcome = run("calibrate", "--out", tmp_path / "camera.json")
+    assert outcome.status == 2
+    without = "there is no camera: connect one, or name a clip or a folder of photos of the board with --camera"
+    assert outcome.err[-1] == f"ashe-live: {'/dev/video0 is busy: close what uses it' if are_others else without}"
+
+
 def test_a_clip_without_a_board_is_one_line(run, film, tmp_path: Path) -> None:
     outcome = run("calibrate", "--camera", film.path, "--out", tmp_path / "camera.json")
     assert outcome.status == 2
