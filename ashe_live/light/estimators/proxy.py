@@ -107,7 +107,8 @@ class ProxyEstimator:
         if explained is estimate:
             return without_confirming(odd, _likeliest(trace), self._judge)
         # If all the other views contradict the first one's answer, that answer is wrong rather than they.
-        return [] if len(odd) == len(estimate.views) - 1 > 1 else odd
+        used = [other for other in others if other.frame.index in estimate.views]
+        return [] if len(used) > 1 and not without(used, odd) else odd
 
     def _traced(
         self, tracked: TrackedFrame, others: Sequence[TrackedFrame], clock: StageClock

@@ -10,14 +10,16 @@ import pytest
 from ashe_live.bench.light.takes import FALL
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
-from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.light.estimators import proxy
 from ashe_live.light.estimators.looking import looked
 from ashe_live.light.estimators.preset import BALANCED, FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.together import without_alike
-from ashe_live.light.estimators.view_search import ViewSearch
+from ashe_live.light.estimators.view_search import Trace, ViewSearch
 from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge
 from ashe_live.light.lamps.sources import SeenObject
+from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import without_confirming
 from ashe_live.light.views.joint.aligned import in_each_view
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
@@ -191,3 +193,17 @@ def test_views_confirm_an_explanation_that_they_show_as_well() -> None:
     trace = looked(first, [other, odd], FAST, judge, StageClock()).trace
     likeliest = trace.judged[int(np.argmax(trace.probabilities))]
     assert without_confirming([other, odd], likeliest, judge) == [odd]
+
+
+def test_all_views_that_were_used_outvote_the_first_one_whatever_was_not_used(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of three others one shows too little ground to be used: the two that were used contradict the first one."""
+    seen = paint(BOX).tracked
+    first, *others = (dataclasses.replace(seen, frame=Frame(seen.frame.image_bgr, index, 0.0)) for index in range(4))
+    together = LightEstimate("proxy", 0, Illumination(), "no shadow found", views=(0, 1, 2))
+    alone = LightEstimate("proxy", 0, Illumination((Light((0.0, 0.0, 1.0)),)))
+    estimator, trace = ProxyEstimator(BALANCED), Trace(View.of(seen, 320))
+    monkeypatch.setattr(estimator, "_traced", lambda _, used, __: (together if len(used) else alone, trace))
+    monkeypatch.setattr(proxy, "contradicting", lambda _, __, used, ___: list(used))
+    assert estimator.traced(first, others)[0] is together
