@@ -113,24 +113,26 @@ class FocalTracker(MarkerTracker):
     def _learn_from(self, tracked: TrackedFrame) -> None:
         assert self._estimator is not None
         new = self._estimator.add(tracked)
-        if new is None or not (self._is_zoomed(new) or self._is_better(new, tracked.camera)):
+        if new is None or not (self._replaces_remembered(new) or self._is_better(new, tracked.camera)):
             return
         self._known = new
         self.use_camera(new.camera())
         if self._memory is not None:
             self._memory.keep(new)
 
-    def _is_zoomed(self, new: FocalEstimate) -> bool:
-        """Whether the lens was zoomed since its focal length was remembered, which is forgotten then."""
+    def _replaces_remembered(self, new: FocalEstimate) -> bool:
+        """Compares an estimate of this run with what is remembered, until it bears that out or contradicts it.
+
+        Returns whether it does the latter, as when the lens was zoomed since; then what was remembered is forgotten.
+        """
         if not self._is_remembered or self._known is None or self._memory is None:
             return False
-        is_zoomed = new.relative_sigma <= KNOWN_SIGMA and _contradicts(
-            new, self._known.focal_px, self._known.relative_sigma
-        )
-        if is_zoomed:
+        known, is_sure = self._known, new.relative_sigma <= KNOWN_SIGMA
+        is_wrong = is_sure and _contradicts(new, known.focal_px, known.relative_sigma)
+        if is_wrong:
             self._memory.forget(new.size)
-        self._is_remembered = not is_zoomed and new.relative_sigma > BORNE_OUT_SIGMA
-        return is_zoomed
+        self._is_remembered = not is_wrong and new.relative_sigma > BORNE_OUT_SIGMA
+        return is_wrong
 
 
 def _contradicts(found: FocalEstimate, focal_px: float, relative_sigma: float) -> bool:
