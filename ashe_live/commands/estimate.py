@@ -63,11 +63,13 @@ def run(options: argparse.Namespace) -> int:
         try:
             for record, picture in answers:
                 statuses.add(_status(record))
-                if not options.json and _answer_text(record) == NO_MARKER and Path(record.file) not in options.files:
+                is_read = True
+                if options.json:
+                    is_read = print_exactly(record.to_line())
+                elif _shows_no_marker(record) and Path(record.file) not in options.files:
                     without_marker.append(record.file)
-                    is_read = True
                 else:
-                    is_read = print_exactly(record.to_line()) if options.json else print_answer(_line(record))
+                    is_read = print_answer(_line(record))
                 if options.sheet is not None:
                     page.add(_named(record), _answer_text(record), picture)
                 elif not is_read and options.debug is None:
@@ -148,10 +150,10 @@ def _line(record: FileRecord) -> str:
 def _answer_text(record: FileRecord) -> str:
     if record.error is not None:
         return record.error
-    if record.marker is None:
-        if record.in_view:
-            return f"the marker was not found: {other_markers_hint(record.in_view, record.looked_for)}"
+    if _shows_no_marker(record):
         return NO_MARKER
+    if record.marker is None:
+        return f"the marker was not found: {other_markers_hint(record.in_view, record.looked_for)}"
     estimate = record.estimate
     assert estimate is not None
     if not estimate.lights:
@@ -162,6 +164,11 @@ def _answer_text(record: FileRecord) -> str:
         where = f"{len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°, "
     lights = "; ".join(light_text(light, decimals=1) for light in estimate.lights)
     return f"{lights} ({where}{milliseconds:.0f} ms)"
+
+
+def _shows_no_marker(record: FileRecord) -> bool:
+    """Whether the file could be read and has no marker at all, neither the one that is looked for nor another."""
+    return record.error is None and record.marker is None and not record.in_view
 
 
 def _status(record: FileRecord) -> ExitStatus:
