@@ -115,11 +115,9 @@ class Hand:
         wanted = self.placement.scale * SCALE_STEP ** min(max(notches, -MOST_NOTCHES), MOST_NOTCHES)
         scale = min(max(wanted, SMALLEST), LARGEST)
         self.placement = replace(self.placement, scale=scale)
-        return (
-            None
-            if scale == wanted
-            else f"the model goes from {100 * SMALLEST:.0f} % to {100 * LARGEST:.0f} % of its size"
-        )
+        if scale == wanted:
+            return None
+        return f"the model goes from {100 * SMALLEST:.0f} % to {100 * LARGEST:.0f} % of its size"
 
     def _move(self, tracked: TrackedFrame, to_m: Float) -> None:
         assert tracked.marker is not None

@@ -31,7 +31,7 @@ def overdispersed(covariance_rad2: Float, unseen_end: Float | float, factor: flo
     total = factor * covariance_rad2 * axes[..., :, None] * axes[..., None, :]
     total[..., 1, 1] += unseen_end * covariance_rad2[..., 1, 1]
     # The information of the prior that became `factor` times as small.
-    prior = max(1 - 1 / factor, 0.0) * axes**2 / HEMISPHERE_RAD**2 if factor > 0 else np.zeros_like(axes)
+    prior = (1 - 1 / max(factor, 1.0)) * axes**2 / HEMISPHERE_RAD**2
     return np.asarray(np.linalg.solve(np.eye(2) + total * prior[..., None, :], total))
 
 
