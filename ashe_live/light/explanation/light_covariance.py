@@ -52,11 +52,10 @@ def averaged(light: FittedLight, directions: Float, weights: Float, spread_share
     a part of the overdispersion that the light's covariance is multiplied by later.
     """
     weights = weights / weights.sum()
-    offsets = (directions - directions[0]) @ tangent_basis(directions[0]).T  # (n, 2), rad
-    mean = weights @ offsets
-    spread = np.einsum("n,ni,nj->ij", weights, offsets - mean, offsets - mean)
-    covariance = light.covariance_rad2 + spread_share * spread
-    towards = normalised(light.to_light_marker + mean @ tangent_basis(light.to_light_marker))
+    # In space: near the zenith the tangent basis of another direction is turned by far more than that is away.
+    towards = normalised(light.to_light_marker + weights @ directions - directions[0])
+    about = (directions - weights @ directions) @ tangent_basis(light.to_light_marker).T  # (n, 2), rad
+    covariance = light.covariance_rad2 + spread_share * np.einsum("n,ni,nj->ij", weights, about, about)
     return replace(
         light,
         light=np.append(towards, light.light[3]),

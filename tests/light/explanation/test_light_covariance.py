@@ -26,6 +26,26 @@ def test_directions_that_were_measured_elsewhere_move_the_light_by_as_much() -> 
     assert np.degrees(angle_between(moved, direction(120.0, 43.0))) < 0.01
 
 
+def test_the_mean_of_directions_far_apart_is_half_way() -> None:
+    wide = np.array([LOW, direction(120.0, 60.0)])
+    moved = averaged(SUN, wide, np.ones(2)).to_light_marker
+    assert np.degrees(angle_between(moved, direction(120.0, 50.0))) < 0.01
+
+
+def test_near_the_zenith_directions_that_were_measured_elsewhere_move_the_light_the_same_way() -> None:
+    """Both by one degree along x, though elsewhere lies at an azimuth that differs by 90 degrees."""
+    here, there = np.array([0.04, 0.0, 1.0]), np.array([0.0, 0.04, 1.0])
+    along_x = np.array([np.radians(2.0), 0.0, 0.0])
+    sun = FittedLight(np.append(here / np.linalg.norm(here), 0.0), np.diag([1e-4, 1e-4]))
+    elsewhere = np.array([each / np.linalg.norm(each) for each in (there, there + along_x)])
+    moved = averaged(sun, elsewhere, np.ones(2), 1.0)
+    assert np.degrees(angle_between(moved.to_light_marker, here + along_x / 2)) < 0.01
+    basis = tangent_basis(moved.to_light_marker)
+    added = basis.T @ moved.covariance_rad2 @ basis
+    assert added[0, 0] == pytest.approx(1e-4 + np.radians(1.0) ** 2, rel=0.01)
+    assert added[1, 1] == pytest.approx(1e-4, rel=0.01)
+
+
 def test_what_directions_differ_by_is_added_to_the_covariance_as_far_as_asked() -> None:
     several, weights = np.array([LOW, HIGH]), np.ones(2)
     assert averaged(SUN, several, weights).covariance_rad2 == pytest.approx(SUN.covariance_rad2)
