@@ -137,7 +137,7 @@ class ModelsOnVideo:
 
     def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
         """Readies shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
-        self.shadows.render((models,) if self.layers.real is None else (models, self.layers.real), lighting)
+        self.shadows.render(models.casters(lighting), lighting, self.layers.real)
         self._ground_shadows.render(self.shadows, lighting)
         cover = self.layers.follow_sheet(scene, waits)
         self.layers.catcher.fit(models, lighting, self.shadows, _covered(cover))

@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from ashe_live.core.transforms import angle_between, transform_points
 from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.light_text import light_text
@@ -24,7 +22,6 @@ SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
 LAMP_BELOW = "the lamp is below the table: it gives no light"
 OUT_OF_PICTURE = "the model stands outside the picture: Backspace puts it back"
 LAMP_INSIDE = "the lamp is inside the model or touches it: it casts no shadow"
-LAMP_AMONG = "the lamp is among the models, or close to them: it casts no shadow"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
@@ -142,11 +139,8 @@ def lamp_note(session: Session) -> str | None:
         for _, model, placement in session.arrangement.models(session.tracked)
         if placement is not None
     ]
-    if not all(sees(lamp, points) for lamp in lamps for points in bodies):
-        return LAMP_INSIDE
-    # Several are one caster.
-    is_seen = len(bodies) < 2 or all(sees(lamp, np.concatenate(bodies)) for lamp in lamps)
-    return None if is_seen else LAMP_AMONG
+    is_outside = all(sees(lamp, points) for lamp in lamps for points in bodies)
+    return None if is_outside else LAMP_INSIDE
 
 
 def _is_moved_out_of_picture(session: Session) -> bool:

@@ -10,7 +10,7 @@ uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform vec3 sky;  // the sky's fraction of the light on level ground at the marker, linear RGB; the rest is the lights'
 uniform vec3 sky_slope[2];  // what surfaces facing x and y get from the sky beyond the light of an even one
-#if LIGHTS > 0 && CASTERS > 1
+#if LIGHTS > 0 && CASTERS > GROUPS
 uniform vec3 ground_rgb;  // linear colour of the lit ground at the marker in the video; 0 if unknown
 const float RIM_PX = 2.5;  // error of the real shadow's outline
 const float MATTERS = 0.02;  // share of the sky or of a light that the model takes, below which errors are not seen
@@ -53,22 +53,22 @@ vec3 video_at(vec2 pixel) {
     return linear_from_srgb(texture(video, (pixel - viewport.xy) / viewport.zw).rgb);
 }
 
-#if LIGHTS > 0 && CASTERS > 1
+#if LIGHTS > 0 && CASTERS > GROUPS
 // The fraction of a light that the real object lets through. Near the outline of its shadow it is measured in the video:
 // where the two shadows meet, an outline that is off by a pixel would leave a seam that is darkened twice or not at all.
 // Farther from the outline, only what is clearly in shadow in the video counts as shadow. Where the model takes hardly any
 // light (not `matters`), an error would not be seen, and nothing is measured.
 float lit_past_real(int light, float covered, bool matters) {
-    float known = lit_on_ground(1, light, ground);
+    float known = lit_on_ground(GROUPS, light, ground);
     vec2 across = dFdx(ground), along = dFdy(ground);
     float least = known, most = known, far = known;
     float far_px = FAR_RIM * viewport.z;
     vec2 rises = vec2(0.0);  // how the light changes along both axes of the picture
     for (int side = matters ? -1 : 3; side <= 1; side += 2) {
-        vec2 beside = vec2(lit_on_ground(1, light, ground + side * RIM_PX * across),
-                           lit_on_ground(1, light, ground + side * RIM_PX * along));
-        vec2 farther = vec2(lit_on_ground(1, light, ground + side * far_px * across),
-                            lit_on_ground(1, light, ground + side * far_px * along));
+        vec2 beside = vec2(lit_on_ground(GROUPS, light, ground + side * RIM_PX * across),
+                           lit_on_ground(GROUPS, light, ground + side * RIM_PX * along));
+        vec2 farther = vec2(lit_on_ground(GROUPS, light, ground + side * far_px * across),
+                            lit_on_ground(GROUPS, light, ground + side * far_px * along));
         rises += side * (beside + farther);
         far = min(far, min(farther.x, farther.y));
         least = min(least, min(beside.x, beside.y));
@@ -140,14 +140,14 @@ void main() {
 #ifdef SOFT_BORDER
         // Four taps at these offsets blur by a standard deviation of border_px along both axes.
         vec2 across = border_px * dFdx(ground), along = border_px * dFdy(ground);
-        float lit = 0.25 * (lit_on_ground(0, light, ground + across + along) + lit_on_ground(0, light, ground + across - along)
-            + lit_on_ground(0, light, ground - across + along) + lit_on_ground(0, light, ground - across - along));
+        float lit = 0.25 * (lit_past_models(light, ground + across + along) + lit_past_models(light, ground + across - along)
+            + lit_past_models(light, ground - across + along) + lit_past_models(light, ground - across - along));
 #else
-        float lit = lit_around(0, light, ground, texel_m);
+        float lit = lit_around_models(light, ground, texel_m);
 #endif
         vec3 seen = light_ground_share[light] * ground_falloff(light, ground);
         float share = 1.0;
-#if CASTERS > 1
+#if CASTERS > GROUPS
         share = lit_past_real(light, covered, max(hidden.x * contact_here.a, 1.0 - lit) > MATTERS);
 #endif
         share *= reaching;

@@ -26,7 +26,7 @@ void main() {
         vec3 seen = light_irradiance[light] * max(0.0, dot(normal, towards_light(light, position, falloff)));
         seen *= falloff;
         before += seen;
-        after += seen * lit_past(0, light, position);
+        after += seen * lit_past_models(light, position);
     }
 #endif
     added_light = vec4(0.0);

@@ -28,12 +28,19 @@ bool is_on_map(int map, vec2 ground, out vec2 at) {
     return true;
 }
 
-// The fraction of a light that a caster (0: the model, 1: the real object) lets through to a point of the plane.
+// The fraction of a light that a caster, in the order of shadow.glsl, lets through to a point of the plane.
 float lit_on_ground(int caster, int light, vec2 ground) {
     int map = caster * LIGHTS + light;
     vec2 at;
     if (!is_on_map(map, ground, at)) return 1.0;
     return textureLod(ground_shadows, clamp(at, ground_shadow_lower[map], ground_shadow_upper[map]), 0.0).r;
+}
+
+// The same for all models together.
+float lit_past_models(int light, vec2 ground) {
+    float lit = 1.0;
+    for (int group = 0; group < GROUPS; ++group) lit *= lit_on_ground(group, light, ground);
+    return lit;
 }
 
 // The mean of that fraction over about `width_m` of the plane.
@@ -52,12 +59,19 @@ float lit_around(int caster, int light, vec2 ground, float width_m) {
     return mix(lit, 1.0, min(max(beyond.x, beyond.y), 1.0));
 }
 
-// The light that the model leaves on level ground, averaged over about `width_m`, relative to the unshaded light at the
+// The same for all models together.
+float lit_around_models(int light, vec2 ground, float width_m) {
+    float lit = 1.0;
+    for (int group = 0; group < GROUPS; ++group) lit *= lit_around(group, light, ground, width_m);
+    return lit;
+}
+
+// The light that the models leave on level ground, averaged over about `width_m`, relative to the unshaded light at the
 // marker's centre.
 vec3 light_on_ground(vec2 at, float width_m) {
     vec3 light = vec3(1.0);
     for (int number = 0; number < LIGHTS; ++number) {
-        light += light_ground_share[number] * (ground_falloff(number, at) * lit_around(0, number, at, width_m) - 1.0);
+        light += light_ground_share[number] * (ground_falloff(number, at) * lit_around_models(number, at, width_m) - 1.0);
     }
     return light;
 }

@@ -1,5 +1,6 @@
 // The fraction of a light that reaches a point, from shadow maps: one tile of a shared texture per caster and light.
-// LIGHTS may be 0. LAMPS is 1 if any light is near by. CASTERS is 1 (the model) or 2 (the model and the real object).
+// LIGHTS may be 0. LAMPS is 1 if any light is near by. The first GROUPS of CASTERS are the models, which are one group but
+// where a lamp stands among them; one more, if any, is the real object.
 //
 // With BLOCKER_TAPS 0, percentage-closer filtering with PCF_RADIUS >= 1 (Reeves, Salesin, Cook, "Rendering antialiased
 // shadows with depth maps", SIGGRAPH 1987). Otherwise percentage-closer soft shadows with SOFT_TAPS over the penumbra
@@ -136,22 +137,29 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
 vec3 in_map(int map, vec3 position, out float scale) {
     vec4 at = shadow_from_marker[map] * vec4(position, 1.0);
 #if LAMPS
-    // The caster is in front of the lamp, so that beside and behind the lamp nothing is blocked.
+    // The caster is in front of the lamp: what is beside or behind it is beside the map, where no blocker is looked for.
     const float LEAST_SCALE = 1e-3;
     scale = max(at.w, LEAST_SCALE);
-    return at.w < LEAST_SCALE ? vec3(0.5, 0.5, -1.0) : at.xyz / scale;
+    return at.w < LEAST_SCALE ? vec3(-1.0) : at.xyz / scale;
 #else
     scale = 1.0;
     return at.xyz;
 #endif
 }
 
-// The fraction of a light that a caster (0: the model, 1: the real object) lets through to a point that is not part of it.
+// The fraction of a light that a caster lets through to a point that is not part of it.
 float lit_past(int caster, int light, vec3 position) {
     int map = caster * LIGHTS + light;
     float scale;
     // The map's depth range ends behind the caster but the ground goes on: lit_fraction clamps points beyond the range.
     return lit_fraction(map, tan_half_size[map], in_map(map, position, scale), vec2(0.0));
+}
+
+// The same for all models together.
+float lit_past_models(int light, vec3 position) {
+    float lit = 1.0;
+    for (int group = 0; group < GROUPS; ++group) lit *= lit_past(group, light, position);
+    return lit;
 }
 
 // The same for a point on the caster's own surface. `normal` is on the light's side, `to_light` the direction to the light.
@@ -184,11 +192,12 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal, vec3 to
     return lit_fraction(map, tan_half_size[map], in_map(map, lifted, scale), slope);
 }
 
-// The fraction of a light that reaches a point on the model.
+// The fraction of a light that reaches a point on a model. Of which group it is makes no difference worth a uniform.
 float shadow(int light, vec3 position, vec3 normal, vec3 to_light) {
-    float lit = lit_past_itself(0, light, position, normal, to_light);
-#if CASTERS > 1
-    lit *= lit_past(1, light, position);
+    float lit = 1.0;
+    for (int group = 0; group < GROUPS; ++group) lit *= lit_past_itself(group, light, position, normal, to_light);
+#if CASTERS > GROUPS
+    lit *= lit_past(GROUPS, light, position);
 #endif
     return lit;
 }

@@ -41,13 +41,14 @@ class GroundShadows:
         self._texture: moderngl.Texture | None = None
         self._rectangle, self._averaging = WholeRectangle(ctx), WholeRectangle(ctx)
         self._drawn = 0
+        self.group_count = 1  # casters that are models, as of ShadowMaps
         self._uniforms: dict[str, Float] = {}
 
     def render(self, shadows: ShadowMaps, lighting: Lighting) -> None:
         """Filters the depth maps if these have changed."""
         if self._drawn == shadows.renders or not lighting.lights:
             return
-        self._drawn = shadows.renders
+        self._drawn, self.group_count = shadows.renders, shadows.group_count
         boxes = shadows.boxes
         corners = tile_corners(len(boxes)) * self._size
         width, height = corners.max(axis=0) + self._size
@@ -55,7 +56,8 @@ class GroundShadows:
         texture_size = np.array(framebuffer.size, dtype=np.float64)
         program = self._programs.get(
             "lights/ground_shadow",
-            **shadows.constants | {"casters": shadows.caster_count, "blocker_taps": self._preset.blocker_taps},
+            **shadows.constants
+            | {"casters": len(boxes) // len(lighting.lights), "blocker_taps": self._preset.blocker_taps},
         )
         shadows.bind(program)
         framebuffer.clear(1.0)

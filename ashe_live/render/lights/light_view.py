@@ -6,6 +6,7 @@ receiver, covers a disc whose radius is the distance along z from the receiver t
 for the shadows of a sun holds for those of a lamp.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,9 @@ from ashe_live.render.lights.lighting import ShadingLight, lighting_of
 # Limit of a lamp's view: a wider cone does not fit into one projection, and the lamp is inside the casters or near
 # them.
 WIDEST_HALF_ANGLE_COSINE = 0.17
+# The same of several bodies together. Far from a view's axis a lamp is seen aslant, which a view's disc is not, so that
+# penumbrae away from the axis are too narrow: by this factor at most.
+TOGETHER_COSINE = 0.6
 NEAREST_RATIO = 1e-3  # of the nearest of the casters over the farthest: a depth map has 24 bits
 CONE_STEPS = 24
 LEAST_NEARER = 0.4  # of the light's elevation above its own radius; lower lights' penumbrae are cut off
@@ -54,16 +58,19 @@ class LightView:
         return float(along @ divisor / (divisor @ divisor)) if divisor.any() else -np.inf
 
 
-def view_of(light: ShadingLight, points: Float) -> LightView | None:
-    """How `light` sees a body whose hull is that of points (n, 3), marker frame; None from inside or too near it."""
+def view_of(light: ShadingLight, points: Float, least_cosine: float = WIDEST_HALF_ANGLE_COSINE) -> LightView | None:
+    """How `light` sees a body whose hull is that of points (n, 3), marker frame; None from inside or too near it.
+
+    least_cosine: of the half angle of the cone around the body, as seen from a lamp.
+    """
     axis = light.to_light
     if light.inverse_distance > 0:
         rays = -light.towards(points)
         lengths = np.linalg.norm(rays, axis=1, keepdims=True)
         if lengths.min() <= NEAREST_RATIO * lengths.max():
             return None
-        axis, least_cosine = _enclosing_cone(rays / lengths)
-        if least_cosine < WIDEST_HALF_ANGLE_COSINE:
+        axis, cosine = _enclosing_cone(rays / lengths)
+        if cosine < least_cosine:
             return None
         axis = -axis
     view = light_view(axis)
@@ -91,6 +98,31 @@ def sees(light: Light, points: Float) -> bool:
     if away > 2 * light.inverse_distance * np.linalg.norm(points - centre, axis=1).max():
         return True
     return all(view_of(each, points) is not None for each in lighting_of((light,)).lights)
+
+
+def seen_together(bodies: Sequence[Float], lights: Sequence[ShadingLight], most: int) -> list[list[int]]:
+    """Numbers of `bodies`, points (n, 3) of each, in groups that every light sees well as one: all of them, if it does.
+
+    In at most `most` groups. A body that a lamp does not see so is a group of its own.
+    """
+    lamps = [light for light in lights if light.inverse_distance > 0]
+
+    def are_seen(numbers: Sequence[int]) -> bool:
+        points = np.concatenate([bodies[number] for number in numbers])
+        return all(view_of(lamp, points, TOGETHER_COSINE) is not None for lamp in lamps)
+
+    if not lamps or len(bodies) == 1 or are_seen(range(len(bodies))):
+        return [list(range(len(bodies)))]
+    groups: list[list[int]] = []
+    for number in range(len(bodies)):
+        joined = next((group for group in groups if are_seen([*group, number])), None)
+        if joined is None and len(groups) == most:
+            joined = groups[-1]
+        if joined is None:
+            groups.append([number])
+        else:
+            joined.append(number)
+    return groups
 
 
 def _enclosing_cone(directions: Float) -> tuple[Float, float]:

@@ -7,6 +7,7 @@ the camera moves.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Protocol
 
 import moderngl
@@ -63,7 +64,7 @@ class ShadowMaps:
         self.renders = 0
         self.texel_m = 0.0  # the largest side of a texel across a light, metres
         self.boxes: tuple[LightBox, ...] = ()
-        self.caster_count = 0
+        self.group_count = 1  # casters that are models
         self.shadows_meet = self.real_shades_model = self.model_shades_real = False
         self._is_soft_on_model = self._is_dithered = False
         self._ctx = ctx
@@ -81,15 +82,15 @@ class ShadowMaps:
     @property
     def constants(self) -> dict[str, float]:
         """Macros for a shader that includes shadow.glsl, and is drawn on the model or the real object."""
-        preset = self._preset
-        is_soft = preset.soft_on_model or self._is_soft_on_model or self._is_dithered
+        is_soft = self._preset.soft_on_model or self._is_soft_on_model or self._is_dithered
         return {
             **self._lights,
             **({"dithered": 1} if self._is_dithered else {}),
-            "casters": 2 if self.real_shades_model else 1,
-            "pcf_radius": preset.pcf_radius,
-            "blocker_taps": preset.blocker_taps if is_soft else 0,
-            "soft_taps": preset.soft_taps,
+            "groups": self.group_count,
+            "casters": self.group_count + self.real_shades_model,
+            "pcf_radius": self._preset.pcf_radius,
+            "blocker_taps": self._preset.blocker_taps if is_soft else 0,
+            "soft_taps": self._preset.soft_taps,
         }
 
     @property
@@ -97,14 +98,14 @@ class ShadowMaps:
         """How far the filter blurs a hard edge, at most; the penumbra comes on top."""
         return 2 * (self._preset.pcf_radius + 1)
 
-    def render(self, casters: Sequence[ShadowCaster], lighting: Lighting) -> None:
-        """Draws the maps of one or two casters (the model first), unless they hold that already."""
-        lights = lighting.lights
+    def render(self, groups: Sequence[ShadowCaster], lighting: Lighting, real: ShadowCaster | None = None) -> None:
+        """Draws the maps of groups of models and then of the real object, unless they hold that already."""
+        lights, casters = lighting.lights, (*groups, *([] if real is None else [real]))
         drawn_for = np.array([[*light.homogeneous, light.angular_size_rad] for light in lights]).tobytes()
         if self._content is not None and self._content[1] == drawn_for and same_objects(self._content[0], casters):
             return
-        self._content = tuple(casters), drawn_for
-        self._lights, self.caster_count = lighting.constants, len(casters)
+        self._content = casters, drawn_for
+        self._lights, self.group_count = lighting.constants, len(groups)
         self._find_overlaps(casters, lights)
         self.renders += 1
         if lights:
@@ -112,13 +113,13 @@ class ShadowMaps:
 
     def _find_overlaps(self, casters: Sequence[ShadowCaster], lights: Sequence[ShadingLight]) -> None:
         """Which shadows may meet or lie on the other caster, conservatively by boxes, and which are seen to be soft."""
-        model, *real = casters
-        pairs = [(_overlaps(other, model, light), _overlaps(model, other, light)) for other in real for light in lights]
+        models, real = casters[: self.group_count], casters[self.group_count :]
+        pairs = [(_overlaps(a, b, light), _overlaps(b, a, light)) for a, b, light in product(real, models, lights)]
         self.shadows_meet = any(onto_model[0] for onto_model, _ in pairs)
         self.real_shades_model = any(onto_model[1] for onto_model, _ in pairs)
         self.model_shades_real = any(onto_real[1] for _, onto_real in pairs)
-        shading = casters if self.real_shades_model else (model,)
-        self._is_soft_on_model = any(_is_seen_soft(caster, model, light) for caster in shading for light in lights)
+        shading = casters if self.real_shades_model else models
+        self._is_soft_on_model = any(_is_seen_soft(*shaded) for shaded in product(shading, models, lights))
         self._is_dithered = any(caster.is_clear for caster in casters)
 
     def _draw(self, casters: Sequence[ShadowCaster], lighting: Lighting) -> None:
@@ -139,13 +140,12 @@ class ShadowMaps:
             self._ctx.viewport = (int(corner[0]), int(corner[1]), size, size)
             if box.unit_from_marker is not NOTHING_SEEN:
                 casters[number // len(lights)].render_depth(CLIP_FROM_UNIT @ box.unit_from_marker)
-        extents = np.array([box.extent for box in self.boxes])
-        self.texel_m = float(extents[:, :2].max()) / size
+        self.texel_m = float(max(box.extent[:2].max() for box in self.boxes)) / size
         self._uniforms = {
             "shadow_texture_size": np.array(framebuffer.size, dtype=np.float64),
             "shadow_tile": tiles.astype(np.float64),
             "shadow_from_marker": np.array([box.unit_from_marker for box in self.boxes]),
-            "shadow_extent": extents,
+            "shadow_extent": np.array([box.extent for box in self.boxes]),
             "shadow_planes_from_marker": np.array([_plane_transform(box.unit_from_marker) for box in self.boxes]),
             "tan_half_size": np.array([box.tan_half_size for box in self.boxes]),
             "light_point": lighting.light_points,

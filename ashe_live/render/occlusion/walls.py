@@ -30,7 +30,8 @@ class WallLight:
         if same_objects(self._drawn_for, wanted):
             return
         self._drawn_for = wanted
-        program = self._programs.get("occlusion/walls", casters=1, **lighting.constants)
+        groups = shadows.group_count
+        program = self._programs.get("occlusion/walls", groups=groups, casters=groups, **lighting.constants)
         shadows.bind(program)
         contact.bind(program)
         set_uniforms(

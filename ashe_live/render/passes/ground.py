@@ -76,8 +76,9 @@ class ShadowCatcher:
         framing, lighting, shadows = inputs.framing, inputs.lighting, inputs.looked_up.ground_shadows
         if framing.eye_marker[2] <= 0 or self._buffer is None:
             return
-        casters = 2 if inputs.looked_up.shadows.shadows_meet else 1
-        constants: dict[str, float] = {**lighting.constants, "casters": casters}
+        groups = shadows.group_count
+        casters = groups + inputs.looked_up.shadows.shadows_meet
+        constants: dict[str, float] = {**lighting.constants, "groups": groups, "casters": casters}
         if ground.cover is not None:
             constants["covers"] = 1
         if ground.border_px >= LEAST_BORDER_PX:

@@ -43,7 +43,7 @@ class RealObject:
         program = self._programs.get("lights/depth")
         is_shaded = is_shaded and shadows.model_shades_real
         if is_shaded:
-            program = self._programs.get("catchers/real_object", **shadows.constants | {"casters": 1})
+            program = self._programs.get("catchers/real_object", **shadows.constants | {"casters": shadows.group_count})
             shadows.bind(program)
             set_uniforms(
                 program,

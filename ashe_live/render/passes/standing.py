@@ -7,7 +7,13 @@ from ashe_live.core.transforms import transform_points
 from ashe_live.models.placement import Placement
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.gl.geometry import GpuModel
+from ashe_live.render.lights.light_view import seen_together
+from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.occlusion.contact import ContactPatch
+
+# Depth maps of all lights and casters together that a shader looks up: of the 256 vectors that OpenGL 3.3 has for its
+# uniforms, each takes 18.
+MOST_MAPS = 12
 
 
 class StandingModel:
@@ -44,7 +50,8 @@ class StandingModel:
 class StandingGroup:
     """All models of one picture, which cast their shadows together: a ShadowCaster; another object for another member.
 
-    One shadow map holds them all, so that they shade each other as one model's parts do.
+    One shadow map holds them all, so that they shade each other as one model's parts do; several do where a lamp stands
+    among them, which no single view from it shows.
     """
 
     def __init__(self, members: tuple[StandingModel, ...]) -> None:
@@ -54,6 +61,21 @@ class StandingGroup:
         self.is_clear = any(member.is_clear for member in members)
         # (8 n, 3) of the boxes around them, metres, marker frame
         self.corners = np.concatenate([member.corners for member in members])
+        self._divided: tuple[StandingGroup, ...] = ()  # unless they are one caster
+        self._divided_for = b""
+
+    def casters(self, lighting: Lighting) -> tuple["StandingGroup", ...]:
+        """Groups that each light can see as one, itself where possible; the same objects for lights in the same places.
+
+        A point is shaded by what all of them let through.
+        """
+        key = np.array([light.homogeneous for light in lighting.lights]).tobytes()
+        if self._divided_for != key:
+            most = MOST_MAPS // max(len(lighting.lights), 1) - 1  # beside the real object
+            groups = seen_together([member.points for member in self.members], lighting.lights, most)
+            divided = (StandingGroup(tuple(self.members[number] for number in group)) for group in groups)
+            self._divided_for, self._divided = key, tuple(divided) if len(groups) > 1 else ()
+        return self._divided or (self,)
 
     def render_depth(self, clip_from_marker: Float) -> None:
         for member in self.members:

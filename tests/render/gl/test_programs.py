@@ -1,3 +1,4 @@
+import math
 import re
 import subprocess
 import sys
@@ -11,9 +12,11 @@ from ashe_live.files.resources import resource
 from ashe_live.render.gl import offscreen, programs
 from ashe_live.render.gl.programs import shader_source, shaders_of
 from ashe_live.render.gl.texture_units import UNIT_OF
+from ashe_live.render.passes.standing import MOST_MAPS
 from tests.render.uniform_audit import UniformError
 
 LEAST_UNITS = 16  # that OpenGL 3.3 has for fragment shaders
+LEAST_VECTORS = 256  # of four numbers, for their uniforms
 SHADERS = {path.relative_to(resource("shaders")).as_posix() for path in resource("shaders").rglob("*.*")}
 PASSES = sorted(name.removesuffix(".frag") for name in SHADERS if name.endswith(".frag"))
 
@@ -28,18 +31,48 @@ def test_every_shader_is_used() -> None:
 def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> None:
     for file_name in shaders_of(name):
         assert shader_source(file_name).startswith("#version 330 core\n")
-    for lights, casters, blocker_taps in ((0, 1, 0), (1, 1, 0), (1, 2, 8), (4, 2, 16)):
-        constants = {"lights": lights, "casters": casters, "blocker_taps": blocker_taps, "soft_taps": 16}
+    for lights, groups, casters, blocker_taps in (
+        (0, 1, 1, 0),
+        (1, 1, 1, 0),
+        (1, 1, 2, 8),
+        (4, 1, 2, 16),
+        (4, 2, 3, 16),
+    ):
+        constants = {
+            "lights": lights,
+            "groups": groups,
+            "casters": casters,
+            "blocker_taps": blocker_taps,
+            "soft_taps": 16,
+        }
         constants |= {
             "reach": casters,
             "taps": casters,
             "spread": casters - 1,
-            **({"bends": 1, "coarse": 1, "relief": 1, "covers": 1} if casters == 2 else {}),
+            **({"bends": 1, "coarse": 1, "relief": 1, "covers": 1} if casters > 1 else {}),
         }
         # These are drawn by a light alone, and the ground's shadow by its penumbrae.
         needs = {"occlusion/contact": lights, "occlusion/self_occlusion": lights, "lights/ground_shadow": blocker_taps}
         if needs.get(name, True):
             programs.build_program(ctx, name, pcf_radius=1, **constants).release()
+
+
+@pytest.mark.parametrize("lights", [1, 2, 4])
+def test_the_uniforms_of_most_shadow_maps_fit_into_opengl_3_3(ctx: moderngl.Context, lights: int) -> None:
+    casters = MOST_MAPS // lights
+    maps = {"lights": lights, "lamps": 1, "groups": casters - 1, "casters": casters}
+    features = {"glossy": 1, "mirrors": 1, "coated": 1, "emits": 1, "laid_out": 1, "more_uvs": 1, "rounded": 1}
+    for name in ("model/model", "catchers/ground"):
+        program = programs.build_program(
+            ctx, name, **maps, **features, blocker_taps=8, soft_taps=16, pcf_radius=1, min_roughness=0.06, covers=1
+        )
+        members = (program[member] for member in program)
+        uniforms = [each for each in members if isinstance(each, moderngl.Uniform)]
+        # Drivers store each element in vectors of four numbers; a matrix of four columns takes four.
+        vectors = sum(each.array_length * math.ceil(each.dimension / 4) for each in uniforms)
+        assert vectors > 80
+        assert vectors <= LEAST_VECTORS
+        program.release()
 
 
 @pytest.mark.parametrize("name", PASSES)
@@ -94,7 +127,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 ctx = offscreen_context()
 sys.setprofile(interrupt)
 try:
-    build_program(ctx, "model/model", lights=1, casters=1, blocker_taps=0, soft_taps=16, pcf_radius=1)
+    build_program(ctx, "model/model", lights=1, groups=1, casters=1, blocker_taps=0, soft_taps=16, pcf_radius=1)
 except KeyboardInterrupt:
     print("interrupted")
 """
