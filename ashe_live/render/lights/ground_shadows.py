@@ -20,7 +20,7 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.lights.shadow_maps import NOTHING_SEEN, LightBox, ShadowMaps, tile_corners
 
-# A penumbra wider than this share of the caster's width is cut off.
+# A penumbra wider than this share of the caster is cut off, but a narrow one's tile may be as wide as it is long.
 WIDEST_PENUMBRA = 1.0
 # Of a wide penumbra's variance, what averaging neighbouring texels adds at most; it is drawn narrower by as much.
 SMOOTHED_SHARE = 0.2
@@ -65,9 +65,7 @@ class GroundShadows:
         texture_from_marker = []
         for number, (box, corner) in enumerate(zip(boxes, corners, strict=True)):
             caster, light = divmod(number, len(lighting.lights))
-            # Wider by the penumbra of a caster that is a tenth higher, and by a rim of two lit texels.
-            beyond = np.minimum(1.1 * box.penumbra_m / box.extent[:2], WIDEST_PENUMBRA)
-            beyond = (beyond + 2 / self._size) / (1 - 4 / self._size)
+            beyond = (_penumbra_shares(box) + 2 / self._size) / (1 - 4 / self._size)  # and a rim of two lit texels
             tile_from_unit = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1))
             tile_from_marker = tile_from_unit @ box.unit_from_marker
             if box.unit_from_marker is not NOTHING_SEEN:
@@ -130,6 +128,14 @@ class GroundShadows:
         self._averaging.release()
         self._noisy.release()
         self._canvas.release()
+
+
+def _penumbra_shares(box: LightBox) -> Float:
+    """(2,) by how much a tile is larger on each side than its box, as a share of that."""
+    # Of a caster that is a tenth higher.
+    wanted = 1.1 * box.penumbra_m / box.extent[:2]
+    longest = (box.extent[:2] * (1 + 2 * np.minimum(wanted, WIDEST_PENUMBRA))).max()
+    return np.minimum(wanted, np.maximum(WIDEST_PENUMBRA, (longest / box.extent[:2] - 1) / 2))
 
 
 def _is_wide(box: LightBox, preset: RenderPreset) -> bool:

@@ -47,6 +47,24 @@ def test_penumbra_is_as_wide_as_the_light_looks(make_renderer, stage, quality: s
 
 
 @pytest.mark.parametrize("quality", list(QUALITIES))
+def test_a_stems_penumbra_is_wider_than_the_stem(make_renderer, stage, quality: str) -> None:
+    """Across its shadow near the top: what a strip leaves free of a disc."""
+    width, height, seen_height = 0.004, 0.1, 0.08
+    tracked = stage.tracked(255, stage.pose(-90, 70, 0.3, target=(0.09, 0, 0)))
+    stem = stage.placed(stage.glowing_green(box((width, width, height))))
+    renderer = make_renderer(QUALITIES[quality].render)
+    renderer.render(Scene(tracked, stem, Illumination((_light(180, 40, 8.0, 0.0),))))
+    picture = renderer.read_bgr()
+    radius = seen_height / math.sin(math.radians(40)) * math.tan(math.radians(4))
+    ys = radius * np.linspace(-1.4, 1.4, 57)
+    x = seen_height / math.tan(math.radians(40))
+    lit = np.array([stage.along(picture, tracked, np.array([x]), y)[0] for y in ys])
+    below = [np.clip((ys + side * width / 2) / radius, -1, 1) for side in (1, -1)]
+    first, second = (0.5 + (t * np.sqrt(1 - t**2) + np.arcsin(t)) / math.pi for t in below)
+    assert np.abs(lit - (1 - (first - second))).mean() < 0.015
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
 def test_a_wide_penumbra_has_no_dots(make_renderer, stage, quality: str) -> None:
     """Along a straight edge as much light passes everywhere, however few points of a large light are sampled."""
     plate = box((0.1, 0.1, 0.002)).moved(1.0, np.array([0.0, 0.0, HEIGHT - 0.002]))
