@@ -8,10 +8,12 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import PoseShapeErrors
+from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import NEAREST, ShadowFit, fitted, nearness_sigma
 from ashe_live.light.known_body.outline.folded import beside_folds
+from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.seen import Seen
 
 # Standard deviation of the body's width over its height, of bodies of which it is not known how they may be off: one
@@ -27,10 +29,10 @@ WITHIN_SIGMAS, GRID, GRIDS, LEAST_NEARNESS = 4.0, 9, 2, 1e-3
 # own gradients look like it. By all of it the nearness of 28 path-traced lamps (the set cube_training, its scenes 0 to
 # 29) was off by 1.7 of its standard deviations, root mean square.
 OF_FALL = 1 / 3
-# Of a lamp's edges, or over how far they were looked for, as a penumbra is wide; and the part of the edges that a lamp
-# may explain less than a sun.
-MOST_MISFIT_PX, MOST_MISFIT_SHARE, LESS_CLEAR = 0.7, 0.08, 0.05
-MUCH_NEARER = 0.5  # of a sun's misfit: no sun's straight edges come that near to a lamp's fan
+# Edges have other lines of a rough table in reach, so that a lamp is also looked for from other starts: the length of
+# its shadow, over that of the light that was found, and the body's height over the lamp's.
+OTHER_STARTS = ((1.0, 0.3), (1.8, 0.3))
+SURELY_NEAR = 2.0  # standard errors of a nearness, from which on a light that was fitted is no sun by its edges
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,15 +73,12 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     """
     if one.fit is None:
         return one
-    image = image_beside(seen, others)
-    fit = fitted(image, one.casting, one.darkening, with_nearness=True, size_rad=size_rad)
-    if fit is None or not _is_as_good(fit, one.fit):
-        # What was fitted as a lamp from the beginning is no sun with the same displacement.
-        if len(one.fit.covariance) < 3:
-            return one
-        fit = one.fit
+    image, beside = image_beside(seen, others), seen.beside(points_of(others))
+    fit = _likeliest_fit(seen, image, beside, one, size_rad)
     edges = _of_folded_body(image, fit, one.darkening, seen.pose_shape_errors)
-    nearness = _nearness(seen, edges, others)
+    if edges is None:
+        return one
+    nearness = _nearness(seen, edges, beside)
     # By the edges, the displacement follows the nearness.
     by_nearness = edges.covariance[:, 2] / edges.covariance[2, 2]
     light = _along(edges.light, by_nearness, np.array([nearness.mean]))[0]
@@ -102,31 +101,57 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     return replace(sun_or_lamp, may_be_lamp=True, has_folds=edges.has_folds)
 
 
-def _of_folded_body(image: EdgeImage, fit: ShadowFit, darkening: float, errors: PoseShapeErrors | None) -> _ByEdges:
-    """The lamp by a fit with its nearness, whose body may be off."""
+def _likeliest_fit(
+    seen: Seen, image: EdgeImage, beside: Evidence, one: FoundLight, size_rad: float | None
+) -> ShadowFit:
+    """Of fits with the nearness free, from several starts, by edges, map and sides.
+
+    The light's own where none is as likely: a fit that ends on wrong edges is no evidence on how near the light is.
+    """
+    assert one.fit is not None
+
+    def log_likelihood(fit: ShadowFit) -> float:
+        by_map = float(beside.scanned(seen.lit(fit.light[None])).log_likelihood[0])
+        return edge_log_odds(fit) + OF_FALL * by_map
+
+    light, height = one.casting / one.casting[2], image.height_m
+    end = light[:2] / (1 - height * light[3])
+    others = [np.array([*(longer * (1 - near) * end), 1.0, near / height]) for longer, near in OTHER_STARTS]
+    likeliest, most = one.fit, log_likelihood(one.fit)
+    for start in (light, *others):
+        fit = fitted(image, start, one.darkening, with_nearness=True, size_rad=size_rad)
+        if fit is None:
+            continue
+        score = log_likelihood(fit)
+        if score >= most:
+            likeliest, most = fit, score
+        if start is light and likeliest is fit and abs(fit.light[3]) < SURELY_NEAR * math.sqrt(fit.covariance[2, 2]):
+            break  # it may be a sun, whose straight edges are found from any start
+    return likeliest
+
+
+def _of_folded_body(
+    image: EdgeImage, fit: ShadowFit, darkening: float, errors: PoseShapeErrors | None
+) -> _ByEdges | None:
+    """The lamp by a fit whose body may be off; None where that is a sun's, of a body of which no errors are known."""
     adjusted = None if errors is None else beside_folds(fit, image, darkening, errors, with_nearness=True)
     if adjusted is not None:
         return _ByEdges(*adjusted, has_folds=True)
+    if len(fit.covariance) < 3:
+        return None
     # A wider body casts the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
     end = fit.light[:2] / (1 - image.height_m * fit.light[3])
     by_width = FOLDED * np.append(-end, 1 / image.height_m)
     return _ByEdges(fit.light, fit.covariance + np.outer(by_width, by_width), has_folds=False)
 
 
-def _is_as_good(fit: ShadowFit, other: ShadowFit) -> bool:
-    """Whether a fit has as many edges as another, and near to where it predicts them; or all of them much nearer."""
-    is_near = fit.misfit_px < MOST_MISFIT_PX or fit.misfit_share < MOST_MISFIT_SHARE or fit.misfit_px <= other.misfit_px
-    return is_near and (fit.clear >= other.clear - LESS_CLEAR or fit.misfit_px < MUCH_NEARER * other.misfit_px)
-
-
-def _nearness(seen: Seen, edges: _ByEdges, others: Sequence[FoundLight]) -> _Nearness:
+def _nearness(seen: Seen, edges: _ByEdges, beside: Evidence) -> _Nearness:
     """By a light's edges, the map, and the sides, beside other lights.
 
     A lamp's light falls off over the table, and gives more to what is nearer to it.
     """
     light, covariance = edges.light, edges.covariance
     by_nearness, sigma = covariance[:, 2] / covariance[2, 2], math.sqrt(covariance[2, 2])
-    beside = seen.beside(points_of(others))
     most = NEAREST / seen.body.height_m
     low, high = (float(np.clip(light[3] + sign * WITHIN_SIGMAS * sigma, 0.0, most)) for sign in (-1, 1))
     # Edges that exclude any lamp leave nothing to look for.

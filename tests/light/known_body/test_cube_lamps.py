@@ -10,6 +10,7 @@ from ashe_live.bench.metrics import ELLIPSE_95, squared_sigmas
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Light
 from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.light.known_body import lamps
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
@@ -69,3 +70,14 @@ def test_a_low_lamp_whose_shadow_leaves_the_picture_is_as_unsure_as_it_is_far_of
     assert light.covariance_rad2 is not None
     assert squared_sigmas(light.to_light_marker, light.covariance_rad2, true.point[:3]) < 3 * ELLIPSE_95
     assert angle_between(light.to_light_marker, true.point[:3]) < math.radians(8)
+
+
+@pytest.mark.parametrize(("azimuth_deg", "elevation_deg"), [(200, 45), (120, 60), (300, 35)])
+def test_a_lamp_to_whose_edges_nothing_can_be_fitted_is_no_sure_sun(
+    azimuth_deg: float, elevation_deg: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lamps, "fitted", lambda *_, **__: None)
+    true = lamp(sun(azimuth_deg, elevation_deg, size_deg=3.0), 0.4)
+    light = found(true)
+    assert light.covariance_rad2 is not None
+    assert squared_sigmas(light.to_light_marker, light.covariance_rad2, true.point[:3]) < ELLIPSE_95

@@ -161,7 +161,9 @@ def test_a_pale_shadow_lies_where_its_edges_do_and_not_on_the_tables_stains(
     view = looking(0.5, tilt_deg, from_deg)
     answer = estimate(CubeScene(CAMERA, view, [light], sky_rgb=np.full(3, 0.5), mottled=0.16, seed=seed))
     assert len(answer.lights) == 1
-    assert off_deg(answer.lights[0].to_light_marker, light.point) < 1.5
+    stated_deg = np.degrees(answer.lights[0].sigma_rad)  # stains leave open whether the sun is a lamp
+    assert stated_deg < 5
+    assert off_deg(answer.lights[0].to_light_marker, light.point) < max(1.5, 0.6 * stated_deg)
 
 
 def test_the_rest_of_a_shadow_is_no_second_light() -> None:
