@@ -16,7 +16,7 @@ from ashe_live.bench.tables import figures_table
 from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.preset import BALANCED
-from ashe_live.light.lamps.fall.agreement import INFORMATIVE_DEVIANCE
+from ashe_live.light.lamps.fall.fall_directions import INFORMATIVE_DEVIANCE
 from ashe_live.light.lamps.sources import FALL_ERROR_SHARE, WHOLE_ERROR_SHARE
 
 CLEAR_DEVIANCE = 80.0  # of even light, from which on the ground shows a lamp very clearly

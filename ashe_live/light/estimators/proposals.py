@@ -30,7 +30,7 @@ from ashe_live.light.labels.two_lights import (
     materials_of_two,
     separated_shadows,
 )
-from ashe_live.light.views.joint.evidence import plane_support
+from ashe_live.light.views.joint.log_odds import plane_support
 
 SHADOWS_PER_SHIFT = 2  # number of areas that are tried as the shadow, the largest first
 # Splits in which what is nearly lit ground, or looks like a paler shadow, belongs to no object are tried too, by the

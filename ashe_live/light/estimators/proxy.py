@@ -41,7 +41,7 @@ from ashe_live.light.explanation.no_answer import (
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.fall.low_lamps import is_under_low_lamp
 from ashe_live.light.lamps.kinds import SUN
-from ashe_live.light.views.agreement import without_confirming
+from ashe_live.light.views.agreeing_views import without_confirming
 from ashe_live.light.views.ground_height import COMPARED, height_above_ground, seen_from_ground, seen_from_marker
 from ashe_live.light.views.selection import span_rad, usable
 

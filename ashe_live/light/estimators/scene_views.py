@@ -9,7 +9,7 @@ from ashe_live.light.estimators.preset import FAST, ProxyPreset
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_beside, lit_ground_of
 from ashe_live.light.pixels.view import View
-from ashe_live.light.views.agreement import WIDTH_PX, agreeing
+from ashe_live.light.views.agreeing_views import WIDTH_PX, agreeing
 from ashe_live.light.views.plane_evidence import with_plane
 from ashe_live.light.views.selection import usable
 

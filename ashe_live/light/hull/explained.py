@@ -16,7 +16,7 @@ from ashe_live.light.hull.light import HullLight, light_of_hull
 from ashe_live.light.hull.surface import surface_of
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.views.joint.aligned import JointExplanation
-from ashe_live.light.views.joint.evidence import share_seen
+from ashe_live.light.views.joint.log_odds import share_seen
 from ashe_live.light.views.selection import span_rad
 
 # From a narrower span a hull is several times as deep as its object is broad, and bounds no light.

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ashe_live.light.views.joint.aligned import JointExplanation
-from ashe_live.light.views.joint.same_silhouettes import show_the_same
+from ashe_live.light.views.joint.repeated import show_the_same
 
 
 def without_replaced(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:

@@ -8,8 +8,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight
+from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
@@ -76,7 +76,7 @@ class Candidates:
     """The directions of the scan in which another light may be, beside those that are known."""
 
     seen: Seen
-    beside: Evidence  # of the picture, beside the known lights
+    beside: MarginalLikelihood  # of the picture, beside the known lights
     image: EdgeImage  # likewise
     score: Float  # (m,) log likelihood of each direction; -inf where none is looked for
     steps: Float  # (m,) log odds of each by its shadow's steps of light in the map: with the score, the order of trial
@@ -173,7 +173,7 @@ def in_view(seen: Seen, light: Float, room: Room) -> float:
     return 0.0 if edges is None else float((room.around(edges.points_px) >= LEAST_PX).mean())
 
 
-def _nearby(seen: Seen, template: Float, beside: Evidence) -> _Start:
+def _nearby(seen: Seen, template: Float, beside: MarginalLikelihood) -> _Start:
     """The likeliest light around a template (4,)."""
     s = template[:2] / template[2]
     for offsets in (AROUND, ALONG):

@@ -9,8 +9,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING
-from ashe_live.light.known_body.evidence import Evidence, Scan
 from ashe_live.light.known_body.found_light import FoundLight, hidden_step, image_beside, points_of
+from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood, Scan
 from ashe_live.light.known_body.outline.elsewhere import most_log_odds
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, with_edges
 from ashe_live.light.known_body.seen import Seen
@@ -34,7 +34,7 @@ def with_confidence(
     one: FoundLight,
     dark_rgb: Float,
     among: Sequence[FoundLight],
-    alone: Evidence,
+    alone: MarginalLikelihood,
     ruled_out: Sequence[Float],
 ) -> FoundLight:
     """`one` of the lights `among` which it is, with the posterior of the directions near it, and what its edges say.

@@ -17,9 +17,9 @@ from ashe_live.light.known_body.candidates import (
     mean_near,
 )
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
-from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, image_beside, points_of
 from ashe_live.light.known_body.lamps import as_lamps
+from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import SHOWN
@@ -92,7 +92,7 @@ def _in_light_of(seen: Seen, found: Sequence[FoundLight]) -> Seen:
     return seen.in_light_of(points_of(found), darkenings_rgb(seen, found).mean(axis=1))
 
 
-def _log_likelihood(seen: Seen, one: FoundLight, beside: Evidence) -> float:
+def _log_likelihood(seen: Seen, one: FoundLight, beside: MarginalLikelihood) -> float:
     """By map, sides and edges."""
     return float(beside.scanned(seen.lit(one.light[None])).log_likelihood[0]) + edge_log_odds(one.fit)
 
@@ -167,7 +167,7 @@ def _is_unseen(one: FoundLight) -> bool:
     return one.fit is not None and one.fit.seen > MOST_IN_VIEW and edge_log_odds(one.fit) < 0
 
 
-def _hidden(seen: Seen, score: Float, would_be_seen: Mask, beside: Evidence) -> FoundLight | None:
+def _hidden(seen: Seen, score: Float, would_be_seen: Mask, beside: MarginalLikelihood) -> FoundLight | None:
     """The light whose shadow the body hides, if map and sides say that there is one, averaged over where it may be.
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. would_be_seen: (m,) whether its

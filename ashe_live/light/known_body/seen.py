@@ -9,7 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask, cached_by_array, upper_quantile
 from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.core.transforms import camera_centre
-from ashe_live.light.known_body.evidence import Evidence
+from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
@@ -146,13 +146,13 @@ class Seen:
         return Lit(unit, shadows_of(self.body, lights), falls)
 
     @cached_by_array
-    def beside(self, known: Float) -> Evidence:
+    def beside(self, known: Float) -> MarginalLikelihood:
         """What the picture says of further lights, beside `known` ones (l, 4)."""
         lit, observed = self.lit(known), self.observed
         if len(known):
             everywhere = Lit(self.templates.lights, self.templates.shadows)
             observed = self.measured.observed(MEAN, self.templates, everywhere, _cells_away_from_edges(lit))
-        return Evidence(observed, lit)
+        return MarginalLikelihood(observed, lit)
 
     @cached_by_array
     def rims(self, known: Float) -> RimSteps:
@@ -191,7 +191,7 @@ class Seen:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""
         known, nothing = self.lit(lights), self.lit(lights[:0])
         channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
-        return np.stack([Evidence(channel, known).darkenings for channel in channels], axis=1)
+        return np.stack([MarginalLikelihood(channel, known).darkenings for channel in channels], axis=1)
 
 
 def _cells_away_from_edges(lit: Lit) -> Mask:

@@ -20,8 +20,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.shadow_shift import shadow_ratio
-from ashe_live.light.lamps.fall import agreement
-from ashe_live.light.lamps.fall.agreement import FallDirections
+from ashe_live.light.lamps.fall.fall_directions import PRIOR_NEARNESSES, FallDirections
 from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.kinds import SUN
@@ -111,7 +110,7 @@ class LampHypotheses:
         if self._directions is None:
             return 0.0
         lit = explanation.alignment.placed.lit
-        return self._directions.log_ratio(light_parameters(lit.first_light_near((0.0, *agreement.NEARNESSES))))
+        return self._directions.log_ratio(light_parameters(lit.first_light_near((0.0, *PRIOR_NEARNESSES))))
 
     def decided(self, explanation: Explanation, fit: NearFit, sharpener: Sharpener) -> Explanation:
         """The explanation, moved onto steps of light, by a lamp if that is sure, else by a sun.

@@ -12,7 +12,7 @@ from ashe_live.light.ground.broad_areas import with_broad_areas
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.preset import GroundPreset
 from ashe_live.light.ground.slow_shading import LightFall
-from ashe_live.light.lamps.fall.agreement import SHARE, UNEVEN_DEVIANCE, FallDirections, with_gloss
+from ashe_live.light.lamps.fall.fall_directions import SHARE, UNEVEN_DEVIANCE, FallDirections, with_gloss
 from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.kinds import SUN

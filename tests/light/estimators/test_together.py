@@ -20,7 +20,7 @@ from ashe_live.light.estimators.view_search import Trace, ViewSearch
 from ashe_live.light.explanation.judgement.judge import SETTLED, fitted_judge
 from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.pixels.view import View
-from ashe_live.light.views.agreement import without_confirming
+from ashe_live.light.views.agreeing_views import without_confirming
 from ashe_live.light.views.joint.aligned import in_each_view
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction

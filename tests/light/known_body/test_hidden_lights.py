@@ -12,7 +12,7 @@ from ashe_live.core.transforms import angle_between, direction_from_angles
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.known_body import candidates, lights
-from ashe_live.light.known_body.evidence import Evidence
+from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
@@ -93,7 +93,7 @@ def test_a_second_shadow_is_found_though_stains_lead_the_map_away_from_it(monkey
     lights = sun(FROM_DEG + 110, 35, on_table=0.4), sun(FROM_DEG - 100, 40, on_table=0.15)
     nearby, calls = candidates._nearby, []
 
-    def led_away(seen: Seen, template: Float, beside: Evidence) -> candidates._Start:
+    def led_away(seen: Seen, template: Float, beside: MarginalLikelihood) -> candidates._Start:
         start = nearby(seen, template, beside)
         calls.append(template)
         # Towards the camera, where the cube hides the shadow.

@@ -11,7 +11,7 @@ from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.ground.gloss import Gloss, mirrored_and_slopes
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.ground.slow_shading import log_irradiance
-from ashe_live.light.lamps.fall.agreement import NEARNESSES, UNEVEN_DEVIANCE, FallDirections
+from ashe_live.light.lamps.fall.fall_directions import PRIOR_NEARNESSES, UNEVEN_DEVIANCE, FallDirections
 from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.pixels.view import View
 from tests.light.painted_scenes import SHADOW_RATIO, paint
@@ -160,7 +160,7 @@ def test_many_lights_cost_together_what_each_costs_alone() -> None:
 def displacements(towards_m: tuple[float, ...]) -> Float:
     """Of a sun and lamps in the direction that the object sees."""
     at_foot = (np.array(towards_m[:2]) - FOOT) / towards_m[2]
-    return np.array([at_foot + k * FOOT for k in (0.0, *NEARNESSES)])
+    return np.array([at_foot + k * FOOT for k in (0.0, *PRIOR_NEARNESSES)])
 
 
 @pytest.mark.parametrize("ground", ["plain", "bricks"])

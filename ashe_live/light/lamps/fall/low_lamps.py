@@ -17,7 +17,7 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import logit
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.slow_shading import irradiances
-from ashe_live.light.lamps.fall.agreement import EVERY, INFORMATIVE_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
+from ashe_live.light.lamps.fall.fall_directions import EVERY, INFORMATIVE_DEVIANCE, UNEVEN_DEVIANCE, FallDirections
 from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.hypotheses import NEARNESSES

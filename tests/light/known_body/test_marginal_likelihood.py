@@ -5,7 +5,7 @@ import pytest
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.evidence import Evidence
+from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.sides.shading import Sides
@@ -45,15 +45,17 @@ def map_of(darkenings: dict[tuple[float, float], float], noise: float = 0.02) ->
     return (light + np.random.default_rng(RNG_SEED).normal(0, noise, light.shape)).astype(np.float32)
 
 
-def evidence(values: Float32, known: Lit) -> Evidence:
+def likelihood(values: Float32, known: Lit) -> MarginalLikelihood:
     even = np.ones((SIDE, SIDE), np.float32)
-    return Evidence(Observed(values, even, TEMPLATES.hidden_sky, TEMPLATES.hidden_slope, NO_SIDES, EVERYWHERE), known)
+    return MarginalLikelihood(
+        Observed(values, even, TEMPLATES.hidden_sky, TEMPLATES.hidden_slope, NO_SIDES, EVERYWHERE), known
+    )
 
 
 @pytest.mark.parametrize("darkening", [0.15, 0.4, 0.7])
 def test_one_sun_is_where_it_is_and_takes_what_it_gives(darkening: float) -> None:
     true = sun(200, 35).point
-    found = evidence(map_of({(200, 35): darkening}), lit())
+    found = likelihood(map_of({(200, 35): darkening}), lit())
     best = int(found.everywhere.log_likelihood.argmax())
     assert TEMPLATES.lights[best, :3] @ true[:3] > np.cos(np.radians(6))
     assert found.scanned(lit(true)).darkenings[0, 0] == pytest.approx(darkening, rel=0.08)
@@ -62,15 +64,15 @@ def test_one_sun_is_where_it_is_and_takes_what_it_gives(darkening: float) -> Non
 def test_two_suns_are_distinguished() -> None:
     darkenings = {(200, 35): 0.4, (80, 60): 0.25}
     known = lit(*(sun(*angles).point for angles in darkenings))
-    assert evidence(map_of(darkenings), known).darkenings == pytest.approx([0.4, 0.25], rel=0.1)
-    beside = evidence(map_of(darkenings), lit(sun(200, 35).point)).everywhere
+    assert likelihood(map_of(darkenings), known).darkenings == pytest.approx([0.4, 0.25], rel=0.1)
+    beside = likelihood(map_of(darkenings), lit(sun(200, 35).point)).everywhere
     best = int(beside.log_likelihood.argmax())
     assert TEMPLATES.lights[best, :3] @ sun(80, 60).point[:3] > np.cos(np.radians(8))
     assert beside.log_likelihood[best] > 10
 
 
 def test_where_nothing_casts_a_shadow_nothing_is_likelier_than_that() -> None:
-    assert evidence(map_of({}), lit()).everywhere.log_likelihood.max() < 1
+    assert likelihood(map_of({}), lit()).everywhere.log_likelihood.max() < 1
 
 
 @pytest.mark.parametrize("slope", [(0.2, 0.0), (0.0, 0.25), (-0.2, 0.15)])
@@ -78,11 +80,11 @@ def test_a_sky_that_gives_all_light_may_lean_as_much_as_skies_do(slope: tuple[fl
     leaning = 1 - TEMPLATES.hidden_sky - np.array(slope) @ TEMPLATES.hidden_slope
     noise = np.random.default_rng(RNG_SEED).normal(0, 0.01, (SIDE, SIDE))
     values = (leaning.reshape(SIDE, SIDE) + noise).astype(np.float32)
-    assert evidence(values, lit()).everywhere.log_likelihood.max() < 0
+    assert likelihood(values, lit()).everywhere.log_likelihood.max() < 0
 
 
 def test_a_further_light_that_is_not_there_takes_nothing() -> None:
-    scan = evidence(map_of({(200, 35): 0.4}), lit(sun(200, 35).point)).scanned(lit(sun(80, 60).point))
+    scan = likelihood(map_of({(200, 35): 0.4}), lit(sun(200, 35).point)).scanned(lit(sun(80, 60).point))
     assert scan.darkenings[0, 1] < 0.03
     assert scan.log_likelihood[0] < 0
 

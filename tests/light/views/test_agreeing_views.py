@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.view import View
-from ashe_live.light.views.agreement import WIDTH_PX, agreeing
+from ashe_live.light.views.agreeing_views import WIDTH_PX, agreeing
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import camera_towards, direction
 

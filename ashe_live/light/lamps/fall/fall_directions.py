@@ -1,4 +1,4 @@
-"""Whether a direction agrees with how light is distributed over the ground: below a lamp, and on gloss in any light.
+"""Lights' directions by how light is distributed over the ground: below a lamp, and on gloss in any light.
 
 The ground is brightest where a lamp stands, and where it would mirror a light, so that uneven light on the ground is
 evidence on its direction before any object is looked at. An explanation by a light from elsewhere is then unlikely,
@@ -17,7 +17,7 @@ from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.light.ground.gloss import Gloss
 from ashe_live.light.lamps.fall.fall_off import FallOff
 
-NEARNESSES = (0.6, 1.3, 2.7, 5.5)  # 1/m, equally likely of a lamp
+PRIOR_NEARNESSES = (0.6, 1.3, 2.7, 5.5)  # 1/m, equally likely of a lamp
 DIRECTIONS, LOWEST_Z = 40, 0.25  # of lamps, spread evenly over the hemisphere, without the lowest
 SUNS, LOWEST_SUN_Z = 60, 0.08  # the same of suns, which gloss mirrors lower
 SHARE = 0.8  # of the light that is the lamp's, where it is not known yet
@@ -71,13 +71,13 @@ class FallDirections:
         """Log of how much likelier a light is that casts displacements (1 + k, 2) than one anywhere.
 
         0 where neither gloss nor the fall of light is evidence. displacements: at the marker's centre, of a sun and of
-        lamps of each of NEARNESSES.
+        lamps of each of PRIOR_NEARNESSES.
         """
         light, deviance = self.likeliest
         is_lamp = light[2] > 0
         if deviance < (INFORMATIVE_DEVIANCE if is_lamp else UNEVEN_DEVIANCE):
             return 0.0
-        here = self._costs(np.column_stack([displacements, (0.0, *NEARNESSES)]))
+        here = self._costs(np.column_stack([displacements, (0.0, *PRIOR_NEARNESSES)]))
         if is_lamp:
             ratio = _log_mean(here[1:]) - _log_mean(self.of_lamps)
         else:
@@ -105,7 +105,7 @@ class FallDirections:
         """(n, 3) lamps all over the hemisphere."""
         x, y, z = directions_on_spiral(DIRECTIONS, LOWEST_Z, 1.0).T
         displacements = np.column_stack([x / z, y / z])
-        return np.array([[*(s + k * self.reference), k] for s in displacements for k in NEARNESSES])
+        return np.array([[*(s + k * self.reference), k] for s in displacements for k in PRIOR_NEARNESSES])
 
     @cached_property
     def _suns(self) -> Float:

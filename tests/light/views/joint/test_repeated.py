@@ -11,7 +11,7 @@ from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.views.joint.aligned import JointExplanation, JointStart, costs_of_views, explained_where_it_stands
-from ashe_live.light.views.joint.same_silhouettes import counted_once, show_the_same
+from ashe_live.light.views.joint.repeated import counted_once, show_the_same
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import camera_towards
 

@@ -15,7 +15,7 @@ from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import plane_homography
 from ashe_live.light.views.joint.aligned import JointExplanation, in_each_view
-from ashe_live.light.views.joint.evidence import joint_log_odds, joint_support, no_less_sure
+from ashe_live.light.views.joint.log_odds import joint_log_odds, joint_support, no_less_sure
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import camera_towards, direction

@@ -1,4 +1,4 @@
-"""What several views together say for or against an explanation."""
+"""Log odds that an explanation is right, by what several views together say for and against it."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -21,7 +21,6 @@ from ashe_live.light.explanation.judgement.judge import (
 )
 from ashe_live.light.ground.lit_ground import OFF_PLANE
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import distinct
 from ashe_live.light.pixels.areas import areas_by_size, grown
 from ashe_live.light.views.joint.aligned import JointExplanation
 from ashe_live.light.views.plane import where_in
@@ -42,8 +41,6 @@ MOST_AGAINST_SHEARING = 1.0
 ASIDE_RAD = math.radians(15.0)
 LEAST_OTHER_PX = 20  # of another object in a region: smaller ones are specks
 BESIDE_PX = 1  # width of the rim of what a body hides, in which colours are mixed
-ALIKE_SHARE = 0.3  # of a body's size: the most distance between the feet of two bodies that count as alike
-ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the largest angle between their lights
 
 
 def joint_features(explanation: JointExplanation, context: Context) -> Mapping[str, float]:
@@ -171,20 +168,3 @@ def _on_plane(region: Region, mask: Mask, below: float = math.inf) -> float:
         return 0.0
     odds = region.on_plane[mask & region.is_ground]
     return float(odds[odds < below].sum()) / PIXELS_PER_SAMPLE
-
-
-def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:
-    """The explanations in order, without those whose body and lights are like an earlier one's."""
-    return distinct(several, _are_alike)
-
-
-def _are_alike(one: JointExplanation, other: JointExplanation) -> bool:
-    """Whether the bodies stand in one place, of like size, and the lights are from like directions."""
-    if len(one.joint.lights) != len(other.joint.lights):
-        return False
-    a, b = one.joint.alignment.placed.lit.body, other.joint.alignment.placed.lit.body
-    apart = np.linalg.norm(a.proxy.foot_marker - b.proxy.foot_marker)
-    if apart > ALIKE_SHARE * min(a.frame.unit_m, b.frame.unit_m):
-        return False
-    pairs = zip(one.joint.lights, other.joint.lights, strict=True)
-    return all(float(x.to_light_marker @ y.to_light_marker) > ALIKE_COSINE for x, y in pairs)

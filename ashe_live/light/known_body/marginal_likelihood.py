@@ -1,4 +1,4 @@
-"""How well lights explain a picture of a known body: the likelihood of its table's light and of its sides' light.
+"""The marginal likelihood of lights beside a known body: of the light on its table and on its sides.
 
 One linear model in the lights' darkenings (`observed.py`, docs/maths, "A known body").
 """
@@ -48,8 +48,11 @@ class _Best:
     darkenings: Float  # (l,)
 
 
-class Evidence:
-    """What a picture, or one of its colour channels, says of lights beside those that are known."""
+class MarginalLikelihood:
+    """Of a picture, or one of its colour channels, with a further light beside those that are known.
+
+    What each light takes from the table's light is marginalised out.
+    """
 
     everywhere: Scan  # of a further light in all directions
 

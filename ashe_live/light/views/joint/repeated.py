@@ -1,4 +1,4 @@
-"""Explanations of several views that are of one object and one shadow."""
+"""Explanations of several views that repeat another one: of the same body in the same light, or of the same pixels."""
 
 import math
 from collections.abc import Sequence
@@ -7,11 +7,19 @@ import numpy as np
 
 from ashe_live.core.arrays import Mask
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.labels.associate import distinct
 from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.views.joint.aligned import JointExplanation, towards_light
 
 # Of the pixels that either of two explanations takes for the object, those that both do; of shadows too.
 SAME_SHARE = 0.5
+ALIKE_SHARE = 0.3  # of a body's size: the most distance between the feet of two bodies that count as alike
+ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the largest angle between their lights
+
+
+def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:
+    """The explanations in order, without those whose body and lights are like an earlier one's."""
+    return distinct(several, _are_alike)
 
 
 def show_the_same(one: JointExplanation, other: JointExplanation) -> bool:
@@ -33,6 +41,18 @@ def counted_once(several: Sequence[tuple[JointExplanation, float]]) -> list[tupl
         if not any(show_the_same(one, each) for one in near):
             kept.append((each, odds))
     return kept
+
+
+def _are_alike(one: JointExplanation, other: JointExplanation) -> bool:
+    """Whether the bodies stand in one place, of like size, and the lights are from like directions."""
+    if len(one.joint.lights) != len(other.joint.lights):
+        return False
+    a, b = one.joint.alignment.placed.lit.body, other.joint.alignment.placed.lit.body
+    apart = np.linalg.norm(a.proxy.foot_marker - b.proxy.foot_marker)
+    if apart > ALIKE_SHARE * min(a.frame.unit_m, b.frame.unit_m):
+        return False
+    pairs = zip(one.joint.lights, other.joint.lights, strict=True)
+    return all(float(x.to_light_marker @ y.to_light_marker) > ALIKE_COSINE for x, y in pairs)
 
 
 def _silhouettes(explanation: JointExplanation, where: JointExplanation | None = None) -> tuple[Mask, Mask]:
