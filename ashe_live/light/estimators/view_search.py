@@ -30,8 +30,8 @@ from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.pixels.view import View
 
 HINTS = 5  # number of lights in which a known object's place is searched
-# Angle, and distance over a known object's size, within which two explanations count as one.
-SAME_RAD, SAME_PLACE = math.radians(1), 0.03
+# Angle, and distance over a known object's size, within which an explanation by place is one that was found before.
+FOUND_AGAIN_RAD, FOUND_AGAIN_SHARE = math.radians(1), 0.03
 
 
 @dataclass(slots=True, eq=False)
@@ -146,4 +146,4 @@ def _is_same(one: Explanation, other: Explanation) -> bool:
     away = float(np.linalg.norm(one.proxy.foot_marker - other.proxy.foot_marker))
     near = angle_between(one.lights[0].to_light_marker, other.lights[0].to_light_marker)
     size = one.alignment.placed.lit.body.frame.unit_m
-    return near < SAME_RAD and away < SAME_PLACE * size and len(one.lights) == len(other.lights)
+    return near < FOUND_AGAIN_RAD and away < FOUND_AGAIN_SHARE * size and len(one.lights) == len(other.lights)

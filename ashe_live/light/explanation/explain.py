@@ -37,7 +37,7 @@ END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture 
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
 # Explanations of two regions are of one object in one light within this angle, and this fraction of its size.
-SAME_RAD, SAME_PLACE = math.radians(3), 0.2
+ONE_OBJECT_RAD, ONE_OBJECT_SHARE = math.radians(3), 0.2
 
 
 # Fits explanations anew, each with its first light held at a nearness: `explained_near` with some preset.
@@ -180,10 +180,10 @@ def _have_one_object_in_one_light(one: Explanation, other: Explanation) -> bool:
         return False
     # By where the bodies stand, and not by their frames' origins, from which a fit moves them.
     away = np.linalg.norm(one.proxy.foot_marker - other.proxy.foot_marker)
-    if away > SAME_PLACE * min(each.alignment.placed.lit.body.frame.unit_m for each in (one, other)):
+    if away > ONE_OBJECT_SHARE * min(each.alignment.placed.lit.body.frame.unit_m for each in (one, other)):
         return False
     turns = (angle_between(p.to_light_marker, q.to_light_marker) for p, q in zip(one.lights, other.lights, strict=True))
-    return max(turns) < SAME_RAD
+    return max(turns) < ONE_OBJECT_RAD
 
 
 def _masks(proposal: Proposal) -> Masks:

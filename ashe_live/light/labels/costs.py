@@ -9,7 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask, set_frozen
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.materials import Materials
-from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.areas import distance_to, grown
 from ashe_live.light.shape.predicted import Predicted
 
 BESIDE_BODY_PX = 2  # where a border of the shadow is none, as the body hides how it goes on
@@ -67,3 +67,12 @@ class Costs:
         first, second, both = self.materials.layers
         one, other = masks.parts
         return np.where(one, np.where(other, both, first), second)
+
+
+def cost_of_distance(mask: Mask, per_px: float, farthest_px: float, free_px: float = 0.0) -> Float32:
+    """(h, w) what a label costs beside its unary cost where a fit does not predict it.
+
+    It rises by `per_px` for each pixel of distance from the prediction `mask` (h, w): from `free_px` on, and for
+    `farthest_px` more.
+    """
+    return np.asarray(per_px * np.clip(distance_to(mask) - free_px, 0, farthest_px), dtype=np.float32)

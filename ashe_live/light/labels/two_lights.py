@@ -10,7 +10,7 @@ from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shadow_ratio, shift_of_ratio
 from ashe_live.light.labels.associate import Split
-from ashe_live.light.labels.costs import Costs
+from ashe_live.light.labels.costs import Costs, cost_of_distance
 from ashe_live.light.labels.materials import (
     SHADED_SHARES,
     Materials,
@@ -19,7 +19,7 @@ from ashe_live.light.labels.materials import (
     object_cost,
     share_of_light_lost,
 )
-from ashe_live.light.pixels.areas import distance_to, large_areas, majority, smoothed
+from ashe_live.light.pixels.areas import large_areas, majority, smoothed
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, nearest_squared_distance
 from ashe_live.light.shape.predicted import Predicted
 
@@ -28,7 +28,7 @@ LEAST_AMBIENT = 0.01
 NOISE_SIGMAS = 2.0  # by which contributions that add up to more than all light may do so by noise
 # Each light's shadow alone must hold at least this fraction of the region's unlit pixels, and this many of them.
 LEAST_ALONE, LEAST_ALONE_PX = 0.04, 30
-COST_OF_DISTANCE, FARTHEST_PX = 1.0, 10.0  # extra cost per pixel outside of a predicted shadow, and its limit
+COST_PER_PX, FARTHEST_PX = 1.0, 10.0  # extra cost per pixel outside of a predicted shadow, and its limit
 CLEARLY, NOT_SHADED = 6.0, 12.0  # squared distances, in units of the shift's noise
 MOST_ASKED = 1000  # unlit pixels by which pairs of shifts are compared
 
@@ -109,9 +109,9 @@ def separated_shadows(materials: Materials, shadow: Mask, fitted: Predicted | No
     first, second, both = (smoothed(np.minimum(layer, UNEXPLAINED)) for layer in materials.layers)
     if fitted is not None and len(fitted.parts) == 2:
         one, other = fitted.parts
-        first = first + _penalty(one & ~other)
-        second = second + _penalty(other & ~one)
-        both = both + _penalty(one & other)
+        first = first + cost_of_distance(one & ~other, COST_PER_PX, FARTHEST_PX)
+        second = second + cost_of_distance(other & ~one, COST_PER_PX, FARTHEST_PX)
+        both = both + cost_of_distance(one & other, COST_PER_PX, FARTHEST_PX)
     label = np.argmin([first, second, both], axis=0)
     parts = tuple(majority(shadow & ((label == light) | (label == 2)), 5) for light in (0, 1))
     return tuple(large_areas(part, LEAST_ALONE_PX) for part in parts)
@@ -132,7 +132,3 @@ def cost_reduction(region: Region, materials: Materials, split: Split) -> float:
     nothing = np.zeros_like(split.object_mask)
     saved = costs.of(Predicted(nothing, nothing, (nothing, nothing))) - costs.of(masks)
     return saved / max(int(region.unlit.sum()), 1)
-
-
-def _penalty(mask: Mask) -> Float32:
-    return np.asarray(COST_OF_DISTANCE * np.minimum(distance_to(mask), FARTHEST_PX), dtype=np.float32)
