@@ -113,7 +113,9 @@ class Light:
     sigma_rad: float | None = None  # radius that contains the truth with probability 0.68
     confidence: float | None = None  # P(angular error < 10 degrees)
     angular_size_rad: float | None = None  # the source's angular diameter, seen from the marker's centre
-    shadow_rgb_ratio: Float | None = None  # (3,) linear RGB, shadowed over lit ground
+    # (3,) linear RGB, shadowed over lit ground. Of an estimated lamp, whose light falls off, it holds where the shadow
+    # was measured, and `intensity_rgb_ratio` at the marker's centre; of any other light it holds there as well.
+    shadow_rgb_ratio: Float | None = None
     inverse_distance: float = 0.0  # 1/m, one over a lamp's distance from the marker's centre; 0 for a sun
     # (3, 3) on (larger azimuth, larger elevation, larger inverse distance): rad, rad and 1/m.
     lamp_covariance: Float | None = None

@@ -89,7 +89,8 @@ class PoseEquations:
 def _derivatives_by_pose(lit: LitBody, view: View, points: Float, normals: Float) -> Float:
     """(6, r) derivatives by (w, v) of the outward movement of the r = (1 + l) p points on a body's outlines.
 
-    A shadow's points lie on the plane; the body's, about, above its foot, where their rays pass its axis.
+    A shadow's points lie on the plane. The body's lie about where their rays pass the vertical line through its frame's
+    origin.
     """
     pose, eye = view.T_cam_marker, camera_centre(view.T_cam_marker)
     rays = np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(view.camera.K).T
@@ -97,11 +98,11 @@ def _derivatives_by_pose(lit: LitBody, view: View, points: Float, normals: Float
     towards = lit.body.frame.origin_marker - eye[:2]
     body = onward[:POINTS_PER_OUTLINE]
     along = body[:, :2] @ towards
-    # A ray across the way to the foot, as straight below the camera, passes the axis nowhere.
-    beside_axis = (towards @ towards) / np.where(np.abs(along) > 1e-9, along, np.inf)
+    # A ray across the way to that line, as straight below the camera, passes it nowhere.
+    beside_line = (towards @ towards) / np.where(np.abs(along) > 1e-9, along, np.inf)
     highest = min(2 * lit.body.middle_m, HIGHEST * eye[2])
     height = np.zeros(len(points))
-    height[:POINTS_PER_OUTLINE] = np.clip(eye[2] + beside_axis * body[:, 2], 0.0, highest)
+    height[:POINTS_PER_OUTLINE] = np.clip(eye[2] + beside_line * body[:, 2], 0.0, highest)
     depth = (height - eye[2]) / np.minimum(onward[:, 2], -1e-6)
     turned = (eye + depth[:, None] * onward) @ pose[:3, :3].T
     by_pose = pixels_by_pose(turned, turned + pose[:3, 3], view.camera.K)

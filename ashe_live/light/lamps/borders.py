@@ -48,9 +48,9 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
         of_light = layout.light(i)
         spread, asked = covariance[of_light, of_light], float(offset[of_light][2])
         sigma = float(np.hypot(np.sqrt(spread[2, 2]), asked**2 * top))
-        at_foot = spread[:2, 2] / spread[2, 2] * frame.unit_m
+        from_origin = spread[:2, 2] / spread[2, 2] * frame.unit_m
         nearness = float(held) + asked / frame.unit_m
-        found.append(LampBorders(nearness, sigma / frame.unit_m, at_foot + frame.origin_marker))
+        found.append(LampBorders(nearness, sigma / frame.unit_m, from_origin + frame.origin_marker))
     return found
 
 

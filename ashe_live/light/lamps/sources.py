@@ -113,12 +113,12 @@ def place_by_the_rest(seen: PlaceEvidence, about: Place) -> Place:
     return seen.with_fall(combined([anywhere, *(each.place for each in seen.objects[1:])]))
 
 
-def anywhere_about(place: Place, foot_m: Float) -> Place:
-    """A light of which nothing is known: on the hemisphere that an object at foot_m (2,) sees, as near as lamps are.
+def anywhere_about(place: Place, object_marker: Float) -> Place:
+    """A light of which nothing is known: on the hemisphere that an object sees, as near as lamps are.
 
-    place: the mean of that wide distribution.
+    place: the mean of that wide distribution. object_marker: (2,) metres, about where the object stands.
     """
-    line = np.column_stack([np.eye(2), -foot_m])
+    line = np.column_stack([np.eye(2), -object_marker])
     from_object = np.append(line @ place.mean, (1.0, 0.0))
     information = line.T @ with_hemisphere_prior(np.zeros((2, 2)), from_object[None]) @ line
     information[2, 2] += 1 / LAMPS_NEARNESS**2

@@ -101,9 +101,9 @@ class LitBody:
 
     @property
     def to_lights_marker(self) -> list[Float]:
-        """(3,) unit vectors from the body's foot towards the lights, marker frame."""
-        foot = np.array([*self.body.frame.origin_marker, 0.0])
-        return [towards(light, foot) for light in self.lights]
+        """(3,) unit vectors from the body frame's origin towards the lights, marker frame."""
+        origin = np.array([*self.body.frame.origin_marker, 0.0])
+        return [towards(light, origin) for light in self.lights]
 
     def with_first_light_near(self, nearness: float) -> "LitBody":
         """With the first light at the nearness w / z (1/m, marker frame), in the direction that the body's middle sees.
@@ -116,11 +116,11 @@ class LitBody:
 
     def first_light_near(self, nearnesses: Sequence[float]) -> Float:
         """(k, 4) the first light, z = 1, at each of k nearnesses, as by `with_first_light_near`."""
-        foot, middle = self.body.frame.origin_marker, self.body.middle_m
+        origin, middle = self.body.frame.origin_marker, self.body.middle_m
         near = np.minimum(nearnesses, HIGHEST_NEARNESS / max(middle, 1e-9))[:, None]
         x, y, z, w = self.lights[0]
-        seen = (np.array([x, y]) / z - w / z * foot) / (1 - w / z * middle)
-        return np.hstack([seen * (1 - near * middle) + near * foot, np.ones_like(near), near])
+        seen = (np.array([x, y]) / z - w / z * origin) / (1 - w / z * middle)
+        return np.hstack([seen * (1 - near * middle) + near * origin, np.ones_like(near), near])
 
     def stretched(self, factor: float) -> "LitBody | None":
         """So many times as high, in lights so much higher that the shadows on the ground stay; None for a fixed shape.

@@ -151,9 +151,9 @@ def _different(several: Sequence[tuple[Hint, PlacedBody]], caster: Caster) -> li
     """The FOUND places that agree with the picture best, none of them next to another one in the same light."""
     found: list[tuple[Hint, PlacedBody]] = []
     for hint, one in sorted(several, key=lambda each: _agreement(each[1]), reverse=True):
-        foot = one.lit.body.frame.origin_marker
+        place = one.lit.body.frame.origin_marker
         is_new = all(
-            hint is not other or np.linalg.norm(foot - there.lit.body.frame.origin_marker) > APART * caster.radius_m
+            hint is not other or np.linalg.norm(place - there.lit.body.frame.origin_marker) > APART * caster.radius_m
             for other, there in found
         )
         if is_new:

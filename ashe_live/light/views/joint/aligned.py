@@ -191,10 +191,10 @@ def _placed(several: Sequence[JointStart]) -> list[list[PlacedBody]]:
 
 
 def _sight(lit: LitBody, costs: Costs) -> Sight:
-    """The sight of a view, its pixels counted from the body's foot."""
+    """The sight of a view, its pixels counted from the body frame's origin."""
     view = costs.region.view
-    foot = project(view.camera, view.T_cam_marker, np.array([[*lit.body.frame.origin_marker, 0.0]]))[0]
-    return Sight(view.camera, view.T_cam_marker, foot if np.isfinite(foot).all() else np.zeros(2))
+    origin_px = project(view.camera, view.T_cam_marker, np.array([[*lit.body.frame.origin_marker, 0.0]]))[0]
+    return Sight(view.camera, view.T_cam_marker, origin_px if np.isfinite(origin_px).all() else np.zeros(2))
 
 
 def _apart_rad(one: LitBody, other: LitBody) -> float:
