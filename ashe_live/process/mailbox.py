@@ -38,6 +38,11 @@ class LatestMailbox(Generic[T]):
                 raise self._end
             return value
 
+    def drop(self) -> None:
+        """Empties the slot, whose value nobody wants any more."""
+        with self._changed:
+            self._value = None
+
     def close(self, error: BaseException | None = None) -> None:
         """Closes the mailbox; only the first call counts."""
         with self._changed:

@@ -58,3 +58,12 @@ def test_closing_wakes_everybody() -> None:
     box.close()
     assert ended.wait(10)
     taker.join(10)
+
+
+def test_what_is_dropped_is_not_taken_but_what_comes_after_it_is() -> None:
+    box = LatestMailbox[int]()
+    box.put(1)
+    box.drop()
+    assert box.take(0) is None
+    box.put(2)
+    assert box.take(0) == 2

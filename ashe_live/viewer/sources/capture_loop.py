@@ -172,7 +172,7 @@ class CaptureLoop:
         self._publish(shown=position, at=position)
         self._shown, self._shown_by = frame, self._wish.following
         tracked = self._scene.track(frame)
-        self._frames.put_tracked(tracked, self._wish.following)
+        self._frames.put(tracked, self._wish.following)
         # After handing over, so that the display does not wait for it.
         self._scene.keep_view(tracked)
 

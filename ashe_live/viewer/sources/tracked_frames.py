@@ -1,5 +1,6 @@
 """The mailbox of tracked frames, which forgets those of a marker, or a field of view, that is no longer asked for."""
 
+import threading
 from dataclasses import dataclass
 
 from ashe_live.core.types import TrackedFrame
@@ -17,21 +18,38 @@ class Following:
 AS_AT_FIRST = Following()
 
 
-class TrackedFrames(LatestMailbox[TrackedFrame]):
+class TrackedFrames:
     """The capture thread puts frames in, which may be in progress when the other thread asks for another marker."""
 
     def __init__(self) -> None:
-        super().__init__()
+        self._latest = LatestMailbox[TrackedFrame]()
+        self._asking = threading.Lock()
         self._following = AS_AT_FIRST
 
     def ask_for(self, following: Following) -> None:
         """From now on only frames that were tracked so are taken out; one of before that waits is dropped."""
-        with self._changed:
+        with self._asking:
             if following != self._following:
-                self._following, self._value = following, None
+                self._following = following
+                self._latest.drop()
 
-    def put_tracked(self, tracked: TrackedFrame, following: Following) -> None:
-        """As `put`, but drops a frame that was not tracked as asked for. Raises Closed when the mailbox is closed."""
-        with self._changed:
+    def put(self, tracked: TrackedFrame, following: Following) -> None:
+        """Replaces what has not been taken by a frame that was tracked so, unless another way is asked for by now.
+
+        Raises Closed when the mailbox is closed.
+        """
+        with self._asking:
             if following == self._following:
-                self.put(tracked)
+                self._latest.put(tracked)
+
+    def take(self, timeout_s: float) -> TrackedFrame | None:
+        """As `LatestMailbox.take`."""
+        return self._latest.take(timeout_s)
+
+    def close(self, error: BaseException | None = None) -> None:
+        """As `LatestMailbox.close`."""
+        self._latest.close(error)
+
+    @property
+    def is_closed(self) -> bool:
+        return self._latest.is_closed

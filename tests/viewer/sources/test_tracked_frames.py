@@ -1,0 +1,40 @@
+"""Frames of a marker that is no longer asked for do not come out, whichever thread was quicker."""
+
+import pytest
+
+from ashe_live.process.mailbox import Closed
+from ashe_live.viewer.sources.tracked_frames import AS_AT_FIRST, Following, TrackedFrames
+
+OTHER = Following(marker="aruco:4x4_50:7")
+
+
+def test_a_frame_that_waits_is_dropped_when_another_marker_is_asked_for(fakes) -> None:
+    frames = TrackedFrames()
+    frames.put(fakes.tracked(0), AS_AT_FIRST)
+    frames.ask_for(OTHER)
+    assert frames.take(0) is None
+
+
+def test_a_frame_that_was_in_progress_then_is_not_taken_in(fakes) -> None:
+    frames = TrackedFrames()
+    frames.ask_for(OTHER)
+    frames.put(fakes.tracked(0), AS_AT_FIRST)
+    assert frames.take(0) is None
+    frames.put(fakes.tracked(1), OTHER)
+    assert frames.take(0).frame.index == 1
+
+
+def test_to_ask_for_the_same_again_drops_nothing(fakes) -> None:
+    frames = TrackedFrames()
+    frames.put(fakes.tracked(0), AS_AT_FIRST)
+    frames.ask_for(AS_AT_FIRST)
+    assert frames.take(0).frame.index == 0
+
+
+def test_the_last_frame_comes_before_the_end(fakes) -> None:
+    frames = TrackedFrames()
+    frames.put(fakes.tracked(0), AS_AT_FIRST)
+    frames.close()
+    assert frames.take(0).frame.index == 0
+    with pytest.raises(Closed):
+        frames.take(0)
