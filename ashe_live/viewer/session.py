@@ -101,8 +101,6 @@ class Session:
         """Shows `tracked` from now on, and requests an estimate from it where one is due."""
         if tracked.note is not None and (self.tracked is None or self.tracked.note != tracked.note):
             self.say(tracked.note, now_s)
-        # A looped clip has no last frame: if none was steady in a round, as on a slow machine, this one has to do.
-        has_gone_round = self.tracked is not None and tracked.frame.index < self.tracked.frame.index
         # By a hand, which would be estimated with the scene.
         is_being_moved = self.tracked is not None and tracked.T_room_marker is not self.tracked.T_room_marker
         self.tracked = tracked
@@ -114,8 +112,6 @@ class Session:
         self.table.motion.tick(now_s)
         self._stand_clear()
         is_steady = self._first.add(tracked)
-        if has_gone_round and self.settle_for_last(now_s):
-            return
         if self._first.is_due_in(tracked):
             self._first.done()
             self.request_estimate(now_s)

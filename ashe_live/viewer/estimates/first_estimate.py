@@ -14,6 +14,8 @@ class FirstEstimate:
         self._on_first_steady = on_first_steady
         self._at_frame = at_frame
         self._is_done = False
+        self._last_index = -1
+        self._has_gone_round = False
 
     @property
     def awaits_steady(self) -> bool:
@@ -22,6 +24,8 @@ class FirstEstimate:
 
     def add(self, tracked: TrackedFrame) -> bool:
         """Takes the next frame; returns whether the marker is steady in it."""
+        self._has_gone_round = tracked.frame.index < self._last_index
+        self._last_index = tracked.frame.index
         return self._steadiness.add(tracked)
 
     def is_due_in(self, tracked: TrackedFrame) -> bool:
@@ -30,7 +34,9 @@ class FirstEstimate:
             return False
         if self._at_frame is not None:
             return tracked.frame.index >= self._at_frame  # that one may have come too late to be tracked
-        return self._on_first_steady and self._steadiness.is_steady
+        # A looped clip has no last frame: if none was steady in a round, as on a slow machine, this one has to do.
+        may_be_last = self._has_gone_round and tracked.marker is not None
+        return self._on_first_steady and (self._steadiness.is_steady or may_be_last)
 
     def done(self) -> None:
         """It has been made, or is not needed any more."""

@@ -1,5 +1,7 @@
 """When the light is estimated without a request: once, and not before the marker is steady or the frame is there."""
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ashe_live.core.camera import Camera
@@ -14,7 +16,7 @@ def frame(index: int) -> TrackedFrame:
     return TrackedFrame(Frame(np.zeros((12, 16, 3), np.uint8), index, index / 30), Camera.from_hfov((16, 12), 60), POSE)
 
 
-def due(first: FirstEstimate, indices: range, is_done_when_due: bool = True) -> list[int]:
+def due(first: FirstEstimate, indices: Iterable[int], is_done_when_due: bool = True) -> list[int]:
     found = []
     for index in indices:
         first.add(frame(index))
@@ -33,6 +35,12 @@ def test_it_is_made_of_the_first_frame_in_which_the_marker_is_steady_and_once() 
     assert not first.awaits_steady
     assert Steadiness.of(is_photo=True).add(frame(0))
     assert due(FirstEstimate(Steadiness.of(is_photo=True), on_first_steady=True), range(3)) == [0]
+
+
+def test_in_a_loop_that_is_never_steady_it_is_made_where_the_next_round_begins() -> None:
+    never_steady = Steadiness(100)
+    assert due(FirstEstimate(never_steady, on_first_steady=True), (0, 2, 5, 0, 2, 5, 0)) == [0]
+    assert due(FirstEstimate(never_steady, at_frame=9), (0, 2, 5, 0, 2, 5, 0)) == []
 
 
 def test_it_is_made_of_a_frame_with_a_number_or_of_the_next_one_that_was_tracked() -> None:
