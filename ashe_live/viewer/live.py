@@ -27,8 +27,7 @@ from ashe_live.viewer.status import light_line
 from ashe_live.viewer.stillness import Stillness
 from ashe_live.viewer.windows.window import Window
 
-# How long to wait for an event, or for a frame of the source, while nothing changes.
-IDLE_S = 0.1
+IDLE_S = 0.1  # the longest wait for an event, or for a frame of the source, while nothing changes
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from ashe_live import quality
-from ashe_live.commands.flags import option_groups, parser, values
+from ashe_live.commands.flags import command_parser, option_groups, values
 from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.parser import build_parser, build_start_parser
 from ashe_live.models import loading
@@ -122,7 +122,7 @@ def test_the_qualities_that_are_offered_are_those_there_are() -> None:
 
 
 def test_the_kinds_of_models_that_the_parser_knows_are_those_there_are() -> None:
-    assert parser.MODEL_SUFFIXES == loading.SUFFIXES
+    assert command_parser.MODEL_SUFFIXES == loading.SUFFIXES
 
 
 def parsers(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:

@@ -11,15 +11,13 @@ from typing import TypeVar
 
 from ashe_live.capture.folder import refuse_folder
 from ashe_live.capture.opening import open_source, openable
-from ashe_live.capture.photo import PhotoSource
-from ashe_live.capture.sources import Source
 from ashe_live.commands.answers.empty_table import EmptyTable
 from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, renumbered
 from ashe_live.commands.answers.steps_sheet import write_steps
 from ashe_live.commands.flags.marker_choice import marker_in, with_marker, with_marker_in
 from ashe_live.commands.flags.model_choice import refuse_model
-from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, assumed_note, make_tracker
+from ashe_live.commands.flags.setup import CameraFor, assumed_note, cameras_of_all, make_tracker, states_no_camera
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.contract import FileRecord
@@ -71,7 +69,7 @@ class FileEstimator:
         if len(paths) < 2:
             raise UserError("--together needs two files or more", "name them, or leave it out")
         options = self._marker_of_all(paths)
-        cameras = self._cameras_of_all(paths, options)
+        cameras = cameras_of_all(paths, options, self.camera_for)
         used: list[_Looked] = []
         for path in paths:
             looked = self._guarded(path, partial(self._looked_at, path, options, cameras))
@@ -110,7 +108,7 @@ class FileEstimator:
             refuse_folder(path)  # others have been replaced by the files in them
             refuse_model(path)
             with open_source(path) as source:
-                is_known = _states_no_camera(source) and source.size in cameras
+                is_known = states_no_camera(source) and source.size in cameras
                 camera_for = cameras.__getitem__ if is_known else self.camera_for
                 chosen = with_marker_in(source, options, self.followed)
                 tracker = make_tracker(chosen, camera_for, source=source)
@@ -192,23 +190,6 @@ class FileEstimator:
                     return with_marker(self.options, found)
         return self.options
 
-    def _cameras_of_all(self, paths: Sequence[Path], options: argparse.Namespace) -> dict[Size, Camera]:
-        """The cameras that the photos of each size determine together, if nothing else is known of them."""
-        cameras: dict[Size, Camera] = {}
-        if not isinstance(self.camera_for, AssumedCamera):
-            return cameras
-        trackers: dict[Size, MarkerTracker] = {}
-        for source in openable(paths):
-            if not _states_no_camera(source):
-                continue
-            tracker = trackers.setdefault(source.size, make_tracker(options, self.camera_for))
-            with suppress(Exception):  # its own line says so
-                frame = source.read()
-                assert frame is not None
-                cameras[source.size] = tracker.track(frame).camera
-            tracker.reset()
-        return cameras
-
     def _timed(
         self, tracker: MarkerTracker, tracked: TrackedFrame, others: Sequence[TrackedFrame]
     ) -> tuple[LightEstimate, Mapping[str, float]]:
@@ -250,7 +231,3 @@ def _report_unused(given: Sequence[str], used: Sequence[str]) -> None:
     unused = [file for file in dict.fromkeys(given) if file not in used]
     if unused:
         print_message(f"{listed(unused)}: not used; the answer rests on {listed(dict.fromkeys(used))}")
-
-
-def _states_no_camera(source: Source) -> bool:
-    return isinstance(source, PhotoSource) and source.focal_px is None

@@ -5,8 +5,9 @@ import re
 from collections.abc import Sequence
 from typing import NoReturn
 
+from ashe_live.commands.flags.command_parser import CommandParser
 from ashe_live.commands.flags.option_groups import DEFAULT_MODELS, UPS
-from ashe_live.commands.flags.parser import CommandParser, build_parser, build_start_parser
+from ashe_live.commands.flags.parser import build_parser, build_start_parser
 from ashe_live.errors import UserError
 
 

@@ -1,13 +1,10 @@
-"""The command line's parser. Nothing heavy is loaded, so that --help is instant."""
+"""The commands and their options. Nothing heavy is loaded, so that --help is instant."""
 
 import argparse
-import sys
-from collections.abc import Iterable, Sequence
-from typing import NoReturn
 
-from ashe_live import __version__
 from ashe_live.commands.flags import values
 from ashe_live.commands.flags.bench_parser import add_benches
+from ashe_live.commands.flags.command_parser import CommandParser, ShowVersion
 from ashe_live.commands.flags.option_groups import (
     DEFAULT_MARKER,
     ESTIMATE_AT_HELP,
@@ -17,8 +14,6 @@ from ashe_live.commands.flags.option_groups import (
     add_scene_options,
     add_view_options,
 )
-from ashe_live.errors import ExitStatus
-from ashe_live.process.messages import print_exactly, print_message
 
 EPILOG = (
     "Without COMMAND your camera is opened, with the options of webcam; without a camera, the demo plays. "
@@ -27,9 +22,6 @@ EPILOG = (
 START = "start"
 CAMERA_HELP = "number or path, as `ashe-live cameras` lists them"
 PAGE_HELP = "the page to print"
-# The same as in ashe_live.models.loading, whose imports --help must not wait for.
-MODEL_SUFFIXES = (".glb", ".gltf", ".obj", ".ply", ".stl")
-NEAR = 0.75  # likeness, from 0 to 1, of a word that may have been meant: one letter of six is wrong
 
 
 def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
@@ -37,7 +29,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     parser = (parser_class or CommandParser)(
         prog="ashe-live", description="AR whose virtual objects are lit as the real ones are.", epilog=EPILOG
     )
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
+    parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
     demo = add_command(commands, "demo", "play the shipped clip (without a display: into a video file)")
@@ -181,76 +173,3 @@ def _add_paper(printed: argparse.ArgumentParser) -> None:
     printed.add_argument(
         "--paper", choices=("a4", "letter", "a3"), default="a4", help="larger sheets are of its series (default a4)"
     )
-
-
-def _shown_by(file: str) -> str:
-    """The command that shows a file of that name."""
-    return "demo --model FILE" if file.lower().endswith(MODEL_SUFFIXES) else "play FILE"
-
-
-def _place(words: Sequence[str], word: str) -> int:
-    """Where the first such word is, or else the end."""
-    return next((index for index, each in enumerate(words) if each == word), len(words))
-
-
-class _Version(argparse.Action):
-    """As argparse's own action, which says nothing if the text cannot be written."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        print_exactly(f"ashe-live {__version__}")
-        parser.exit()
-
-
-class CommandParser(argparse.ArgumentParser):
-    """Says what is wrong in one line, without the usage that hides it."""
-
-    def parse_known_args(  # type: ignore[override]
-        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
-    ) -> tuple[argparse.Namespace, list[str]]:
-        given = sys.argv[1:] if args is None else list(args)
-        options, left = super().parse_known_args(given, namespace)
-        # Behind "--" no word is a flag, whatever it begins with.
-        flags = [word for word in left if word.startswith("-") and word in given[: _place(given, "--")]]
-        if "files" in options and not flags:
-            # Argparse takes those that stand together, and leaves what comes after the next flag.
-            files = [word for index, word in enumerate(left) if index != _place(left, "--")]
-            try:
-                options.files = [*options.files, *map(values.path, files)]
-            except argparse.ArgumentTypeError as error:
-                self.error(f"argument FILE: {error}")
-        elif left:  # here, where it is known of which command
-            names = (word.partition("=")[0] for word in flags if word.startswith("--"))
-            near = next((self._near(name, self._option_string_actions) for name in names), "")
-            self.error(f"unrecognized arguments: {' '.join(left)}{near}")
-        return options, []
-
-    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> object:
-        # Argparse takes "--" for no value at all, and hands over an empty list in its place.
-        if action.option_strings and arg_strings == ["--"]:
-            raise argparse.ArgumentError(action, "'--' is no value")
-        return super()._get_values(action, arg_strings)
-
-    def _check_value(self, action: argparse.Action, value: object) -> None:
-        near = "" if action.choices is None else self._near(str(value), map(str, action.choices))
-        if near and value not in (action.choices or ()):
-            raise argparse.ArgumentError(action, f"invalid choice: {value!r}{near}")
-        if action.metavar == "COMMAND" and {".", "/", "\\"} & set(str(value)):  # as in no command's name
-            said = f"{value!r} is not one, but looks like a file: ashe-live {_shown_by(str(value))} shows it"
-            raise argparse.ArgumentError(action, said)
-        super()._check_value(action, value)
-
-    @staticmethod
-    def _near(word: str, words: Iterable[str]) -> str:
-        """A question for the word that may have been meant; empty where none is like it."""
-        import difflib  # here, as most commands need it never
-
-        near = difflib.get_close_matches(word, list(words), 1, NEAR)
-        return f": did you mean {near[0]}?" if near else ""
-
-    def error(self, message: str) -> NoReturn:
-        print_message(f"{message} (see {self.prog} --help)")
-        self.exit(ExitStatus.WRONG_USE)
-
-    def print_help(self, _file: object = None) -> None:
-        # Argparse's own method says nothing if the text cannot be written.
-        print_exactly(self.format_help().rstrip("\n"))

@@ -1,8 +1,11 @@
 """Makes camera and tracker from the options that several commands share."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
 
+from ashe_live.capture.opening import openable
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import other_markers
@@ -116,3 +119,26 @@ def make_tracker(
     tracker.filters = not options.no_filter
     tracker.others = PlaneMarkers(other_markers(options))
     return tracker
+
+
+def cameras_of_all(paths: Sequence[Path], options: argparse.Namespace, camera_for: CameraFor) -> dict[Size, Camera]:
+    """The cameras that the photos of each size determine together; none where `camera_for` knows them already."""
+    cameras: dict[Size, Camera] = {}
+    if not isinstance(camera_for, AssumedCamera):
+        return cameras
+    trackers: dict[Size, MarkerTracker] = {}
+    for source in openable(paths):
+        if not states_no_camera(source):
+            continue
+        tracker = trackers.setdefault(source.size, make_tracker(options, camera_for))
+        with suppress(Exception):  # the photo's own line in the answer says so
+            frame = source.read()
+            assert frame is not None
+            cameras[source.size] = tracker.track(frame).camera
+        tracker.reset()
+    return cameras
+
+
+def states_no_camera(source: Source) -> bool:
+    """Whether the source is a photo whose EXIF data tell no focal length."""
+    return isinstance(source, PhotoSource) and source.focal_px is None
