@@ -82,23 +82,13 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     offsets = np.asarray(SAMPLING_PX * np.arange(-count, count + 1), dtype=np.float64)
     profile, squares = _profiles(linear_bgr, places, offsets)
     at = np.arange(window + gap, len(offsets) - window - gap)
-    # Means over the window inside, and over that outside, of each of k places of a step: (3, m p, k) and (m p, k).
-    means = _window_means(np.concatenate([profile, squares[None]]), window)
-    within, without = means[..., : len(at)], means[..., -len(at) :]
-    inner, outer = within[:3], without[:3]
-    step = outer - inner
-    variance = np.maximum(within[3] + without[3] - (inner**2).sum(axis=0) - (outer**2).sum(axis=0), 0)
-    contrast = (step**2).sum(axis=0) / (variance + NOISE)
-    darker, brighter = (np.maximum(level.mean(axis=0), DARKEST) for level in (inner, outer))
-    rise = np.log(brighter / darker)
-    is_any = np.isnan(rises)
-    slack = np.where(is_any, np.inf, RISE_SHARE * np.abs(rises) + RISE_SLACK)
-    unlike = (rise - np.where(is_any, 0.0, rises).repeat(p)[:, None]) / slack.repeat(p)[:, None]
+    levels = _Levels.beside(profile, squares, window, len(at))
+    unlike = _unlike(levels, rises.repeat(p))
     # Twice the log of a step's likelihood ratio, both sides' variance being unknown, and of the priors' densities.
     expected_px = EXPECTED_SHARE * reach_px
-    plausible = 2 * SAMPLES * np.log1p(contrast) - (offsets[at] / expected_px) ** 2 - unlike**2
+    plausible = 2 * SAMPLES * np.log1p(levels.contrast) - (offsets[at] / expected_px) ** 2 - unlike**2
     row = np.arange(m * p), plausible.argmax(axis=1)
-    contrast, inner, step, unlike = contrast[row], inner[:, *row], step[:, *row], unlike[row]
+    contrast, inner, step, unlike = levels.contrast[row], levels.inner[:, *row], levels.step[:, *row], unlike[row]
     share = ((profile - inner[..., None]) * step[..., None]).sum(axis=0)
     share /= np.maximum((step**2).sum(axis=0), 1e-12)[:, None]
     crossing, is_crossed = _half_way(share, at[row[1]], gap + 2)
@@ -109,6 +99,35 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     )
     found = np.where(is_found, offset_px, 0.0), np.where(is_found, 1 / variance_px2, 0.0)
     return Steps(*(values.reshape(m, p) for values in found))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Levels:
+    """Linear light on both sides of each of k places of a step, in n profiles."""
+
+    inner: Float  # (3, n, k) mean over the window inside
+    outer: Float  # (3, n, k) mean over that outside
+    step: Float  # (3, n, k) from the inner level to the outer one
+    contrast: Float  # (n, k) squared step over the variance within both windows
+
+    @staticmethod
+    def beside(profile: Float32, squares: Float32, window: int, count: int) -> "_Levels":
+        """Of profiles (3, n, s) with their squares (n, s), for k = `count` places between two windows of samples."""
+        means = _window_means(np.concatenate([profile, squares[None]]), window)
+        within, without = means[..., :count], means[..., -count:]
+        inner, outer = within[:3], without[:3]
+        step = outer - inner
+        variance = np.maximum(within[3] + without[3] - (inner**2).sum(axis=0) - (outer**2).sum(axis=0), 0)
+        return _Levels(inner, outer, step, (step**2).sum(axis=0) / (variance + NOISE))
+
+
+def _unlike(levels: _Levels, rises: Float) -> Float:
+    """(n, k) by how many sigmas the log of brightness rises otherwise than by rises (n,); 0 where these are NaN."""
+    darker, brighter = (np.maximum(level.mean(axis=0), DARKEST) for level in (levels.inner, levels.outer))
+    rise = np.log(brighter / darker)
+    is_any = np.isnan(rises)
+    slack = np.where(is_any, np.inf, RISE_SHARE * np.abs(rises) + RISE_SLACK)
+    return np.asarray((rise - np.where(is_any, 0.0, rises)[:, None]) / slack[:, None])
 
 
 def _profiles(linear_bgr: Float32, places: OutlinePoints, offsets: Float) -> tuple[Float32, Float32]:

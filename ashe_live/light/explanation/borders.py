@@ -47,27 +47,32 @@ def borders_at(places: OutlinePoints, sides: Sequence[Side], reach_px: Float) ->
     ends = np.append(steps, steps[:, -1:] + step_px, axis=1) - step_px / 2
     total = cost + (ends / (EXPECTED_SHARE * reach_px[:, None]))[:, None] ** 2
     best = total.argmin(axis=2)[..., None]
-    likely = np.exp(-0.5 * (total - np.take_along_axis(total, best, axis=2)))
-    likely /= likely.sum(axis=2, keepdims=True)
-    away = (likely @ ends[..., None])[..., 0]
-    variance = (likely @ ends[..., None] ** 2)[..., 0] - away**2 + LEAST_VARIANCE
+    away, variance = _mean_and_variance(total, ends)
 
     there = np.minimum(best, STEPS - 1)
     x, y = (np.append(each[..., STEPS // 2, None], np.take_along_axis(each, there, axis=2), axis=2) for each in (x, y))
-
-    def holds(masks: Sequence[Mask]) -> Mask:
-        """(n, p) whether the mask holds both at the point and at its likeliest border."""
-        return np.asarray(_sampled([mask.view(np.uint8) for mask in masks], x, y, cv2.INTER_NEAREST).all(axis=2))
-
-    is_trusted, is_visible = holds([side.trusted for side in sides]), holds([side.visible for side in sides])
+    is_trusted = _all_hold([side.trusted for side in sides], x, y)
     # An outline that seems to end where the picture or the ground does may go on beyond: drop the last point before it.
     in_view = is_trusted & np.roll(is_trusted, 1, axis=1) & np.roll(is_trusted, -1, axis=1)
-    is_observable = is_visible & in_view
+    is_observable = in_view & _all_hold([side.visible for side in sides], x, y)
     is_at_end = np.abs(np.take_along_axis(ends[:, None], best, axis=2)[..., 0]) > reach_px[:, None] - 1
     weight = is_observable * np.where(is_at_end, AT_THE_END, 1.0)
     gained = np.minimum(cost[..., 0], cost[..., -1]) - np.take_along_axis(cost, best, axis=2)[..., 0]
     clarity = np.where(is_observable, np.clip(gained / CLEAR, 0, 1), np.nan)
     return Borders(away, weight / variance, clarity, in_view)
+
+
+def _mean_and_variance(costs: Float, places: Float) -> tuple[Float, Float]:
+    """(n, p) mean and variance of a border's place by costs (n, p, k), twice negative logs, of k places (n, k)."""
+    likely = np.exp(-0.5 * (costs - costs.min(axis=2, keepdims=True)))
+    likely /= likely.sum(axis=2, keepdims=True)
+    mean = (likely @ places[..., None])[..., 0]
+    return mean, (likely @ places[..., None] ** 2)[..., 0] - mean**2 + LEAST_VARIANCE
+
+
+def _all_hold(masks: Sequence[Mask], x: Float32, y: Float32) -> Mask:
+    """(n, p) whether each of n masks holds at all s places (n, p, s) beside a point."""
+    return np.asarray(_sampled([mask.view(np.uint8) for mask in masks], x, y, cv2.INTER_NEAREST).all(axis=2))
 
 
 def _sampled(pictures: Sequence[NDArray[Any]], x: Float32, y: Float32, interpolation: int) -> NDArray[Any]:

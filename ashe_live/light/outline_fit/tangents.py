@@ -5,6 +5,7 @@ A plane through the camera's centre and the light's direction meets both silhoue
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,7 +50,7 @@ def lights_refined_by_tangents(
     P: (3, 4) pixels from the body's frame, counted from the outlines' centre. lights: (l, 4) in that frame, with
     `information` (split, split) on their parameters, which must be positive definite. spheroids: (k, 5) the body, if it
     is a good enough model to show where a tangent touches it; else None. Returns the lights (l, 4) and the covariance
-    (split, split) of their parameters. By the method of Levenberg and Marquardt.
+    (split, split) of their parameters.
     """
     layout, fitted, nearness = ParameterLayout(len(lights)), light_parameters(lights), nearness_of(lights)
     sigma = TANGENT_SIGMAS * max(edge_sigma_px, 0.05)
@@ -70,10 +71,17 @@ def lights_refined_by_tangents(
             two_sided[block, block] += slope.T @ (np.where(gaps.is_bound[0], 0.0, weight)[:, None] * slope)
         return _State(candidate, cost, gradient, curvature, two_sided)
 
-    best, damping = evaluated(fitted), 1e-3
+    best = _cheapest(evaluated, fitted)
+    # A bound only excludes lights on one side of it; it adds no information about those on the other.
+    return layout.lights_of(best.parameters.ravel(), nearness), np.asarray(np.linalg.inv(best.two_sided))
+
+
+def _cheapest(evaluated: Callable[[Float], _State], start: Float) -> _State:
+    """The state with the least cost that is reached from `start` (l, 2), by the method of Levenberg and Marquardt."""
+    best, damping = evaluated(start), 1e-3
     for _ in range(ITERATIONS):
         damped = best.curvature + damping * np.diag(np.diag(best.curvature))
-        new = evaluated(best.parameters + np.linalg.solve(damped, -best.gradient).reshape(fitted.shape))
+        new = evaluated(best.parameters + np.linalg.solve(damped, -best.gradient).reshape(start.shape))
         if not new.cost < best.cost:
             damping *= 8.0
             continue
@@ -81,8 +89,7 @@ def lights_refined_by_tangents(
         best, damping = new, 0.2 * damping
         if is_settled:
             break
-    # A bound only excludes lights on one side of it; it adds no information about those on the other.
-    return layout.lights_of(best.parameters.ravel(), nearness), np.asarray(np.linalg.inv(best.two_sided))
+    return best
 
 
 def tangent_gaps(

@@ -53,26 +53,14 @@ def shaded_sheet_as_ground(picture: MarkerPicture, sheet: Sheet) -> tuple[Image,
     plane = _Plane.around(farthest, picture)
     if plane is None:
         return None
-    square, black, middle = (plane.area(np.full(4, half)) for half in (INK, *BORDER))
-    inner, outer = plane.area(ends - 2 * ADDED - RIM), plane.area(farthest)
-    image = plane.image_bgr
-    linear = LINEAR_FROM_SRGB_8BIT[image]
-    brightness = np.log(linear @ REC709_LUMINANCE[::-1] + DARKEST).astype(np.float32)
-    margin, ink = inner & ~square, brightness[black & ~middle]
-    levels = _two_levels(brightness[margin])
-    if levels is None or not len(ink):
+    image, inner, outer = plane.image_bgr, plane.area(ends - 2 * ADDED - RIM), plane.area(farthest)
+    paper = _Paper.partly_shaded(plane, inner)
+    if paper is None:
         return None
-    is_lit, shaded, lit = levels
-    least = shaded + float(np.log(LEAST_WHITE))
-    paper, in_shadow = (np.log(np.median(linear[margin][each], axis=0) + DARKEST) for each in (is_lit, ~is_lit))
-    shift = in_shadow - paper
-    if np.quantile(ink, LIT_INK) > least or abs(shift[1] - shift.mean()) > MOST_GREEN:
-        return None
-    change = _from_paper_to_ground(plane, ends, farthest, paper, 0.5 * (shaded + lit))
+    change = _from_paper_to_ground(plane, ends, farthest, paper)
     if change is None:
         return None
-    white = margin | shrunk(square & (brightness > least), CERTAIN_PX)
-    blank = painted_over(image, inner & ~white, PAINTED_PX)
+    blank = painted_over(image, inner & ~paper.white, PAINTED_PX)
     shown = np.where(inner[..., None], in_ground_colour(blank, np.exp(change[::-1])), image)
     whole = picture.image_bgr.copy()
     where = np.zeros(whole.shape[:2], np.bool_)
@@ -131,6 +119,34 @@ class _Plane:
         return np.where(seen[:, None], np.log(LINEAR_FROM_SRGB_8BIT[colours] + DARKEST), np.nan)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Paper:
+    """A sheet's paper, a part of which lies in a shadow."""
+
+    white: Mask  # (h, w) of the window: what of the sheet surely is no ink
+    lit: Float  # (3,) log linear BGR of that in the light
+    half_way: float  # log brightness, between that in the shadow and that in the light
+
+    @staticmethod
+    def partly_shaded(plane: _Plane, inner: Mask) -> "_Paper | None":
+        """Of the sheet's inside (h, w); None where paper has one level, and where lit ink looks like shaded paper."""
+        square, black, middle = (plane.area(np.full(4, half)) for half in (INK, *BORDER))
+        linear = LINEAR_FROM_SRGB_8BIT[plane.image_bgr]
+        brightness = np.log(linear @ REC709_LUMINANCE[::-1] + DARKEST).astype(np.float32)
+        margin, ink = inner & ~square, brightness[black & ~middle]
+        levels = _two_levels(brightness[margin])
+        if levels is None or not len(ink):
+            return None
+        is_lit, shaded, lit = levels
+        least = shaded + float(np.log(LEAST_WHITE))
+        paper, in_shadow = (np.log(np.median(linear[margin][each], axis=0) + DARKEST) for each in (is_lit, ~is_lit))
+        shift = in_shadow - paper
+        if np.quantile(ink, LIT_INK) > least or abs(shift[1] - shift.mean()) > MOST_GREEN:
+            return None
+        white = margin | shrunk(square & (brightness > least), CERTAIN_PX)
+        return _Paper(white, paper, 0.5 * (shaded + lit))
+
+
 def _two_levels(brightness: Float32) -> tuple[Mask, float, float] | None:
     """Which of the paper (m,) lies in the light, and its log brightness in a shadow and there; None where it has no two
     levels.
@@ -147,13 +163,12 @@ def _two_levels(brightness: Float32) -> tuple[Mask, float, float] | None:
     return (is_lit, *levels) if depth > LEAST_DEPTH and max(scatters) < MOST_SCATTER * depth else None
 
 
-def _from_paper_to_ground(plane: _Plane, ends: Float, farthest: Float, paper: Float, half_way: float) -> Float | None:
+def _from_paper_to_ground(plane: _Plane, ends: Float, farthest: Float, paper: _Paper) -> Float | None:
     """(3,) change of log linear BGR from the paper to the ground right beside it.
 
-    Of the changes all around the sheet, which differ where the ground has a pattern, the one that leads from `paper` in
-    the light, (3,), to the commonest of the colours nearby. None where no shadow crosses the sheet's end: there the
-    changes beside paper that is darker than `half_way`, in log brightness, are like those in the light. What hides the
-    paper makes others, or none.
+    Of the changes all around the sheet, which differ where the ground has a pattern, the one that leads from paper in
+    the light to the commonest of the colours nearby. Where a shadow crosses the sheet's end, some of the changes beside
+    shaded paper are like those in the light; what hides the paper makes others. None where too few are alike.
     """
     within, beyond = (plane.logs(_along(each)) for each in (ends - 2 * ADDED - BESIDE, farthest + BESIDE))
     x, y = (each.ravel() for each in np.meshgrid(NEARBY, NEARBY))
@@ -161,14 +176,14 @@ def _from_paper_to_ground(plane: _Plane, ends: Float, farthest: Float, paper: Fl
     nearby = plane.logs(np.column_stack([x, y])[outside])
     is_seen = np.isfinite(within).all(axis=1) & np.isfinite(beyond).all(axis=1)
     within, changes, nearby = within[is_seen], (beyond - within)[is_seen], nearby[np.isfinite(nearby).all(axis=1)]
-    is_lit = np.log(np.exp(within) @ REC709_LUMINANCE[::-1]) > half_way
+    is_lit = np.log(np.exp(within) @ REC709_LUMINANCE[::-1]) > paper.half_way
     lit, shaded = changes[is_lit], changes[~is_lit]
     if not len(lit):
         return None
     like_lit = np.linalg.norm(shaded[:, None] - lit, axis=2).min(axis=1) < SHADED_ALIKE
     if np.count_nonzero(like_lit) < max(LEAST_ALIKE * len(shaded), FEWEST_SHADED):
         return None
-    found = np.linalg.norm((paper + lit)[:, None] - nearby, axis=2) < ALIKE
+    found = np.linalg.norm((paper.lit + lit)[:, None] - nearby, axis=2) < ALIKE
     commonest = lit[int(found.sum(axis=1).argmax())]
     return np.asarray(lit[np.linalg.norm(lit - commonest, axis=1) < ALIKE].mean(axis=0))
 
