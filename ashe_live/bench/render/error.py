@@ -54,6 +54,8 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class PictureError:
+    """How far the renderer's picture is from the path tracer's; NaN where there is nothing to compare."""
+
     # Intersection over union of the pixels outside of model and real shadow that lost more than half of the light.
     shadow_iou: float
     shadow_de: float  # mean CIE 1976 colour difference where the path tracer's shadow is
@@ -85,9 +87,9 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
     found, expected = (np.array([image[at] for at in _deepest(truth & reference.is_ground)]) for image in smooth)
     return PictureError(
         overlap(ours, truth),
-        float(difference[truth].mean()),
-        float(difference[within].mean()),
-        float(np.abs(found / expected - 1).max()),
+        mean_where(difference, truth),
+        mean_where(difference, within),
+        float(np.abs(found / expected - 1).max()) if len(found) else math.nan,
     )
 
 

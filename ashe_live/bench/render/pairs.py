@@ -83,6 +83,8 @@ class Regions(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairError:
+    """How far a photo with a virtual model is from the photo with the real one."""
+
     flip: float  # mean LDR-FLIP where model or shadow change the photo; NaN where they nowhere do, as all others
     border_ratio: float  # median over places on the shadow's border of its width over the true one; NaN without any
     border_places: int

@@ -34,7 +34,7 @@ def log_opponent(image_bgr: Image, smoothing_px: float = 0.7) -> Float32:
 
 
 def log_linear(image_bgr: Image) -> Float32:
-    """(h, w, 3) log of the linear light of an sRGB picture (h, w, 3), bounded from below by DARKEST."""
+    """(h, w, 3) log of the linear light of an sRGB picture (h, w, 3), with DARKEST added to it."""
     return np.asarray(cv2.LUT(image_bgr, np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32)), dtype=np.float32)
 
 
@@ -44,5 +44,5 @@ def log_opponent_of_linear(rgb: Float) -> Float:
 
 
 def linear_rgb(log_opponent_colours: Float | Float32) -> Float:
-    """(..., 3) linear RGB of log-opponent colours: the inverse of `log_opponent`."""
+    """(..., 3) linear RGB of log-opponent colours: the inverse of `log_opponent_of_linear`."""
     return np.asarray(np.exp(log_opponent_colours @ FROM_OPPONENT.T) - DARKEST, dtype=np.float64)

@@ -202,6 +202,12 @@ def test_a_face_of_what_is_not_there_is_said(tmp_path: Path, face: str) -> None:
             read(tmp_path, f"v 0 0 0\nv 1 0 0\nv 0 1 0\n{values}{face}\n")
 
 
+@pytest.mark.parametrize("word", ["1_0", "1\0", "one", "0x1"])
+def test_a_word_that_is_no_number_is_said(tmp_path: Path, word: str) -> None:
+    with pytest.raises(UserError, match=r"a\.obj is malformed"):
+        read(tmp_path, f"v 0 0 0\nv {word} 0 0\nv 0 1 0\nf 1 2 3\n")
+
+
 def test_colours_behind_the_places_are_of_srgb(tmp_path: Path) -> None:
     part = read(tmp_path, "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n").parts[0]
     np.testing.assert_allclose(part.colours, [(1, 0, 0, 1)] * 3)
