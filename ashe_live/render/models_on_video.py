@@ -1,5 +1,7 @@
 """Draws a scene's models onto the video: calls the passes for light, shadows, layers and composite in their order."""
 
+from functools import partial
+
 import moderngl
 import numpy as np
 
@@ -19,7 +21,7 @@ from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.lights.photometry import Photometry
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.passes.ground import CatchingGround
-from ashe_live.render.passes.light_sign import light_sign
+from ashe_live.render.passes.light_sign import LightSign, light_sign
 from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
 from ashe_live.render.passes.standing import StandingGroup
 from ashe_live.render.passes.surface import Surface
@@ -88,13 +90,10 @@ class ModelsOnVideo:
         cover = self._followed(models, scene, lighting, waits)
         viewport = letterbox(tracked.frame.size, surface.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
-        T_cam_marker = tracked.marker.T_cam_marker
-        signed = scene.illumination.lights if scene.shows_light else ()
-        shown_by = tracked.camera if bends else tracked.camera.without_distortion()
-        signs = tuple(light_sign(models.members[0].corners, light, shown_by, T_cam_marker) for light in signed)
+        framed = partial(framing, camera, tracked.marker.T_cam_marker, viewport=viewport)
+        signs = _signs(models, scene, bends) if scene.shows_light else ()
         standing = np.concatenate([models.corners, *(sign.corners for sign in signs)])
-        drawn = np.concatenate([standing, self.layers.catcher.polygon])
-        frame = framing(camera, T_cam_marker, drawn, viewport)
+        frame = framed(np.concatenate([standing, self.layers.catcher.polygon]))
         if frame is None:
             return
         look = self.photometry.look(tracked, scene.lit_in_video or scene.illumination)
@@ -116,11 +115,11 @@ class ModelsOnVideo:
             self.layers.draw(content, with_models=surface.samples == 0)
         real = [] if self.layers.real is None else [self.layers.real.points]
         if surface.samples and (scene.shows_model or signs or real):
-            edged = framing(camera, T_cam_marker, np.concatenate([standing, *real]), viewport)
+            edged = framed(np.concatenate([standing, *real]))
             if edged is not None:
                 self._sample_edges(surface, content, common(grown(edged.region, 1, surface.size), frame.region))
         elif scene.shows_model and not surface.samples:
-            model = framing(camera, T_cam_marker, models.corners, viewport)
+            model = framed(models.corners)
             if model is not None:
                 self._outlines.smooth(surface, grown(model.region, 1, surface.size), viewport)
         self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
@@ -168,6 +167,16 @@ class ModelsOnVideo:
         self.shadows.release()
         self._ground_shadows.release()
         self._environment.release()
+
+
+def _signs(models: StandingGroup, scene: Scene, bends: bool) -> tuple[LightSign, ...]:
+    """Where the lights are: an arrow or a bulb for each, beside the first model; `bends` as of `draw`."""
+    tracked = scene.tracked
+    assert tracked is not None
+    assert tracked.marker is not None
+    shown_by = tracked.camera if bends else tracked.camera.without_distortion()
+    corners, T_cam_marker = models.members[0].corners, tracked.marker.T_cam_marker
+    return tuple(light_sign(corners, light, shown_by, T_cam_marker) for light in scene.illumination.lights)
 
 
 def _covered(cover: MarkerCover | None) -> Float:
