@@ -10,7 +10,8 @@ if TYPE_CHECKING:
     from ashe_live.capture.opening import open_source
     from ashe_live.capture.snapshot import write_png
     from ashe_live.core.camera import Camera, read_camera_file
-    from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
+    from ashe_live.core.light_estimate import LightEstimate
+    from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
     from ashe_live.errors import ModelWarning, UserError
     from ashe_live.models.catalogue import model_names
     from ashe_live.models.placement import Placement
@@ -45,7 +46,7 @@ _HOMES = {
     "Camera": "core.camera",
     "Illumination": "core.types",
     "Light": "core.types",
-    "LightEstimate": "core.types",
+    "LightEstimate": "core.light_estimate",
     "MarkerPose": "core.types",
     "ModelWarning": "errors",
     "Placement": "models.placement",

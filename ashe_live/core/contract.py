@@ -11,8 +11,9 @@ from typing import Any
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
 
 SCHEMA = 1
 SNAPSHOT_KEYWORD = "ashe-live"

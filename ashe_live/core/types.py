@@ -1,18 +1,17 @@
 """The values that are passed between the parts: immutable and checked, with the shape, unit and frame of each field.
 
-A source gives Frames, the tracker makes TrackedFrames of them, an estimator answers with a LightEstimate, whose
-Illumination the renderer draws in.
+A source gives Frames, the tracker makes TrackedFrames of them, an estimator answers with a LightEstimate
+(`light_estimate.py`), whose Illumination the renderer draws in.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen, set_given_frozen
+from ashe_live.core.arrays import Float, Image, frozen_floats, frozen_view, set_frozen, set_given_frozen
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import PoseShapeErrors, Proxy
 from ashe_live.core.ranges import ANGLE, INVERSE_DISTANCE, LAMP_RADIUS, MARKER_SIDE, SHARE
@@ -224,38 +223,3 @@ class Illumination:
         """A copy in other lights, set by hand or on their way; what is read in the picture it was seen in stays."""
         as_read = None if self.seen_in is None else self.as_read or self
         return replace(self, lights=lights, ambient_rgb_ratio=ambient_rgb_ratio, as_read=as_read)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LightEstimate:
-    """An estimator's answer to one frozen frame: the light, and how it was found; or the `reason` why there is none."""
-
-    estimator: str
-    frame_index: int
-    illumination: Illumination  # with `seen_in` None; the caller adds the frame by `Illumination.as_seen_in`
-    reason: str | None = None  # a message for the user, e.g. "no shadow found beside the object"
-    object_mask: Mask | None = None  # (h, w) at the estimator's working size
-    shadow_mask: Mask | None = None  # (h, w) at the estimator's working size
-    timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total"
-    views: tuple[int, ...] = ()  # indices of the frames that the answer rests on, `frame_index` first; () is that alone
-    span_rad: float | None = None  # largest angle between their directions of view to the marker; None: one view
-
-    def __post_init__(self) -> None:
-        arguments.instance(self.illumination, Illumination, "illumination")
-        if not self.lights and not self.reason:
-            raise ValueError("an estimate without a light needs a reason")
-        set_frozen(self, views=tuple(self.views) or (self.frame_index,))
-        if self.views[0] != self.frame_index:
-            raise ValueError(f"the first view of frame {self.frame_index} is itself, not {self.views[0]}")
-        if self.span_rad is not None:
-            ANGLE.checked(self.span_rad, "span_rad")
-
-    @property
-    def light(self) -> Light | None:
-        """The strongest light, or None for "no directional light"."""
-        return self.illumination.light
-
-    @property
-    def lights(self) -> tuple[Light, ...]:
-        """As `Illumination.lights`."""
-        return self.illumination.lights

@@ -4,8 +4,9 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Image
+from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.transforms import camera_centre
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body, with_masks
 from ashe_live.light.pixels.view import View

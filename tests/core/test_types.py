@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 
 CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 

@@ -11,8 +11,9 @@ import pytest
 from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.light.live.worker import Outcome
 from ashe_live.light.live.worker_process import (
     Estimated,

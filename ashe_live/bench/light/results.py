@@ -16,7 +16,7 @@ from ashe_live.bench.metrics import (
     worst_assigned_deg,
 )
 from ashe_live.core.contract import light_json
-from ashe_live.core.types import LightEstimate
+from ashe_live.core.light_estimate import LightEstimate
 
 GOOD_DEG = 5.0
 CONFIDENT_DEG = 10.0  # a confidence is the probability of an error below this, `judge.GOOD_RAD`

@@ -3,8 +3,9 @@
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.transforms import project
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.shape.light_points import cast_on_ground
 
 HEIGHTS = (0.125, 0.375, 0.625, 0.875)  # over the body's

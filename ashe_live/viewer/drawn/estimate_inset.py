@@ -8,7 +8,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.answer import answer_picture, rose_picture
 from ashe_live.render.scene import Overlay
 

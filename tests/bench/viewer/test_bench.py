@@ -14,9 +14,10 @@ from ashe_live.bench.viewer.bench import ViewerBench
 from ashe_live.capture.clips.known_clip import KnownClip, read_known_clip
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
+from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import Illumination, LightEstimate
+from ashe_live.core.types import Illumination
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST

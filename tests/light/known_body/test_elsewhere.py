@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.cube.painter import projected
+from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, raycast_to_plane
-from ashe_live.core.types import LightEstimate
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.known_body.outline.edges import shadow_edges
 from ashe_live.light.known_body.outline.elsewhere import laid

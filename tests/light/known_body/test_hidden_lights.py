@@ -8,8 +8,9 @@ import pytest
 
 from ashe_live.bench.cube.scenes import SETS
 from ashe_live.core.arrays import Float
+from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.transforms import angle_between, direction_from_angles
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.known_body import candidates, lights
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
-from ashe_live.core.types import LightEstimate
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.explanation.searches.shadow_search import DIRECTIONS, _MatchedFilter, shadow_candidates

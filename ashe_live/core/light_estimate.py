@@ -1,0 +1,44 @@
+"""What an estimator answers: the light of one frame, or why there is none."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ashe_live.core import arguments
+from ashe_live.core.arrays import Mask, set_frozen
+from ashe_live.core.ranges import ANGLE
+from ashe_live.core.types import Illumination, Light
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LightEstimate:
+    """An estimator's answer to one frozen frame: the light, and how it was found; or the `reason` why there is none."""
+
+    estimator: str
+    frame_index: int
+    illumination: Illumination  # with `seen_in` None; the caller adds the frame by `Illumination.as_seen_in`
+    reason: str | None = None  # a message for the user, e.g. "no shadow found beside the object"
+    object_mask: Mask | None = None  # (h, w) at the estimator's working size
+    shadow_mask: Mask | None = None  # (h, w) at the estimator's working size
+    timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total"
+    views: tuple[int, ...] = ()  # indices of the frames that the answer rests on, `frame_index` first; () is that alone
+    span_rad: float | None = None  # largest angle between their directions of view to the marker; None: one view
+
+    def __post_init__(self) -> None:
+        arguments.instance(self.illumination, Illumination, "illumination")
+        if not self.lights and not self.reason:
+            raise ValueError("an estimate without a light needs a reason")
+        set_frozen(self, views=tuple(self.views) or (self.frame_index,))
+        if self.views[0] != self.frame_index:
+            raise ValueError(f"the first view of frame {self.frame_index} is itself, not {self.views[0]}")
+        if self.span_rad is not None:
+            ANGLE.checked(self.span_rad, "span_rad")
+
+    @property
+    def light(self) -> Light | None:
+        """The strongest light, or None for "no directional light"."""
+        return self.illumination.light
+
+    @property
+    def lights(self) -> tuple[Light, ...]:
+        """As `Illumination.lights`."""
+        return self.illumination.lights
