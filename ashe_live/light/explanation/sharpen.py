@@ -6,7 +6,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
+from ashe_live.light.edges.step_alignment import EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, grouped_by_lights, measured

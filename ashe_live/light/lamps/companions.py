@@ -14,7 +14,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.lamps.borders import lamp_borders
+from ashe_live.light.lamps.lamp_borders import lamp_borders
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.pixels.view import View

@@ -13,7 +13,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.ground.glint import Glint
-from ashe_live.light.lamps.borders import LampBorders
+from ashe_live.light.lamps.lamp_borders import LampBorders
 from ashe_live.light.shape.directions import (
     FittedLight,
     direction_by_displacement,

@@ -8,8 +8,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.fall.fall_off import FallOff, Pull
+from ashe_live.light.lamps.lamp_borders import lamp_borders
 from ashe_live.light.lamps.place import LAMPS_NEARNESS, Place, combined, place_by_borders
 from ashe_live.light.shape.directions import (
     FittedLight,

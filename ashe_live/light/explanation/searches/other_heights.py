@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps
+from ashe_live.light.edges.step_alignment import EdgeFit, aligned_with_steps
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener, shifts_of

@@ -11,7 +11,7 @@ from ashe_live.light.explanation.alignment import measured
 from ashe_live.light.explanation.explain import END_IN_VIEW
 from ashe_live.light.explanation.light_covariance import lights_of
 from ashe_live.light.explanation.normal_equations import placed_in
-from ashe_live.light.lamps.borders import lamp_borders, length_by_light
+from ashe_live.light.lamps.lamp_borders import lamp_borders, length_by_light
 from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.light_points import cast_on_ground
 from ashe_live.light.views.joint.aligned import JointStart, explained_where_it_stands

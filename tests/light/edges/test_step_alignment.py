@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, radius_of_68_percent
-from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
+from ashe_live.light.edges.step_alignment import EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.explanation.judgement.uncertainty import covariance_of_outlines
