@@ -81,6 +81,8 @@ class LiveViewer:
     def run(self, frame_limit: int | None = None, end_if_asked: Callable[[], None] = lambda: None) -> None:
         """Runs until the window is closed or left, or for `frame_limit` frames; always finishes a recording.
 
+        Frames are those of the recording while there is one, or else the source's, whose last one counts as often as it
+        is drawn: of a photo, and at a clip's end, no other comes.
         `end_if_asked`: called before each picture; what it raises ends the viewer.
         """
         self._quality.begin(self._pipeline)
@@ -105,8 +107,9 @@ class LiveViewer:
                     self._quality.adapt(self._pipeline, now_s)
                 self._window.swap()
                 self._stillness.shown()
-                self._keeper.take(is_new, now_s)
-                if is_new and frames_left is not None:
+                is_last = self._session.tracked is not None and (self._pipeline.is_photo or self._pipeline.has_ended)
+                is_counted = self._keeper.take(is_new, now_s) if self._keeper.is_recording else is_new or is_last
+                if is_counted and frames_left is not None:
                     frames_left -= 1
                     self._quit = self._quit or frames_left <= 0
                 self._idle_until(max(due_s, now_s + IDLE_S) if self._is_idle else due_s)

@@ -31,6 +31,7 @@ from ashe_live.viewer.hands.requests import Command, Files, MouseAction, MouseEv
 from ashe_live.viewer.live import LiveViewer, ViewerOptions
 from ashe_live.viewer.output import keeping
 from ashe_live.viewer.output import recording as recording_module
+from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.quality_choice import QualityChoice
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources import marker_hunt
@@ -96,10 +97,15 @@ class Stage:
         self.pipeline.frames.put(self.fakes.tracked(index))
 
     def run(
-        self, *steps, quality: str = "fast", frame_limit: int | None = None, takes_any_marker: bool = False
+        self,
+        *steps,
+        quality: str = "fast",
+        frame_limit: int | None = None,
+        takes_any_marker: bool = False,
+        recording: Recording | None = None,
     ) -> LiveViewer:
         self.window = ScriptedWindow(step if callable(step) else lambda step=step: step for step in steps)
-        options = ViewerOptions(quality, opener=self.opener, takes_any_marker=takes_any_marker)
+        options = ViewerOptions(quality, opener=self.opener, takes_any_marker=takes_any_marker, recording=recording)
         viewer = LiveViewer(self.window, self.renderer, self.pipeline, self.session, options)
         viewer.run(frame_limit)
         return viewer
@@ -158,6 +164,23 @@ def test_the_limit_counts_frames_of_the_source(stage):
     steps = [lambda index=index: stage.put(index) for index in range(1, 9)]
     stage.run(*steps, frame_limit=3)
     assert stage.renderer.scenes[-1].tracked.frame.index == 2
+
+
+@pytest.mark.parametrize("kind", ["is_photo", "has_ended"])
+def test_the_limit_counts_how_often_a_last_frame_is_drawn(stage, kind):
+    setattr(stage.pipeline, kind, True)
+    stage.run(None, lambda: stage.put(0), *[None] * 5, lambda: pytest.fail("still running"), frame_limit=3)
+    assert sum(scene.tracked is not None for scene in stage.renderer.scenes) == 3
+
+
+@pytest.mark.parametrize("every", [1, 3, 50])
+def test_the_limit_is_the_number_of_frames_that_are_recorded(stage, tmp_path, every):
+    """Also of a source that comes late, whose last frame is recorded once more meanwhile."""
+    stage.put(0)
+    steps = [lambda at=at: stage.put(at) if at % every == 0 else None for at in range(1, 400)]
+    stage.run(*steps, frame_limit=20, recording=Recording(tmp_path / "a.mp4", (64, 48), 100.0))
+    with ClipSource(tmp_path / "a.mp4") as clip:
+        assert len(list(clip)) == 20
 
 
 def test_commands_reach_pipeline_and_window(stage):

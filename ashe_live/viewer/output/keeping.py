@@ -109,18 +109,22 @@ class Keeper:
         except UserError as error:
             self._announce(str(error), now_s)
 
-    def take(self, is_new: bool, now_s: float) -> None:
-        """Adds what is shown to the recording. `is_new`: it has a frame of the source that was not shown before."""
+    def take(self, is_new: bool, now_s: float) -> bool:
+        """Adds what is shown to the recording; returns whether it was due.
+
+        `is_new`: it has a frame of the source that was not shown before.
+        """
         if self._recording is None or self._session.tracked is None:
-            return
+            return False
         # All frames of a clip have one size, so another source ends the recording.
         if self._recording.size == drawn_size(self._session.tracked.frame.size):
             if self.clip_path is not None:
                 self._as_shown.add(self._session.tracked.frame.index, shown_now(self._session))
-            self._recording.take(lambda: self._picture(bare_scene(self._session)), is_new, now_s)
+            is_taken = self._recording.take(lambda: self._picture(bare_scene(self._session)), is_new, now_s)
             if self._recording.failure is None:
-                return
+                return is_taken
         self.finish(now_s)
+        return False
 
     def finish(self, now_s: float) -> None:
         """Ends the recording, if there is one."""

@@ -50,15 +50,16 @@ class Recording:
         self._recorder = Recorder(path, size, fps, overwrite)
         self._slots = Slots(fps)
 
-    def take(self, picture: Callable[[], Image], is_new: bool, now_s: float) -> None:
-        """Adds a picture if one is due; only then is `picture` called, for (h, w, 3) uint8 BGR."""
+    def take(self, picture: Callable[[], Image], is_new: bool, now_s: float) -> bool:
+        """Adds a picture if one is due, and returns whether; only then is `picture` called, for (h, w, 3) uint8 BGR."""
         time_s = None if self.failure is not None else self._slots.time_s(now_s, is_new)
         if time_s is None:
-            return
+            return False
         try:
             self._recorder.write(picture(), time_s)
         except UserError as error:
             self.failure = str(error)
+        return self.failure is None
 
     def finish(self) -> str:
         """Closes the clip; says in one line what has become of it. May be called twice."""
