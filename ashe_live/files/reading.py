@@ -42,10 +42,15 @@ def opened(path: Path, may_be_empty: bool = False) -> BinaryIO:
         raise UserError(f"{str(path)!r} is no file's name ({error})", "check the name") from None
 
 
+def as_given(path: Path) -> str:
+    """The name of a file, or the address in its place: `Path` reduces the two slashes of that to one."""
+    address = ADDRESS.match(str(path))
+    return str(path) if address is None else f"{address['scheme']}://{address['rest']}"
+
+
 def _missing(path: Path) -> UserError:
-    # `Path` reduces the two slashes of an address to one.
-    if (address := ADDRESS.match(str(path))) is not None:
-        said = f"{address['scheme']}://{address['rest']} is an address, and nothing is fetched from a network"
+    if ADDRESS.match(str(path)) is not None:
+        said = f"{as_given(path)} is an address, and nothing is fetched from a network"
         return UserError(said, "save what it leads to, and give that file")
     return UserError(f"there is no file {path}", "check the name and the folder")
 

@@ -144,6 +144,15 @@ def test_an_unreadable_file_is_a_line_too_and_status_2(run, tmp_path, files, sch
     assert run("estimate", *KNOWN, path).out[0].count(str(path)) == 1
 
 
+def test_an_address_is_named_once_and_as_it_was_given(run):
+    address = "https://example.org/a.jpg"
+    (line,) = run("estimate", *KNOWN, address).out
+    assert line.startswith(f"{address} is an address, and nothing is fetched")
+    assert line.count("example.org") == 1
+    (record,) = run("estimate", "--json", *KNOWN, address).records
+    assert record["file"] == address
+
+
 @pytest.mark.parametrize(
     ("names", "status"),
     [

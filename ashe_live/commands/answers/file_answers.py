@@ -25,6 +25,7 @@ from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.steps import DebugPicture, debug_pictures
 from ashe_live.errors import UserError
+from ashe_live.files.reading import as_given
 from ashe_live.light.estimators.estimator import Estimator, TracingEstimator
 from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 from ashe_live.light.live.same_scene import first_of_most, of_one_scene
@@ -95,14 +96,14 @@ class FileEstimator:
             if cause is None and said not in self.faults:
                 self.faults.add(said)
                 show_traceback(error)
-            record = FileRecord(str(path), self.options.quality, self.options.estimator)
+            record = FileRecord(as_given(path), self.options.quality, self.options.estimator)
             return dataclasses.replace(record, error=printable(said), is_fault=cause is None), None
 
     def _looked_at(
         self, path: Path, options: argparse.Namespace, cameras: Mapping[Size, Camera]
     ) -> "_Looked | FileAnswer":
         """What the file shows, or an answer that says why it shows nothing. `cameras`: for photos that state none."""
-        record = FileRecord(str(path), options.quality, options.estimator)
+        record = FileRecord(as_given(path), options.quality, options.estimator)
         first, last = options.frames
         wanted = Wanted(options.views if self.empty is None else 1, options.estimate_at, first, last)
         try:
