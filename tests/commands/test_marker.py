@@ -41,7 +41,15 @@ def test_the_flags_that_it_names_are_those_for_the_print(run, tmp_path, argument
 
 
 @pytest.mark.parametrize(
-    ("arguments", "needs"), [((), ""), (("--size-mm", "150"), ""), (("--size-mm", "185"), " on paper of 297 x 420 mm")]
+    ("arguments", "needs"),
+    [
+        ((), ""),
+        (("--size-mm", "150"), ""),
+        (("--size-mm", "185"), " on A3 paper (297 x 420 mm), as A4 is too small"),
+        (("--size-mm", "185", "--paper", "a3"), ""),
+        (("--size-mm", "250", "--paper", "a3"), " on A2 paper (420 x 594 mm), as A3 is too small"),
+        (("--size-mm", "185", "--paper", "letter"), " on tabloid paper (279 x 432 mm), as letter is too small"),
+    ],
 )
 def test_a_page_that_the_printer_s_paper_does_not_hold_is_announced(run, tmp_path, arguments, needs):
     (line,) = run("marker", "--out", tmp_path / "marker.png", *arguments).out

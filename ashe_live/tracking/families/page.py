@@ -19,6 +19,14 @@ SUFFIXES = (".pdf", ".png")
 ISO_MM = ((210, 297), (297, 420), (420, 594), (594, 841), (841, 1189))
 ANSI_MM = ((215.9, 279.4), (279.4, 431.8), (431.8, 558.8), (558.8, 863.6), (863.6, 1117.6))
 PAPERS_MM: Mapping[str, tuple[tuple[float, float], ...]] = {"a4": ISO_MM, "letter": ANSI_MM, "a3": ISO_MM[1:]}
+# As shops call them.
+NAMES = dict(
+    zip(
+        (*ISO_MM, *ANSI_MM),
+        ("A4", "A3", "A2", "A1", "A0", "letter", "tabloid", "ANSI C", "ANSI D", "ANSI E"),
+        strict=True,
+    )
+)
 FINEST_DPI, FINEST_WIDTH_MM = 600, 210  # larger pages have about as many pixels
 PRINTER_EDGE_MM = 8
 INCH_MM = 25.4
@@ -96,8 +104,12 @@ class PrintedPage:
 
 def larger_than(paper: str, page_mm: Millimetres) -> str:
     """In words, what paper a page needs that is larger than `paper`, one of PAPERS_MM; nothing for one that is not."""
-    (width, height), (usual, _) = page_mm, PAPERS_MM[paper][0]
-    return f" on paper of {width:.0f} x {height:.0f} mm, as {paper} is too small" if width > usual + 1 else ""
+    usual, *larger = PAPERS_MM[paper]
+    needed = min((usual, *larger), key=lambda size_mm: abs(size_mm[0] - page_mm[0]))  # a page has whole pixels
+    if needed == usual:
+        return ""
+    width, height = needed
+    return f" on {NAMES[needed]} paper ({width:.0f} x {height:.0f} mm), as {NAMES[usual]} is too small"
 
 
 def check_page_file(path: Path, overwrite: bool) -> None:
