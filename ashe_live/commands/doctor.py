@@ -100,6 +100,14 @@ def _display() -> str:
     return "there is one"
 
 
+def _window() -> str:
+    from ashe_live.commands.viewing.setup import has_display
+
+    if not has_display():
+        raise UserError("it needs a display", "see the line above")
+    return isolated_probe(window_probe)
+
+
 def window_probe() -> str:
     """Opens a window for a moment. Raises UserError when that fails."""
     from ashe_live.viewer.windows.glfw_window import GlfwWindow
@@ -169,7 +177,7 @@ CHECKS: dict[str, Callable[[], str]] = {
     "packages": _packages,
     "files": _files,
     "display": _display,
-    "window": lambda: _display() and isolated_probe(window_probe),
+    "window": _window,
     "offscreen pictures": lambda: isolated_probe(offscreen_probe),
     "H.264 video": _video,
     "camera": _cameras,

@@ -39,6 +39,8 @@ def test_every_check_has_its_line_and_the_demo_can_run_without_a_display(run):
         assert lines[name].startswith("works")
     for name in ("display", "window"):
         assert lines[name].startswith("does not work")
+    said = {line.partition(name)[2].strip() for name, line in lines.items()}
+    assert len(said) == len(lines), "what helps is said once"
     assert outcome.out[-1] == "The demo can run: ashe-live demo"
 
 
