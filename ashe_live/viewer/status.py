@@ -16,6 +16,7 @@ AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain sur
 SET_BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
 WITHOUT_IT = "or take the thing away, press Shift+Space, put it back and press Space: then nothing else counts"
 KEYS = "H: keys"
+VAGUE = 0.03  # relative standard deviation of a focal length from which on moving the camera is worth a word
 BENT_PX = 1.0  # root mean square of the marker's corners about those of a flat square, from which on it is told
 # An answer so sharp needs no advice, and where views over so wide an angle gave none, moving on will not.
 SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
@@ -79,20 +80,23 @@ def marker_line(tracked: TrackedFrame | None) -> str:
         return "waiting for the first picture"
     if tracked.marker is None:
         return "marker: not in view"
-    off_px = tracked.marker.reprojection_rms_px
-    if off_px < BENT_PX or tracked.marker.body is not None:
+    if tracked.marker.reprojection_rms_px < BENT_PX or tracked.marker.body is not None:
         return "marker: in view"
-    return f"marker: in view, but its corners are {off_px:.1f} px from where a flat square's would be"
+    or_lens = "" if tracked.camera.source == "file" else ", or measure the lens by `ashe-live calibrate`"
+    return f"marker: in view, but bent: lay it flat{or_lens}"
 
 
 def camera_line(tracked: TrackedFrame | None) -> str | None:
-    """A line on the focal length of an uncalibrated camera; None for a calibrated one."""
+    """A line on the field of view of an uncalibrated camera; None for a calibrated one."""
     if tracked is None or tracked.camera.source not in ("assumed", "estimated"):
         return None
     camera = tracked.camera
     if camera.source == "assumed":
         return f"camera: {camera.hfov_deg:.0f}° wide, assumed until the marker is seen from several sides"
-    return f"camera: focal length {camera.K[0, 0]:.0f} ± {camera.focal_sigma_px:.0f} px, estimated from the marker"
+    relative_sigma = camera.focal_sigma_px / camera.K[0, 0]
+    sigma_deg = math.degrees(math.sin(math.radians(camera.hfov_deg)) * relative_sigma)
+    how = "estimated from the marker" if relative_sigma < VAGUE else "surer when the marker is seen from more sides"
+    return f"camera: {camera.hfov_deg:.1f}° ± {sigma_deg:.1f}° wide, {how}"
 
 
 def status_lines(

@@ -553,7 +553,10 @@ def test_the_marker_line_distinguishes_found_from_lost(fakes):
 def test_of_a_marker_only_what_is_wrong_is_said(fakes):
     seen = fakes.tracked()
     bent = dataclasses.replace(seen, marker=dataclasses.replace(seen.marker, reprojection_rms_px=2.4))
-    assert "2.4 px from where a flat square's would be" in marker_line(bent)
+    line = marker_line(bent)
+    assert line == "marker: in view, but bent: lay it flat, or measure the lens by `ashe-live calibrate`"
+    by_file = dataclasses.replace(bent.camera, source="file")
+    assert marker_line(dataclasses.replace(bent, camera=by_file)) == "marker: in view, but bent: lay it flat"
 
 
 def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):
@@ -563,8 +566,12 @@ def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):
     assert camera_line(given) is None
     assumed = dataclasses.replace(given, camera=Camera.from_hfov(size, 60, "assumed"))
     assert "assumed" in camera_line(assumed)
-    estimated = dataclasses.replace(given, camera=Camera.from_focal(size, 612.3, "estimated", 17.4))
-    assert "612 ± 17 px" in camera_line(estimated)
+    focal_px = Camera.from_hfov(size, 61.3).K[0, 0]
+    estimated = dataclasses.replace(given, camera=Camera.from_focal(size, focal_px, "estimated", 0.01 * focal_px))
+    shorter = Camera.from_focal(size, 0.99 * focal_px)
+    assert camera_line(estimated) == f"camera: 61.3° ± {shorter.hfov_deg - 61.3:.1f}° wide, estimated from the marker"
+    vague = dataclasses.replace(given, camera=Camera.from_focal(size, focal_px, "estimated", 0.08 * focal_px))
+    assert "more sides" in camera_line(vague)
 
 
 def test_no_status_line_is_empty(make):
