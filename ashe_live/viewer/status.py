@@ -34,12 +34,15 @@ NOT_IN_FILE = (
 )
 
 
-def light_line(session: Session) -> str:
-    """The state of the light; an estimate under way does not hide the last answer."""
+def light_line(session: Session, now_s: float | None = None) -> str:
+    """The state of the light; an estimate under way does not hide the last answer.
+
+    `now_s`: with it, an estimate that takes its time says for how long it has been made.
+    """
     light, estimate = session.lit_by.light, session.estimate
     if light is None and estimate is None:
         if session.watch.is_estimating:
-            return "light: estimating…"
+            return f"light: {_estimating(session, now_s)}"
         return f"light: {AWAITED if session.awaits_steady or session.automatic else FIRST_STEP}"
     if light is None:
         assert estimate is not None
@@ -53,7 +56,12 @@ def light_line(session: Session) -> str:
         if session.true_to_light_marker is not None:
             error = angle_between(light.to_light_marker, session.true_to_light_marker)
             text += f" ({math.degrees(error):.1f}° from the truth)"
-    return f"{text}, estimating…" if session.watch.is_awaited else text
+    return f"{text}, {_estimating(session, now_s)}" if session.watch.is_awaited else text
+
+
+def _estimating(session: Session, now_s: float | None) -> str:
+    since_s = 0 if now_s is None else int(now_s - session.watch.asked_s)
+    return f"estimating, {since_s} s" if since_s > 0 else "estimating…"
 
 
 def views_text(session: Session) -> str:
@@ -103,10 +111,11 @@ def status_lines(
     session: Session,
     fps: float | None,
     quality: str,
+    now_s: float | None = None,
     measured: TrackedFrame | None = None,
     model_name: str | None = None,
 ) -> list[str]:
-    """The lines at the top left; `fps` is None where there is no display.
+    """The lines at the top left; `fps` is None where there is no display. `now_s`: as for `light_line`.
 
     The marker's numbers are those of `measured`, or else of the current frame; `model_name` is that of the model in the
     picture, which may not be the chosen one yet.
@@ -121,7 +130,7 @@ def status_lines(
         "   ".join([*rate, model_name or session.table.in_hand_text, quality, *([] if fps is None else [KEYS])]),
         marker,
         *([] if camera is None else [camera]),
-        light_line(session),
+        light_line(session, now_s),
     ]
 
 

@@ -540,6 +540,22 @@ def test_the_light_line_names_every_state(make, fakes):
     assert lines[4] == "no clear light: no shadow found beside the object"
 
 
+def test_an_estimate_that_takes_long_says_for_how_long(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.request_estimate(10.0)
+    assert light_line(session, 10.9) == "light: estimating…"
+    assert light_line(session, 12.6) == "light: estimating, 2 s"
+    session.watch._worker.answer = fakes.estimate()
+    session.poll(12.6)
+    # One that nobody waits for is silent, and a request meanwhile counts from when it was made.
+    session.watch.ask_in_background(fakes.tracked(1), 20.0)
+    answer = light_line(session, 25.0)
+    assert "estimating" not in answer
+    session.request_estimate(30.0)
+    assert light_line(session, 31.5) == f"{answer}, estimating, 1 s"
+
+
 def test_while_it_waits_for_a_steady_marker_it_does_not_ask_for_a_key(make):
     assert "Space" not in light_line(make(on_first_steady=True))
 

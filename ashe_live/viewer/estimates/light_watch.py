@@ -69,6 +69,11 @@ class LightWatch:
         return self._worker.busy and (self._is_awaited or self._waiting is not None)
 
     @property
+    def asked_s(self) -> float:
+        """When the estimate in progress was asked for, or the one that the user waits for behind it."""
+        return self._asked_s if self._waiting is None else self._waiting[1]
+
+    @property
     def may_show_empty_table(self) -> bool:
         """Whether the user may still show it, to some use."""
         return self.camera_may_move and self.empty is None and not self._worker.takes_one_frame
