@@ -8,6 +8,7 @@ from ashe_live.drawing.light_text import light_text
 from ashe_live.render.gl.framing import box_corners, framing
 from ashe_live.render.lights.light_view import sees
 from ashe_live.tracking.families.in_view import in_view_text
+from ashe_live.tracking.families.layout import in_words
 from ashe_live.viewer.session import Session
 
 FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
@@ -16,7 +17,7 @@ AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain sur
 SET_BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
 WITHOUT_IT = "or take the thing away, press Shift+Space, put it back and press Space: then nothing else counts"
 KEYS = "H: keys"
-VAGUE = 0.03  # relative standard deviation of a focal length from which on moving the camera is worth a word
+VAGUE = 0.03  # relative standard deviation of a focal length from which on it is said that more views would help
 BENT_PX = 1.0  # root mean square of the marker's corners about those of a flat square, from which on it is told
 # An answer so sharp needs no advice, and where views over so wide an angle gave none, moving on will not.
 SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
@@ -26,7 +27,7 @@ LAMP_INSIDE = "the lamp is inside the model or touches it: it casts no shadow"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
-    "or `ashe-live marker --cube --out cube.pdf`: a cube to fold, which needs no other object beside it",
+    "or `ashe-live marker --cube --out cube.pdf`: a paper cube, which needs no other object beside it",
 )
 NOT_IN_FILE = (
     "the marker that is looked for is not found: if another one is there, name it with --marker,",
@@ -103,7 +104,7 @@ def camera_line(tracked: TrackedFrame | None) -> str | None:
         return f"camera: {camera.hfov_deg:.0f}° wide, assumed until the marker is seen from several sides"
     relative_sigma = camera.focal_sigma_px / camera.K[0, 0]
     sigma_deg = math.degrees(math.sin(math.radians(camera.hfov_deg)) * relative_sigma)
-    how = "estimated from the marker" if relative_sigma < VAGUE else "surer when the marker is seen from more sides"
+    how = "estimated from the marker" if relative_sigma < VAGUE else "by few views of the marker"
     return f"camera: {camera.hfov_deg:.1f}° ± {sigma_deg:.1f}° wide, {how}"
 
 
@@ -127,7 +128,9 @@ def status_lines(
     if seen is not None and seen.marker is not None:
         marker += "".join(f"; {spec}: not in view" for spec in session.arrangement.without_marker(seen))
     return [
-        "   ".join([*rate, model_name or session.table.in_hand_text, quality, *([] if fps is None else [KEYS])]),
+        "   ".join(
+            [*rate, f"model: {model_name or session.table.in_hand_text}", quality, *([] if fps is None else [KEYS])]
+        ),
         marker,
         *([] if camera is None else [camera]),
         light_line(session, now_s),
@@ -176,7 +179,7 @@ def guidance(session: Session) -> tuple[str, ...]:
         return (OUT_OF_PICTURE,)
     if session.markers_in_view:
         specs = session.markers_in_view
-        return (f"{in_view_text(specs)}: M follows {specs[0]}",)
+        return (f"{in_view_text(specs)}: M follows {in_words(specs[0])}",)
     if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
         return NO_MARKER if session.watch.camera_may_move else NOT_IN_FILE
     if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:

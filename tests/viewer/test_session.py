@@ -587,13 +587,13 @@ def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):
     shorter = Camera.from_focal(size, 0.99 * focal_px)
     assert camera_line(estimated) == f"camera: 61.3° ± {shorter.hfov_deg - 61.3:.1f}° wide, estimated from the marker"
     vague = dataclasses.replace(given, camera=Camera.from_focal(size, focal_px, "estimated", 0.08 * focal_px))
-    assert "more sides" in camera_line(vague)
+    assert "few views" in camera_line(vague)
 
 
 def test_no_status_line_is_empty(make):
     session = make()
     assert all(status_lines(session, None, "fast"))
-    assert status_lines(session, 59.6, "fast")[0].startswith("60 fps")
+    assert status_lines(session, 59.6, "fast")[0] == "60 fps   model: cube   fast   H: keys"
     assert source_lines(session, None, 0.0) == []
     session.say("saved", 0.0)
     assert source_lines(session, "end of the clip", 0.0) == ["end of the clip", "saved"]

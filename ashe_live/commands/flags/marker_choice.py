@@ -82,11 +82,11 @@ def marker_in(
             free = in_view if len(in_view) == 1 else without_model(options, in_view)
             if len(free) == 1:
                 if free[0] not in announced:
-                    announce(f"{source.name}: {free[0]} is in view and is followed, as no --marker was given")
+                    announce(f"{source.name}: {in_view_text(free)} and is followed, as no --marker was given")
                 announced.add(free[0])
                 return free[0]
             if in_view:
-                announce(f"{source.name}: {in_view_text(in_view)}: choose one with --marker")
+                announce(f"{source.name}: {in_view_text(in_view)}: choose one, as by --marker {in_view[0]}")
                 return str(options.marker)
     finally:
         source.rewind()
@@ -98,5 +98,5 @@ def other_markers_hint(in_view: tuple[str, ...], marker: str) -> str:
     if marker in in_view:
         fold = "fold it if it lies flat, or " if is_of_cube(marker) else ""
         camera = "check --hfov, --focal-px or --camera-file"
-        return f"{marker} is in view, but not as this camera would see it: {fold}{camera}"
+        return f"{in_view_text([marker])}, but not as this camera would see it: {fold}{camera}"
     return f"{in_view_text(in_view)}: --marker {in_view[0]}"

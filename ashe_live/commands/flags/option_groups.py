@@ -8,7 +8,7 @@ from ashe_live.commands.flags import values
 DEFAULT_MARKER = "aruco:4x4_50:0"
 DEFAULT_ESTIMATOR = "proxy"
 MARKERS_HELP = "aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png, grid:DICT:COLSxROWS"
-MARKER_HELP = f"{MARKERS_HELP}, cube or cube+SPEC (default: the one in view, or {DEFAULT_MARKER})"
+MARKER_HELP = f"{MARKERS_HELP}, cube (the paper one) or cube+SPEC (default: the one in view, or {DEFAULT_MARKER})"
 CASTER_HELP = (
     "the object that casts the shadow, where its shape and size are known: box:WxDxH, cylinder:RxH or sphere:R in "
     "metres, or the file of a model (default: any object)"
@@ -40,7 +40,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         "--marker-size",
         type=values.side_m,
         metavar="METRES",
-        help="black square's side (default 0.08), or the cube's edge (default 0.06)",
+        help="black square's side (default 0.08), or the paper cube's edge (default 0.06)",
     )
     scene.add_argument("--caster", metavar="SHAPE|FILE", help=CASTER_HELP)
     camera = scene.add_mutually_exclusive_group()

@@ -156,13 +156,15 @@ def _add_marker_options(marker: argparse.ArgumentParser) -> None:
     target = marker.add_mutually_exclusive_group(required=True)
     target.add_argument("--out", type=values.path, metavar="FILE.pdf|png", help=PAGE_HELP)
     target.add_argument("--show", action="store_true", help="show it in a window instead of printing it")
-    marker.add_argument("--marker", metavar="SPEC", help=f"{MARKERS_HELP} or cube (default {DEFAULT_MARKER})")
+    marker.add_argument(
+        "--marker", metavar="SPEC", help=f"{MARKERS_HELP} or cube, the paper one (default {DEFAULT_MARKER})"
+    )
     marker.add_argument(
         "--size-mm", type=values.millimetres, metavar="MM", help="side of the black square (default 80)"
     )
-    cube = marker.add_argument_group("a cube to fold")
+    cube = marker.add_argument_group("a paper cube to fold")
     cube.add_argument(
-        "--cube", action="store_true", help="print a cube, which is marker, caster and light probe in one"
+        "--cube", action="store_true", help="print the paper cube, which is marker, caster and light probe in one"
     )
     cube.add_argument("--side", type=values.side_m, metavar="METRES", help="its edge (default 0.06)")
     _add_paper(marker)

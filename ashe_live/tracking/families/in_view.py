@@ -14,6 +14,7 @@ from ashe_live.tracking.edges.quads import dark_quads, ink_in, ink_quads, on_lig
 from ashe_live.tracking.edges.squares import is_front_of_square
 from ashe_live.tracking.families.cells import reader_of
 from ashe_live.tracking.families.dictionary_marker import DICTIONARIES, EDGE_SAMPLES
+from ashe_live.tracking.families.layout import in_words
 
 # Long codes first: a chance likeness to one of the short ones is no news where a long one is read.
 FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "5x5_1000", "4x4_250")
@@ -51,8 +52,8 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
 
 
 def in_view_text(specs: Sequence[str]) -> str:
-    """Such as "aruco:4x4_50:7 and apriltag:36h11:3 are in view": of a calibration board's 28 markers the first few."""
-    return f"{listed(specs, NAMED)} {'is' if len(specs) == 1 else 'are'} in view"
+    """Such as "aruco:4x4_50:7 and the paper cube are in view": of a calibration board's 28 markers the first few."""
+    return f"{listed(map(in_words, specs), NAMED)} {'is' if len(specs) == 1 else 'are'} in view"
 
 
 def _read_as_a_whole(grey: Image) -> list[tuple[Float, str]]:

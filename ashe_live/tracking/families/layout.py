@@ -102,6 +102,14 @@ def is_of_cube(spec: str) -> bool:
     return spec == CUBE or spec.startswith(f"{CUBE}+")
 
 
+def in_words(spec: str) -> str:
+    """`spec` in a sentence, where "cube" alone would be taken for the model of that name."""
+    _, _, beside = spec.partition("+")
+    if not is_of_cube(spec):
+        return spec
+    return f"the paper cube with {beside} beside it" if beside else "the paper cube"
+
+
 def usual_side_m(spec: str) -> float:
     """The size in metres of what `spec` names where nobody gave one: a square's side, the cube's edge."""
     return USUAL_EDGE_M if is_of_cube(spec) else USUAL_SIDE_M

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from ashe_live.core.camera import Camera, Size
 from ashe_live.render.renderer import SceneRenderer
+from ashe_live.tracking.families.layout import in_words
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.marker_hunt import MarkerHunt
 from ashe_live.viewer.sources.pipeline import Pipeline
@@ -116,7 +117,7 @@ class FollowedMarker:
         self._session.arrangement.followed = spec
         self._begin_session_anew()
         self._hunt = MarkerHunt()
-        self._announce(f"{spec} is followed now: --marker {spec} names it from the start", now_s)
+        self._announce(f"{in_words(spec)} is followed now: --marker {spec} names it from the start", now_s)
 
     def _begin_session_anew(self) -> None:
         if self._session.has_seen_marker:

@@ -54,7 +54,7 @@ def test_the_usual_marker_is_followed_whatever_else_is_in_view(run, photo):
 def test_of_several_none_is_taken(run, photo):
     outcome = run("estimate", photo(OTHER, "apriltag:36h11:5"), "--hfov", "60")
     assert outcome.status == 3
-    assert "choose one with --marker" in " ".join(outcome.err)
+    assert "choose one, as by --marker " in " ".join(outcome.err)
     assert OTHER in " ".join(outcome.out)
     assert "apriltag:36h11:5" in " ".join(outcome.out)
 

@@ -7,7 +7,8 @@ import pytest
 from ashe_live.bench.track import frames
 from ashe_live.bench.track.frames import Flaws
 from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
-from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.tracking.families.in_view import in_view_text, markers_in_view
+from ashe_live.tracking.families.layout import in_words
 from ashe_live.tracking.families.markers import parse_marker
 from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 
@@ -65,6 +66,11 @@ def test_two_faces_of_the_cube_are_the_cube_and_one_is_a_marker() -> None:
     assert markers_in_view(whole) == ("cube",)
     from_above = painted(CubeScene(CAMERA, looking(0.35, 8, 0), [sun(200, 40)]))
     assert markers_in_view(from_above) == ("aruco:4x4_50:18",)
+
+
+def test_a_sentence_on_the_paper_cube_does_not_speak_of_the_model_of_that_name() -> None:
+    assert in_view_text(("cube", "aruco:4x4_50:7")) == "the paper cube and aruco:4x4_50:7 are in view"
+    assert in_words("cube+aruco:4x4_50:7") == "the paper cube with aruco:4x4_50:7 beside it"
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.2, 0.12])
