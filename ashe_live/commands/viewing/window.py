@@ -55,4 +55,6 @@ def show_in_window(setup: ViewerSetup) -> int:
             flags=tuple(replay_flags(options)),
         )
         LiveViewer(window, renderer, pipeline, session, asked).run(options.frames, end_if_asked)
-    return ExitStatus.ANSWERED
+    # Its line has been shown; what was asked for by --out is not there, or not all of it.
+    is_lost = recording is not None and recording.failure is not None
+    return ExitStatus.WRONG_USE if is_lost else ExitStatus.ANSWERED
