@@ -21,6 +21,7 @@ PATTERN_PRINT_PX = 512
 MAX_PICTURE_BYTES = 32 * 1024 * 1024
 MAX_PICTURE_SIDE_PX = 4096
 PICTURE_FORMATS = ("PNG", "JPEG", "BMP", "WEBP")
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".webp")
 
 
 def read_pattern_file(path: Path) -> Image:
@@ -33,6 +34,8 @@ def read_pattern_file(path: Path) -> Image:
 
 def read_pattern_content(path: Path) -> Image:
     """The (16, 16) grey values of the upright rotation; raises UserError when it is not such a file."""
+    if path.suffix.lower() in PICTURE_SUFFIXES and path.is_file():
+        raise UserError(f"{path} is a picture, and no ARToolKit pattern file", f"name it by image:{path}")
     wanted = ROTATIONS * CHANNELS * ROWS * ROWS
     remedy = f"an ARToolKit pattern file holds {wanted} numbers from 0 to 255"
     content = read_bytes(path, MAX_PATTERN_BYTES)
@@ -54,6 +57,7 @@ def read_marker_picture(path: Path) -> Image:
     Raises UserError when it cannot be read or is not a square.
     """
     content = read_bytes(path, MAX_PICTURE_BYTES)
+    by_pattern = f", or one of ARToolKit's by pattern:{path}" if path.suffix.lower() == ".patt" else ""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", PIL.Image.DecompressionBombWarning)
@@ -66,7 +70,9 @@ def read_marker_picture(path: Path) -> Image:
             f"the picture {path} is too large", f"scale it to at most {MAX_PICTURE_SIDE_PX} pixels a side"
         ) from error
     except (OSError, ValueError, SyntaxError) as error:
-        raise UserError(f"cannot read the picture {path}", f"it must be a {', '.join(PICTURE_FORMATS)} file") from error
+        raise UserError(
+            f"cannot read the picture {path}", f"it must be a {', '.join(PICTURE_FORMATS)} file{by_pattern}"
+        ) from error
     paper = PIL.Image.new("RGBA", rgba.size, "white")
     grey = np.asarray(PIL.Image.alpha_composite(paper, rgba).convert("L"))
     side = min(grey.shape)

@@ -108,6 +108,17 @@ def test_a_wrong_pattern_file_is_refused(tmp_path: Path, content: str, words: st
         parse_marker(f"pattern:{path}")
 
 
+def test_a_picture_is_no_pattern_file_and_the_other_way_round(tmp_path: Path, picture_file: Path) -> None:
+    with pytest.raises(UserError, match="is a picture") as caught:
+        parse_marker(f"pattern:{picture_file}")
+    assert caught.value.remedy == f"name it by image:{picture_file}"
+    path = tmp_path / "letter.patt"
+    path.write_text(pattern_text(glyph()), encoding="ascii")
+    with pytest.raises(UserError) as caught:
+        parse_marker(f"image:{path}")
+    assert f"pattern:{path}" in caught.value.remedy
+
+
 def test_a_pattern_that_looks_the_same_turned_is_refused(tmp_path: Path) -> None:
     ring = np.full((16, 16), 240, dtype=np.uint8)
     ring[5:11, 5:11] = 0
