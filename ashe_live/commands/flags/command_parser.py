@@ -42,7 +42,7 @@ class CommandParser(argparse.ArgumentParser):
                 self.error(f"argument FILE: {error}")
         elif left:  # here, where it is known of which command
             names = (word.partition("=")[0] for word in flags if word.startswith("--"))
-            near = next((self._near(name, self._option_string_actions) for name in names), "")
+            near = next((self._near(name, self._option_string_actions) for name in names), self._flag_for(left[0]))
             self.error(f"unrecognized arguments: {' '.join(left)}{near}")
         return options, []
 
@@ -60,6 +60,11 @@ class CommandParser(argparse.ArgumentParser):
             said = f"{value!r} is not one, but looks like a file: ashe-live {_shown_by(str(value))} shows it"
             raise argparse.ArgumentError(action, said)
         super()._check_value(action, value)
+
+    def _flag_for(self, word: str) -> str:
+        """A question for the flag that a camera's number or a model's file belongs to; empty for any other word."""
+        flag = "--camera" if word.isdecimal() else "--model" if word.lower().endswith(MODEL_SUFFIXES) else None
+        return f": did you mean {flag} {word}?" if flag in self._option_string_actions else ""
 
     @staticmethod
     def _near(word: str, words: Iterable[str]) -> str:

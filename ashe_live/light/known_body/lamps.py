@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import PoseShapeErrors
-from ashe_live.light.known_body.evidence import Evidence
+from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import NEAREST, ShadowFit, fitted, nearness_sigma
@@ -102,7 +102,7 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
 
 
 def _likeliest_fit(
-    seen: Seen, image: EdgeImage, beside: Evidence, one: FoundLight, size_rad: float | None
+    seen: Seen, image: EdgeImage, beside: MarginalLikelihood, one: FoundLight, size_rad: float | None
 ) -> ShadowFit:
     """Of fits with the nearness free, from several starts, by edges, map and sides.
 
@@ -145,7 +145,7 @@ def _of_folded_body(
     return _ByEdges(fit.light, fit.covariance + np.outer(by_width, by_width), has_folds=False)
 
 
-def _nearness(seen: Seen, edges: _ByEdges, beside: Evidence) -> _Nearness:
+def _nearness(seen: Seen, edges: _ByEdges, beside: MarginalLikelihood) -> _Nearness:
     """By a light's edges, the map, and the sides, beside other lights.
 
     A lamp's light falls off over the table, and gives more to what is nearer to it.
