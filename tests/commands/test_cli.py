@@ -9,7 +9,7 @@ from ashe_live import quality
 from ashe_live.commands.flags import command_parser, option_groups, values
 from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.parser import build_parser, build_start_parser
-from ashe_live.models import loading
+from ashe_live.models import catalogue, loading
 
 COMMANDS = (
     "demo",
@@ -123,8 +123,9 @@ def test_the_qualities_that_are_offered_are_those_there_are() -> None:
     assert tuple(quality.QUALITIES) == option_groups.QUALITIES
 
 
-def test_the_kinds_of_models_that_the_parser_knows_are_those_there_are() -> None:
+def test_the_models_that_the_parser_knows_are_those_there_are() -> None:
     assert command_parser.MODEL_SUFFIXES == loading.SUFFIXES
+    assert catalogue.model_names() == option_groups.SHIPPED_MODELS
 
 
 def parsers(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:

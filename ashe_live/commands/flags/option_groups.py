@@ -14,6 +14,8 @@ CASTER_HELP = (
     "metres, or the file of a model (default: any object)"
 )
 DEFAULT_MODELS = ("cube",)
+# The same as in the models' catalogue, whose imports --help must not wait for.
+SHIPPED_MODELS = ("cube", "goblet", "lantern", "mug", "tree")
 LIGHTS = ("auto", "sun", "lamp")
 LIGHT_HELP = "taken for a lamp where the picture tells its distance (auto, the default), or always for one of them"
 QUALITY_HELP = "of tracking, light and drawing; auto: the best at which the window keeps up with the display"
@@ -67,8 +69,8 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
         type=values.model,
         default=DEFAULT_MODELS,
         metavar="[ID=]NAME|FILE",
-        help="shipped model (default cube), or glTF/GLB/OBJ/PLY/STL file; several stand side by side, or one a marker "
-        "(--model mug --model 7=tree.glb)",
+        help=f"{', '.join(SHIPPED_MODELS)} (default {DEFAULT_MODELS[0]}), or a glTF/GLB/OBJ/PLY/STL file; several "
+        "stand side by side, or one a marker (--model mug --model 7=tree.glb)",
     )
     view.add_argument("--up", choices=UPS, metavar="AXIS", help=f"of the first model's file: {', '.join(UPS)} (key U)")
     view.add_argument("--size", type=values.size, metavar="WxH", help="size of the window (default: the source's)")
@@ -90,8 +92,8 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_output_options(parser: argparse.ArgumentParser) -> None:
-    output = parser.add_argument_group("without a window")
-    output.add_argument("--headless", action="store_true", help="render every frame offscreen")
+    output = parser.add_argument_group("recording, and drawing without a window")
+    output.add_argument("--headless", action="store_true", help="render every frame offscreen, without a window")
     output.add_argument("--frames", type=values.count, metavar="N", help="stop after N frames")
     output.add_argument(
         "--out",
