@@ -3,13 +3,13 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
-from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import NEAREST, ShadowFit, fitted, nearness_sigma
 from ashe_live.light.known_body.outline.folded import beside_folds
@@ -32,7 +32,7 @@ OF_FALL = 1 / 3
 # Edges have other lines of a rough table in reach, so that a lamp is also looked for from other starts: the length of
 # its shadow, over that of the light that was found, and the body's height over the lamp's.
 OTHER_STARTS = ((1.0, 0.3), (1.8, 0.3))
-SURELY_NEAR = 2.0  # standard errors of a nearness, from which on a light that was fitted is no sun by its edges
+SURELY_NEAR = 2.0  # standard errors of a nearness, from which on a fitted light is no sun by its edges
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,12 +73,12 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     """
     if one.fit is None:
         return one
-    image, beside = image_beside(seen, others), seen.beside(points_of(others))
-    fit = _likeliest_fit(seen, image, beside, one, size_rad)
+    image = image_beside(seen, others)
+    fit = _likeliest_fit(image, one, size_rad)
     edges = _of_folded_body(image, fit, one.darkening, seen.pose_shape_errors)
     if edges is None:
         return one
-    nearness = _nearness(seen, edges, beside)
+    nearness = _nearness(seen, edges, others)
     # By the edges, the displacement follows the nearness.
     by_nearness = edges.covariance[:, 2] / edges.covariance[2, 2]
     light = _along(edges.light, by_nearness, np.array([nearness.mean]))[0]
@@ -101,33 +101,27 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
     return replace(sun_or_lamp, may_be_lamp=True, has_folds=edges.has_folds)
 
 
-def _likeliest_fit(
-    seen: Seen, image: EdgeImage, beside: MarginalLikelihood, one: FoundLight, size_rad: float | None
-) -> ShadowFit:
-    """Of fits with the nearness free, from several starts, by edges, map and sides.
+def _likeliest_fit(image: EdgeImage, one: FoundLight, size_rad: float | None) -> ShadowFit:
+    """Of fits with the nearness free, from several starts, by the odds of their edges.
 
     The light's own where none is as likely: a fit that ends on wrong edges is no evidence on how near the light is.
     """
     assert one.fit is not None
-
-    def log_likelihood(fit: ShadowFit) -> float:
-        by_map = float(beside.scanned(seen.lit(fit.light[None])).log_likelihood[0])
-        return edge_log_odds(fit) + OF_FALL * by_map
-
+    fitted_from = partial(fitted, image, darkening=one.darkening, with_nearness=True, size_rad=size_rad)
     light, height = one.casting / one.casting[2], image.height_m
+    first = fitted_from(light)
+    fits = [each for each in (first, one.fit) if each is not None]
+    # A sun's straight edges are found from any start, and those of a light whose size is known were found before.
+    if first is max(fits, key=edge_log_odds) and (size_rad is not None or _may_be_sun(first)):
+        return first
     end = light[:2] / (1 - height * light[3])
-    others = [np.array([*(longer * (1 - near) * end), 1.0, near / height]) for longer, near in OTHER_STARTS]
-    likeliest, most = one.fit, log_likelihood(one.fit)
-    for start in (light, *others):
-        fit = fitted(image, start, one.darkening, with_nearness=True, size_rad=size_rad)
-        if fit is None:
-            continue
-        score = log_likelihood(fit)
-        if score >= most:
-            likeliest, most = fit, score
-        if start is light and likeliest is fit and abs(fit.light[3]) < SURELY_NEAR * math.sqrt(fit.covariance[2, 2]):
-            break  # it may be a sun, whose straight edges are found from any start
-    return likeliest
+    starts = [np.array([*(longer * (1 - sunk) * end), 1.0, sunk / height]) for longer, sunk in OTHER_STARTS]
+    others = map(fitted_from, starts)
+    return max([*fits, *(each for each in others if each is not None)], key=edge_log_odds)
+
+
+def _may_be_sun(fit: ShadowFit) -> bool:
+    return bool(abs(fit.light[3]) < SURELY_NEAR * math.sqrt(fit.covariance[2, 2]))
 
 
 def _of_folded_body(
@@ -145,13 +139,14 @@ def _of_folded_body(
     return _ByEdges(fit.light, fit.covariance + np.outer(by_width, by_width), has_folds=False)
 
 
-def _nearness(seen: Seen, edges: _ByEdges, beside: MarginalLikelihood) -> _Nearness:
+def _nearness(seen: Seen, edges: _ByEdges, others: Sequence[FoundLight]) -> _Nearness:
     """By a light's edges, the map, and the sides, beside other lights.
 
     A lamp's light falls off over the table, and gives more to what is nearer to it.
     """
     light, covariance = edges.light, edges.covariance
     by_nearness, sigma = covariance[:, 2] / covariance[2, 2], math.sqrt(covariance[2, 2])
+    beside = seen.beside(points_of(others))
     most = NEAREST / seen.body.height_m
     low, high = (float(np.clip(light[3] + sign * WITHIN_SIGMAS * sigma, 0.0, most)) for sign in (-1, 1))
     # Edges that exclude any lamp leave nothing to look for.
