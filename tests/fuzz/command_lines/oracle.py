@@ -27,7 +27,7 @@ NOTES = (
     r"ashe-live: .*: passed over, as not named as ",
     r"ashe-live: saved ",
     r"ashe-live: nothing to estimate in frame ",
-    r"ashe-live: camera: focal length ",
+    r"ashe-live: camera: [0-9.]+° ",
     r"ashe-live: .* has appeared meanwhile and stays as it is: see ",
     r".*: steps in ",
     r"sheet in ",
