@@ -214,7 +214,10 @@ class Session:
                 else:
                     self._not_there_yet.hide_steps()
             case Command.COVER_MARKER:
-                view.wants_cover = not self.covers_marker
+                if self.tracked is None or self.tracked.marker is None:
+                    self.say("no marker in view that C could show or cover", now_s)
+                else:
+                    view.wants_cover = not self.covers_marker
             case Command.BEFORE_AFTER:
                 self.say(f"{view.next_parts()}: B goes on", now_s)
             case _:

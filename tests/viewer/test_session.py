@@ -196,8 +196,9 @@ def test_keys_choose_models(make):
     assert "4 models" in session.notice.shown(0.0)
 
 
-def test_switches_toggle(make):
+def test_switches_toggle(make, fakes):
     session = make()
+    session.take(fakes.tracked(), 0.0)
     for command, switch in (
         (Command.TOGGLE_LIGHT, "shows_light"),
         (Command.TOGGLE_STEPS, "shows_steps"),
@@ -230,6 +231,16 @@ def test_a_sheet_is_covered_and_a_cube_is_not_unless_somebody_chooses(make, fake
         for tracked in (sheet, cube):
             session.take(tracked, 0.0)
             assert session.covers_marker is chosen
+
+
+def test_without_a_marker_in_view_nothing_is_covered_or_shown_unseen(make, fakes):
+    session, in_view = make(), fakes.tracked()
+    for tracked in (None, dataclasses.replace(in_view, marker=None)):
+        if tracked is not None:
+            session.take(tracked, 0.0)
+        session.handle(Request(Command.COVER_MARKER), 0.0)
+        assert session.view.wants_cover is None
+        assert "no marker in view" in session.notice.shown(0.0)
 
 
 def test_a_model_takes_a_covered_cubes_place_once_the_ground_over_it_is_drawn(make, fakes):
