@@ -29,8 +29,9 @@ WITHIN_SIGMAS, GRID, GRIDS, LEAST_NEARNESS = 4.0, 9, 2, 1e-3
 # own gradients look like it. By all of it the nearness of 28 path-traced lamps (the set cube_training, its scenes 0 to
 # 29) was off by 1.7 of its standard deviations, root mean square.
 OF_FALL = 1 / 3
-# Edges have other lines of a rough table in reach, so that a lamp is also looked for from other starts: the length of
-# its shadow, over that of the light that was found, and the body's height over the lamp's.
+# A rough table has other lines in reach of a shadow's edges, so that a lamp is also looked for from other starts: the
+# length of its shadow, over that of the light that was found, and the body's height over the lamp's (of nine starts
+# compared on scenes 0 to 59 of cube_training and 220 to 290 of cube_sealed, docs/accuracy/cube.md).
 OTHER_STARTS = ((1.0, 0.3), (1.8, 0.3))
 SURELY_NEAR = 2.0  # standard errors of a nearness, from which on a fitted light is no sun by its edges
 
@@ -127,7 +128,10 @@ def _may_be_sun(fit: ShadowFit) -> bool:
 def _of_folded_body(
     image: EdgeImage, fit: ShadowFit, darkening: float, errors: PoseShapeErrors | None
 ) -> _ByEdges | None:
-    """The lamp by a fit whose body may be off; None where that is a sun's, of a body of which no errors are known."""
+    """The light of a fit, with its nearness, as the body may be off by its errors.
+
+    None where these are not known and the nearness was not fitted: nothing then says how the edges move with it.
+    """
     adjusted = None if errors is None else beside_folds(fit, image, darkening, errors, with_nearness=True)
     if adjusted is not None:
         return _ByEdges(*adjusted, has_folds=True)

@@ -41,7 +41,7 @@ class GroundShadows:
         self._texture: moderngl.Texture | None = None
         self._rectangle, self._averaging = WholeRectangle(ctx), WholeRectangle(ctx)
         self._drawn = 0
-        self.group_count = 1  # casters that are models, as of ShadowMaps
+        self.group_count = 1  # of the casters that its texture holds, those that are models
         self._uniforms: dict[str, Float] = {}
 
     def render(self, shadows: ShadowMaps, lighting: Lighting) -> None:

@@ -110,7 +110,7 @@ class Keeper:
             self._announce(str(error), now_s)
 
     def take(self, is_new: bool, now_s: float) -> bool:
-        """Adds what is shown to the recording; returns whether it was due.
+        """Adds what is shown to the recording if a picture is due; returns whether it was added.
 
         `is_new`: it has a frame of the source that was not shown before.
         """

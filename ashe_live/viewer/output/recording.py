@@ -51,7 +51,7 @@ class Recording:
         self._slots = Slots(fps)
 
     def take(self, picture: Callable[[], Image], is_new: bool, now_s: float) -> bool:
-        """Adds a picture if one is due, and returns whether; only then is `picture` called, for (h, w, 3) uint8 BGR."""
+        """Adds a picture, (h, w, 3) uint8 BGR, if one is due, and only then makes it; returns whether it was added."""
         time_s = None if self.failure is not None else self._slots.time_s(now_s, is_new)
         if time_s is None:
             return False

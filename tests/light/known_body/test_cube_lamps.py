@@ -1,6 +1,7 @@
 """Lamps beside a painted cube: their distance by one shadow, and suns that are none."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -81,3 +82,17 @@ def test_a_lamp_to_whose_edges_nothing_can_be_fitted_is_no_sure_sun(
     light = found(true)
     assert light.covariance_rad2 is not None
     assert squared_sigmas(light.to_light_marker, light.covariance_rad2, true.point[:3]) < ELLIPSE_95
+
+
+def test_where_nothing_is_known_of_the_bodys_errors_a_sun_to_which_no_lamp_can_be_fitted_stays_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(lamps, "fitted", lambda *_, **__: None)
+    true = sun(200, 45)
+    frame = frame_of(CubeScene(CAMERA, looking(0.45, 45, 30), [true]))
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame)
+    assert tracked.marker is not None
+    perfect = replace(tracked, marker=replace(tracked.marker, pose_shape_errors=None))
+    (light,) = make_estimator("proxy").estimate(perfect).lights
+    assert light.kind == "directional"
+    assert angle_between(light.to_light_marker, true.point[:3]) < math.radians(1)
