@@ -47,6 +47,7 @@ SETTINGS: Mapping[str, Setting] = {
     "estimator": Setting(TEXT, ("demo", *SCENE_COMMANDS), '"proxy"'),
     "light": Setting(TEXT, ("demo", *SCENE_COMMANDS), '"sun"'),
 }
+MOST_BITS = 64  # of a whole number: TOML promises no more
 # Alternatives of each other: a flag replaces whichever of them the file has.
 ONE_OF = ("camera-file", "focal-px", "hfov")
 COMMANDS = frozenset(command for setting in SETTINGS.values() for command in setting.commands)
@@ -95,8 +96,11 @@ def _check(path: Path, key: str, value: Any) -> None:
         near = difflib.get_close_matches(key.replace("_", "-"), SETTINGS, 1)
         remedy = f"did you mean {near[0]}?" if near else f"the settings are {', '.join(SETTINGS)}"
         raise UserError(f"{path}: there is no setting {key!r}", remedy)
-    if "\0" in str(value):
-        raise UserError(f"{path}: {key} has a NUL in it", "write it without")
     kind = SETTINGS[key].kind
     if isinstance(value, bool) or not isinstance(value, KINDS[kind]):
         raise UserError(f"{path}: {key} is not {kind}", f"write it like this: {key} = {SETTINGS[key].example}")
+    if isinstance(value, str) and "\0" in value:
+        raise UserError(f"{path}: {key} has a NUL in it", "write it without")
+    # Python reads hexadecimal ones of any length, and refuses to write them as a flag has them.
+    if isinstance(value, int) and value.bit_length() > MOST_BITS:
+        raise UserError(f"{path}: {key} is too large a number", f"write it like this: {key} = {SETTINGS[key].example}")
