@@ -32,16 +32,16 @@ class ClipIndex:
                 if stream is None or has_decoding_times_alone(container, stream):
                     return None
                 packets = searched.following(container.demux(stream))
-                # The last packet is empty: it only ends the decoding. Some are decoded for others and never shown.
-                shown = [packet for packet in packets if packet.size and not packet.is_discard]
-                keys = {packet.pts for packet in shown if packet.is_keyframe}
-                times = [packet.pts for packet in shown]
+                # The last packet is empty: it only ends the decoding. Some are decoded for others and never shown. None
+                # is kept, as together they are as large as the clip, or larger where it names the same bytes again.
+                shown = [(each.pts, each.is_keyframe) for each in packets if each.size and not each.is_discard]
                 time_base = stream.time_base
         except (av.error.FFmpegError, OSError):
             return None
-        decoded = [time for time in times if time is not None]
+        keys = {time for time, is_keyframe in shown if is_keyframe}
+        decoded = [time for time, _ in shown if time is not None]
         pts = sorted(decoded)
-        if len(set(pts)) < max(1, len(times)) or pts[0] not in keys or time_base is None:
+        if len(set(pts)) < max(1, len(shown)) or pts[0] not in keys or time_base is None:
             return None
         # All that are decoded before a keyframe are shown before it, unless times begin anew there.
         if any(time in keys and time < latest for time, latest in zip(decoded, accumulate(decoded, max), strict=True)):

@@ -1,5 +1,6 @@
 """After a seek a clip gives the very frames, numbers and times that it gives when it is read through."""
 
+import weakref
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -11,6 +12,7 @@ from av.video.frame import VideoFrame
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.index import ClipIndex
+from ashe_live.capture.container import Searched
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from tests.shared_data import SHARED
@@ -160,6 +162,36 @@ def test_the_index_tells_every_frames_time_and_where_decoding_can_begin(film, na
         assert index.keyframe_before(frame) == frame // 12 * 12
         assert index.frame_at(times_s[frame] - 1e-3) == max(0, frame - 1)
     assert index.frame_of(None) is index.frame_of(index.pts[-1] + 1) is index.frame_of(index.pts[4] + 1) is None
+
+
+class Told:
+    """A packet that can be asked whether anybody holds it."""
+
+    def __init__(self, packet) -> None:
+        self.pts, self.size = packet.pts, packet.size
+        self.is_discard, self.is_keyframe = packet.is_discard, packet.is_keyframe
+
+
+def test_the_index_is_read_without_keeping_what_is_in_the_clip(film, monkeypatch) -> None:
+    """All packets together are as large as the file, and a file may name the same bytes many times."""
+    path = film(EVEN)
+    alive: list[int] = []
+    following = Searched.following
+
+    def watched(searched, packets):
+        told: list[weakref.ref[Told]] = []
+        for packet in following(searched, packets):
+            one = Told(packet)
+            told.append(weakref.ref(one))
+            yield one
+            alive.append(sum(each() is not None for each in told))
+
+    monkeypatch.setattr(Searched, "following", watched)
+    with path.open("rb") as file:
+        index = ClipIndex.read(file)
+    assert index is not None
+    assert len(index.pts) == COUNT
+    assert max(alive) <= 2  # the one before is still held by the loops as the next one is asked for
 
 
 def test_a_jump_decodes_from_the_keyframe_before_it_alone(film, monkeypatch) -> None:
