@@ -12,6 +12,7 @@ import PIL.Image
 
 from ashe_live.capture.sources import too_many_pixels
 from ashe_live.errors import UserError
+from ashe_live.files.jpeg import refuse_endless
 from ashe_live.files.reading import opened
 from ashe_live.process.children import Limits
 from ashe_live.process.isolated import NoAnswerError, isolated_call
@@ -53,8 +54,10 @@ def _read(path: Path, formats: tuple[str, ...], read: Callable[[Path, PIL.Image.
 
         register_heif_opener()
     try:
-        with opened(path) as file, PIL.Image.open(file, formats=formats) as picture:
-            return read(path, picture)
+        with opened(path) as file:
+            refuse_endless(path, file)
+            with PIL.Image.open(file, formats=formats) as picture:
+                return read(path, picture)
     except PIL.Image.DecompressionBombError:
         raise too_many_pixels(path) from None
     except PIL.UnidentifiedImageError:

@@ -3,7 +3,6 @@
 import io
 import math
 import os
-import re
 import warnings
 from pathlib import Path
 from typing import BinaryIO
@@ -13,7 +12,6 @@ import numpy as np
 import PIL.ExifTags
 import PIL.Image
 from PIL import ImageOps
-from PIL.JpegImagePlugin import JpegImageFile
 from PIL.TiffImagePlugin import TiffImageFile
 
 from ashe_live.capture.isolated_photo import HEIF, is_heif, read_isolated
@@ -21,6 +19,7 @@ from ashe_live.capture.sources import MAX_PIXELS, Source, refuse_too_large, too_
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.files.jpeg import refuse_endless
 from ashe_live.files.reading import opened
 
 FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
@@ -32,11 +31,6 @@ NEW_SUBFILE_TYPE = 254
 MOST_FILE_BYTES = 4 * MAX_PIXELS
 # More than a camera's JPEGs and HEICs have. Larger ones are read apart, and known by what they begin with.
 LARGE_FILE_BYTES, FIRST_BYTES = 64_000_000, 65_536
-# A JPEG is decoded as often as it has scans; progressive ones have about ten.
-MOST_SCANS = 100
-# A segment's beginning, and not what the data of a scan or fill bytes look like: ITU-T T.81, B.1.1.
-SEGMENT = re.compile(rb"\xff+([\x02-\xcf\xd9-\xfe])")
-START_OF_SCAN, END_OF_IMAGE = b"\xda", b"\xd9"
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
 SUFFIXES = {
     *(".jpg", ".jpeg", ".jpe", ".jfif", ".mpo", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm", ".pnm"),
@@ -83,7 +77,8 @@ def looks_like_photo(path: Path) -> bool:
         with opened(path) as file:
             if is_heif(file):
                 return True  # FFmpeg would show a corner, as iPhones store such photos in tiles
-            _open(io.BytesIO(file.read(FIRST_BYTES)) if _size_bytes(file) > LARGE_FILE_BYTES else file).close()
+            is_large = _size_bytes(file) > LARGE_FILE_BYTES
+            _open(path, io.BytesIO(file.read(FIRST_BYTES)) if is_large else file).close()
     except UserError:
         raise
     except PIL.UnidentifiedImageError:
@@ -93,8 +88,9 @@ def looks_like_photo(path: Path) -> bool:
     return True
 
 
-def _open(file: BinaryIO) -> PIL.Image.Image:
-    """Reads the header only."""
+def _open(path: Path, file: BinaryIO) -> PIL.Image.Image:
+    """Reads the header only. Raises UserError for a JPEG that takes very long already there, or once it is decoded."""
+    refuse_endless(path, file)
     with warnings.catch_warnings():
         # Pillow warns of large pictures at a limit of its own; ours is MAX_PIXELS.
         warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
@@ -103,18 +99,6 @@ def _open(file: BinaryIO) -> PIL.Image.Image:
 
 def _size_bytes(file: BinaryIO) -> int:
     return os.fstat(file.fileno()).st_size
-
-
-def _refuse_many_scans(path: Path, picture: JpegImageFile) -> None:
-    """Raises UserError for a JPEG whose kilobytes take minutes."""
-    assert picture.fp is not None
-    picture.fp.seek(0)
-    content, at, scans = picture.fp.read(), 2, 0
-    while (segment := SEGMENT.search(content, at)) is not None and segment[1] != END_OF_IMAGE:
-        scans += segment[1] == START_OF_SCAN
-        at = segment.end() + int.from_bytes(content[segment.end() : segment.end() + 2], "big")
-    if scans > MOST_SCANS:
-        raise UserError(f"{path} has its picture in {scans} scans, and photos have about ten", "save it again as JPEG")
 
 
 def _is_preview(picture: PIL.Image.Image) -> bool:
@@ -137,7 +121,7 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
                 )
             if file_bytes > LARGE_FILE_BYTES and not is_heif(file):
                 return read_isolated(path, FORMATS, _decoded)
-            with _open(file) as picture:
+            with _open(path, file) as picture:
                 return _decoded(path, picture)
     except UserError:
         raise
@@ -159,8 +143,6 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
 def _decoded(path: Path, picture: PIL.Image.Image) -> tuple[Image, float | None]:
     """As `_read_bgr`, of the photo opened from `path`. Raises UserError where it is too large or not read."""
     refuse_too_large(path, picture.size)
-    if isinstance(picture, JpegImageFile):
-        _refuse_many_scans(path, picture)
     if picture.mode == "F":
         raise UserError(f"{path} has floating-point pixels, which are not read", "convert it to JPEG or PNG")
     if _is_preview(picture):

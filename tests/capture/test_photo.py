@@ -170,6 +170,16 @@ def test_a_jpeg_of_very_many_scans_is_refused(tmp_path: Path) -> None:
         open_source(path)
 
 
+def test_a_jpeg_of_very_many_parts_is_refused(tmp_path: Path) -> None:
+    """Its reader keeps each as an object, for megabytes of four bytes each."""
+    path = tmp_path / "a.jpg"
+    PIL.Image.new("RGB", (80, 80)).save(path)
+    content = path.read_bytes()
+    path.write_bytes(content[:2] + b"\xff\xe5\x00\x02" * 10_001 + content[2:])
+    with pytest.raises(UserError, match="in more than 10,000 parts"):
+        open_source(path)
+
+
 @pytest.mark.parametrize("size", [(16_385, 2), (2, 16_385)])
 def test_longer_photo_than_any_camera_is_refused(tmp_path: Path, size: tuple[int, int]) -> None:
     path = tmp_path / "panorama.png"

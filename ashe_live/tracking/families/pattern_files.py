@@ -10,6 +10,7 @@ import PIL.Image
 
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
+from ashe_live.files.jpeg import refuse_endless
 from ashe_live.files.reading import read_bytes
 
 # An ARToolKit pattern file: for each of 4 rotations the blue, green and red channel, 16 rows of 16 numbers each.
@@ -56,13 +57,14 @@ def read_marker_picture(path: Path) -> Image:
 
     Raises UserError when it cannot be read or is not a square.
     """
-    content = read_bytes(path, MAX_PICTURE_BYTES)
+    file = io.BytesIO(read_bytes(path, MAX_PICTURE_BYTES))
+    refuse_endless(path, file)
     by_pattern = f", or one of ARToolKit's by pattern:{path}" if path.suffix.lower() == ".patt" else ""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", PIL.Image.DecompressionBombWarning)
             # Opening reads the header only, so the size is known before memory is spent on it.
-            with PIL.Image.open(io.BytesIO(content), formats=PICTURE_FORMATS) as picture:
+            with PIL.Image.open(file, formats=PICTURE_FORMATS) as picture:
                 _check_picture_size(path, picture.size)
                 rgba = picture.convert("RGBA")
     except (PIL.Image.DecompressionBombError, PIL.Image.DecompressionBombWarning) as error:

@@ -158,6 +158,16 @@ def test_a_picture_that_is_no_marker_is_refused(tmp_path: Path, shape: tuple[int
         parse_marker(f"image:{path}")
 
 
+def test_a_picture_of_very_many_scans_is_refused(tmp_path: Path) -> None:
+    """Each of a few bytes takes as long as the whole picture."""
+    path = tmp_path / "endless.jpg"
+    noise = np.random.default_rng(0).integers(0, 256, (64, 64), np.uint8)
+    content = cv2.imencode(".jpg", noise, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
+    path.write_bytes(content[:-2] + content[content.rindex(b"\xff\xda") : -2] * 200 + content[-2:])
+    with pytest.raises(UserError, match=r"in 20\d scans"):
+        parse_marker(f"image:{path}")
+
+
 def test_a_picture_with_its_white_margin_is_refused(tmp_path: Path, picture_file: Path) -> None:
     path = tmp_path / "margin.png"
     black_square = cv2.imread(str(picture_file), cv2.IMREAD_GRAYSCALE)
