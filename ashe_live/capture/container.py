@@ -12,6 +12,7 @@ from av.container import InputContainer, OutputContainer
 from av.stream import Disposition
 from av.video.stream import VideoStream
 
+from ashe_live.capture.sources import MAX_PIXELS
 from ashe_live.process.signals import called_from_c
 
 Packet = TypeVar("Packet")
@@ -23,6 +24,8 @@ DEMUXERS = (
 )
 # Of text that is not UTF-8; from PyAV 19 on there is no choice.
 ANY_METADATA: dict[str, Any] = {"metadata_errors": "replace"} if int(av.__version__.split(".")[0]) < 19 else {}
+# Of any picture: no memory is spent on a larger one, be it the first or one that a clip of small ones ends with.
+DECODED = {"max_pixels": str(MAX_PIXELS)}
 ALLOWED = {"protocol_whitelist": "none", "format_whitelist": DEMUXERS}
 # A picture of 8K has fewer without compression: whoever reads so much and finds no packet will not find any.
 MOST_BYTES_TO_A_PACKET = 100_000_000
@@ -74,7 +77,11 @@ def opened_container(file: Searched) -> InputContainer:
     Raises FFmpegError or OSError when it is not a clip.
     """
     file.seek(0)
-    container: InputContainer = av.open(file, "r", container_options=ALLOWED, **ANY_METADATA)
+    # The options are asked for twice: FFmpeg decodes the first pictures as it opens a file, by codecs of its own.
+    container: InputContainer = av.open(file, "r", options=DECODED, container_options=ALLOWED, **ANY_METADATA)
+    for stream in container.streams.video:
+        if stream.codec_context is not None:  # whatever the stub says: a codec that FFmpeg does not know
+            stream.codec_context.options = DECODED
     file.go_on()
     return container
 

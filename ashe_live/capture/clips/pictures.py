@@ -19,8 +19,9 @@ from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.clips.wide_gamut import srgb_converter
 from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_length, video_in
-from ashe_live.capture.sources import refuse_too_large
+from ashe_live.capture.sources import MAX_PIXELS, refuse_too_large
 from ashe_live.errors import UserError
+from ashe_live.files.jpeg import why_endless
 from ashe_live.files.reading import opened
 
 FALLBACK_FPS = 30.0
@@ -80,7 +81,8 @@ class ClipPictures:
         first = next(self._videos, None)
         if first is None:
             self.close()
-            raise UserError(f"{path} has no readable picture in it", "copy or record it again")
+            remedy = f"copy or record it again, or scale it down to {MAX_PIXELS // 10**6} million pixels or fewer"
+            raise UserError(f"{path} has no readable picture in it", remedy)
         self.size = _with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
         try:
             refuse_too_large(path, self.size)
@@ -169,10 +171,14 @@ class ClipPictures:
 
     def _decoded(self, container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
         packets = self._searched.following(container.demux(stream))
+        is_jpeg = stream.codec_context.name == "mjpeg"
         while True:
             try:
                 # The packet after the last one is empty and fetches what the decoder still holds.
                 packet = next(packets, None)
+                if packet is not None and is_jpeg and why_endless(bytes(packet)) is not None:
+                    self.damaged += 1
+                    continue
                 pictures = packet.decode() if packet is not None else None
             except EOFError:
                 return

@@ -13,7 +13,9 @@ from av.stream import Disposition
 from av.video.frame import VideoFrame
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.container import DECODED
 from ashe_live.capture.opening import open_source
+from ashe_live.capture.sources import MAX_PIXELS
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -210,6 +212,50 @@ def test_clip_of_pictures_that_are_too_long_is_refused(tmp_path: Path) -> None:
         container.mux(stream.encode(None))
     with pytest.raises(UserError, match="longer than 16384 pixels"):
         ClipSource(path)
+
+
+def test_no_memory_is_spent_on_a_picture_of_too_many_pixels(
+    picture: Callable[[int], Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither as the file is opened, nor where a clip of small ones goes on with it."""
+    small, large = (cv2.imencode(".png", cv2.resize(picture(0), size))[1].tobytes() for size in ((96, 64), (192, 128)))
+    alone, grows = tmp_path / "alone.avi", tmp_path / "grows.avi"
+    _write_packets(alone, "png", "rgb24", [large])
+    _write_packets(grows, "png", "rgb24", [small, large, small])
+    assert int(DECODED["max_pixels"]) == MAX_PIXELS
+    monkeypatch.setitem(DECODED, "max_pixels", str(192 * 128 - 1))
+    with pytest.raises(UserError, match=r"no readable picture in it: .*scale it down to 110 million"):
+        ClipSource(alone)
+    with ClipSource(grows) as source:
+        assert len(frames_of(source)) == 2
+        assert source.note is not None
+        assert "truncated or damaged" in source.note
+
+
+def test_a_picture_of_very_many_scans_within_a_clip_is_damage(tmp_path: Path) -> None:
+    """Each of a few bytes takes as long as the whole picture."""
+    noise = np.random.default_rng(0).integers(0, 256, (64, 96, 3), np.uint8)
+    good = cv2.imencode(".jpg", noise, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
+    endless = good[:-2] + good[good.rindex(b"\xff\xda") : -2] * 200 + good[-2:]
+    path = tmp_path / "a.mkv"
+    _write_packets(path, "mjpeg", "yuvj420p", [good, endless, good])
+    with ClipSource(path) as source:
+        assert len(frames_of(source)) == 2
+        assert source.note is not None
+        assert "truncated or damaged" in source.note
+
+
+def _write_packets(path: Path, codec: str, pixels: str, contents: list[bytes]) -> None:
+    """A clip of pictures that are encoded already, the first of which is of 96 x 64."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream(codec, rate=30)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, pixels
+        container.start_encoding()
+        for time, content in enumerate(contents):
+            packet = av.Packet(content)
+            packet.stream, packet.pts, packet.dts, packet.time_base = stream, time, time, Fraction(1, 30)
+            packet.is_keyframe = True
+            container.mux(packet)
 
 
 def test_pictures_in_jpeg_one_after_the_other_are_a_clip_and_those_of_another_shape_are_said(tmp_path: Path) -> None:
