@@ -19,6 +19,7 @@ from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo_series import PhotoSeries
 from ashe_live.capture.sources import Source, SourceLost
 from ashe_live.capture.webcam import WebcamSource
+from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, write_json
@@ -40,7 +41,7 @@ class Guidance(Protocol):
 
 
 def run(options: argparse.Namespace) -> int:
-    inputs = [Path(options.camera)]
+    inputs = [Path(options.camera), settings_path()]
     if options.size is not None and not options.camera.isdecimal() and _is_recorded(options.camera):
         raise UserError("--size is asked of a connected camera, and clips and photos have theirs", "leave it out")
     with contextlib.suppress(UserError):  # opening it says why

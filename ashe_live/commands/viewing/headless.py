@@ -13,7 +13,12 @@ from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.recording.transparent import TransparentRecorder
 from ashe_live.commands.flags.marker_choice import other_markers_hint
 from ashe_live.commands.flags.setup import assumed_note, quality_of
-from ashe_live.commands.viewing.setup import ViewerSetup, opened_session, report_recordings_cut_short
+from ashe_live.commands.viewing.setup import (
+    ViewerSetup,
+    check_outputs_and_models,
+    opened_session,
+    report_recordings_cut_short,
+)
 from ashe_live.core.arrays import Image
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import print_answer, print_message
@@ -50,7 +55,10 @@ def show_without_window(
         renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
         stack.callback(renderer.release)
         session = stack.enter_context(opened_session(setup))
-        as_shown = AsShown() if options.as_shown is None else read_as_shown(options.as_shown, session.table.shelf)
+        as_shown = AsShown()
+        if options.as_shown is not None:
+            as_shown = read_as_shown(options.as_shown, session.table.shelf)
+            check_outputs_and_models(options, session.table.shelf)  # with those that only this file names
         recorder: Recorder | TransparentRecorder | LastPicture | None = None
         if options.out is not None:
             recorder = _recorder(setup)

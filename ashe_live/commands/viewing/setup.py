@@ -12,6 +12,7 @@ from ashe_live.capture.recording.cut_short import rescue_recordings
 from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX
 from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import chosen_models, marker_files, names_of
+from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.commands.flags.setup import light_preset
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size, drawn_size
@@ -63,7 +64,7 @@ def check_outputs(options: argparse.Namespace, *played: Path) -> None:
     models = [Path(name) for name in names_of(options) if name not in model_names()]
     caster = None if options.caster is None else Path(options.caster)  # it may be a model's file
     inputs = [getattr(options, "file", None), options.camera_file, options.as_shown, caster]
-    inputs += [*models, *marker_files(options), *played]
+    inputs += [*models, *marker_files(options), *played, settings_path()]
     files.check_outputs((options.out, options.report), inputs, options.overwrite)
     for name, refusal in WITHOUT_WINDOW.items():
         if getattr(options, name) is not None and not options.headless:
@@ -74,6 +75,14 @@ def check_outputs(options: argparse.Namespace, *played: Path) -> None:
         raise UserError(*WITHOUT_WINDOW["layers"])
     if options.out is not None:
         _check_suffix(options.out, options)
+
+
+def check_outputs_and_models(options: argparse.Namespace, shelf: Shelf) -> None:
+    """Raises UserError if an output would replace what a model is read from: its file, or what that names."""
+    if options.overwrite:  # else nothing is replaced
+        own = [name for name in shelf.names if name not in model_names()]
+        read = [path for name in own for path in (Path(name), *shelf.loaded(name).model.read_beside)]
+        files.check_outputs((options.out, options.report), read, options.overwrite)
 
 
 def _check_suffix(out: Path, options: argparse.Namespace) -> None:
@@ -102,9 +111,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     side_m, names = setup.tracker.side_m, [other.name for other in others]
     preset = light_preset(options)
     shelf = Shelf(first.name, side_m, options.up, ModelMemory(has_places=not options.headless), names)
-    if options.overwrite:  # pictures and materials that models name are known only now
-        read_beside = [path for name in (first.name, *names) for path in shelf.loaded(name).model.read_beside]
-        files.check_outputs((options.out, options.report), read_beside, options.overwrite)
+    check_outputs_and_models(options, shelf)
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, first_estimate, setup.true_to_light_marker, others, options.auto)
         session.arrangement.followed = setup.tracker.marker.spec

@@ -15,8 +15,11 @@ import pytest
 from PIL import Image
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.commands.flags.settings_file import settings_path
+from ashe_live.core.contract import SCHEMA
 from ashe_live.errors import UserError
 from ashe_live.viewer.output.report import Report
+from ashe_live.viewer.view_options import WHOLE
 from tests.checkout import CHECKOUT
 
 pytestmark = pytest.mark.usefixtures("instant")
@@ -134,12 +137,35 @@ def test_what_a_flag_reads_is_not_replaced_by_an_output(play, tmp_path, flags):
     assert path.read_bytes() == other.read_bytes() == b"precious"
 
 
+def test_the_settings_are_not_replaced_by_an_output(play, run, film, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    settings_path().parent.mkdir()
+    settings_path().write_text('model = "mug"')
+    commands = (
+        lambda *output: play("--frames", 1, "--report", *output),
+        lambda *output: run("calibrate", "--headless", "--camera", film.path, "--out", *output),
+    )
+    for command in commands:
+        outcome = command(settings_path(), "--overwrite")
+        assert outcome.status == 2
+        assert "is also read" in outcome.err[-1]
+    assert settings_path().read_text() == 'model = "mug"'
+
+
 def test_what_a_model_reads_beside_it_is_not_replaced_by_an_output(play, tmp_path):
     Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
     (tmp_path / "m.mtl").write_text("newmtl m\nmap_Kd red.png\n")
     faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
     (tmp_path / "a.obj").write_text(f"mtllib m.mtl\nusemtl m\n{faces}")
+    model = {"model": str(tmp_path / "a.obj"), "marker": None, "seat": 0, "scale": 1, "turn_rad": 0, "shift_m": [0, 0]}
+    frame = {"frame": 0, "models": [model], "estimate": None, "parts": WHOLE.value, "hides_marker": None}
+    (tmp_path / "shown.json").write_text(json.dumps({"schema": SCHEMA, "shown": [frame]}))
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    for file in ("a.obj", "m.mtl"):  # which that file alone names
+        shown = "--as-shown", tmp_path / "shown.json", "--report", tmp_path / file, "--overwrite"
+        outcome = play("--frames", 1, *shown)
+        assert outcome.status == 2
+        assert "is also read" in outcome.err[-1]
     for models in (("a.obj",), ("cube", "a.obj")):
         flags = [word for name in models for word in ("--model", tmp_path / name if name == "a.obj" else name)]
         for flag, file in (("--out", "red.png"), ("--report", "m.mtl")):
