@@ -25,7 +25,12 @@ def printable(text: object, most: int = MOST_CHARACTERS) -> str:
     # Cut before, as escaping megabytes takes time, and after, as escapes are up to ten times as long as their
     # characters.
     line = _cut(BREAK.sub(" ", _cut(str(text), 4 * most)).strip(), most)
-    return _cut("".join(letter if letter.isprintable() else _escaped(letter) for letter in line), most)
+    return _cut(escaped(line), most)
+
+
+def escaped(text: str) -> str:
+    """`text` in which all that is neither printable nor a line's end is escaped, as `printable` does."""
+    return "".join(letter if letter.isprintable() or letter == "\n" else _escape(letter) for letter in text)
 
 
 def listed(names: Iterable[str], most: int | None = None) -> str:
@@ -72,5 +77,5 @@ def _cut(text: str, most: int) -> str:
     return text[: kept - kept // 2] + GAP + text[len(text) - kept // 2 :]
 
 
-def _escaped(letter: str) -> str:
+def _escape(letter: str) -> str:
     return letter.encode("unicode_escape", "surrogatepass").decode("ascii")
