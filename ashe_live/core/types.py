@@ -18,6 +18,9 @@ from ashe_live.core.ranges import ANGLE, INVERSE_DISTANCE, LAMP_RADIUS, MARKER_S
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import angles_from_direction, normalised
 
+# 1/m: what is farther away than that counts as a sun, as the squares of smaller numbers are 0.
+LEAST_INVERSE_DISTANCE = 1e-100
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
@@ -130,7 +133,8 @@ class Light:
         for name, allowed in (("sigma_rad", ANGLE), ("confidence", SHARE), ("angular_size_rad", ANGLE)):
             if getattr(self, name) is not None:
                 allowed.checked(getattr(self, name), name)
-        INVERSE_DISTANCE.checked(self.inverse_distance, "inverse_distance")
+        if INVERSE_DISTANCE.checked(self.inverse_distance, "inverse_distance") < LEAST_INVERSE_DISTANCE:
+            set_frozen(self, inverse_distance=0.0)
         if self.radius_m is not None:
             LAMP_RADIUS.checked(self.radius_m, "radius_m")
         set_given_frozen(self, covariance_rad2=(2, 2), lamp_covariance=(3, 3))

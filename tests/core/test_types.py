@@ -167,6 +167,13 @@ def test_a_light_without_inverse_distance_is_a_sun() -> None:
     assert sun.homogeneous[3] == 0
 
 
+@pytest.mark.parametrize("inverse_distance", [5e-324, 1e-200])
+def test_a_lamp_farther_away_than_can_be_computed_with_is_a_sun(inverse_distance: float) -> None:
+    """As the file of --as-shown may say."""
+    light = Light(np.array([0.0, 0.0, 1.0]), inverse_distance=inverse_distance)
+    assert (light.kind, light.inverse_distance, light.position_marker_m) == ("directional", 0.0, None)
+
+
 @pytest.mark.parametrize("inverse_distance", [-1.0, -0.01, np.nan, np.inf, 1e4])
 def test_a_lamp_is_neither_behind_the_plane_nor_inside_the_marker(inverse_distance: float) -> None:
     with pytest.raises(ValueError, match="inverse_distance"):
