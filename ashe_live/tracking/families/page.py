@@ -13,6 +13,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import check_output
 from ashe_live.files.writing import written_whole
+from ashe_live.process.messages import printable
 
 SUFFIXES = (".pdf", ".png")
 # Portrait pages by the paper that a printer has, from that paper to the largest of its series: ISO 216 and ANSI Y14.1.
@@ -73,6 +74,7 @@ class PrintedPage:
         self, centre_mm: Millimetres, words: str, height_mm: float = 4.0, room_mm: float | None = None, ink: int = INK
     ) -> None:
         """Words centred on a point, made smaller where they need more room than there is: the page's, or `room_mm`."""
+        words = printable(words)  # a file's name may have several lines, or bytes that are no text
         draw = PIL.ImageDraw.Draw(self.image)
         room = self.image.width - 2 * self.px(PRINTER_EDGE_MM) if room_mm is None else self.px(room_mm)
         size = float(self.px(height_mm))
@@ -97,7 +99,7 @@ class PrintedPage:
         """As a PDF or PNG by `path`'s suffix. Raises UserError for a place that cannot be written."""
         with written_whole(path, overwrite) as file:
             if path.suffix.lower() == ".pdf":
-                self.image.save(file.stream, "PDF", resolution=self.dpi, quality=95, title=title)
+                self.image.save(file.stream, "PDF", resolution=self.dpi, quality=95, title=printable(title))
             else:
                 self.image.save(file.stream, "PNG", dpi=(self.dpi, self.dpi))
 

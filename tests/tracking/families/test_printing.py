@@ -77,6 +77,15 @@ def test_a_large_marker_gets_a_larger_page(tmp_path: Path) -> None:
     assert float(box[2]) / 72 * 25.4 == pytest.approx(297, abs=0.2)
 
 
+@pytest.mark.parametrize("suffix", [".pdf", ".png"])
+def test_a_picture_of_any_name_is_printed(tmp_path: Path, picture_file: Path, suffix: str) -> None:
+    """Of several lines, and of bytes that are no text."""
+    odd = picture_file.rename(picture_file.with_name("a\nb\udcff\x1b.png"))
+    path = tmp_path / f"marker{suffix}"
+    write_marker_sheet(path, parse_marker(f"image:{odd}"), 0.08)
+    assert path.stat().st_size > 1000
+
+
 @pytest.mark.parametrize(("side_m", "inches"), [(0.08, (8.5, 11)), (0.2, (11, 17)), (0.3, (17, 22)), (0.6, (34, 44))])
 def test_american_printers_get_american_pages(tmp_path: Path, side_m: float, inches: tuple[float, float]) -> None:
     path = tmp_path / "marker.pdf"
