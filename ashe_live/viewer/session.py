@@ -169,7 +169,7 @@ class Session:
         """
         self.table.poll(now_s, is_quiet=self.notice.shown(now_s) is None)
         self._stand_clear()
-        if (news := self.watch.take_news()) is not None:
+        if (news := self.watch.empty_table.take_news()) is not None:
             self.say(news, now_s)
         new = self._accepted(self.watch.wait(0.0), now_s)
         self._show(now_s)

@@ -224,7 +224,7 @@ def test_the_table_of_a_photo_without_a_second_frame_is_not_taken_for_the_empty_
     stage.pipeline.is_photo = is_photo
     stage.put(0)
     stage.run(None, Command.EMPTY_TABLE, None)
-    assert (stage.session.watch.empty is None) is is_photo
+    assert (stage.session.watch.empty_table.frame is None) is is_photo
     assert ("a photo" in stage.session.notice.text) is is_photo
 
 

@@ -18,7 +18,7 @@ from ashe_live.models.primitives import box
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
-from ashe_live.viewer.estimates.light_watch import EMPTY_FOR_S
+from ashe_live.viewer.estimates.held_empty_table import EMPTY_FOR_S
 from ashe_live.viewer.estimates.not_there_yet import ANSWER_ALONE
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
 from ashe_live.viewer.hands.requests import Command, Request
@@ -1228,7 +1228,7 @@ def test_the_empty_table_goes_with_requests_until_it_is_old(make, fakes):
         worker.answer = fakes.estimate()
         session.poll(now_s)
     session.begin_anew(is_photo=False)
-    assert session.watch.empty is None
+    assert session.watch.empty_table.frame is None
 
 
 @pytest.mark.parametrize(("now_s", "turned_deg", "said"), [(400.0, 0.0, "minutes ago"), (5.0, 30.0, "elsewhere")])
@@ -1239,7 +1239,7 @@ def test_that_the_empty_table_no_longer_counts_is_said_once_to_who_has_shown_it(
         if is_shown:
             session.handle(Request(Command.EMPTY_TABLE), 0.0)
         else:  # found by an estimate, of which the user knows nothing
-            session.watch.empty = session.tracked
+            session.watch.empty_table.found(session.tracked)
         session.take(dataclasses.replace(seen_at(fakes, now_s, 1), T_room_marker=lying(turned_deg)), now_s)
         session.request_estimate(now_s)
         session.poll(now_s)
@@ -1258,9 +1258,9 @@ def test_a_frame_in_which_nothing_stands_there_is_the_empty_table(make, fakes):
     assert WITHOUT_IT not in guidance(session)
     session.watch._worker.answer, session.watch._worker.shows_empty_table = fakes.estimate(with_light=False), True
     session.poll(0.0)
-    assert session.watch.empty is frozen
+    assert session.watch.empty_table.frame is frozen
     assert WITHOUT_IT not in guidance(session)  # it has been said what is missing
-    session.watch.empty = None
+    session.watch.empty_table.frame = None
     assert WITHOUT_IT in guidance(session)
 
 
@@ -1293,7 +1293,7 @@ def test_a_paper_cube_needs_no_empty_table(make, fakes):
     cube = Proxy("box", [(0.0, 0.0, 0.03, 0.03, 0.03)])
     session.take(dataclasses.replace(tracked, marker=dataclasses.replace(tracked.marker, body=cube)), 0.0)
     session.handle(Request(Command.EMPTY_TABLE), 0.0)
-    assert session.watch.empty is None
+    assert session.watch.empty_table.frame is None
     assert "cube" in session.notice.text
 
 
@@ -1302,7 +1302,7 @@ def test_an_estimator_of_one_frame_makes_no_use_of_the_empty_table(make, fakes):
     session.watch._worker.takes_one_frame = True
     session.take(fakes.tracked(), 0.0)
     session.handle(Request(Command.EMPTY_TABLE), 0.0)
-    assert session.watch.empty is None
+    assert session.watch.empty_table.frame is None
     assert "no use" in session.notice.text
     session.watch.camera_may_move = True
     session.request_estimate(0.0)

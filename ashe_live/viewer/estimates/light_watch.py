@@ -9,16 +9,14 @@ from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import OF_ONE_FRAME
 from ashe_live.light.estimators.preset import BALANCED
-from ashe_live.light.live.comparable import fits, lies_as_in
+from ashe_live.light.live.comparable import fits
 from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Draw, Estimated, EstimateTask, Followed, OtherScene, WorkerFailure
 from ashe_live.viewer.estimates.brightness import Brightness
+from ashe_live.viewer.estimates.held_empty_table import HeldEmptyTable
 from ashe_live.viewer.estimates.sharpening import EVERY_S, Sharpening
-
-# By then the sun has moved by more than a degree, and with it the shadows of what stands around.
-EMPTY_FOR_S = 300.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,9 +40,7 @@ class LightWatch:
         self.camera_may_move = False  # whether the source is a camera that the user may move
         self.is_photo = False  # which has no other frame
         self.held = HeldAnswer()  # since the user's last request
-        self.empty: TrackedFrame | None = None  # a frame that shows the table without the object
-        self._shown_empty: TrackedFrame | None = None  # the last one of which the user has said so
-        self._news: str | None = None  # what has become of it
+        self.empty_table = HeldEmptyTable()
         self._is_over_empty_table = False  # whether the held answer was found so
         self.sharpening = Sharpening()
         self._asked_s = -math.inf
@@ -76,20 +72,15 @@ class LightWatch:
     @property
     def may_show_empty_table(self) -> bool:
         """Whether the user may still show it, to some use."""
-        return self.camera_may_move and self.empty is None and not self._worker.takes_one_frame
+        return self.camera_may_move and self.empty_table.frame is None and not self._worker.takes_one_frame
 
     def begin_anew(self) -> None:
         """Forgets the scene, and gives up an estimate in progress."""
         self._frozen, self._others, self._doubted, self._waiting = None, (), None, None
         self.held, self.sharpening = HeldAnswer(), Sharpening()
-        self.empty = self._shown_empty = self._news = None
+        self.empty_table = HeldEmptyTable()
         self.key_views.drop()
         self._worker.give_up()
-
-    def take_news(self) -> str | None:
-        """What has become of the empty table that the user has shown, returned once."""
-        news, self._news = self._news, None
-        return news
 
     def ask(self, frozen: TrackedFrame, now_s: float, draw: Draw | None = None) -> bool:
         """The user requests an estimate of a frame together with the current key views; returns whether it is accepted.
@@ -129,7 +120,7 @@ class LightWatch:
         held = shown and replace(shown, object_mask=None, shadow_mask=None)  # which nobody needs there
         task = EstimateTask(self.preset, draw, is_awaited, held, follows)
         doubted = self._doubted if self._doubted is not None and fits(self._doubted, frozen) else None
-        if not self._worker.request(frozen, others, doubted, task, self._empty_for(frozen)):
+        if not self._worker.request(frozen, others, doubted, task, self.empty_table.under(frozen)):
             return False
         self._frozen, self._others, self._asked_s, self._is_awaited = frozen, others, now_s, is_awaited
         self._brightness.note(frozen.frame)
@@ -148,26 +139,10 @@ class LightWatch:
             return (
                 "a photo has no second frame: `ashe-live estimate PHOTO --empty EMPTY` takes a photo of the empty table"
             )
-        self.empty = self._shown_empty = tracked
+        self.empty_table.show(tracked)
         if not self.camera_may_move:
             return "the empty table is known: in another frame of this view press Space"
         return "the empty table is known: put the object there, leave the camera where it is, press Space"
-
-    def _empty_for(self, frozen: TrackedFrame) -> TrackedFrame | None:
-        """The empty table, if the marker has not been moved since, nor much time has passed: else it is forgotten."""
-        empty = self.empty
-        if empty is None:
-            return None
-        is_old = abs(frozen.frame.time_s - empty.frame.time_s) > EMPTY_FOR_S
-        if is_old or not lies_as_in(empty, frozen):
-            self.empty = None
-            if empty is self._shown_empty:
-                why = f"was shown over {EMPTY_FOR_S / 60:.0f} minutes ago" if is_old else "had the marker elsewhere"
-                self._news = f"the empty table {why} and no longer counts: Shift+Space shows it again"
-        return self.empty if empty.frame.size == frozen.frame.size else None
-
-    def _is_newer_than_empty(self, tracked: TrackedFrame) -> bool:
-        return self.empty is None or tracked.frame.time_s > self.empty.frame.time_s
 
     def sharpen(self, seen: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
         """Requests an estimate of the key views if there is an answer to refine and they show more; returns whether.
@@ -221,8 +196,8 @@ class LightWatch:
             self._doubted = self._frozen
             self.key_views.drop([view for view in self.key_views.views if view is self._frozen])
             return None
-        if isinstance(outcome, Estimated) and outcome.shows_empty_table and self._is_newer_than_empty(self._frozen):
-            self.empty = self._frozen
+        if isinstance(outcome, Estimated) and outcome.shows_empty_table:
+            self.empty_table.found(self._frozen)
         estimate: LightEstimate | None = None
         steps_bgr: Image | None = None
         is_in_doubt = False
