@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ashe_live.errors import UserError
-from ashe_live.process.mailbox import Closed
-from ashe_live.process.messages import print_answer, print_message
+from ashe_live.process.messages import print_answer
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.viewer.display import Display, Readings
 from ashe_live.viewer.hands.gestures import Gestures
@@ -17,12 +16,12 @@ from ashe_live.viewer.hands.pointing import in_mirror, in_video
 from ashe_live.viewer.hands.requests import Command, Files, Request
 from ashe_live.viewer.output.keeping import Keeper
 from ashe_live.viewer.output.recording import Recording
-from ashe_live.viewer.playback import Playback
 from ashe_live.viewer.quality_choice import QualityChoice
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.followed_marker import FollowedMarker
 from ashe_live.viewer.sources.opening import Opener, Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
+from ashe_live.viewer.sources.played_source import PlayedSource
 from ashe_live.viewer.status import light_line
 from ashe_live.viewer.stillness import Stillness
 from ashe_live.viewer.windows.window import Window
@@ -60,7 +59,6 @@ class LiveViewer:
         self._opening = Opening(options.opener)
         self._loop = options.loop
         self._quit = False
-        self._source_error: str | None = None
         self._take_up(pipeline)
         self.followed = FollowedMarker(pipeline, session, renderer, self._announce, options.takes_any_marker)
         self._keeper.flags = lambda: [*options.flags, *self.followed.flags]
@@ -69,8 +67,8 @@ class LiveViewer:
             Command.SNAPSHOT: self._keeper.snapshot,
             Command.CUT_OUT: lambda now_s: self._keeper.snapshot(now_s, is_cut_out=True),
             Command.KEEP_LIGHT: self._keeper.light,
-            Command.RECORD: lambda now_s: self._keeper.record(self._pipeline.fps, now_s),
-            Command.QUALITY: lambda _now: self._quality.step(self._pipeline),
+            Command.RECORD: lambda now_s: self._keeper.record(self._source.pipeline.fps, now_s),
+            Command.QUALITY: lambda _now: self._quality.step(self._source.pipeline),
             Command.FULLSCREEN: lambda _now: self._window.toggle_fullscreen(),
             Command.LEAVE: lambda _now: self._leave(),
             Command.FOLLOW_OTHER: self.followed.follow_other,
@@ -85,11 +83,11 @@ class LiveViewer:
         is drawn: of a photo, and at a clip's end, no other comes.
         `end_if_asked`: called before each picture; what it raises ends the viewer.
         """
-        self._quality.begin(self._pipeline)
+        self._quality.begin(self._source.pipeline)
         frames_left = frame_limit
         due_s = time.monotonic()
         with contextlib.ExitStack() as ending:  # the last first, and each also where one before it fails
-            ending.callback(lambda: self._pipeline.close())
+            ending.callback(lambda: self._source.pipeline.close())
             ending.callback(self._opening.close)
             ending.callback(self._session.arrangement.keep_places)
             ending.callback(lambda: self._keeper.finish(time.monotonic()))
@@ -101,14 +99,15 @@ class LiveViewer:
                     self._obey(request, now_s)
                 self._follow_mouse(now_s)
                 self.followed.look(now_s)
-                is_new = self._take_opened(now_s) or self._take_frame(now_s)
+                is_new = self._take_opened(now_s) or self._source.take_frame(now_s)
                 self._draw(now_s)
                 if not self._is_idle:  # which says nothing of how long a picture takes
-                    self._quality.adapt(self._pipeline, now_s)
+                    self._quality.adapt(self._source.pipeline, now_s)
                 self._window.swap()
                 self._stillness.shown()
-                is_last = self._session.tracked is not None and (self._pipeline.is_photo or self._pipeline.has_ended)
-                is_counted = self._keeper.take(is_new, now_s) if self._keeper.is_recording else is_new or is_last
+                is_counted = is_new or self._source.is_at_last_frame
+                if self._keeper.is_recording:
+                    is_counted = self._keeper.take(is_new, now_s)
                 if is_counted and frames_left is not None:
                     frames_left -= 1
                     self._quit = self._quit or frames_left <= 0
@@ -123,27 +122,8 @@ class LiveViewer:
             if self._is_idle and time.monotonic() < due_s:
                 return
 
-    def _take_frame(self, now_s: float) -> bool:
-        """Returns whether there is a new frame. If the source fails after the first one, its last picture stays."""
-        if self._source_error is not None:
-            return False
-        try:
-            tracked = self._pipeline.frames.take(0.0)
-        except Closed:
-            return False
-        except UserError as error:
-            if self._session.tracked is None:
-                raise
-            self._source_error = str(error)
-            print_message(error)
-            return False
-        if tracked is None:
-            return False
-        self._session.take(tracked, now_s)
-        return True
-
     def _draw(self, now_s: float) -> None:
-        if self._pipeline.has_ended:
+        if self._source.pipeline.has_ended:
             self._session.settle_for_last(now_s)
         # An estimate that agrees with those before it is not printed again.
         if (new := self._session.poll(now_s)) is not None and new.is_news:
@@ -153,10 +133,10 @@ class LiveViewer:
             return
         if screen.size != self._renderer.size:
             self._renderer.resize(screen.size)
-        status = self._opening.progress or self._source_error or self._pipeline.stall or self._pipeline.status
-        moment = self._playback.moment(self._session.tracked, now_s)
+        status = self._opening.progress or self._source.status
+        moment = self._source.playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
-        manner = "   ".join(filter(None, (self._quality.shown, self._playback.pace_shown, recording)))
+        manner = "   ".join(filter(None, (self._quality.shown, self._source.playback.pace_shown, recording)))
         self._session.table.drawn = self._renderer.shown_models
         self._session.view.cover_is_drawn = self._renderer.covers_marker
         readings = Readings(manner, self._stillness.fps(self._is_idle), status, moment)
@@ -183,7 +163,7 @@ class LiveViewer:
             dropped = request.argument
             self._open(dropped.paths if isinstance(dropped, Files) else paths_in(self._window.clipboard), now_s)
             return
-        if not (self._session.handle(request, now_s) or self._playback.handle(request, now_s)):
+        if not (self._session.handle(request, now_s) or self._source.playback.handle(request, now_s)):
             self._commands[request.command](now_s)
 
     def _follow_mouse(self, now_s: float) -> None:
@@ -193,7 +173,7 @@ class LiveViewer:
                 if (chosen := self._menu.take_request()) is not None:
                     self._obey(chosen, now_s)
                 continue
-            if self._playback.take_mouse(event, screen, now_s):
+            if self._source.playback.take_mouse(event, screen, now_s):
                 continue
             if (request := self._gestures.add(event, now_s)) is not None:
                 self._obey(request, now_s)
@@ -217,24 +197,19 @@ class LiveViewer:
         if opened is None:
             return False
         self._keeper.finish(now_s)
-        self._pipeline.close(0.0)
+        self._source.pipeline.close(0.0)
         self.followed.begin_anew(opened.pipeline)
         self._take_up(opened.pipeline)
         self._renderer.begin_anew()
-        self._pipeline.track_with(self._quality.now.tracking)
+        self._source.pipeline.track_with(self._quality.now.tracking)
         self._session.begin_anew(opened.pipeline.is_photo)
         self._session.take(opened.first, now_s)
         self._window.set_title(f"ashe-live: {opened.name}")
         return True
 
     def _take_up(self, pipeline: Pipeline) -> None:
-        self._pipeline = pipeline
-        self._source_error = None
+        self._source = PlayedSource(pipeline, self._session, self._loop)
         self._keeper.clip_path = pipeline.clip_path
-        self._playback = Playback(pipeline, self._session, self._loop)
-        watch = self._session.watch
-        watch.key_views, watch.camera_may_move = pipeline.key_views, pipeline.is_camera
-        watch.is_photo = pipeline.is_photo
 
     def _leave(self) -> None:
         """Leaves one of these, the first that applies: the menu, the help, fullscreen, the program."""

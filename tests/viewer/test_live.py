@@ -443,7 +443,7 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
     assert stage.pipeline.frames.is_closed
     assert stage.session.tracked.frame.index == 0
     assert stage.session.estimate is None
-    assert viewer._pipeline is stage.dropped
+    assert viewer._source.pipeline is stage.dropped
     assert stage.dropped.tracking is FAST.tracking
     (begun,) = stage.renderer.begun_after
     assert [scene.tracked.frame.index for scene in stage.renderer.scenes[begun - 1 : begun + 1]] == [5, 0]
@@ -459,7 +459,7 @@ def test_what_cannot_be_opened_is_one_line_and_changes_nothing(stage, capfd):
         return "is not a clip" in (stage.session.notice.text or "")
 
     viewer = stage.run(Command.RECORD, None, dropped("/far/notes.txt"), *waited_for(is_said), None)
-    assert viewer._pipeline is stage.pipeline
+    assert viewer._source.pipeline is stage.pipeline
     assert stage.session.tracked.frame.index == 5
     refused, saved = capfd.readouterr().out.splitlines()
     assert "is not a clip" in refused
@@ -479,7 +479,7 @@ def test_a_dropped_model_is_chosen_and_the_source_stays(stage):
     stage.put(5)
     viewer = stage.run(dropped("/far/wood.png", "/far/chair.obj"), None, None)
     assert stage.session.table.model_name == "chair.obj"
-    assert viewer._pipeline is stage.pipeline
+    assert viewer._source.pipeline is stage.pipeline
 
 
 def test_escape_leaves_what_was_entered_last(stage):
