@@ -10,10 +10,6 @@ from numpy.typing import ArrayLike
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import angle_between, normalised, tangent_basis
 
-# Squared Mahalanobis radii of the ellipses that hold a sample of a 2D normal distribution with probability 0.68, 0.95.
-ELLIPSE_68 = -2 * math.log(1 - 0.68)
-ELLIPSE_95 = -2 * math.log(1 - 0.95)
-
 
 def angular_error_deg(answer: ArrayLike, truth: ArrayLike) -> float:
     """Degrees between two directions (3,)."""

@@ -18,6 +18,8 @@ T_gl_cam.flags.writeable = False
 # A marker that is turned by more than this, or shifted by more than this share of its side, lies elsewhere.
 ELSEWHERE_COS = math.cos(math.radians(1.0))
 ELSEWHERE_SIDES = 0.03
+# Squared Mahalanobis radii of the ellipses that hold a sample of a 2D normal distribution with probability 0.68, 0.95.
+ELLIPSE_68, ELLIPSE_95 = -2 * math.log(1 - 0.68), -2 * math.log(1 - 0.95)
 
 
 def rigid(R: ArrayLike, t: ArrayLike) -> Float:

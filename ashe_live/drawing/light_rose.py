@@ -8,13 +8,17 @@ from PIL import Image as PillowImage
 from PIL import ImageDraw, ImageFont
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.transforms import angles_from_direction, direction_from_angles, tangent_basis
+from ashe_live.core.transforms import (
+    ELLIPSE_68,
+    ELLIPSE_95,
+    angles_from_direction,
+    direction_from_angles,
+    tangent_basis,
+)
 from ashe_live.core.types import Light
 from ashe_live.drawing.colours import FAINT_BGR, INK_BGR, PAPER_BGR, SHADOW_BGR
 
 LEAST_LABELLED_PX = 100  # least side of a rose with labelled azimuths; from twice that on, elevations are labelled too
-# Squared Mahalanobis radii of the ellipses that hold a sample of a 2D normal distribution with probability 0.68, 0.95.
-ELLIPSES = (-2 * math.log(1 - 0.68), -2 * math.log(1 - 0.95))
 
 
 def light_rose(lights: Sequence[Light], size_px: int, camera_marker: Float | None = None) -> Image:
@@ -55,7 +59,7 @@ def light_rose(lights: Sequence[Light], size_px: int, camera_marker: Float | Non
     for light in lights:
         draw.line((centre, centre, *at(light.to_light_marker)), INK_BGR[::-1], line)
         draw.circle(at(light.to_light_marker), 1.5 * line, fill=INK_BGR[::-1])
-        for squared in ELLIPSES if light.covariance_rad2 is not None else ():
+        for squared in (ELLIPSE_68, ELLIPSE_95) if light.covariance_rad2 is not None else ():
             points = [at(direction) for direction in _ellipse(light, squared)]
             draw.line([*points, points[0]], SHADOW_BGR[::-1], line)
     return np.ascontiguousarray(np.asarray(sheet)[:, :, ::-1])

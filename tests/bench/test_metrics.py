@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.metrics import (
-    ELLIPSE_95,
     angular_error_deg,
     brier_score,
     calibration_error,
@@ -18,7 +17,7 @@ from ashe_live.bench.metrics import (
     squared_sigmas,
     worst_assigned_deg,
 )
-from ashe_live.core.transforms import direction_from_angles, tangent_basis
+from ashe_live.core.transforms import ELLIPSE_95, direction_from_angles, tangent_basis
 
 
 def test_the_error_is_the_angle_whatever_the_lengths():

@@ -10,8 +10,8 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95
 from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import ELLIPSE_68, ELLIPSE_95
 from ashe_live.light.explanation.judgement.uncertainty import (
     Calibration,
     covariance_of_outlines,

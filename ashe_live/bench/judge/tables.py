@@ -8,8 +8,9 @@ from rich.table import Table
 
 from ashe_live.bench.judge.calibration import squared_distances
 from ashe_live.bench.judge.validation import Judged, risk_curve
-from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95, calibration_error, risk_at, share
+from ashe_live.bench.metrics import calibration_error, risk_at, share
 from ashe_live.bench.tables import figures_table
+from ashe_live.core.transforms import ELLIPSE_68, ELLIPSE_95
 from ashe_live.light.explanation.judgement.judge_tables import Score
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 

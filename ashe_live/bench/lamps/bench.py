@@ -11,9 +11,9 @@ from rich.progress import track
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import cases_of
 from ashe_live.bench.lamps.fall_errors import FallError, fall_error, fitted_share, whole_share
-from ashe_live.bench.metrics import ELLIPSE_95
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.contract import Json
+from ashe_live.core.transforms import ELLIPSE_95
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.lamps.fall.fall_directions import INFORMATIVE_DEVIANCE

@@ -7,16 +7,10 @@ import numpy as np
 
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.lamps import LampFigures, lamp_figures
-from ashe_live.bench.metrics import (
-    ELLIPSE_95,
-    angular_error_deg,
-    brier_score,
-    share,
-    squared_sigmas,
-    worst_assigned_deg,
-)
+from ashe_live.bench.metrics import angular_error_deg, brier_score, share, squared_sigmas, worst_assigned_deg
 from ashe_live.core.contract import light_json
 from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.transforms import ELLIPSE_95
 
 GOOD_DEG = 5.0
 CONFIDENT_DEG = 10.0  # a confidence is the probability of an error below this, `judge.GOOD_RAD`

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.judge.calibration import Answer, fitted_calibration, squared_distances
-from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95
+from ashe_live.core.transforms import ELLIPSE_68, ELLIPSE_95
 from ashe_live.light.explanation.judgement.uncertainty import FLOOR_RAD, Calibration
 
 

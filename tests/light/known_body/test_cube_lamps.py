@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.cube.scenes import lamp
-from ashe_live.bench.metrics import ELLIPSE_95, squared_sigmas
-from ashe_live.core.transforms import angle_between
+from ashe_live.bench.metrics import squared_sigmas
+from ashe_live.core.transforms import ELLIPSE_95, angle_between
 from ashe_live.core.types import Light
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.known_body import lamps
