@@ -165,6 +165,13 @@ class Light:
         """(4,) the light as a point (x, y, z, w), marker frame, metres: w = 0 for a sun."""
         return np.array([*self.to_light_marker, self.inverse_distance])
 
+    @property
+    def ground_rgb_ratio(self) -> Float | None:
+        """(3,) linear RGB, level ground at the marker's centre without this light over that with all; None: unknown."""
+        if self.intensity_rgb_ratio is not None:
+            return np.asarray(1 / (1 + np.maximum(self.intensity_rgb_ratio, 0.0)))
+        return self.shadow_rgb_ratio
+
     def with_angular_size(self, angular_size_rad: float | None) -> Self:
         """The light with this angular diameter, seen from the marker's centre; a lamp's radius is made to fit."""
         radius_m = self.radius_m

@@ -83,7 +83,7 @@ def _shared_there(lights: tuple[Light, ...], before: Illumination) -> tuple[tupl
     A light gives it as much as the cosine to its normal says, which was the sine of the light's elevation, and a lamp
     less with the square of its distance; the sky gives it about as much as before.
     """
-    left = [_left_without(light) for light in lights]
+    left = [light.ground_rgb_ratio for light in lights]
     if not lights or any(ratio is None for ratio in left):
         return lights, before.ambient_rgb_ratio
     shares = np.array([1 - ratio for ratio in left if ratio is not None])
@@ -108,12 +108,6 @@ def _of_share(light: Light, share: Float) -> Light:
     if light.intensity_rgb_ratio is None:
         return replace(light, shadow_rgb_ratio=1 - share)
     return replace(light, intensity_rgb_ratio=share / np.maximum(1 - share, DARKEST))
-
-
-def _left_without(light: Light) -> Float | None:
-    """(3,) what is left of the light on level ground at the marker's centre without this one; None if unknown."""
-    intensity = light.intensity_rgb_ratio
-    return light.shadow_rgb_ratio if intensity is None else 1 / (1 + np.maximum(intensity, 0.0))
 
 
 def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFrame | None:

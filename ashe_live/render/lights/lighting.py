@@ -158,21 +158,19 @@ def _slope_within(slope: Float | None, sky: Float) -> Float:
 
 
 def ground_ratio(light: Light, count: int = 1) -> Float:
-    """(3,) level ground at the marker's centre without one of `count` lights over that with all of them."""
-    if light.intensity_rgb_ratio is not None:
-        return np.asarray(1 / (1 + np.maximum(light.intensity_rgb_ratio, 0.0)))
-    if light.shadow_rgb_ratio is None:
+    """(3,) as `Light.ground_rgb_ratio`, within [0, 1]; a plausible one of `count` lights where it was not measured."""
+    measured = light.ground_rgb_ratio
+    if measured is None:
         return np.full(3, 1 - (1 - ASSUMED_SHADOW_RATIO) / count)
-    return np.clip(light.shadow_rgb_ratio, 0.0, 1.0)
+    return np.clip(measured, 0.0, 1.0)
 
 
 def angular_size(light: Light) -> float:
     """The light's angular diameter seen from the marker's centre; a plausible one where it was not measured."""
-    if light.inverse_distance > 0:
-        if light.radius_m is not None:
-            return 2 * math.atan(light.radius_m * light.inverse_distance)
-        if light.angular_size_rad is None:
-            return 2 * math.atan(LAMP_RADIUS_M * light.inverse_distance)
+    is_by_radius = light.radius_m is not None or light.angular_size_rad is None
+    if light.inverse_distance > 0 and is_by_radius:
+        radius_m = LAMP_RADIUS_M if light.radius_m is None else light.radius_m
+        return 2 * math.atan(radius_m * light.inverse_distance)
     return light.angular_size_rad or SUN_ANGULAR_SIZE_RAD
 
 
