@@ -18,6 +18,7 @@ from ashe_live.core.transforms import (
 from ashe_live.core.types import Light
 from ashe_live.drawing.colours import FAINT_BGR, INK_BGR, PAPER_BGR, SHADOW_BGR
 
+ELLIPSE_POINTS = 72  # by which a confidence ellipse is drawn
 LEAST_LABELLED_PX = 100  # least side of a rose with labelled azimuths; from twice that on, elevations are labelled too
 
 
@@ -65,11 +66,11 @@ def light_rose(lights: Sequence[Light], size_px: int, camera_marker: Float | Non
     return np.ascontiguousarray(np.asarray(sheet)[:, :, ::-1])
 
 
-def _ellipse(light: Light, squared_sigmas: float, around: int = 72) -> list[Float]:
-    """Directions (3,) at a squared Mahalanobis distance from the light's direction."""
+def _ellipse(light: Light, squared_sigmas: float) -> list[Float]:
+    """ELLIPSE_POINTS directions (3,) at a squared Mahalanobis distance from the light's direction."""
     assert light.covariance_rad2 is not None
     variances, axes = np.linalg.eigh(light.covariance_rad2)
-    angles = np.arange(around) * (2 * math.pi / around)
+    angles = np.arange(ELLIPSE_POINTS) * (2 * math.pi / ELLIPSE_POINTS)
     offsets = np.column_stack([np.cos(angles), np.sin(angles)]) * np.sqrt(np.maximum(variances, 0) * squared_sigmas)
     directions = []
     for offset in offsets @ axes.T:
