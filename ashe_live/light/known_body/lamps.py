@@ -1,4 +1,8 @@
-"""Lamps near a known body: their distance shows in how its shadow grows with the height that casts it, and fans out."""
+"""Lamps beside a known body: how near a light is shows in how its shadow fans out, and in how its light falls off.
+
+The nearness of a light (x, y, z, w) is w / z: one over its height above the plane, 1/m, and 0 for a sun. Its
+displacement is s = (x, y) / z (docs/maths, "A known body").
+"""
 
 import math
 from collections.abc import Sequence
@@ -10,55 +14,83 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
+from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import NEAREST, ShadowFit, fitted, nearness_sigma
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.seen import Seen
 
-# Standard deviation of the body's width over its height, of bodies of which it is not known how they may be off: one
-# wider by a hundredth casts the shadow of a lamp whose w / z is larger by a hundredth over that height.
-FOLDED = 0.017
-LAMP_ODDS = 0.5  # of a lamp near by over a sun, or what is as far as one, before the picture is seen
-LEAST_SIGMAS = 4.0  # standard errors by which the nearness of a lamp must differ from that of a sun, 0
+# Standard deviation of a body's width over its height, where its errors are not known. A body that is wider by a
+# hundredth casts the shadow of a lamp whose nearness is larger by a hundredth over the height.
+WIDTH_SIGMA = 0.017
+LAMP_ODDS = 0.5  # prior odds of a lamp near by against a sun, or a lamp as far as one
+LEAST_SIGMAS = 4.0  # standard deviations by which the nearness of what is stated as a lamp differs from a sun's
 LEAST_INVERSE_DISTANCE = 0.4  # 1/m: a lamp farther away is as good as a sun
-# The nearness is looked for so many standard deviations of the edges' about theirs, on grids of so many values, each
-# about what the one before has found, where that is too coarse for it; and none is narrower than this, 1/m.
-WITHIN_SIGMAS, GRID, GRIDS, LEAST_NEARNESS = 4.0, 9, 2, 1e-3
-# What counts of the log likelihood of a light's fall over table and sides: sheen, a lens's dark corners and a table's
-# own gradients look like it. By all of it the nearness of 28 path-traced lamps (the set cube_training, its scenes 0 to
-# 29) was off by 1.7 of its standard deviations, root mean square.
-OF_FALL = 1 / 3
-# A rough table has other lines in reach of a shadow's edges, so that a lamp is also looked for from other starts: the
-# length of its shadow, over that of the light that was found, and the body's height over the lamp's (of nine starts
-# compared on scenes 0 to 59 of cube_training and 220 to 290 of cube_sealed, docs/accuracy/cube.md).
+# The posterior of the nearness is sampled on a grid that reaches this many of the edges' standard deviations to both
+# sides of their nearness; where that is too coarse, on one more about what the first has found. 1/m: the narrowest
+# range that is worth a grid.
+WITHIN_SIGMAS, GRID_POINTS, GRIDS, LEAST_RANGE = 4.0, 9, 2, 1e-3
+# The share that counts of the log likelihood of a light's fall over table and sides, which sheen, a lens's dark corners
+# and the table's own gradients resemble. With all of it, the nearness of 28 path-traced lamps (scenes 0 to 29 of the
+# set cube_training) was off by 1.7 of its standard deviations, root mean square.
+FALL_SHARE = 1 / 3
+# A rough table has other lines within reach of a shadow's edges, so that fits of a lamp also start from elsewhere. Each
+# start: the length of its shadow over that of the light found before, and the body's height over the lamp's. They are
+# the best of nine that were compared (on scenes 0 to 59 of cube_training and 220 to 290 of cube_sealed,
+# docs/accuracy/cube.md).
 OTHER_STARTS = ((1.0, 0.3), (1.8, 0.3))
-SURELY_NEAR = 2.0  # standard errors of a nearness, from which on a fitted light is no sun by its edges
+SURELY_NEAR = 2.0  # standard deviations of a fit's nearness, from which on its edges are no sun's
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ByEdges:
-    """A lamp by its shadow's edges."""
+    """A light by its shadow's edges, its nearness free."""
 
-    light: Float  # (4,)
-    covariance: Float  # (3, 3) of s and w / z, as the body may be off
-    has_folds: bool  # whether that has in it how the body's frame may be off
+    light: Float  # (4,) z = 1
+    covariance: Float  # (3, 3) of s and the nearness, the body's own errors included
+    has_folds: bool  # whether these are the known errors of the body and its frame
+
+    @property
+    def nearness(self) -> float:
+        return float(self.light[3])
+
+    @property
+    def nearness_sigma(self) -> float:
+        return math.sqrt(self.covariance[2, 2])
+
+    @property
+    def by_nearness(self) -> Float:
+        """(3,) how much s and the nearness change with the nearness, for the edges to agree as well as they can."""
+        return np.asarray(self.covariance[:, 2] / self.covariance[2, 2])
+
+    def lights_at(self, nearness: Float) -> Float:
+        """(m, 4) the light, z = 1, if its nearness had one of the values (m,)."""
+        lights = np.tile(self.light, (len(nearness), 1))
+        lights[:, :2] += (nearness - self.light[3])[:, None] * self.by_nearness[:2]
+        lights[:, 3] = nearness
+        return lights
+
+    def covariance_at(self, nearness_variance: float) -> Float:
+        """(3, 3) the covariance, if the nearness had this variance."""
+        line = self.by_nearness
+        return np.asarray(self.covariance + (nearness_variance - self.covariance[2, 2]) * np.outer(line, line))
 
 
 @dataclass(frozen=True, slots=True)
 class _Nearness:
-    """The posterior of a light's nearness w / z."""
+    """The posterior of a light's nearness."""
 
     sun: float  # probability that it is 0
-    mean: float  # 1/m
-    variance: float  # 1/m^2, with that of a lamp
+    mean: float  # 1/m, over suns and lamps
+    variance: float  # 1/m^2, likewise
 
 
 def as_lamps(seen: Seen, found: Sequence[FoundLight], decided: int = 0) -> list[FoundLight]:
-    """The lights: as lamps where their distance is determined; else as uncertain as they are if they may be lamps.
+    """The lights as lamps where their distance is determined, else as suns, as uncertain as that leaves them.
 
-    decided: number of lights, the first ones, that were decided to be suns or lamps before, without some of the others:
-    their angular sizes are known.
+    decided: the number of lights, the first ones, that have been through this before, without some of the others: their
+    angular sizes are known.
     """
     lights = []
     for number, one in enumerate(found):
@@ -68,7 +100,7 @@ def as_lamps(seen: Seen, found: Sequence[FoundLight], decided: int = 0) -> list[
 
 
 def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad: float | None) -> FoundLight:
-    """The light as a lamp, as a sun, or as a sun that may be a lamp: as its shadow's edges beside the others' have it.
+    """The light as a lamp, as a sun, or as a sun that may be a lamp, by its shadow's edges beside the others' shadows.
 
     size_rad: its angular size, where that is known.
     """
@@ -76,36 +108,40 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], size_rad
         return one
     image = image_beside(seen, others)
     fit = _likeliest_fit(image, one, size_rad)
-    edges = _of_folded_body(image, fit, one.darkening, seen.pose_shape_errors)
+    edges = _by_edges(image, fit, one.darkening, seen.pose_shape_errors)
     if edges is None:
         return one
     nearness = _nearness(seen, edges, others)
-    # By the edges, the displacement follows the nearness.
-    by_nearness = edges.covariance[:, 2] / edges.covariance[2, 2]
-    light = _along(edges.light, by_nearness, np.array([nearness.mean]))[0]
-    covariance = edges.covariance + (nearness.variance - edges.covariance[2, 2]) * np.outer(by_nearness, by_nearness)
+    (light,) = edges.lights_at(np.array([nearness.mean]))
+    covariance = edges.covariance_at(nearness.variance)
     inverse_distance = nearness.mean / float(np.linalg.norm(light[:3]))
     is_near = nearness.mean > LEAST_SIGMAS * math.sqrt(nearness.variance)
     if is_near and inverse_distance > LEAST_INVERSE_DISTANCE:
         fit = replace(fit, light=fit.light + light - edges.light)
         return replace(one, light=light, covariance=covariance, fit=fit, has_folds=edges.has_folds)
     if nearness.sun > 0.5:
-        sun, as_sun = one.fit.light, one.fit.covariance[:2, :2]
-        if sun[3] != 0:  # its edges were found as a lamp's
-            sun = _along(edges.light, by_nearness, np.zeros(1))[0]
-            as_sun = (edges.covariance - edges.covariance[2, 2] * np.outer(by_nearness, by_nearness))[:2, :2]
-        # As uncertain as a sun is by its edges, and as the nearness leaves it, whose mean is not what is stated.
-        squared = nearness.variance + nearness.mean**2
-        own = as_sun + squared * np.outer(by_nearness[:2], by_nearness[:2])
-        return replace(one, light=sun, covariance=own, may_be_lamp=False, has_folds=False)
+        return _as_sun(one, one.fit, edges, nearness)
     sun_or_lamp = replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2])
     return replace(sun_or_lamp, may_be_lamp=True, has_folds=edges.has_folds)
 
 
-def _likeliest_fit(image: EdgeImage, one: FoundLight, size_rad: float | None) -> ShadowFit:
-    """Of fits with the nearness free, from several starts, by the odds of their edges.
+def _as_sun(one: FoundLight, own: ShadowFit, edges: _ByEdges, nearness: _Nearness) -> FoundLight:
+    """The light as the sun that its edges show, as uncertain as its nearness leaves it. own: the light's own fit."""
+    sun, covariance = own.light, own.covariance[:2, :2]
+    if sun[3] != 0:  # the light was found as a lamp
+        (sun,) = edges.lights_at(np.zeros(1))
+        covariance = edges.covariance_at(0.0)[:2, :2]
+    # The mean square about 0, as it is not the mean of the nearness that is stated.
+    mean_square = nearness.variance + nearness.mean**2
+    line = edges.by_nearness[:2]
+    covariance = covariance + mean_square * np.outer(line, line)
+    return replace(one, light=sun, covariance=covariance, may_be_lamp=False, has_folds=False)
 
-    The light's own where none is as likely: a fit that ends on wrong edges is no evidence on how near the light is.
+
+def _likeliest_fit(image: EdgeImage, one: FoundLight, size_rad: float | None) -> ShadowFit:
+    """The fit with the largest odds of its edges: the light's own, or one of those with the nearness free.
+
+    If that is its own, the others ended on wrong edges, and are no evidence on how near the light is.
     """
     assert one.fit is not None
     fitted_from = partial(fitted, image, darkening=one.darkening, with_nearness=True, size_rad=size_rad)
@@ -125,12 +161,10 @@ def _may_be_sun(fit: ShadowFit) -> bool:
     return bool(abs(fit.light[3]) < SURELY_NEAR * math.sqrt(fit.covariance[2, 2]))
 
 
-def _of_folded_body(
-    image: EdgeImage, fit: ShadowFit, darkening: float, errors: PoseShapeErrors | None
-) -> _ByEdges | None:
-    """The light of a fit, with its nearness, as the body may be off by its errors.
+def _by_edges(image: EdgeImage, fit: ShadowFit, darkening: float, errors: PoseShapeErrors | None) -> _ByEdges | None:
+    """The light of a fit, with its nearness, as uncertain as the body's errors make it.
 
-    None where these are not known and the nearness was not fitted: nothing then says how the edges move with it.
+    None where these are not known and the nearness was held in the fit: nothing then says how the edges move with it.
     """
     adjusted = None if errors is None else beside_folds(fit, image, darkening, errors, with_nearness=True)
     if adjusted is not None:
@@ -139,49 +173,47 @@ def _of_folded_body(
         return None
     # A wider body casts the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z).
     end = fit.light[:2] / (1 - image.height_m * fit.light[3])
-    by_width = FOLDED * np.append(-end, 1 / image.height_m)
+    by_width = WIDTH_SIGMA * np.append(-end, 1 / image.height_m)
     return _ByEdges(fit.light, fit.covariance + np.outer(by_width, by_width), has_folds=False)
 
 
 def _nearness(seen: Seen, edges: _ByEdges, others: Sequence[FoundLight]) -> _Nearness:
-    """By a light's edges, the map, and the sides, beside other lights.
+    """The nearness by a light's edges, the map, and the sides, beside other lights.
 
     A lamp's light falls off over the table, and gives more to what is nearer to it.
     """
-    light, covariance = edges.light, edges.covariance
-    by_nearness, sigma = covariance[:, 2] / covariance[2, 2], math.sqrt(covariance[2, 2])
     beside = seen.beside(points_of(others))
     most = NEAREST / seen.body.height_m
-    low, high = (float(np.clip(light[3] + sign * WITHIN_SIGMAS * sigma, 0.0, most)) for sign in (-1, 1))
-    # Edges that exclude any lamp leave nothing to look for.
-    mean, variance, sun = float(np.clip(light[3], 0.0, most)), sigma**2, float(high < LEAST_NEARNESS)
+    reach = WITHIN_SIGMAS * edges.nearness_sigma
+    low, high = (float(np.clip(edges.nearness + sign * reach, 0.0, most)) for sign in (-1, 1))
+    mean, variance = float(np.clip(edges.nearness, 0.0, most)), edges.nearness_sigma**2
+    sun = float(high < LEAST_RANGE)  # edges that exclude any lamp leave nothing to look for
     for number in range(GRIDS):
-        if high - low < LEAST_NEARNESS:
+        if high - low < LEAST_RANGE:
             break
-        grid = np.append(np.linspace(low, high, GRID), 0.0)
-        by_map = beside.scanned(seen.lit(_along(light, by_nearness, grid))).log_likelihood
-        score = OF_FALL * by_map - 0.5 * ((grid - light[3]) / sigma) ** 2
-        likelihood = np.exp(score - score.max())
-        weight = likelihood[:-1] / max(float(likelihood[:-1].sum()), 1e-300)
-        mean = float(weight @ grid[:-1])
-        variance = float(weight @ (grid[:-1] - mean) ** 2) + (grid[1] - grid[0]) ** 2 / 12
+        grid = np.linspace(low, high, GRID_POINTS)
+        spacing = grid[1] - grid[0]
+        likelihoods = _likelihoods(seen, beside, edges, np.append(grid, 0.0))
+        of_lamps, of_sun = likelihoods[:-1], float(likelihoods[-1])
+        weight = of_lamps / max(float(of_lamps.sum()), 1e-300)
+        mean = float(weight @ grid)
+        variance = float(weight @ (grid - mean) ** 2) + spacing**2 / 12
         if number == 0:
-            # The edges' fit has the prior of a lamp's nearness in it, so that at 0 a sun's has to be taken out.
-            density = LAMP_ODDS * math.sqrt(2 / math.pi) / nearness_sigma(light)
-            lamp = float(likelihood[:-1].mean()) * (high - low) * density
-            sun = float(likelihood[-1]) / (float(likelihood[-1]) + lamp)
-        if variance > (grid[1] - grid[0]) ** 2:
+            # The edges' fit has the prior of a lamp's nearness in it: at 0 its density has to be taken out for a sun.
+            density = LAMP_ODDS * math.sqrt(2 / math.pi) / nearness_sigma(edges.light)
+            of_lamp = float(of_lamps.mean()) * (high - low) * density
+            sun = of_sun / (of_sun + of_lamp)
+        if variance > spacing**2:
             break
-        spread = WITHIN_SIGMAS * math.sqrt(variance)
-        low, high = max(low, mean - spread), min(high, mean + spread)
-    by_both = (1 - sun) * (variance + sun * mean**2)
-    return _Nearness(sun, (1 - sun) * mean, by_both + sun * LEAST_NEARNESS**2)
+        reach = WITHIN_SIGMAS * math.sqrt(variance)
+        low, high = max(low, mean - reach), min(high, mean + reach)
+    # Mean and variance of the mixture of a sun and a lamp.
+    of_mixture = (1 - sun) * (variance + sun * mean**2)
+    return _Nearness(sun, (1 - sun) * mean, of_mixture + sun * LEAST_RANGE**2)
 
 
-def _along(light: Float, by_nearness: Float, nearness: Float) -> Float:
-    """(m, 4) a light (4,), z = 1, with m other values of w / z, and what else the edges then say."""
-    lights = np.tile(light, (len(nearness), 1))
-    away = nearness - light[3]
-    lights[:, :2] += away[:, None] * by_nearness[:2]
-    lights[:, 3] = nearness
-    return lights
+def _likelihoods(seen: Seen, beside: MarginalLikelihood, edges: _ByEdges, nearness: Float) -> Float:
+    """(m,) likelihoods of values of the nearness (m,) by edges, map and sides, over the largest of them."""
+    by_fall = beside.scanned(seen.lit(edges.lights_at(nearness))).log_likelihood
+    score = FALL_SHARE * by_fall - 0.5 * ((nearness - edges.nearness) / edges.nearness_sigma) ** 2
+    return np.asarray(np.exp(score - score.max()))
