@@ -12,21 +12,21 @@ from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING
 from ashe_live.light.known_body.found_light import FoundLight, hidden_step, image_beside, points_of
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood, Scan
 from ashe_live.light.known_body.outline.elsewhere import most_log_odds
-from ashe_live.light.known_body.outline.odds import PALE, PALEST, with_edges
+from ashe_live.light.known_body.outline.odds import OF_ONLY_LIGHT, ShadowDepths, with_edges
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.templates import Templates
 
-NEAR_RAD = math.radians(10)  # of an answer, within which it counts as right
-# Where there surely is a light, by the probability that there is none, it is stated with its large uncertainty if it
-# is as likely within twice as much as an answer has to be.
+NEAR_RAD = math.radians(10)  # within which of a true light an answer counts as right
+# Where a light surely exists, that is the probability of none is below MOST_NONE, it is stated with its large
+# uncertainty if it is as likely within AROUND_RAD as an answer has to be within NEAR_RAD.
 AROUND_RAD, MOST_NONE = 2 * NEAR_RAD, 0.05
-# Weight before the picture is seen of "no light casts a shadow", where all directions together have 1.
-LOG_NONE = math.log(0.5)
-# The same of a light whose shadow the body may hide, beside one sun whose edges are seen.
-LOG_NONE_FURTHER = 0.0
-# Of a normal distribution, each in the middle of an equal share of it.
+# Log of the prior weight of "no light casts a shadow", where all directions together have the weight 1; and of "there
+# is no further light", whose shadow the body would hide, beside one sun whose edges are seen.
+LOG_NONE, LOG_NONE_FURTHER = math.log(0.5), 0.0
+AMONG_OTHERS = ShadowDepths(least=LEAST_DARKENING, pale=LEAST_DARKENING)  # for a light beside others
+# Of the standard normal distribution, the middles of a hundred equal shares.
 QUANTILES = [NormalDist().inv_cdf((number + 0.5) / 100) for number in range(100)]
-SURE_BY_TABLE = 0.95  # probability of a direction by map and sides, from which on edges are not needed
+SURE_BY_TABLE = 0.95  # probability of a direction by map and sides, from which on edges need not be rare on the table
 
 
 def with_confidence(
@@ -37,53 +37,75 @@ def with_confidence(
     alone: MarginalLikelihood,
     ruled_out: Sequence[Float],
 ) -> FoundLight:
-    """`one` of the lights `among` which it is, with the posterior of the directions near it, and what its edges say.
+    """`one` of the lights in `among`, with the probabilities that it exists, and that it is where it was found.
 
-    dark_rgb: (3,) part of the table's light that it gives. alone: the picture without lights that are known.
-    ruled_out: lights (4,) that there are not.
+    By the posterior of the directions near it given map and sides, and by what its shadow's edges say.
+
+    dark_rgb: (3,) part of the table's light that it gives. alone: the picture before any light was known. ruled_out:
+    lights (4,) that there are not.
     """
     others = [other for other in among if other is not one]
-    beside, palest, pale, log_none = alone, PALEST, PALE, LOG_NONE
-    known = points_of(others)
-    if others:
-        beside = seen.beside(known)
-        palest = pale = LEAST_DARKENING
-        log_none = LOG_NONE if one.exists is None else LOG_NONE_FURTHER
-        if one.fit is not None:
-            one = replace(one, fit=one.fit.seen_again_in(image_beside(seen, others), float(dark_rgb.mean())))
-    own = one.casting[None]
-    lamp = float(beside.scanned(seen.lit(own)).log_likelihood[0]) if one.is_lamp else -math.inf
-    to_sun = one.sun_alike(seen.body.height_m)
-    steps = seen.rims(known).log_odds
-    directions = _Directions(seen.templates, beside.everywhere, steps, log_none, ruled_out)
-    posterior = directions.posterior(to_sun, lamp)
     darkening = float(dark_rgb.mean())
-    # Beside the foot the hidden sky's gradient looks like a step. No body hides more than half of a sky.
-    step = darkening - (1 - darkening) / 2
-    if step <= pale:
-        step = darkening - (1 - darkening) * hidden_step(seen, one)
+    image = image_beside(seen, others)
+    if others and one.fit is not None:
+        one = replace(one, fit=one.fit.seen_again_in(image, darkening))
+    beside = seen.beside(points_of(others)) if others else alone
+    posterior = _posterior(seen, one, others, beside, ruled_out)
+    depths = AMONG_OTHERS if others else OF_ONLY_LIGHT
+    depth = _depth(seen, one, darkening, depths)
     if one.fit is None:
-        step = min(step, float(beside.scanned(seen.lit(own)).darkenings[0, -1]))
-        confidence, around = (with_edges(each, None, step, palest, pale) for each in (posterior.near, posterior.around))
-        return replace(one, confidence=confidence, around=around if posterior.none < MOST_NONE else confidence)
-    most = math.inf
-    if posterior.near < SURE_BY_TABLE:
-        most = most_log_odds(one.fit, image_beside(seen, others), darkening)
-    exists = with_edges(posterior.near, one.fit, step, palest, pale, most)
-    confidence, around = (exists * _shares(one)).tolist()
-    return replace(one, exists=exists, confidence=confidence, around=around if 1 - exists < MOST_NONE else confidence)
+        depth = min(depth, float(beside.scanned(seen.lit(one.casting[None])).darkenings[0, -1]))
+        near, around = (with_edges(each, None, depth, depths) for each in (posterior.near, posterior.around))
+        return _rated(one, near, around, posterior.none)
+    is_sure = posterior.near >= SURE_BY_TABLE
+    most = math.inf if is_sure else most_log_odds(one.fit, image, darkening)
+    exists = with_edges(posterior.near, one.fit, depth, depths, most)
+    near, around = (exists * _shares(one)).tolist()
+    return _rated(replace(one, exists=exists), near, around, 1 - exists)
+
+
+def _rated(one: FoundLight, near: float, around: float, none: float) -> FoundLight:
+    """The light with its probabilities to be within NEAR_RAD and AROUND_RAD; none: that there is no light."""
+    return replace(one, confidence=near, around=around if none < MOST_NONE else near)
+
+
+def _posterior(
+    seen: Seen,
+    one: FoundLight,
+    others: Sequence[FoundLight],
+    beside: MarginalLikelihood,
+    ruled_out: Sequence[Float],
+) -> "_Posterior":
+    """Of the directions near a light, and of there being none, by map and sides beside the others."""
+    is_further = bool(others) and one.exists is not None
+    log_none = LOG_NONE_FURTHER if is_further else LOG_NONE
+    steps = seen.rims(points_of(others)).log_odds
+    directions = _Directions(seen.templates, beside.everywhere, steps, log_none, ruled_out)
+    lamp = -math.inf
+    if one.is_lamp:
+        lamp = float(beside.scanned(seen.lit(one.casting[None])).log_likelihood[0])
+    return directions.posterior(one.sun_alike(seen.body.height_m), lamp)
+
+
+def _depth(seen: Seen, one: FoundLight, darkening: float, depths: ShadowDepths) -> float:
+    """The part of the table's light that a light's shadow lacks, without what the body hides of the sky there.
+
+    Beside the body's foot, the gradient of the hidden sky looks like a shadow's edge.
+    """
+    least = darkening - (1 - darkening) / 2  # no body hides more than half of a sky
+    if least > depths.pale:
+        return least
+    return darkening - (1 - darkening) * hidden_step(seen, one)
 
 
 def _shares(one: FoundLight) -> Float:
-    """(2,) probability that the light is within NEAR_RAD, AROUND_RAD which casts the shadow, by what its edges leave
-    open of it.
-    """
+    """(2,) probabilities that the light which casts the shadow is within NEAR_RAD, AROUND_RAD, by its covariance."""
     covariance = one.fitted.covariance_rad2
     return np.array([probability_within(NEAR_RAD, covariance), probability_within(AROUND_RAD, covariance)])
 
 
 def probability_within(radius_rad: float, covariance_rad2: Float) -> float:
-    """Of an error that is normally distributed with a covariance (2, 2)."""
+    """The probability that an error, normally distributed with a covariance (2, 2), is within a radius."""
     smaller, larger = np.sqrt(np.maximum(np.linalg.eigvalsh(covariance_rad2), 1e-12)).tolist()
     left = [max(radius_rad**2 - (larger * quantile) ** 2, 0.0) for quantile in QUANTILES]
     return sum(math.erf(math.sqrt(each / 2) / smaller) for each in left) / len(left)
@@ -91,10 +113,10 @@ def probability_within(radius_rad: float, covariance_rad2: Float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class _Posterior:
-    """Posterior probabilities of lights."""
+    """Posterior probabilities by map and sides, before any edges are looked at."""
 
-    near: float  # of one within NEAR_RAD of a direction
-    around: float  # of one within AROUND_RAD
+    near: float  # of a light within NEAR_RAD of a direction
+    around: float  # of a light within AROUND_RAD of it
     none: float  # of no light at all
 
 
@@ -105,13 +127,13 @@ class _Directions:
     templates: Templates
     scan: Scan
     steps: Float  # (m,) log odds of each by steps of light in the map
-    log_none: float  # prior weight of no light
+    log_none: float  # log of the prior weight of no light
     ruled_out: Sequence[Float]  # lights (4,) around which there is none
 
     def posterior(self, to_sun: Float, lamp: float) -> _Posterior:
-        """Of a direction (3,).
+        """The posterior of a light in the direction (3,) of a sun, or where a lamp seems to be one in that direction.
 
-        lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none.
+        lamp: the log likelihood of that lamp, whose light falls off as that of no sun; -inf where it is a sun.
         """
         to_lights = self.templates.lights[:, :3]
         by_light = self.scan.log_likelihood + np.log(self.templates.solid_angle)

@@ -1,6 +1,7 @@
 """The odds of a light by the edges that its shadow should have."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,8 +14,17 @@ HIDDEN = 0.8  # factor of a probability whose edges cannot be seen
 ANYWHERE = 0.16  # robust scatter of what is no edge, over the reach in which it is looked for
 MOST_NEAR = 1.2  # log odds that one place may gain or lose by lying near to where it is predicted
 MOST_LOG_ODDS = 12.0  # of all places together
-# Part of the table's light, less of which casts no shadow to speak of; and less of which casts a pale one.
-PALEST, PALE = 0.12, 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class ShadowDepths:
+    """How deep a shadow has to be for its edges to count: parts of the table's light that it lacks."""
+
+    least: float  # what lacks less is no shadow
+    pale: float  # where less is lacking, edges only count against the shadow, as stains have edges, too
+
+
+OF_ONLY_LIGHT = ShadowDepths(least=0.12, pale=0.2)
 
 
 def edge_log_odds(fit: ShadowFit | None) -> float:
@@ -37,20 +47,19 @@ def log_odds_of_places(points: float, clear: Float | float, misfit_share: Float 
 def with_edges(
     confidence: float,
     fit: ShadowFit | None,
-    step: float,
-    palest: float = PALEST,
-    pale: float = PALE,
+    depth: float,
+    depths: ShadowDepths = OF_ONLY_LIGHT,
     most: float = math.inf,
 ) -> float:
-    """A probability of a direction, after a look at the edges that its shadow should have.
+    """The probability of a direction, after a look at the edges that its shadow should have.
 
-    step: part of the table's light that the shadow lacks. One paler than `palest` is none, and of one paler than `pale`
-    the edges only count against it, as stains have edges, too. most: log odds that edges may have.
+    confidence: the same before that look. fit: to these edges; None where they are hidden. depth: the part of the
+    table's light that the shadow lacks. most: the log odds that edges may add, at most.
     """
-    if step <= palest:
+    if depth <= depths.least:
         return 0.0
     if fit is None:
         return HIDDEN * confidence
-    most = min(most, MOST_LOG_ODDS) if step > pale else min(most, 0.0)
+    most = min(most, MOST_LOG_ODDS) if depth > depths.pale else min(most, 0.0)
     for_it = confidence * math.exp(float(np.clip(edge_log_odds(fit), -MOST_LOG_ODDS, most)))
     return for_it / (for_it + (1 - confidence))  # in this order no rounding takes it beyond 1
