@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from operator import itemgetter
 
 import numpy as np
 
@@ -28,13 +29,15 @@ from ashe_live.light.shape.light_points import NO_LIGHTS
 
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
 MOST_LIGHTS = 3
-# Log likelihood of a further light by map and sides, before it is fitted and afterwards; and with its edges, where it
-# rests on these.
-LEAST_SCORE, LEAST_MORE, LEAST_BY_EDGES = -1.5, 4.5, 6.5
-AGAINST = -1.0  # log likelihood of map and sides, below which they are evidence against it: its freedom costs that much
-WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
-LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if it rests on these: so many are steps, and so near
-LEAST_KNOWN = 0.5  # probability that a light is where it was found, from which on its direction is known
+# The evidence for a further light, as log likelihoods by map and sides: what the best direction of the scan must have
+# for one to be looked for; what one must have that was found; and below what they are evidence against it, as a light
+# explains something by its freedom alone.
+LEAST_SCORE, LEAST_MORE, AGAINST = -1.5, 4.5, -1.0
+LEAST_BY_EDGES = 6.5  # the same with the odds of its edges added, of a light that rests on these
+GAIN_BY_MOVING = 2.0  # log likelihood by map and sides that a direction may gain as it is moved onto edges
+# Clear edges: the least share of their places that show a step, and how far these may be from where they are predicted.
+LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7
+LEAST_KNOWN = 0.5  # confidence of a light, from which on its direction counts as known
 LEAST_EXISTS = 0.5  # probability that the body hides another light's shadow, from which on one is stated
 
 
@@ -49,19 +52,33 @@ class Found:
 
 
 def lights_of(seen: Seen) -> Found:
-    """No lights where nothing says that there is one."""
+    """The lights of a picture, found one after the other; none where nothing says that there is one."""
     alone = seen.beside(NO_LIGHTS)
     steps = seen.rims(NO_LIGHTS).cautious
     first = Candidates(seen, alone, image_beside(seen, ()), alone.everywhere.log_likelihood, steps)
     candidates, ruled_out = first.refined()
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     # Also that of a shadow which cannot be the body's, as its edges should be seen and are not.
-    likelihood = max([float(alone.everywhere.log_likelihood.max()), *(each for each, _ in scored)])
+    darkest = max([float(alone.everywhere.log_likelihood.max()), *(each for each, _ in scored)])
     if not scored:
-        return Found(seen, (), np.empty((0, 3)), likelihood > DARK_ELSEWHERE)
-    _, likeliest = max(scored, key=lambda pair: pair[0])
-    # A lamp's fan of a shadow and the fall of its light, taken for a sun's, would look like a further light.
-    found = as_lamps(seen, [likeliest])
+        return Found(seen, (), np.empty((0, 3)), darkest > DARK_ELSEWHERE)
+    _, likeliest = max(scored, key=itemgetter(0))
+    seen, found = _with_further(seen, likeliest)
+    found.sort(key=lambda each: (each.exists is not None, -each.darkening))
+    dark = darkenings_rgb(seen, found)
+    found = [with_confidence(seen, *each, found, alone, ruled_out) for each in zip(found, dark, strict=True)]
+    # One that surely is there, but may be anywhere, comes after those that are known, however strong it is.
+    order = sorted(range(len(found)), key=lambda number: found[number].confidence < LEAST_KNOWN)
+    return Found(seen, tuple(found[number] for number in order), dark[order], darkest > DARK_ELSEWHERE)
+
+
+def _with_further(seen: Seen, first: FoundLight) -> tuple[Seen, list[FoundLight]]:
+    """The picture as all its lights explain it, and these: the first one with those that are found beside it.
+
+    Each time it is decided which are lamps before another is looked for: a lamp's fan of a shadow and the fall of its
+    light, taken for a sun's, would look like a further light.
+    """
+    found = as_lamps(seen, [first])
     seen = _in_light_of(seen, found)
     while len(found) < MOST_LIGHTS:
         further = _further(seen, found)
@@ -72,17 +89,11 @@ def lights_of(seen: Seen) -> Found:
             found = as_lamps(seen, [further])
             seen = _in_light_of(seen, found)
             continue
-        both = as_lamps(seen, _refitted(seen, [*found, further]), len(found))
-        if not are_apart(both, seen.body.height_m) or _is_unseen(both[-1]):
+        together = as_lamps(seen, _refitted(seen, [*found, further]), len(found))
+        if not are_apart(together, seen.body.height_m) or _is_unseen(together[-1]):
             break  # what was taken for another shadow is the rest of one that is known, or another thing's
-        found, seen = both, _in_light_of(seen, both)
-    found.sort(key=lambda each: (each.exists is not None, -each.darkening))
-    dark = darkenings_rgb(seen, found)
-    found = [with_confidence(seen, *each, found, alone, ruled_out) for each in zip(found, dark, strict=True)]
-    # One that surely is there, but may be anywhere, comes after those that are known, however strong it is.
-    order = sorted(range(len(found)), key=lambda number: found[number].confidence < LEAST_KNOWN)
-    found, dark = [found[number] for number in order], dark[order]
-    return Found(seen, tuple(found), dark, likelihood > DARK_ELSEWHERE)
+        found, seen = together, _in_light_of(seen, together)
+    return seen, found
 
 
 def _in_light_of(seen: Seen, found: Sequence[FoundLight]) -> Seen:
@@ -104,7 +115,7 @@ def are_apart(found: Sequence[FoundLight], height: float) -> bool:
 
 
 def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
-    """Another light, which map and sides show beside those that are known."""
+    """Another light beside those that are known; None where the picture shows no other."""
     beside = seen.beside(points_of(known))
     score = beside.everywhere.log_likelihood
     for each in known:
@@ -116,8 +127,10 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     rims = seen.rims(points_of(known))
     # A known light without edges may be a mixture of this one and others, and is then found anew beside it.
     is_vague = known[0].fit is None
-    least = (0.0 if is_vague else LEAST_MORE) - WORTH
-    likely, _ = Candidates(seen, beside, image_beside(seen, known), score, rims.by_depth(), least, AGAINST).refined()
+    least = (0.0 if is_vague else LEAST_MORE) - GAIN_BY_MOVING
+    image = image_beside(seen, known)
+    candidates = Candidates(seen, beside, image, score, rims.by_depth(), least=least, least_around=AGAINST)
+    likely, _ = candidates.refined()
     for one in likely:
         if one.fit is None:
             continue
@@ -170,10 +183,12 @@ def _is_unseen(one: FoundLight) -> bool:
 def _hidden(seen: Seen, score: Float, would_be_seen: Mask, beside: MarginalLikelihood) -> FoundLight | None:
     """The light whose shadow the body hides, if map and sides say that there is one, averaged over where it may be.
 
-    score: (m,) log likelihood of each of the directions; -inf where none is looked for. would_be_seen: (m,) whether its
-    shadow's edges would be. By the ratio of the marginal likelihoods with and without it, so that directions that
-    explain little pay for those that explain much. What explains more where edges would be seen, and are not, is
-    another thing, as a stain.
+    By the ratio of the marginal likelihoods with and without it, so that directions that explain little pay for those
+    that explain much. If directions whose shadow's edges would be seen, and are not, explain more, it is another thing,
+    such as a stain.
+
+    score: (m,) log likelihood of each direction; -inf where none is looked for. would_be_seen: (m,) whether the edges
+    of its shadow would be.
     """
     odds = seen.templates.solid_angle * np.exp(score - LOG_NONE_FURTHER)
     of_hidden, of_others = float(odds[~would_be_seen].sum()), float(odds[would_be_seen].sum())
