@@ -194,7 +194,7 @@ def _outcome(
 
 
 def _answer(estimator: "Estimator", views: HeldViews, task: EstimateTask) -> Answer:
-    from ashe_live.light.estimators.estimator import OF_ONE_FRAME, shows_nothing
+    from ashe_live.light.estimators.estimator import shows_nothing
     from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
     from ashe_live.light.views.following import follow, has_lost_shadows
 
@@ -211,32 +211,50 @@ def _answer(estimator: "Estimator", views: HeldViews, task: EstimateTask) -> Ans
             return Unchanged(outdated=outdated)
         if (followed := follow(held, frozen)) is not None:
             return Followed(followed, outdated=outdated)
-    others = same if span_of([frozen, *same]) >= LEAST_SPAN_RAD else []
-    over = frozen if others or estimator.name in OF_ONE_FRAME else views.frozen_over_empty()
-    estimate, picture = _estimated(estimator, over, others, task.draw)
-    if over is not frozen and shows_nothing(estimate):  # what stands there stood there before: the plate tells nothing
-        over = frozen
-        estimate, picture = _estimated(estimator, frozen, others, task.draw)
-    may_have_lost = is_of_changed_scene and estimate.light is None
-    has_lost = may_have_lost and held is not None and has_lost_shadows(held, frozen)
+    apart = same if span_of([frozen, *same]) >= LEAST_SPAN_RAD else []
+    made = _made(estimator, views, apart, task.draw)
+    is_without_light = is_of_changed_scene and made.estimate.light is None
     return Estimated(
-        estimate,
-        picture,
+        made.estimate,
+        made.picture_bgr,
         is_of_changed_scene,
-        has_lost,
-        shows_empty_table=shows_nothing(estimate),
-        is_over_empty_table=over is not frozen,
+        has_lost_shadows=is_without_light and held is not None and has_lost_shadows(held, frozen),
+        shows_empty_table=shows_nothing(made.estimate),
+        is_over_empty_table=made.is_over_empty_table,
         outdated=outdated,
     )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Made:
+    """An estimate, as `Estimated` has it."""
+
+    estimate: "LightEstimate"
+    picture_bgr: "Image | None"
+    is_over_empty_table: bool
+
+
+def _made(estimator: "Estimator", views: HeldViews, others: "Sequence[TrackedFrame]", draw: Draw | None) -> _Made:
+    """The estimate of the frozen frame with the others; without any, over the empty table where that is known."""
+    from ashe_live.light.estimators.estimator import OF_ONE_FRAME, shows_nothing
+
+    frozen = views.frozen
+    over = frozen if others or estimator.name in OF_ONE_FRAME else views.frozen_over_empty()
+    if over is not frozen:
+        estimate, picture = _estimated(estimator, over, others, draw)
+        if not shows_nothing(estimate):
+            return _Made(estimate, picture, is_over_empty_table=True)
+        # Nothing has come onto the table: what stands there stood there before, and the empty table hides it.
+    return _Made(*_estimated(estimator, frozen, others, draw), is_over_empty_table=False)
+
+
 def _estimated(
-    estimator: "Estimator", frozen: "TrackedFrame", others: "Sequence[TrackedFrame]", draw: Draw | None
+    estimator: "Estimator", frame: "TrackedFrame", others: "Sequence[TrackedFrame]", draw: Draw | None
 ) -> "tuple[LightEstimate, Image | None]":
-    """The estimate, and the picture of its trace."""
+    """The estimate of a frame, and the picture of its trace."""
     from ashe_live.light.estimators.estimator import TracingEstimator
 
     if draw is None or not isinstance(estimator, TracingEstimator):
-        return estimator.estimate(frozen, others), None
-    estimate, trace = estimator.traced(frozen, others)
-    return estimate, draw(frozen, estimate, trace)
+        return estimator.estimate(frame, others), None
+    estimate, trace = estimator.traced(frame, others)
+    return estimate, draw(frame, estimate, trace)
