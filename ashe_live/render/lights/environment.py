@@ -1,5 +1,7 @@
 """The environment maps that polished surfaces mirror, and how much of it they do, as textures."""
 
+from dataclasses import dataclass
+
 import moderngl
 import numpy as np
 
@@ -20,6 +22,19 @@ from ashe_live.render.lights.surroundings import (
 LEAST_CHANGE = 0.02  # of the video's white, relative, by which even ground is filled anew where no frame was seen
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Content:
+    """What the maps show."""
+
+    seen_in: TrackedFrame | None  # None: even ground
+    ground_rgb: Float | None
+    covered: bytes  # of the covered sheet's corners
+
+    def is_that_of(self, other: "_Content") -> bool:
+        mine, others = ((each.seen_in, each.ground_rgb) for each in (self, other))
+        return same_objects(mine, others) and self.covered == other.covered
+
+
 class Environment:
     """Two maps of `size` texels a side, a power of two; refilled only when what they show has changed."""
 
@@ -28,8 +43,8 @@ class Environment:
         self._ground, self._sky = (_blank(ctx, size) for _ in range(2))
         self._shares = share_texture(ctx)
         self._half_radius_m = 1.0
-        self._shown: tuple[TrackedFrame | None, Float | None, bytes] | None = None
-        self._asked_for: TrackedFrame | None = None
+        self._shown: _Content | None = None
+        self._asked_for: TrackedFrame | None = None  # the frame that was to be shown last
         self._white_rgb: RGB = (1.0, 1.0, 1.0)  # in the picture that the maps were filled from
 
     def show(self, illumination: Illumination, white_rgb: RGB, covered: Float) -> None:
@@ -38,25 +53,22 @@ class Environment:
         `white_rgb`: of a fully lit white surface in that frame, or else in the video, linear. `covered`: (n, 2) metres,
         corners of the sheet where it is hidden.
         """
-        seen_in, ground_rgb = illumination.seen_in, illumination.ground_rgb
-        wanted = seen_in, ground_rgb, covered.tobytes()
-        if seen_in is not None:  # it becomes another one with the light, by which no map changes
-            self._white_rgb = white_rgb
-        is_as_white = seen_in is not None or np.allclose(white_rgb, self._white_rgb, rtol=LEAST_CHANGE, atol=0.0)
-        is_same = self._shown is not None and same_objects(self._shown[:2], wanted[:2]) and self._shown[2] == wanted[2]
+        wanted = _Content(illumination.seen_in, illumination.ground_rgb, covered.tobytes())
+        seen_in, shown = wanted.seen_in, self._shown
         is_asked_again, self._asked_for = seen_in is self._asked_for, seen_in
-        shown = None if self._shown is None else self._shown[0]
+        if seen_in is not None:
+            self._white_rgb = white_rgb  # it becomes another one with the light, by which no map changes
+        is_same_white = seen_in is not None or np.allclose(white_rgb, self._white_rgb, rtol=LEAST_CHANGE, atol=0.0)
+        if shown is not None and is_same_white and wanted.is_that_of(shown):
+            return
         # While the marker is moved, each frame has the same picture from another place: filled once the marker rests.
-        is_on_its_way = (
-            shown is not None and seen_in is not None and shown.frame is seen_in.frame and not is_asked_again
-        )
-        if (is_same and is_as_white) or is_on_its_way:
+        if shown is not None and _is_same_picture(shown.seen_in, seen_in) and not is_asked_again:
             return
         if seen_in is not None:
-            surroundings = surroundings_of(seen_in, self._size, ground_rgb, covered)
+            surroundings = surroundings_of(seen_in, self._size, wanted.ground_rgb, covered)
         else:
             assumed = GROUND_ALBEDO * np.array(white_rgb)
-            surroundings = even_surroundings(self._size, assumed if ground_rgb is None else ground_rgb)
+            surroundings = even_surroundings(self._size, assumed if wanted.ground_rgb is None else wanted.ground_rgb)
         _fill(self._ground, surroundings.ground)
         _fill(self._sky, surroundings.sky)
         self._half_radius_m = surroundings.half_radius_m
@@ -79,6 +91,10 @@ class Environment:
         self._ground.release()
         self._sky.release()
         self._shares.release()
+
+
+def _is_same_picture(one: TrackedFrame | None, other: TrackedFrame | None) -> bool:
+    return one is not None and other is not None and one.frame is other.frame
 
 
 def _blank(ctx: moderngl.Context, size: int) -> moderngl.Texture:

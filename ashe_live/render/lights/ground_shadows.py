@@ -5,7 +5,7 @@ even where the ground is lit at a grazing angle.
 """
 
 import math
-from typing import Any
+from collections.abc import Sequence
 
 import moderngl
 import numpy as np
@@ -25,6 +25,8 @@ WIDEST_PENUMBRA = 1.0
 # Of a wide penumbra's variance, what averaging neighbouring texels adds at most; it is drawn narrower by as much.
 SMOOTHED_SHARE = 0.2
 COARSEST = 4  # texels a side of a tile in the last level of its pyramid
+RIM_TEXELS = 2  # lit texels around the penumbra in a tile
+PENUMBRA_SPARE = 1.1  # the penumbra that a tile has room for over its box's: that of a caster a tenth higher
 
 
 class GroundShadows:
@@ -50,10 +52,10 @@ class GroundShadows:
             return
         self._drawn, self.group_count = shadows.renders, shadows.group_count
         boxes = shadows.boxes
+        tiles_from_marker = [_tile_from_marker(box, self._size) for box in boxes]
         corners = tile_corners(len(boxes)) * self._size
         width, height = corners.max(axis=0) + self._size
         self._texture, framebuffer = self._canvas.of_size((int(width), int(height)))
-        texture_size = np.array(framebuffer.size, dtype=np.float64)
         program = self._programs.get(
             "lights/ground_shadow",
             **shadows.constants
@@ -62,42 +64,43 @@ class GroundShadows:
         shadows.bind(program)
         framebuffer.clear(1.0)
         self._ctx.enable_only(moderngl.NOTHING)
-        texture_from_marker = []
-        for number, (box, corner) in enumerate(zip(boxes, corners, strict=True)):
-            caster, light = divmod(number, len(lighting.lights))
-            beyond = (_penumbra_shares(box) + 2 / self._size) / (1 - 4 / self._size)  # and a rim of two lit texels
-            tile_from_unit = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1))
-            tile_from_marker = tile_from_unit @ box.unit_from_marker
+        for number, (box, corner, tile_from_marker) in enumerate(zip(boxes, corners, tiles_from_marker, strict=True)):
             if box.unit_from_marker is not NOTHING_SEEN:
+                caster, light = divmod(number, len(lighting.lights))
                 ground = _ground_from_tile(tile_from_marker)
-                smoothing = {
-                    "texels_per_m": self._size / (box.extent[:2] * (1 + 2 * beyond)),
-                    "smoothed_share": SMOOTHED_SHARE if _is_wide(box, self._preset) else 0.0,
-                }
-                set_uniforms(program, marker_from_tile=ground, caster=caster, light=light, **smoothing)
-                self._draw_tile(program, framebuffer, (int(corner[0]), int(corner[1])), smoothing)
-            texture_from_tile = translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1))
-            texture_from_marker.append(texture_from_tile @ tile_from_marker)
+                set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
+                self._draw_tile(program, framebuffer, (int(corner[0]), int(corner[1])), box)
         # A wall gets light from shaded and lit ground at once.
         self._texture.build_mipmaps(0, self._levels)
-        self._uniforms = {
+        self._uniforms = self._places(tiles_from_marker, corners, np.array(framebuffer.size, dtype=np.float64))
+        self._uniforms["light_point"] = lighting.light_points
+
+    def _places(self, tiles_from_marker: Sequence[Float], corners: Float, texture_size: Float) -> dict[str, Float]:
+        """The uniforms by which shaders look up the tiles at corners (n, 2), in texels of a texture of a size (2,)."""
+        texture_from_marker = [
+            translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1)) @ tile_from_marker
+            for tile_from_marker, corner in zip(tiles_from_marker, corners, strict=True)
+        ]
+        return {
             "ground_shadow_from_marker": np.array(texture_from_marker),
             "ground_shadow_texels_per_m": np.array([_per_metre(each, texture_size) for each in texture_from_marker]),
             "ground_shadow_levels": np.array(float(self._levels)),
             "ground_shadow_lower": (corners + 0.5) / texture_size,
             "ground_shadow_upper": (corners + self._size - 0.5) / texture_size,
-            "light_point": lighting.light_points,
         }
 
     def _draw_tile(
-        self, program: moderngl.Program, onto: moderngl.Framebuffer, corner: tuple[int, int], smoothing: dict[str, Any]
+        self, program: moderngl.Program, onto: moderngl.Framebuffer, corner: tuple[int, int], box: LightBox
     ) -> None:
-        """A tile at `corner`, in texels; one with a `smoothed_share` is drawn beside, and averaged into its place.
-
-        smoothing: uniforms of both programs.
-        """
+        """The tile of a box at `corner`, in texels; one with a wide penumbra is drawn elsewhere, and averaged there."""
+        is_averaged = _is_wide(box, self._preset)
+        smoothing = {
+            "texels_per_m": self._size / (box.extent[:2] * (1 + 2 * _beyond(box, self._size))),
+            "smoothed_share": SMOOTHED_SHARE if is_averaged else 0.0,
+        }
+        set_uniforms(program, **smoothing)
         there = (*corner, self._size, self._size)
-        if not smoothing["smoothed_share"]:
+        if not is_averaged:
             onto.use()
             self._ctx.viewport = there
             self._rectangle.draw(program)
@@ -130,10 +133,23 @@ class GroundShadows:
         self._canvas.release()
 
 
+def _tile_from_marker(box: LightBox, size: int) -> Float:
+    """(4, 4) projective: from the marker frame to the tile of a box, [0, 1], of `size` texels a side."""
+    beyond = _beyond(box, size)
+    return np.asarray(translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1)) @ box.unit_from_marker)
+
+
+def _beyond(box: LightBox, size: int) -> Float:
+    """(2,) by how much a tile of `size` texels a side is larger than its box on each side, as a share of that.
+
+    Besides the penumbra, it has a rim of RIM_TEXELS lit texels.
+    """
+    return np.asarray((_penumbra_shares(box) + RIM_TEXELS / size) / (1 - 2 * RIM_TEXELS / size))
+
+
 def _penumbra_shares(box: LightBox) -> Float:
-    """(2,) by how much a tile is larger on each side than its box, as a share of that."""
-    # Of a caster that is a tenth higher.
-    wanted = 1.1 * box.penumbra_m / box.extent[:2]
+    """(2,) how far the penumbra reaches beyond each side of a box, as a share of that, as far as it is drawn."""
+    wanted = PENUMBRA_SPARE * box.penumbra_m / box.extent[:2]
     longest = (box.extent[:2] * (1 + 2 * np.minimum(wanted, WIDEST_PENUMBRA))).max()
     return np.minimum(wanted, np.maximum(WIDEST_PENUMBRA, (longest / box.extent[:2] - 1) / 2))
 

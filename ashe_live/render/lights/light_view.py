@@ -82,6 +82,7 @@ def view_of(light: ShadingLight, points: Float, least_cosine: float = WIDEST_HAL
     shear_x, shear_y, k = np.array((x, y, light.inverse_distance)) / distance
     if light.inverse_distance == 0:
         shear_x = shear_y = 0.0
+    # A point that is d above the plane z = middle is sheared along the lamp's slope by d, and divided by 1 - k d.
     projection = np.eye(4)
     projection[:, 2] = -shear_x, -shear_y, 1 - middle * k, -k
     projection[:, 3] = shear_x * middle, shear_y * middle, middle * middle * k, 1 + middle * k
