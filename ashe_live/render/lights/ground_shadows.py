@@ -92,7 +92,7 @@ class GroundShadows:
     def _draw_tile(
         self, program: moderngl.Program, onto: moderngl.Framebuffer, corner: tuple[int, int], box: LightBox
     ) -> None:
-        """The tile of a box at `corner`, in texels; one with a wide penumbra is drawn elsewhere, and averaged there."""
+        """The tile of a box, at `corner` in texels; with a wide penumbra it is drawn apart, then averaged there."""
         is_averaged = _is_wide(box, self._preset)
         smoothing = {
             "texels_per_m": self._size / (box.extent[:2] * (1 + 2 * _beyond(box, self._size))),
