@@ -34,22 +34,23 @@ BESIDE_OBJECT_PX = 2  # where edges are not looked for
 FEWEST_EDGES = 12  # places with a clear step, for a regression
 # The penumbra's variance at the widest edges, over that of the picture's blur, below which the two cannot be separated.
 LEAST_VARIANCE_RATIO = 0.5
+LEAST_BLUR_PX2 = 0.25  # no picture is sharper
 LEAST_SIGMAS = 3.0  # standard errors by which the squared diameter must differ from 0
 EDGES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their number over the effective sample size
 # What the edges tell of the diameter, over what they would tell if the blur were known: less is rounding, as where all
 # of them are cast from one height and are seen from straight above.
 LEAST_INFORMATION = 1e-9
 LARGEST_RAD = math.radians(20)
-ROBUST_ROUNDS = 6
-# For widths of borders in the whole picture, as `soft_size` measures them.
-DISC_SIGMAS = 2.75  # width from 10 to 90 % of a disc's edge, in its standard deviations
+ROBUST_ROUNDS, CAUCHY_SIGMAS = 6, 2.0  # of the regression; and the scale of Cauchy's loss in standard deviations
+# Of `soft_size`, which measures widths of borders in the whole picture.
+DISC_SIGMAS = 2.75  # the width of a disc's penumbra from 10 to 90 %, over its standard deviation
 FINE_WIDTH_PX = 480.0  # the picture's width for which the reaches in border_widths.py are stated
-LEAST_SPREAD_PX = 4.0  # least width that a light of 1 rad adds: near the foot, 5 degrees add a third of a pixel
-FEWEST_PLACES = 24
-MARKER_PLACES = np.linspace(0.15, 0.85, 16)  # of profiles across the marker's sides, which end at its corners
-MARKER_REACH = 0.5  # of the profiles at the marker, which end on its margin and in its black frame
+LEAST_SPREAD_PX = 4.0  # standard deviation for a light of 1 rad; near the foot it is less, and 5 degrees hardly show
+FEWEST_PLACES = 24  # with a border that is wide enough there
+MARKER_PLACES = np.linspace(0.15, 0.85, 16)  # of profiles across the marker's sides, as fractions of these
+MARKER_REACH = 0.5  # factor on the reach of these profiles, which end on the margin and in the black frame
 LEAST_SOFT_RAD = math.radians(2.5)  # cameras' processing widens a bare sun's borders to those of up to 2 degrees
-MOST_SPREAD_OUT = 2.2  # third quartile over the first
+MOST_SPREAD_OUT = 2.2  # third quartile of the sizes at all places over the first
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,9 +74,8 @@ def size_of(explanation: Explanation, light: Light, tracked: TrackedFrame) -> fl
 def soft_size(proxy: Proxy, light: Float, tracked: TrackedFrame) -> float | None:
     """The angular diameter (rad) of a light that is clearly softer than a bare sun; None for all others.
 
-    By the widths of the shadow's border in the whole picture, as the estimator's own region is too coarse for them:
-    from 10 to 90 % a disc's penumbra takes 2.75 of its standard deviations, and the picture's own blur adds the width
-    that the edges of the marker's black square have.
+    By the widths of the shadow's border in the whole picture, as the estimator's own region is too coarse for them.
+    Widths of penumbra and blur add up in squares; the blur's is that of the edges of the marker's black square.
     """
     assert tracked.marker is not None
     picture, camera, corners_px = _without_distortion(tracked.frame.image_bgr, tracked.camera, tracked.marker)
@@ -110,8 +110,8 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     light: (4,) homogeneous point, marker frame; the diameter of a lamp is that seen from the marker's centre.
     light_lost: (h, w) share of the light that the shadow takes which each pixel of `view` lacks. A disc of diameter d
     blurs the edge cast from height z with the standard deviation z |J'n| d / 4 across the edge (n its normal on the
-    ground, J the derivative of the displacement s by the direction); the picture's blur adds a constant variance. A
-    robust linear regression of variances gives d squared (docs/maths, "Penumbra").
+    ground, J the derivative of the displacement s by the direction); the picture's blur adds a constant variance
+    (docs/maths, "Penumbra").
     """
     edge = _edge_points(proxy, light, view.camera, view.T_cam_marker, view.side_m)
     if edge is None:
@@ -121,6 +121,29 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
     spreads = edge.spreads_px[kept]
     if len(spreads) < FEWEST_EDGES:
         return None
+    line = _widening(spreads, variances)
+    if line is None or line.squared <= LEAST_SIGMAS * line.error:
+        return None
+    if line.squared * np.percentile(spreads, 90) ** 2 < LEAST_VARIANCE_RATIO * max(line.blur, LEAST_BLUR_PX2):
+        return None
+    size = math.sqrt(line.squared)
+    return size if size < LARGEST_RAD else None
+
+
+@dataclass(frozen=True, slots=True)
+class _Widening:
+    """How the variance of a shadow's edge grows with the squared spread of a light of 1 rad: along a line."""
+
+    blur: float  # px^2, where no light has a size: the variance of the picture's own blur
+    squared: float  # rad^2, the slope: the light's squared diameter
+    error: float  # rad^2, standard error of that
+
+
+def _widening(spreads: Float, variances: Float) -> _Widening | None:
+    """The line through variances (n,) over squared spreads (n,), px^2, by reweighted least squares with Cauchy's loss.
+
+    None where the spreads are too much alike for a slope.
+    """
     design = np.column_stack([np.ones(len(spreads)), spreads**2])
     weights = np.ones(len(spreads))
     blur, squared, scale = 0.0, 0.0, 1.0
@@ -128,18 +151,12 @@ def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predict
         (blur, squared), *_ = np.linalg.lstsq(design * weights[:, None], variances * weights, rcond=None)
         rest = variances - design @ np.array([blur, squared])
         scale = SIGMA_OVER_MAD * float(np.median(np.abs(rest))) + 1e-3
-        weights = 1 / np.sqrt(1 + (rest / (2 * scale)) ** 2)
+        weights = 1 / np.sqrt(1 + (rest / (CAUCHY_SIGMAS * scale)) ** 2)
     (of_blur, mixed), (_, of_squared) = (design * weights[:, None]).T @ (design * weights[:, None])
     information = of_squared - mixed**2 / of_blur  # on the squared diameter, whatever the blur
     if information < LEAST_INFORMATION * of_squared:
         return None
-    error = scale * math.sqrt(EDGES_PER_SAMPLE / information)
-    if squared <= LEAST_SIGMAS * error or squared * np.percentile(spreads, 90) ** 2 < LEAST_VARIANCE_RATIO * max(
-        blur, 0.25
-    ):
-        return None
-    size = math.sqrt(squared)
-    return size if size < LARGEST_RAD else None
+    return _Widening(float(blur), float(squared), scale * math.sqrt(EDGES_PER_SAMPLE / information))
 
 
 def _edge_points(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float, side_m: float) -> _EdgePoints | None:
