@@ -25,14 +25,15 @@ IN_SHADE = "the cube stands in another thing's shadow: move it into the light"
 BLOCKED = (
     "the cube's shadow falls on other things, or what darkens the table is no shadow of it: clear the table around it"
 )
-# Probability that a light is right, below which it is none: of painted pictures below it as many are wrong as right.
+# Least confidence of a light that is stated: below it, as many are wrong as right in painted pictures.
 LEAST_CONFIDENCE = 0.4
-# Of a light none of whose edges is seen, as bright sides may be a leaning sky's: it is to be likelier right than wrong.
+# The same of a light none of whose edges is seen: the sides that it brightens may be brightened by a leaning sky.
 LEAST_HIDDEN = 0.5
 # Of an answer that may be wrong; an error of the folded paper is among the systematic ones.
-CALIBRATION = Calibration(1.0, np.radians(10.0).item(), 1.0)
+CALIBRATION = Calibration(overdispersion=1.0, doubt_rad=np.radians(10.0).item(), doubt_power=1.0)
 # The table beside the cube over the open table, below which something else keeps the light away.
 SHADED = 0.6
+DARKEST = 1e-3  # least share of the table's light that is left in a shadow
 
 
 def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: str) -> tuple[LightEstimate, View]:
@@ -62,9 +63,17 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     else:  # of one light's shadow the other's takes the middle
         dark = found.dark_rgb if len(likely) == len(found.lights) else darkenings_rgb(found.seen, likely)
     illumination = _illumination(found.seen, likely, dark, tracked)
-    masks = masks_of(seen, likely)
+    body_mask, shadow_mask = masks_of(seen, likely)
     clock.end("judge")
-    return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms()), view
+    estimate = LightEstimate(
+        name,
+        tracked.frame.index,
+        illumination,
+        object_mask=body_mask,
+        shadow_mask=shadow_mask,
+        timing_ms=clock.timing_ms(),
+    )
+    return estimate, view
 
 
 def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
@@ -86,11 +95,16 @@ def _illumination(seen: Seen, found: Sequence[FoundLight], dark: Float, tracked:
     dark: (l, 3) part of the table's light that each light gives, R, G, B.
     """
     stated = [_sun_beside_folds(seen, each, [one for one in found if one is not each]) for each in found]
-    lights = [_light(each, taken, tracked) for each, taken in zip(stated, dark, strict=True)]
+    lights = [_light_of(each, taken, tracked) for each, taken in zip(stated, dark, strict=True)]
     sky = open_sky_rgb(seen, found, dark)
     slope = sky_slope_rgb(seen, found, dark, sky)
-    leaning = slope if slope.any() else None
-    return Illumination(tuple(lights), sky, seen.lit_rgb, seen.body, sky_slope_rgb=leaning)
+    return Illumination(
+        tuple(lights),
+        ambient_rgb_ratio=sky,
+        ground_rgb=seen.lit_rgb,
+        real_object=seen.body,
+        sky_slope_rgb=slope if slope.any() else None,
+    )
 
 
 def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight]) -> FoundLight:
@@ -108,15 +122,19 @@ def _sun_beside_folds(seen: Seen, found: FoundLight, others: Sequence[FoundLight
     return replace(found, light=light, covariance=covariance, has_folds=True)
 
 
-def _light(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
+def _light_of(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
     """The light as stated; taken: (3,) part of the table's light that it gives, R, G, B."""
     by_edges = found.fitted
     covariance = CALIBRATION.covariance(by_edges, found.confidence, tracked, found.has_folds)
-    left = np.clip(1 - taken, 1e-3, 1.0)
+    left = np.clip(1 - taken, DARKEST, 1.0)
     light = Light(
-        by_edges.to_light_marker, covariance, radius_of_68_percent(covariance), found.confidence, shadow_rgb_ratio=left
+        by_edges.to_light_marker,
+        covariance_rad2=covariance,
+        sigma_rad=radius_of_68_percent(covariance),
+        confidence=found.confidence,
+        shadow_rgb_ratio=left,
     )
-    if found.light[3] > 0:
+    if found.is_lamp:
         place = Place(found.light[[0, 1, 3]], np.asarray(np.linalg.inv(found.covariance), dtype=np.float64))
         lamp_covariance = place.lamp_covariance
         lamp_covariance[:2, :2] = covariance

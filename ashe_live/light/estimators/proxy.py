@@ -9,7 +9,7 @@ the equations.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -116,29 +116,53 @@ class ProxyEstimator:
     ) -> tuple[LightEstimate, Trace]:
         judge, (preset, *further) = self._judge, self._preset.looks
         first = looked(tracked, others, preset, judge, clock)
-        views = first.views
-        looks = [first, *(looked(tracked, (), each, judge, clock) for each in further if len(views) == 1)]
-        choice = chosen(looks, judge) if views else None
-        clock.end("judge")
-        found, trace = Illumination(), first.trace
-        explanation = None if choice is None else choice.explanation
-        reason = _reason_for_none(first, choice, judge, preset)
-        if reason is not None:
-            reason = fault_of_exposure(trace.view) or reason
-        elif choice is not None:
-            found, explanation = illumination_of(choice, tracked, judge, preset)
-            trace = choice.look.trace
-            if (found.lights[0].confidence or 0.0) < judge.least_confidence:
-                # The direction from the object is known, but that from the marker is not, as far as it may be a lamp.
-                found, reason = Illumination(), fault_of_distance(choice.explanation)
-            clock.end("judge")
-        body, shadow = (None, None) if explanation is None else _masks_of(explanation)
-        indices = tuple(view.index for view in views)
-        directions = [view_direction(view.coarse.T_cam_marker) for view in views]
-        span = span_rad(directions) if len(views) > 1 else None
-        index, timing_ms = tracked.frame.index, clock.timing_ms()
-        estimate = LightEstimate(self.name, index, found, reason, body, shadow, timing_ms, indices, span)
-        return estimate, trace
+        is_alone = len(first.views) == 1
+        looks = [first, *(looked(tracked, (), each, judge, clock) for each in further if is_alone)]
+        answer = _answer_by(looks, tracked, judge, preset, clock)
+        body, shadow = (None, None) if answer.explanation is None else _masks_of(answer.explanation)
+        directions = [view_direction(view.coarse.T_cam_marker) for view in first.views]
+        estimate = LightEstimate(
+            estimator=self.name,
+            frame_index=tracked.frame.index,
+            illumination=answer.illumination,
+            reason=answer.reason,
+            object_mask=body,
+            shadow_mask=shadow,
+            timing_ms=clock.timing_ms(),
+            views=tuple(view.index for view in first.views),
+            span_rad=span_rad(directions) if len(directions) > 1 else None,
+        )
+        return estimate, answer.trace
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Answer:
+    """What the looks at a picture lead to."""
+
+    trace: Trace  # of the look that it rests on
+    explanation: Explanation | None  # the likeliest, also where it is not likely enough; None where nothing was found
+    illumination: Illumination = field(default_factory=Illumination)
+    reason: str | None = None  # why there is no light
+
+
+def _answer_by(
+    looks: Sequence[Look], tracked: TrackedFrame, judge: Judge, preset: ProxyPreset, clock: StageClock
+) -> _Answer:
+    """The answer by one or more looks at the picture of `tracked`; preset: that of the first look."""
+    first = looks[0]
+    choice = chosen(looks, judge) if first.views else None
+    clock.end("judge")
+    reason = _reason_for_none(first, choice, judge, preset)
+    if choice is None or reason is not None:
+        likeliest = None if choice is None else choice.explanation
+        return _Answer(first.trace, likeliest, reason=fault_of_exposure(first.trace.view) or reason)
+    illumination, explanation = illumination_of(choice, tracked, judge, preset)
+    clock.end("judge")
+    trace = choice.look.trace
+    if (illumination.lights[0].confidence or 0.0) < judge.least_confidence:
+        # The direction from the object is known, but that from the marker is not, as far as it may be a lamp.
+        return _Answer(trace, explanation, reason=fault_of_distance(choice.explanation))
+    return _Answer(trace, explanation, illumination)
 
 
 def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, preset: ProxyPreset) -> str | None:
