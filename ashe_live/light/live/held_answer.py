@@ -90,10 +90,9 @@ class HeldAnswer:
     def offer(self, new: LightEstimate, is_of_changed_scene: bool = False, has_lost_shadows: bool = False) -> bool:
         """Takes `new` as the answer, or not; returns whether it is sharper than the answer known before.
 
-        `is_of_changed_scene`: whether the views show that the held answer belongs to another scene. A light that is
-        seen there is believed at once, and that there is none where the held answer's shadows are gone from it
-        (`has_lost_shadows`), but not a doubtful one that contradicts a light which was not doubtful: what has changed
-        may be a hand that rests there.
+        `is_of_changed_scene`: whether the views show that the held answer belongs to another scene. What has changed
+        may be a hand that rests there. A light is believed there at once, unless it is doubtful and contradicts one
+        that was not. No light is believed at once if `has_lost_shadows`: the held answer's shadows are gone.
         """
         held = self.estimate
         self.is_news = False
@@ -104,23 +103,32 @@ class HeldAnswer:
         if is_of_changed_scene and (is_clear or has_lost_shadows):
             return self._take(new, is_news=True)
         if agree(held, new):
-            self._dissent.clear()
-            is_sure = _confidence(new) >= self._surest - AS_SURE
-            is_surer = _confidence(new) > self._surest + SURER
-            is_sharp = _sigma(new) <= AS_SHARP * self._sharpest
-            self._surest = max(self._surest, _confidence(new))
-            if is_sure:
-                self._sharpest = min(self._sharpest, _sigma(new))
-            if not (is_sure and is_sharp):
-                return False
-            self._take(new, is_news=False)
-            return is_surer or _sigma(new) < SHARPER * _sigma(held)
+            return self._offer_agreeing(new, held)
+        return self._offer_contradicting(new, held, is_of_changed_scene)
+
+    def _offer_agreeing(self, new: LightEstimate, held: LightEstimate) -> bool:
+        """As `offer`, of an answer that agrees with the held one: taken if it is about as good, as it is newer."""
+        self._dissent.clear()
+        is_sure = _confidence(new) >= self._surest - AS_SURE
+        is_surer = _confidence(new) > self._surest + SURER
+        is_sharp = _sigma(new) <= AS_SHARP * self._sharpest
+        self._surest = max(self._surest, _confidence(new))
+        if is_sure:
+            self._sharpest = min(self._sharpest, _sigma(new))
+        if not (is_sure and is_sharp):
+            return False
+        self._take(new, is_news=False)
+        return is_surer or _sigma(new) < SHARPER * _sigma(held)
+
+    def _offer_contradicting(self, new: LightEstimate, held: LightEstimate, is_of_changed_scene: bool) -> bool:
+        """As `offer`, of one that contradicts the held one: taken once enough of these in a row agree among themselves.
+
+        Where the scene has not changed, also at once, if it outweighs the held answer.
+        """
         self._dissent = [*(other for other in self._dissent if agree(other, new)), new]
-        if is_of_changed_scene:
-            is_believed = len(self._dissent) >= RESTS_NO_LONGER
-        else:
-            is_believed = len(self._dissent) >= CHANGED_AFTER or _outweighs(new, held)
-        if not is_believed:
+        enough = RESTS_NO_LONGER if is_of_changed_scene else CHANGED_AFTER
+        outweighs = not is_of_changed_scene and _outweighs(new, held)
+        if len(self._dissent) < enough and not outweighs:
             return False
         return self._take(new, is_news=True)
 
