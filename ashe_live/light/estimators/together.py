@@ -1,6 +1,6 @@
 """Explanations of several views together: each view's candidates, placed and aligned in all of them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from operator import itemgetter
@@ -68,29 +68,42 @@ class JointSearch:
         def log_odds(one: JointExplanation) -> float:
             return joint_log_odds(one, self.judge, context)
 
-        few, rest = self.views[:FIRST_VIEWS], self.views[FIRST_VIEWS:]
-        region_px, wanted = self.preset.region_px, self.preset.joint
-        candidates = _likely_candidates(found, self.judge, context)[: wanted + MORE]
-        starts = [start for home, one in candidates if (start := _start_in(few, home, one, region_px)) is not None]
-        likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[:wanted]
+        candidates = _likely_candidates(found, self.judge, context)[: self.preset.joint + MORE]
+        likely = self._aligned_in_first(candidates, log_odds)[: self.preset.joint]
+        # Of each that is refitted, its best body of every family, the likeliest first.
         families = {id(each.origin): by_families(each, self.preset.fine_fit) for each in likely[:REFITTED]}
-        likely[:REFITTED] = [several[0] for several in families.values()]
-        if rest:
-            starts = [_start_also_in(rest, each, region_px) for each in likely]
-            likely = distinct_explanations(_aligned_or_as_started(starts))
+        likely = self._aligned_in_all([*(several[0] for several in families.values()), *likely[REFITTED:]])
         sharpener = Sharpener.of([view.fine for view in self.views])
         likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
         of_families = [
             sharpened_families(each, families.get(id(each.origin), ()), sharpener) for each in likely[:REFITTED]
         ]
-        others = [_sharpened_if_corroborating(each, likely[0], sharpener) for each in likely[REFITTED:]]
         sharp = [self._decided_with_hull(several[0], sharpener) for several in of_families]
+        others = [_sharpened_if_corroborating(each, likely[0], sharpener) for each in likely[REFITTED:]]
+        # What is judged is the explanation as it was; its light then becomes the mean of its families' lights.
         overdispersion = self.judge.calibration.overdispersion
-        averaged = [with_average_light(*pair, overdispersion) for pair in zip(sharp, of_families, strict=True)]
-        # The mean is of one explanation's families: the explanation is judged as it was.
-        odds = [log_odds(each) for each in [*sharp, *others]]
-        together = list(zip([*averaged, *others], odds, strict=True))
+        together = [
+            (with_average_light(each, several, overdispersion), log_odds(each))
+            for each, several in zip(sharp, of_families, strict=True)
+        ]
+        together += [(each, log_odds(each)) for each in others]
         return sorted(without_replaced(together), key=itemgetter(1), reverse=True)
+
+    def _aligned_in_first(
+        self, candidates: Sequence[tuple[SceneView, Explanation]], log_odds: Callable[[JointExplanation], float]
+    ) -> list[JointExplanation]:
+        """Explanations, each with the view that it is of, aligned in the first views; distinct, likeliest first."""
+        first, region_px = self.views[:FIRST_VIEWS], self.preset.region_px
+        starts = [start for home, one in candidates if (start := _start_in(first, home, one, region_px)) is not None]
+        return distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))
+
+    def _aligned_in_all(self, several: list[JointExplanation]) -> list[JointExplanation]:
+        """Explanations of the first views aligned in all of them, without those that are like an earlier one."""
+        others = self.views[FIRST_VIEWS:]
+        if not others:
+            return several
+        starts = [_start_also_in(others, each, self.preset.region_px) for each in several]
+        return distinct_explanations(_aligned_or_as_started(starts))
 
     def _decided_with_hull(self, moved: JointExplanation, sharpener: Sharpener) -> JointExplanation:
         """What lies on the steps of light, as a sun's or a lamp's, with a hull where no family explains it."""
