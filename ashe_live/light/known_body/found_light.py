@@ -11,7 +11,7 @@ from ashe_live.core.transforms import normalised, raycast_to_plane
 from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.fit import FEWEST, ShadowFit
-from ashe_live.light.known_body.outline.room import Outline
+from ashe_live.light.known_body.outline.room import Outline, Room
 from ashe_live.light.known_body.rims import Rims
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.shading import fall_off
@@ -19,13 +19,13 @@ from ashe_live.light.known_body.table import CELLS_A_HEIGHT, height_px
 from ashe_live.light.shape.directions import FittedLight, fitted_lights
 from ashe_live.light.shape.predicted import predicted
 
-# From a shadow's edge to where it is dark, or lit: pixels, and of the light's angular diameter times the penumbra's
-# standard deviation for a light of 1 rad.
+# How far a shadow's edge is from where it is dark, and from where it is lit: pixels, plus standard deviations of the
+# penumbra.
 BEYOND_PX, BEYOND_PENUMBRA = 3.0, 2.2
 SOFT_RAD = math.radians(10)  # diameter of the softest sun whose shadow's middle is located
-LEAST_WITHIN = 0.9  # of that way, how far from all edges of the shadow it is dark
-LEAST_LEFT = 0.2  # of a lamp's height, above the body
-# Beside another light's edges the table is not clear: pixels, and of that light's penumbra for a light of 1 rad.
+LEAST_WITHIN = 0.9  # of that distance, how far what counts as dark is from all other edges of the shadow
+LEAST_LEFT = 0.2  # least part of a lamp's height that is above the body
+# How far around another light's edges the table is not clear: pixels, plus standard deviations of their penumbra.
 OTHER_EDGE_PX, OTHER_PENUMBRA = 3.0, 2.0
 
 
@@ -35,15 +35,13 @@ class FoundLight:
 
     light: Float  # (4,) homogeneous, marker frame
     covariance: Float  # (p, p) of s = (x, y) / z, and of the nearness w / z where that is determined
-    fit: (
-        ShadowFit | None
-    )  # None where the shadow's edges are hidden: the direction is then that which map and sides say
+    fit: ShadowFit | None  # to its shadow's edges; None where they are hidden: its direction is by map and sides alone
     darkening: float  # part of the table's light that it gives
     confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 until it is computed
     around: float = 0.0  # that it is within twice as much, where there surely is a light
     may_be_lamp: bool = False  # whether it is likelier a lamp, of uncertain distance, than a sun
     has_folds: bool = False  # whether the covariance has in it how the body and its frame may be off
-    exists: float | None = None  # probability that there is one: of a hidden light at once, of others with confidence
+    exists: float | None = None  # probability that there is such a light; None until it is computed
 
     @property
     def size_rad(self) -> float:
@@ -57,8 +55,9 @@ class FoundLight:
 
     @property
     def casting(self) -> Float:
-        """(4,) the light whose shadow lies on the edges: not that which is stated, where a body is folded badly or the
-        light may be a lamp.
+        """(4,) the light whose shadow lies on the edges.
+
+        It differs from the one that is stated where the body is folded badly, or the light may be a lamp.
         """
         return self.light if self.fit is None else self.fit.light
 
@@ -101,10 +100,10 @@ def image_beside(seen: Seen, others: Sequence[FoundLight]) -> EdgeImage:
 
 
 def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: float = 0.0) -> Float:
-    """(l, 3) part of the table's light, R, G, B, that each light gives: its shadow beside the lit table, at its edges.
+    """(l, 3) part of the table's light, R, G, B, that each light gives: by how dark its shadow is beside its edges.
 
-    Where too little of a shadow's edges is seen, as map and sides say. least_size_rad: diameter of a light whose whole
-    penumbra is left out where the shadow is as broad, as it may be wider than was measured.
+    By map and sides where too little of a shadow's edges is seen. least_size_rad: the penumbra of a light of at least
+    this diameter is left out, as it may be wider than was measured, if the shadow is broad enough.
     """
     edges = [seen.shadow_edges(each.casting) for each in found]
     steps = [
@@ -141,22 +140,32 @@ def _step_rgb(
     room = seen.room
     for other in others:
         room = room if other is None else room.outside(other.corners_px)
-    for size_rad in (max(one.size_rad, least_size_rad), one.size_rad):
-        away = BEYOND_PX + BEYOND_PENUMBRA * size_rad * own.by_size
-        ends = np.array([own.points_px + sign * away[:, None] * own.normals_px for sign in (-1, 1)])
-        kept = (room.around(ends.reshape(-1, 2)) > 0).reshape(2, -1).all(axis=0)
-        if size_rad > one.size_rad:
-            kept &= Outline.of(own.corners_px).distances(ends[0]) < -LEAST_WITHIN * away
-        if np.count_nonzero(kept) >= FEWEST:
-            break
-    else:
+    kept, ends = _both_sides(own, room, max(one.size_rad, least_size_rad))
+    if least_size_rad > one.size_rad:
+        away = _beyond_px(own, least_size_rad)
+        kept &= Outline.of(own.corners_px).distances(ends[0]) < -LEAST_WITHIN * away
+        if np.count_nonzero(kept) < FEWEST:  # the shadow is not as broad as that
+            kept, ends = _both_sides(own, room, one.size_rad)
+    if np.count_nonzero(kept) < FEWEST:
         return None
     columns, rows = np.moveaxis(np.round(ends[:, kept]).astype(int), 2, 0)
     dark, bright = seen.picture[rows, columns].astype(np.float64)[..., ::-1]
-    # Of what else lights the place, the light gives so much there; a lamp's falls off from the marker's centre.
+    # What the light gives at each place, over what else lights it; a lamp's light falls off from the marker's centre.
     given = np.maximum(bright / np.maximum(dark, 1e-4) - 1, 0.0)
     if one.is_lamp:
         x, y, _ = raycast_to_plane(seen.view.camera, seen.view.T_cam_marker, own.points_px[kept]).T
         given = given / np.maximum(fall_off(one.light, x, y), 1e-3)[:, None]
     at_centre = np.median(given, axis=0)
     return np.asarray(at_centre / (1 + at_centre))
+
+
+def _beyond_px(own: ShadowEdges, size_rad: float) -> Float:
+    """(n,) pixels from the points of a shadow's edges, in a light of that diameter, to where all is dark or lit."""
+    return np.asarray(BEYOND_PX + BEYOND_PENUMBRA * size_rad * own.by_size)
+
+
+def _both_sides(own: ShadowEdges, room: Room, size_rad: float) -> tuple[Mask, Float]:
+    """(n,) whether the table is seen on both sides of a shadow's edges, and (2, n, 2) pixels there: inside, outside."""
+    away = _beyond_px(own, size_rad)
+    ends = np.array([own.points_px + sign * away[:, None] * own.normals_px for sign in (-1, 1)])
+    return (room.around(ends.reshape(-1, 2)) > 0).reshape(2, -1).all(axis=0), ends

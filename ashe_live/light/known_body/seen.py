@@ -37,14 +37,13 @@ from ashe_live.light.pixels.view import View
 
 MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B
 BESIDE_CELL = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
-# What blur mixes with the table, beside the body and things that shine; and how broad a known shadow's edge is.
-BESIDE_BODY = cv2.getStructuringElement(cv2.MORPH_RECT, (5, 5))
-EDGE_BROAD_PX = 7
+BESIDE_BODY = cv2.getStructuringElement(cv2.MORPH_RECT, (5, 5))  # within which blur mixes other things with the table
+EDGE_BROAD_PX = 7  # of a known shadow's edge, where no other is looked for
 FARTHEST_PX = 1e4  # of an edge from the picture: beyond, it is drawn as if it were there
-LEAST_EDGE = 0.05  # part of a cell in shadow by which neighbours differ at its edge
-DEEP = 0.1  # part of the table's light: what is no third as deep as this is no step
-BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
-OPEN_TABLE = 0.8  # quantile of the picture's ground that is as bright as the open table, unless nearly all is shaded
+LEAST_EDGE = 0.05  # difference between the shaded parts of neighbouring cells, from which on an edge is there
+DEEP = 0.1  # part of the table's light that a shadow is taken to lack, at least, when its steps are compared with that
+BESIDE_HEIGHTS = 1.2  # how far from its foot the table counts as beside the body, in the body's heights
+OPEN_TABLE = 0.8  # quantile of the ground's brightness in the picture that is the open table's, if any of it is open
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,13 +94,25 @@ class Seen:
         relative, lit_rgb = relative_light(table)
         facets = facets_of(view, body, picture)
         templates = templates_of(body).and_behind(camera_centre(view.T_cam_marker), body)
-        sent = sent_by_table(body, table, relative, facets.normals, facets.centres)
+        by_table = sent_by_table(body, table, relative, facets.normals, facets.centres)
         relative = relative - sent_by_sides(templates.from_sides, facets) * table.seen[..., None]
-        measured = Measured(table, relative, facets, PAPER * lit_rgb * sent)
+        measured = Measured(table, relative, facets, PAPER * lit_rgb * by_table)
         observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
-        is_table, room = observed.weight.reshape(SIDE, SIDE) > 0, Room.of(view, body)
         light, around = without_texture(light, view.is_ground, float(lit_rgb.mean()))
-        return Seen(view, body, picture, light, around, lit_rgb, is_table, room, templates, measured, observed, errors)
+        return Seen(
+            view=view,
+            body=body,
+            picture=picture,
+            light=light,
+            around=around,
+            lit_rgb=lit_rgb,
+            is_table=observed.weight.reshape(SIDE, SIDE) > 0,
+            room=Room.of(view, body),
+            templates=templates,
+            measured=measured,
+            observed=observed,
+            pose_shape_errors=errors,
+        )
 
     def in_light_of(self, lights: Float, darkenings: Float) -> "Seen":
         """The same with the lit table at the body's foot as the measure, which in a lamp's light is as bright nowhere.

@@ -3,7 +3,7 @@
 They depend on the body's shape alone, in units of its height, so that they are made once for all cubes.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -16,11 +16,11 @@ from ashe_live.light.known_body.sides.bounce import form_factors
 from ashe_live.light.known_body.table import SIDE
 from ashe_live.light.shape.light_points import at_infinity
 
-# Lengths of shadows per unit of height, from lights 82 to 10 degrees high, each longer by a fifth; and how far apart
-# the ends of neighbouring shadows are.
+# Lengths of shadows per unit of height, from lights 82 to 10 degrees high, each longer by a fifth.
 LENGTHS = 0.14 * 1.2 ** np.arange(21)
+# How far apart the ends of neighbouring shadows of one length are, per unit of height; limits of their number.
 APART, FEWEST_AZIMUTHS, MOST_AZIMUTHS = 0.3, 16, 72
-ROUNDED = 6  # bodies are alike to one over so much of their heights, as far as templates go
+ROUNDED = 6  # templates are shared by bodies whose shapes agree when they are rounded to such a part of their heights
 # Shadows of so many neighbouring rings and of so many directions around share a window of the map; all short ones one.
 RINGS_A_WINDOW, WINDOWS_AROUND, SHORT_RINGS = 3, 8, 9
 # Lights behind the camera, whose shadow the body hides: parts of the displacement at which the camera would cast it,
@@ -59,14 +59,11 @@ class Templates:
         further = at_infinity(further / lengths[:, None])
         cell = length * BEHIND_STEP * (1 + length) * ASIDE_STEP
         weight = np.where(_are_behind(self.lights, s), 0.5, 1.0) * self.solid_angle
-        return Templates(
-            np.concatenate([self.lights, further]),
-            np.concatenate([weight, 0.5 * cell / lengths**3 / (2 * np.pi)]),
-            self.shadows.joined(shadows_of(body, further)),
-            self.rims,
-            self.hidden_sky,
-            self.hidden_slope,
-            self.from_sides,
+        return replace(
+            self,
+            lights=np.concatenate([self.lights, further]),
+            solid_angle=np.concatenate([weight, 0.5 * cell / lengths**3 / (2 * np.pi)]),
+            shadows=self.shadows.joined(shadows_of(body, further)),
         )
 
 
