@@ -15,29 +15,31 @@ from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.rims import LEAST_DARKENING
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.templates import Templates
 from ashe_live.light.shape.light_points import at_infinity
 
-# Starts of a fit, without those whose shadow should be seen and is not, and with them; how far apart; and within so
-# much log likelihood of the best.
-TRIED, MOST_TRIED, APART_RAD, TRIED_WITHIN = 3, 8, math.radians(12), 12.0
+# The number of directions from which fits start, at most; and with those counted that turn out to be no light, or whose
+# shadow should be seen and is not.
+TRIED, MOST_TRIED = 3, 8
+APART_RAD = math.radians(12)  # between two starts, at least
+TRIED_WITHIN = 12.0  # log odds by which a start may be less likely than one that explains the picture
 MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found other edges
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
-# Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
+# The part of the visible edges that shows a step: a fit with less has found others, one with more needs no rival.
 LEAST_CLEAR, CLEAR = 0.5, 0.8
-# Part of a shadow's outline that is in view, from which on it is not hidden: its edges would be found.
-MOST_IN_VIEW = 0.25
-LEAST_DARKENING = 0.06  # part of the table's light: what takes less is no light
-# Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then
-# along it alone and finer, as the scan hardly constrains the lengths of shadows that leave the picture.
+MOST_IN_VIEW = 0.25  # part of a shadow's outline that may be in view although none of its edges is found
+# Displacements s = (x, y) / z that are tried around a template's, along it and across, over 1/2 + |s|: first as far as
+# the next template; then finer and along it alone, as the scan hardly constrains how long shadows are that leave the
+# picture.
 AROUND = 0.05 * np.array([(along, across) for along in (-2, -1, 0, 1, 2) for across in (-1, 0, 1)])
 ALONG = 0.035 * np.array([(along, 0) for along in range(-8, 4)])
-TEMPLATES_APART = 0.1  # in s = (x, y) / z, over 1 + |s|, roughly
+TEMPLATES_APART = 0.1  # between displacements of neighbouring templates, over 1 + |s|, roughly
 
 
 class _Starts:
-    """Directions from which fits start, the likeliest of those left first, as long as another is worth its time."""
+    """The directions from which fits start, the likeliest first, as long as another is worth its time."""
 
     def __init__(self, lights: Float, log_odds: Float) -> None:
         """lights: (m, 4). log_odds: (m,) by which they are likely; -inf where none is to be tried."""
@@ -45,7 +47,7 @@ class _Starts:
         self._spent, self._least = 0, -math.inf
 
     def __iter__(self) -> Iterator[int]:
-        """Their numbers among the lights, no two within APART_RAD."""
+        """Their numbers among the lights, no two of them within APART_RAD."""
         for _ in range(MOST_TRIED):
             number = int(self._left.argmax())
             if self._spent == TRIED or self._left[number] == -np.inf or self._left[number] < self._least:
@@ -54,11 +56,11 @@ class _Starts:
             yield number
 
     def spend(self) -> None:
-        """Counts the last one as tried: those whose shadow should be seen, and is not, are not counted."""
+        """Counts the last one as one of those TRIED."""
         self._spent += 1
 
     def explained_by(self, number: int) -> None:
-        """This one explains the picture, so that much less likely ones need not be tried."""
+        """This one explains the picture: none is tried that is less likely by more than TRIED_WITHIN."""
         self._least = max(self._least, float(self._log_odds[number]) - TRIED_WITHIN)
 
 
@@ -80,13 +82,15 @@ class Candidates:
     image: EdgeImage  # likewise
     score: Float  # (m,) log likelihood of each direction; -inf where none is looked for
     steps: Float  # (m,) log odds of each by its shadow's steps of light in the map: with the score, the order of trial
-    least: float = -math.inf  # log likelihood, with these or without, below which none is tried
-    least_around: float = -math.inf  # the same of the likeliest direction around, below which no edge is looked for
+    least: float = -math.inf  # none is tried whose score is below this both with its steps and without
+    least_around: float = -math.inf  # no edges are looked for where even the likeliest direction around scores less
 
     def refined(self) -> tuple[list[FoundLight], list[Float]]:
-        """The likeliest different directions, each moved onto its shadow's edges where these are seen; and what is
-        ruled out: lights (4,) whose shadow or whose light on the body's sides should be seen, and is not, as some other
-        thing is dark.
+        """The likeliest different directions, each moved onto its shadow's edges where these are seen; and lights (4,)
+        that are ruled out.
+
+        Ruled out are those whose shadow, or whose light on the body's sides, should be seen and is not: some other
+        thing is dark there.
         """
         starts = _Starts(self.seen.templates.lights, self.score + self.steps)
         found: list[FoundLight] = []

@@ -8,11 +8,12 @@ from statistics import NormalDist
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING
+from ashe_live.light.known_body.candidates import APART_RAD
 from ashe_live.light.known_body.found_light import FoundLight, hidden_step, image_beside, points_of
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood, Scan
 from ashe_live.light.known_body.outline.elsewhere import most_log_odds
 from ashe_live.light.known_body.outline.odds import OF_ONLY_LIGHT, ShadowDepths, with_edges
+from ashe_live.light.known_body.rims import LEAST_DARKENING
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.templates import Templates
 

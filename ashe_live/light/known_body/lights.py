@@ -11,7 +11,6 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.candidates import (
     APART_RAD,
-    LEAST_DARKENING,
     MOST_IN_VIEW,
     Candidates,
     in_view,
@@ -24,6 +23,7 @@ from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import SHOWN
+from ashe_live.light.known_body.rims import LEAST_DARKENING
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.shape.light_points import NO_LIGHTS
 

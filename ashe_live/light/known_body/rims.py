@@ -1,7 +1,7 @@
-"""The table on both sides of shadow outlines: for every direction, whether a light's shadow shows its edges.
+"""The table on both sides of shadows' outlines: for every direction of a light, whether its shadow's edges are seen.
 
-Coarse, but of many lights at once: it says which of them are worth moving onto edges, and which cast no shadow where it
-would be seen.
+This is coarse, but of many lights at once: it says which of them are worth moving onto edges, and which cast no shadow
+where one would be seen.
 """
 
 import math
@@ -19,21 +19,20 @@ from ashe_live.light.known_body.outline.profiles import BY_NONE, BY_STEP, LEAST_
 from ashe_live.light.known_body.shadows import cells_of
 from ashe_live.light.known_body.table import CELLS_A_HEIGHT, SIDE
 
-PLACES = 40  # of an outline, evenly along it
-SAMPLES = POINTS / POINTS_A_SAMPLE / PLACES  # independent ones in each
-EVERY = 7  # of all places, which show their scatter well enough
-# From the outline to where it is dark and lit: of the shadow's length, as templates lie apart by a part of it and the
-# body hides what is nearer to its own middle; in cells no less than blur takes, and no more than there is room for in
-# a long one.
+PLACES = 40  # evenly along each outline
+SAMPLES = POINTS / POINTS_A_SAMPLE / PLACES  # effective sample size of a place
+EVERY = 7  # every so many of all places are enough to measure their scatter
+# How far from the outline it is compared inside and outside: a part of the shadow's length, as neighbouring templates
+# differ by a part of that. In cells, no less than blur takes, and no more than the shadow is broad.
 BESIDE_LENGTHS, LEAST_CELLS, MOST_CELLS = 0.4, 0.3, 1.5
-# Of the table's light: least scatter of what is no step, and what takes less is no light; and log odds that one place
-# may gain or lose, as a stain may lie there.
-LEAST_SCATTER, LEAST_DEPTH, MOST_OF_PLACE = 0.02, 0.06, math.log(0.85 / 0.15)
+LEAST_SCATTER = 0.02  # standard deviation of steps where there is no edge, in the table's light, at least
+LEAST_DARKENING = 0.06  # part of the table's light: what takes less is no light
+MOST_OF_PLACE = math.log(0.85 / 0.15)  # log odds that one place may gain or lose, as a stain may lie there
 NOWHERE = -1e6  # coordinate of what is not in the picture
 
 
 class RimSteps(NamedTuple):
-    """What is seen at the outlines of n shadows, of which the first m have one that is looked at."""
+    """What is seen at the outlines of n shadows; only those of the first m are looked at."""
 
     in_view: Float  # (n,) part of each outline both sides of which are seen
     log_odds: Float  # (n,) of a shadow by how many places show a step as deep as map and sides want it
@@ -56,7 +55,7 @@ class RimSteps(NamedTuple):
             return by_depth
         scatter = max(SIGMA_OVER_MAD * upper_median(np.abs(some)), LEAST_SCATTER)
         lost = self.lost * self.visible
-        depth = np.maximum(lost.sum(axis=1) / np.maximum(self.visible.sum(axis=1), 1), LEAST_DEPTH)
+        depth = np.maximum(lost.sum(axis=1) / np.maximum(self.visible.sum(axis=1), 1), LEAST_DARKENING)
         depth = depth.astype(np.float32)[:, None]
         odds = (lost - depth / 2) * (depth / np.float32(scatter**2))
         odds = odds.clip(-MOST_OF_PLACE, MOST_OF_PLACE) * self.visible
