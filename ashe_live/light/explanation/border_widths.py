@@ -6,12 +6,12 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 
-REACH_PX, STEP_PX = 9.0, 0.1  # of a profile across a border, to both sides
-END_PX = 2.0  # at each end of a profile, whose median is the level there
+REACH_PX, STEP_PX = 9.0, 0.1  # how far a profile reaches to both sides of a border, and between its samples
+END_PX = 2.0  # length of each end of a profile, whose median is the level there
 TOGETHER = 8  # neighbouring profiles that are averaged once their middles are aligned
-LEAST_STEP = 0.15  # of the brightness on the lit side, in a border worth measuring
+LEAST_STEP = 0.15  # least difference of the levels, over that of the lit side, in a border worth measuring
 LEAST_STEP_LINEAR = 0.02  # the same in linear light: smaller ones drown in noise
-MOST_SLOPE = 0.15  # of that step: a larger change within an end means that something else lies there
+MOST_SLOPE = 0.15  # most change within an end, over that difference: more means that something else lies there
 
 
 def border_widths(image_bgr: Image, places_px: Float, outward_px: Float, scale: float = 1.0) -> Float:

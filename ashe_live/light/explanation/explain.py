@@ -31,8 +31,10 @@ from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
-LOWEST_Z = 0.03  # of a light's direction: lower ones do not serve as a start of a fit, as their shadows are too long
-FEW_PX = 20  # of a silhouette: too few to learn an object's colours from
+LOWEST_Z = (
+    0.03  # least z of a unit vector towards a light that serves as a start of a fit: lower ones' shadows are long
+)
+FEW_PX = 20  # a silhouette of no more pixels does not show an object's colours
 END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
@@ -72,7 +74,8 @@ class FittedProposal:
 def proposal_by(masks: Predicted, region: Region, materials: Materials) -> Proposal:
     """The hypothesis that a region shows what a body predicts there, the object's colours learned in its silhouette."""
     as_object = object_cost(region, masks.body & region.is_ground)
-    return Proposal(region, materials, relabelled(region, materials, as_object, masks), None, as_object)
+    split = relabelled(region, materials, as_object, masks)
+    return Proposal(region, materials, split, as_object=as_object)
 
 
 def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanation | None]:
@@ -192,16 +195,16 @@ def _masks(proposal: Proposal) -> Masks:
         split.object_mask,
         split.shadows,
         Sight.of(region.view),
-        region.unreliable,
-        EDGE_SIGMA_PX,
-        split.undecided,
-        proposal.start,
-        proposal.nearness,
+        unreliable=region.unreliable,
+        edge_sigma_px=EDGE_SIGMA_PX,
+        undecided=split.undecided,
+        start=proposal.start,
+        nearness=proposal.nearness,
     )
 
 
 def _better(rough: Explanation, fine: Explanation) -> Explanation:
-    """The one with the lower criterion, both by the rough one's colours; if that is the rough one, with new labels."""
+    """The one with the lower criterion by the rough one's colours; the rough one then gets the newer labels."""
     return fine if criterion(fine.alignment.placed) < explanation_criterion(rough) else replace(rough, split=fine.split)
 
 
@@ -211,8 +214,9 @@ def _relabelled(last: Explanation) -> Proposal | None:
     if last.materials.lights == 2 and not are_two_shadows(split.parts):
         return None
     lit = last.alignment.placed.lit
-    start = lit.lights if min(towards[2] for towards in lit.to_lights_marker) > LOWEST_Z else None
-    return Proposal(last.region, last.materials, split, start, last.as_object, float(nearness_of(lit.lights)[0]))
+    start = lit.lights if min(to_light[2] for to_light in lit.to_lights_marker) > LOWEST_Z else None
+    nearness = float(nearness_of(lit.lights)[0])
+    return Proposal(last.region, last.materials, split, start, as_object=last.as_object, nearness=nearness)
 
 
 def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:
@@ -231,7 +235,13 @@ def _explanation(fitted: FittedProposal, alignment: Alignment | None) -> Explana
     proposal, region = fitted.proposal, fitted.proposal.region
     as_object = _cost_of_object(proposal, alignment.placed.predicted.body & region.is_ground)
     return Explanation(
-        region, proposal.materials, proposal.split, alignment, lights_of(alignment), as_object, tuple(fitted.bodies)
+        region,
+        proposal.materials,
+        proposal.split,
+        alignment,
+        lights=lights_of(alignment),
+        as_object=as_object,
+        bodies=tuple(fitted.bodies),
     )
 
 

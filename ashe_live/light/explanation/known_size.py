@@ -23,11 +23,12 @@ TOUCHING_PX = 2  # between the two: a seam of mixed colours
 
 
 def is_as_given(explanation: Explanation, preset: FitPreset, sharpener: Sharpener) -> bool:
-    """Whether the picture shows the preset's caster in its given sizes rather than in others that are far from these.
+    """Whether the picture shows the preset's caster in its given sizes, or at least in none that are far from these.
 
-    Labels take shadow for object too often, or leave out a part of it, to decide this alone; so a body of other sizes
-    that fits them, or them and what is left beside the object, is believed where it also explains steps of light and
-    colours better than the given one, by more than its further parameters allow.
+    Labels alone do not decide that, as they often take shadow for object, or leave out a part of the object. So a body
+    of other sizes is fitted to them, and to them with what is left beside the object. It is believed where it also
+    explains steps of light and colours better than the given one, by more than its further parameters cost.
+
     True where there is no caster, or no fit. sharpener: of the views that were explained.
     """
     caster = preset.caster
@@ -63,9 +64,10 @@ def _of_other_heights(given: LitBody, caster: Caster) -> list[LitBody]:
 
 
 def _with_what_is_left(explanation: Explanation) -> Explanation | None:
-    """With the rest of an unlit area that touches the object as a part of it; None where that would hardly be larger.
+    """The explanation with the rest of the unlit area that touches its object labelled as object, too.
 
-    Of an object that is larger than its caster, labels are chosen that take a part of it.
+    None where the object would hardly be larger. If an object is larger than its caster, the labels that fit the caster
+    best cover only a part of it.
     """
     region, split = explanation.region, explanation.split
     rest = region.unlit & ~split.shadow_mask & ~split.object_mask

@@ -25,16 +25,16 @@ PAGE_TOO_BRIGHT = (
     "the marker's page is overexposed, plain white in the picture: a shorter exposure, or cut the marker out"
 )
 
-# Values of the brightest channel, 0 to 255. Below the first, quantisation steps are as large as a pale shadow's
-# contrast; from the second on, the camera's response curve is saturated.
+# Values of the brightest channel, 0 to 255. Below DARK, quantisation steps are as large as a pale shadow's contrast;
+# from CLIPPED on, the camera's response curve is saturated.
 DARK, CLIPPED = 28, 250
-MOST_CLIPPED = 0.5  # fraction of the ground
-# Paper as light as this shows that the exposure is right; the marker's margin is the lightest twentieth of its sheet.
+MOST_DARK, MOST_CLIPPED = 0.5, 0.5  # fractions of the ground, beyond which the picture is too dark or too bright
+# Paper that is at least this light shows that the exposure is right. The marker's margin is white, but may be no more
+# than the lightest twentieth of its sheet.
 PAPER, PAPER_PERCENTILE = 4 * DARK, 95
+MARGIN_PERCENTILE = 75  # of the marker's sheet, half of which is black: a value of its white margin
 HARDLY = 0.1  # of its object's area: a shadow that is smaller is hidden behind the object, or none
-MARGIN_PERCENTILE = 75  # of the marker's sheet: half of it is black
-# Least confidence of an explanation for it to say why there is no answer.
-LEAST_CUT_OFF = 0.1
+LEAST_CUT_OFF = 0.1  # least confidence of an explanation whose shadow is said to leave the picture
 
 
 def fault_of_exposure(view: View) -> str | None:
@@ -44,12 +44,12 @@ def fault_of_exposure(view: View) -> str | None:
     brightest = cv2.max(cv2.max(blue, green), red)
     counts = cv2.calcHist([brightest], [0], view.is_ground.view(np.uint8), [256], [0, 256])
     total = float(counts.sum())
-    if counts[:DARK].sum() > 0.5 * total:
-        # Paper is exposed as it should be where the ground is black.
+    if counts[:DARK].sum() > MOST_DARK * total:
+        # The exposure is right if paper is as light as it should be: it is the ground that is black.
         return BLACK_GROUND if _sheet_at(view, PAPER_PERCENTILE) >= PAPER else TOO_DARK
     if counts[CLIPPED:].sum() > MOST_CLIPPED * total:
         return TOO_BRIGHT
-    # A page's colour is made the ground's by how both differ where it ends, which overexposed paper does not show.
+    # A page is given the ground's colour by the ratio of both at its rim, which overexposed paper does not show.
     return PAGE_TOO_BRIGHT if view.page is not None and _sheet_at(view, MARGIN_PERCENTILE) >= CLIPPED else None
 
 
