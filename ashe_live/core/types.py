@@ -206,8 +206,8 @@ class Illumination:
     # (2, 3) linear RGB, the lean of the sky: beyond the light of an even sky, a surface of normal n gets n_x times the
     # first row plus n_y times the second, relative to all light on level ground. None: an even sky.
     sky_slope_rgb: Float | None = None
-    # The illumination as it was when `seen_in` was read: by the marker's frame as it lay there, where the marker has
-    # been moved since, and in the lights of then, where these are others (`relit`). None: it is this one.
+    # The illumination as it was when `seen_in` was read: in the frame of the marker as it lay there, where it has been
+    # moved since, and in the lights of then, where these are others (`relit`). None: it is this one.
     as_read: "Illumination | None" = None
 
     def __post_init__(self) -> None:

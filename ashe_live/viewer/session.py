@@ -65,7 +65,7 @@ class Session:
 
     @property
     def estimated_light(self) -> Illumination:
-        """The estimated illumination, by the marker's frame as it lies now, whatever was set by hand."""
+        """The estimated illumination in the frame of the marker as it lies now, whatever was set by hand."""
         return self._light.now(self.tracked)
 
     @property
@@ -75,7 +75,7 @@ class Session:
 
     @property
     def estimate_now(self) -> LightEstimate | None:
-        """The last estimate by the marker's frame as it lies now, and not as it lay then."""
+        """The last estimate, in the frame of the marker as it lies now, and not as it lay then."""
         return None if self.estimate is None else self._light.seen_by(self.tracked, self.estimate)
 
     @property

@@ -42,9 +42,9 @@ MOST_ROTATION_SIGMA_RAD = math.radians(0.5)
 # Standard deviation of the blur across the marker's borders, in pixels of the picture that is kept: a sharp border,
 # averaged over pixels as a camera does, has 0.4 to 1.
 MOST_BLUR_PX = 2.0
-# Side of the square around a corner of the marker in which the blur is measured. Of its pixels these shares are left
-# out, as they may come from sharpening or noise: the brightest and as many of the darkest, and the steepest.
-CROP_PX = 64
+CROP_PX = 64  # side of the square around a corner of the marker in which the blur is measured
+# Shares of its pixels that are left out, as they may come from sharpening or noise: of the brightest and the darkest,
+# each; and of the steepest.
 EXTREME, STEEPEST = 0.02, 0.01
 
 
@@ -91,20 +91,20 @@ class KeyViews:
         if self._is_being_moved(tracked):
             return False
         time_s = tracked.frame.time_s
-        given_way = self._set.given_way(view_direction(marker.T_cam_marker), time_s, self._most)
-        if given_way is None:
+        replaced = self._set.replaced_from(view_direction(marker.T_cam_marker), time_s, self._most)
+        if replaced is None:
             return False
         size = kept_size(tracked.frame.size)
         if blur_px(tracked) * size[0] / tracked.frame.size[0] > MOST_BLUR_PX:
             return False
         view = scaled(tracked, size)
         with self._changing:
-            stay = [each for each in without(self.views, given_way) if _age_s(each, time_s) <= OLDEST_S]
+            stay = [each for each in without(self.views, replaced) if _age_s(each, time_s) <= OLDEST_S]
             self._set = _ViewSet((*stay, view))
         return True
 
     def _is_being_moved(self, tracked: TrackedFrame) -> bool:
-        """Whether the marker moves in the room. Once it lies still, the views are by its frame where it lies."""
+        """Whether the marker moves in the room. Once it lies still, the views are carried over to its new frame."""
         before, self._T_room_marker = self._T_room_marker, tracked.T_room_marker
         if before is not None and before is not tracked.T_room_marker:
             return True
@@ -122,7 +122,7 @@ class KeyViews:
 
 
 class _ViewSet:
-    """The views, and what is computed once to decide about every further frame."""
+    """The views, and what is computed once to decide whether each further frame is wanted."""
 
     def __init__(self, views: tuple[TrackedFrame, ...]) -> None:
         self.views = views
@@ -135,7 +135,7 @@ class _ViewSet:
             self._redundant = min(range(len(views)), key=lambda at: tuple(gaps[at]))
             self._narrowest_rad = float(gaps[self._redundant, 0])
 
-    def given_way(self, direction: Float, time_s: float, most: int) -> tuple[TrackedFrame, ...] | None:
+    def replaced_from(self, direction: Float, time_s: float, most: int) -> tuple[TrackedFrame, ...] | None:
         """The views that a view from `direction` (3,) would replace; None if that view is not wanted."""
         if not self.views:
             return ()

@@ -1,4 +1,4 @@
-"""The light of a room by the frame of a marker that is moved in it, turned on the table or taken into the hand."""
+"""The light of a room in the frame of a marker that is moved there, turned on the table or taken into the hand."""
 
 import math
 from dataclasses import replace
@@ -24,13 +24,13 @@ class FixedInRoom:
     """An illumination that stays in the room while the marker is moved in it."""
 
     def __init__(self, illumination: Illumination, T_room_marker: Float | None) -> None:
-        """`illumination` by the marker's frame as it lay at `T_room_marker` (4, 4); None: unknown, it never moves."""
+        """`illumination`: in the frame of the marker as it lay at `T_room_marker` (4, 4); None: it never moves."""
         self.illumination, self._T_room_marker = illumination, T_room_marker
-        # By the marker's last place: nothing that follows is made anew while the marker lies still.
+        # As seen from the marker's last place: nothing that follows is made anew while the marker lies still.
         self._seen_at, self._seen = T_room_marker, illumination
 
     def seen_by(self, tracked: TrackedFrame | None) -> Illumination:
-        """By the marker's frame in `tracked`; as it was seen last where there is no marker in it."""
+        """In the frame of the marker as it lies in `tracked`; as it was seen last where there is no marker in it."""
         if tracked is None or tracked.marker is None:
             return self._seen
         if self._seen_at is not tracked.T_room_marker:
@@ -52,11 +52,11 @@ def moved_estimate(estimate: LightEstimate, T_new_old: Float, marker: MarkerPose
 
 
 def moved_illumination(illumination: Illumination, T_new_old: Float, marker: MarkerPose) -> Illumination:
-    """The same light, by the marker's new frame.
+    """The same light in the marker's new frame.
 
     T_new_old (4, 4): rigid, metres, from the marker's frame before it was moved to that after. The real object stays
-    where it is, but for one that the marker is printed on. Where a sheet no longer lies on its plane, the object is
-    left out, as bodies stand upright on the plane.
+    where it is, unless the marker is printed on it. It is left out where a sheet no longer lies on its plane, as bodies
+    stand upright on that.
     """
     body, slope, seen_in = illumination.real_object, illumination.sky_slope_rgb, illumination.seen_in
     is_level = stays_on_plane(T_new_old, marker.side_m)
@@ -78,10 +78,10 @@ def moved_illumination(illumination: Illumination, T_new_old: Float, marker: Mar
 
 
 def _shared_there(lights: tuple[Light, ...], before: Illumination) -> tuple[tuple[Light, ...], Float | None]:
-    """The moved lights and the ambient light with their shares of what the sheet receives where it lies now.
+    """The moved lights and the ambient light, with their shares of what the sheet receives where it lies now.
 
-    A light gives it as much as the cosine to its normal says, which was the sine of the light's elevation, and a lamp
-    less with the square of its distance; the sky gives it about as much as before.
+    What a light gives to the sheet goes by the cosine to its normal, which was the sine of the light's elevation
+    before, and for a lamp by the inverse square of its distance; the sky gives about as much as before.
     """
     left = [light.ground_rgb_ratio for light in lights]
     if not lights or any(ratio is None for ratio in left):
@@ -111,10 +111,10 @@ def _of_share(light: Light, share: Float) -> Light:
 
 
 def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFrame | None:
-    """A frame from before the marker's sheet was moved, by the frame of the marker as it lies now: `T_room_marker`.
+    """A frame from before the marker's sheet was moved, as if the marker had lain where it lies now: `T_room_marker`.
 
-    Where the sheet lay in it, there is another printed sheet. None where it no longer lies on that plane, or where the
-    marker is printed on a body, which has moved itself.
+    The sheet that is seen in it then counts as another printed sheet. None where the marker no longer lies on that
+    plane, or is printed on a body, which has moved itself.
     """
     marker = tracked.marker
     assert marker is not None

@@ -88,11 +88,11 @@ def _area_sides(is_changed: Mask, shear_sides: float) -> float:
 
 
 def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
-    """Indices of the views `before` that show another scene than `now`: all, if most of those compared do.
+    """Indices of the views `before` that show another scene than `now`: all of them, if most of those compared do.
 
-    So a hand that passes through a single view makes only that view outdated; if it is the only one that can be
-    compared, the other views tell whether it was a hand. All are as well if the two views from the nearest directions
-    are, as from farther aside a change may be taken for a thing above the plane.
+    So a hand that passes through a single view makes only that view outdated. If that is the only one that can be
+    compared, the other views tell whether a hand was in it. All are outdated as well if the two from the nearest
+    directions are, as seen from farther aside a change may pass for a thing above the plane.
     """
     results = [differs(now, each) for each in before]
     gone = [at for at, is_other in enumerate(results) if is_other]
@@ -113,8 +113,9 @@ def _is_alone(view: PlanePicture, others: Sequence[PlanePicture]) -> bool:
 def outdated_with_far(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
     """As `outdated`, also of views from too far aside to be compared with `now`.
 
-    One after the other, from the near ones to the far, they are compared with the nearest ones of which it is known
-    whether they show its scene, and show another if two of these say so: something may be before one of them.
+    From the nearest to the farthest, each of these is compared with those of which it is known by then whether they
+    show the scene of `now`. It shows that scene if the nearest of them says so; that it does not takes the two nearest,
+    as something may be before one of them.
     """
     gone = outdated(now, before)
     shows_it = {at: at not in gone for at, each in enumerate(before) if at in gone or differs(now, each) is not None}

@@ -14,8 +14,8 @@ HEIGHTS = (0.125, 0.375, 0.625, 0.875)  # over the body's
 def share_shown(estimate: LightEstimate, tracked: TrackedFrame) -> float:
     """The share in the picture of the real object of `estimate`, or of its shadow that is seen best, if that is less.
 
-    Both by the frame of the marker in `tracked`, which must have one. 1 where no object is known. Whoever leans in to
-    look at a model has neither in view, and what is seen then says nothing of the light.
+    Both in the frame of the marker as it lies in `tracked`, which must have one. 1 where no object is known. Whoever
+    leans in to look at a model has neither in view, and what is seen then says nothing of the light.
     """
     body = estimate.illumination.real_object
     if body is None or not estimate.lights:

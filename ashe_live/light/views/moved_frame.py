@@ -1,4 +1,4 @@
-"""What is known by the marker's frame, by that frame where it has been moved: onto the ground below, or in the room."""
+"""What is known in the marker's frame, in that frame after it has moved: onto the ground below, or in the room."""
 
 from dataclasses import replace
 

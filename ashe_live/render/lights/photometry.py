@@ -38,7 +38,7 @@ class Photometry:
         return found
 
     def _seen_light(self, of: Illumination) -> SeenLight:
-        """What is read in the picture, by the marker's frame as it lay there, in the lights of then."""
+        """What is read in the picture, in the frame of the marker as it lay there and in the lights of then."""
         known = _known(of)
         if self._read is None or not same_objects(self._read[0], known):
             self._read = known, SeenLight.of(of)

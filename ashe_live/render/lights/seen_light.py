@@ -14,7 +14,7 @@ from ashe_live.render.lights.shadow_colour import steadied
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeenLight:
-    """An illumination by the marker's frame as it lay in the picture that it was seen in, and what is read there."""
+    """An illumination in the frame of the marker as it lay in the picture it was seen in, and what is read there."""
 
     lighting: Lighting
     ambient: Float | None  # (3,) as Illumination.ambient_rgb_ratio, of the open sky

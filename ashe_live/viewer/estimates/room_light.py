@@ -28,7 +28,7 @@ class RoomLight:
         self._fixed = FixedInRoom(estimated, T_room_marker)
 
     def now(self, tracked: TrackedFrame | None) -> Illumination:
-        """The estimated light by the marker's frame in `tracked`."""
+        """The estimated light in the frame of the marker as it lies in `tracked`."""
         return self._seen_from(tracked, self.estimated)
 
     def is_lifted(self, tracked: TrackedFrame) -> bool:
@@ -43,7 +43,7 @@ class RoomLight:
         return motion is not None and not stays_on_plane(motion, tracked.marker.side_m)
 
     def seen_by(self, tracked: TrackedFrame | None, estimate: LightEstimate) -> LightEstimate:
-        """The last estimate by the marker's frame in `tracked`."""
+        """The last estimate in the frame of the marker as it lies in `tracked`."""
         motion = None if tracked is None else motion_between(self._T_room_marker, tracked.T_room_marker)
         if motion is None or tracked is None or tracked.marker is None:
             return estimate
@@ -58,9 +58,10 @@ class RoomLight:
         return self._seen_from(tracked, self._easing.jump(self.estimated))
 
     def show_by_hand(self, tracked: TrackedFrame | None, by_hand: Illumination) -> Illumination:
-        """Shows a light that was set by hand, by the marker's frame in `tracked`, at once; the next one eases from it.
+        """Shows a light that was set by hand at once; the next one eases from it.
 
-        As it is easing by the marker's frame in the estimate, that light is taken there.
+        It is given in the frame of the marker as it lies in `tracked`. Easing is done in that of the marker as it lay
+        in the estimate, so that the light is moved there first.
         """
         shown = by_hand
         if tracked is not None and tracked.marker is not None:

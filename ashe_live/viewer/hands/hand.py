@@ -67,7 +67,7 @@ class Hand:
 
     @property
     def light(self) -> Illumination | None:
-        """The illumination that was set, which stays in the room; by the marker's frame in the frame that is shown."""
+        """The illumination that was set, which stays in the room, in the frame of the marker as it is shown lying."""
         return None if self.set_light is None else self.set_light.seen_by(self._tracked)
 
     @light.setter
