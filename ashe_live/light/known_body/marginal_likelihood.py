@@ -14,7 +14,7 @@ from ashe_live.light.known_body.table import SIDE
 
 LEAST_NOISE = 0.02  # standard deviation of relative light that every map has
 RIDGE = 1e-6
-# Before the picture is seen: the part of the table's light that a light gives, and its standard deviation.
+# The prior of the part of the table's light that a light gives: mean and standard deviation.
 DARKENING, DARKENING_SIGMA = 0.35, 0.35
 MOST_DARKENING = 0.97  # by all lights together: some light always comes from elsewhere
 ROUNDS = 2  # of the sides' variances, which depend on how bright the lights are
@@ -136,10 +136,19 @@ class MarginalLikelihood:
 
     def _explained(self, normal: _Normal) -> tuple[Float, Float]:
         """(m,) log likelihood of map and sides, with each set of lights, and (l, m) their darkenings."""
-        sides, cells, prior = self._observed.sides, self._observed.cells, 1 / DARKENING_SIGMA**2
-        count, reached = len(normal.pull), normal.reached
-        by_map = normal.information / (self._cells_a_sample * self._variance) + prior * np.eye(count)[..., None]
-        pull_of_map = normal.pull / (self._cells_a_sample * self._variance) + prior * DARKENING
+        darkenings, log_determinant = self._likeliest_darkenings(normal)
+        sides, prior = self._observed.sides, 1 / DARKENING_SIGMA**2
+        by_sides = sides.log_likelihood(normal.reached, darkenings, sides.variance(normal.spread, darkenings))
+        by_prior = -0.5 * prior * ((darkenings - DARKENING) ** 2).sum(axis=0)
+        volume = 0.5 * (len(darkenings) * np.log(prior) - log_determinant)
+        return self._of_map(normal, darkenings) + by_sides + by_prior + volume, darkenings
+
+    def _likeliest_darkenings(self, normal: _Normal) -> tuple[Float, Float]:
+        """(l, m) by map, sides and prior; and (m,) the log determinant of the information on them."""
+        sides, prior, reached = self._observed.sides, 1 / DARKENING_SIGMA**2, normal.reached
+        variance_of_map = self._cells_a_sample * self._variance
+        by_map = normal.information / variance_of_map + prior * np.eye(len(normal.pull))[..., None]
+        pull_of_map = normal.pull / variance_of_map + prior * DARKENING
         darkenings = np.full(normal.pull.shape, DARKENING)
         for _ in range(ROUNDS):
             variance = sides.variance(normal.spread, darkenings)
@@ -154,19 +163,23 @@ class MarginalLikelihood:
             darkenings, log_determinant = _solved(information, pull)
             darkenings = darkenings.clip(0.0, MOST_DARKENING)
             darkenings /= np.maximum(darkenings.sum(axis=0) / MOST_DARKENING, 1.0)
-        left = self._left(normal, darkenings)
+        return darkenings, log_determinant
+
+    def _of_map(self, normal: _Normal, darkenings: Float) -> Float:
+        """(m,) log likelihood of the map with each set of lights, of darkenings (l, m).
+
+        The more of the light the sky gives, the less is known of what the map looks like without lights: it lies
+        between the one beside lights and that under a sky which gives all light.
+        """
+        observed, cells = self._observed, self._observed.cells
         samples = cells / self._cells_a_sample
-        by_map_left = -0.5 * samples * np.log(left / cells + LEAST_NOISE**2)
-        # The more of the light the sky gives, the less is known of what the map looks like without lights.
-        sky = self._observed.sky[:, None] - (normal.sky * darkenings[:, None]).sum(axis=0)
-        left_by_sky = np.maximum(left - self._observed.taken_by_sky(sky), 0.0)
-        by_sky_alone = -0.5 * samples * np.log(left_by_sky / cells + LEAST_NOISE**2) + self._observed.volume
-        towards = ((1 - darkenings.sum(axis=0) - BESIDE_LIGHTS) / (1 - BESIDE_LIGHTS)).clip(0.0, 1.0)
-        by_map_left += towards * (by_sky_alone - by_map_left)
-        by_sides = sides.log_likelihood(reached, darkenings, sides.variance(normal.spread, darkenings))
-        by_prior = -0.5 * prior * ((darkenings - DARKENING) ** 2).sum(axis=0)
-        volume = 0.5 * (count * np.log(prior) - log_determinant)
-        return by_map_left + by_sides + by_prior + volume, darkenings
+        left = self._left(normal, darkenings)
+        beside_lights = -0.5 * samples * np.log(left / cells + LEAST_NOISE**2)
+        sky = observed.sky[:, None] - (normal.sky * darkenings[:, None]).sum(axis=0)
+        left_by_sky = np.maximum(left - observed.taken_by_sky(sky), 0.0)
+        under_sky = -0.5 * samples * np.log(left_by_sky / cells + LEAST_NOISE**2) + observed.volume
+        share = ((1 - darkenings.sum(axis=0) - BESIDE_LIGHTS) / (1 - BESIDE_LIGHTS)).clip(0.0, 1.0)
+        return np.asarray(beside_lights + share * (under_sky - beside_lights))
 
 
 def _solved(matrices: Float, vectors: Float) -> tuple[Float, Float]:

@@ -22,13 +22,13 @@ from ashe_live.light.known_body.table import SIDE
 # along each side, which are as wide as a body's short shadow.
 CELLS_A_SAMPLE, ALIKE = 13.0, 9
 USUAL_NOISE = 0.06  # standard deviation of relative light that most maps have
-# What else varies on a table, by number: slow terms; from HIDDEN on, the sky that the body hides, and how that leans
-# along x and along y.
+# The number of terms in which the table's light varies without any lights. The first HIDDEN are slow gradients; then
+# come the sky that the body hides, and how that leans along x and along y.
 VARIED, HIDDEN = 9, 6
-# Of the sky's light that the body hides, over what it would hide of an even sky: it hides a fifth more or less. Painted
-# cubes' skies are off by half of this. And of the slope of a sky that gives all of the table's light. Of one that gives
-# a part of it both are that part: beside lights a half.
-HIDDEN_SIGMA, LEANING_SIGMA, BESIDE_LIGHTS = 0.2, SLOPE, 0.5
+# Standard deviations under a sky that gives all of the table's light: of what the body hides of it, over what it would
+# hide of an even one (painted cubes' skies are off by half of this); and of the sky's slope.
+HIDDEN_SIGMA, LEANING_SIGMA = 0.2, SLOPE
+BESIDE_LIGHTS = 0.5  # factor on both for a sky beside lights, which gives about half of the light
 
 
 @dataclass(frozen=True, slots=True, eq=False)
