@@ -168,5 +168,5 @@ def _both_sides(own: ShadowEdges, room: Room, size_rad: float) -> tuple[Mask, Fl
     """(n,) whether the table is seen on both sides of a shadow's edges, and (2, n, 2) pixels there: inside, outside."""
     away = _beyond_px(own, size_rad)
     ends = np.array([own.points_px + sign * away[:, None] * own.normals_px for sign in (-1, 1)])
-    is_seen: Mask = (room.around(ends.reshape(-1, 2)) > 0).reshape(2, -1).all(axis=0)
+    is_seen = np.asarray((room.around(ends.reshape(-1, 2)) > 0).reshape(2, -1).all(axis=0))
     return is_seen, ends
