@@ -8,7 +8,7 @@ from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.live.worker import LightWorker
-from ashe_live.light.live.worker_process import Draw, WorkerFailure
+from ashe_live.light.live.worker_messages import Draw, WorkerFailure
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate

@@ -15,7 +15,7 @@ from ashe_live.commands.viewing import setup
 from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.light.estimators import estimator
-from ashe_live.light.live.worker_process import Estimated
+from ashe_live.light.live.worker_messages import Estimated
 from tests.checkout import CHECKOUT
 
 

@@ -15,14 +15,7 @@ from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.light.live.worker import Outcome
-from ashe_live.light.live.worker_process import (
-    Estimated,
-    EstimateTask,
-    Followed,
-    OtherScene,
-    Unchanged,
-    WorkerFailure,
-)
+from ashe_live.light.live.worker_messages import Estimated, EstimateTask, Followed, OtherScene, Unchanged, WorkerFailure
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box

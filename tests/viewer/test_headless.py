@@ -3,7 +3,7 @@
 import pytest
 
 from ashe_live.errors import UserError
-from ashe_live.light.live.worker_process import WorkerFailure
+from ashe_live.light.live.worker_messages import WorkerFailure
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate

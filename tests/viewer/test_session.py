@@ -11,7 +11,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, direction_from_angles, rigid
 from ashe_live.core.types import Frame, Illumination, Light
 from ashe_live.errors import UserError
-from ashe_live.light.live.worker_process import WorkerFailure
+from ashe_live.light.live.worker_messages import WorkerFailure
 from ashe_live.models.mesh import Model, Motion
 from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box

@@ -17,7 +17,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import ESTIMATORS, OF_ONE_FRAME, Estimator, make_estimator
 from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.light.live import worker_process
-from ashe_live.light.live.worker_process import Answer, EstimateRequest, EstimateTask, WorkerFailure
+from ashe_live.light.live.worker_messages import Answer, EstimateRequest, EstimateTask, WorkerFailure
 from ashe_live.process import children
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.process.pipes import receive_value, send_value

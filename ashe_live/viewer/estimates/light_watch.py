@@ -13,7 +13,7 @@ from ashe_live.light.live.comparable import fits
 from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker, Outcome
-from ashe_live.light.live.worker_process import Draw, Estimated, EstimateTask, Followed, OtherScene, WorkerFailure
+from ashe_live.light.live.worker_messages import Draw, Estimated, EstimateTask, Followed, OtherScene, WorkerFailure
 from ashe_live.viewer.estimates.brightness import Brightness
 from ashe_live.viewer.estimates.held_empty_table import HeldEmptyTable
 from ashe_live.viewer.estimates.sharpening import EVERY_S, Sharpening

@@ -21,7 +21,7 @@ from ashe_live.light.estimators.preset import BALANCED, FAST, ProxyPreset
 from ashe_live.light.explanation.no_answer import NOTHING_THERE
 from ashe_live.light.live import worker as worker_module
 from ashe_live.light.live.worker import LightWorker
-from ashe_live.light.live.worker_process import (
+from ashe_live.light.live.worker_messages import (
     Answered,
     Estimated,
     EstimateTask,

@@ -13,7 +13,7 @@ from ashe_live.core.transforms import angle_between, direction_from_angles
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.live.worker import LightWorker
-from ashe_live.light.live.worker_process import OtherScene
+from ashe_live.light.live.worker_messages import OtherScene
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
