@@ -1,4 +1,4 @@
-"""Outlines of bodies aligned with the steps of light in the picture at full resolution.
+"""Outlines of bodies and shadows in the picture at full resolution: aligned with steps of light, blurred by penumbrae.
 
 May import `core`, `pixels`, `shape` and `outline_fit`.
 """

@@ -13,7 +13,8 @@ from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, project, rigid, tangent_basis
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.light.explanation.penumbra import _blur_per_height, angular_size, soft_size
+from ashe_live.light.edges.shadow_edge import _blur_per_height
+from ashe_live.light.explanation.penumbra import angular_size, soft_size
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity, cast_on_ground, towards
 from ashe_live.light.shape.predicted import predicted
