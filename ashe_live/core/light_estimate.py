@@ -1,5 +1,6 @@
-"""What an estimator answers: the light of one frame, or why there is none."""
+"""What an estimator answers: the light of one frame, or why there is none; and a clock for the times of its stages."""
 
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -19,7 +20,7 @@ class LightEstimate:
     reason: str | None = None  # a message for the user, e.g. "no shadow found beside the object"
     object_mask: Mask | None = None  # (h, w) at the estimator's working size
     shadow_mask: Mask | None = None  # (h, w) at the estimator's working size
-    timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total"
+    timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total": as by `StageClock`
     views: tuple[int, ...] = ()  # indices of the frames that the answer rests on, `frame_index` first; () is that alone
     span_rad: float | None = None  # largest angle between their directions of view to the marker; None: one view
 
@@ -42,3 +43,21 @@ class LightEstimate:
     def lights(self) -> tuple[Light, ...]:
         """As `Illumination.lights`."""
         return self.illumination.lights
+
+
+class StageClock:
+    """Measures milliseconds by stage from its creation on; the time between two `end`s belongs to the second's."""
+
+    def __init__(self) -> None:
+        self._begin = self._last = time.perf_counter()
+        self._stages: dict[str, float] = {}
+
+    def end(self, stage: str) -> None:
+        """Books the time since the last `end` under `stage`."""
+        now = time.perf_counter()
+        self._stages[stage] = self._stages.get(stage, 0.0) + 1000 * (now - self._last)
+        self._last = now
+
+    def timing_ms(self) -> dict[str, float]:
+        """Milliseconds by stage, and as "total" those since the beginning."""
+        return {**self._stages, "total": 1000 * (time.perf_counter() - self._begin)}

@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light_estimate import LightEstimate, StageClock
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration

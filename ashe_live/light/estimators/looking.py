@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.stages import StageClock
+from ashe_live.core.light_estimate import StageClock
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.preset import FAST, ProxyPreset
 from ashe_live.light.estimators.scene_views import fine_and_coarse, scene_views

@@ -14,8 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ashe_live.core.arrays import Mask, without
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.stages import StageClock
+from ashe_live.core.light_estimate import LightEstimate, StageClock
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body

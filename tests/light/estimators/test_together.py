@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.light.takes import FALL
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.stages import StageClock
+from ashe_live.core.light_estimate import LightEstimate, StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, Illumination, Light, TrackedFrame
 from ashe_live.light.estimators import proxy

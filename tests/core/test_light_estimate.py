@@ -1,11 +1,11 @@
-"""Times by stage."""
+"""What an estimator answers: the times of its stages."""
 
 import time
 from collections.abc import Iterator
 
 import pytest
 
-from ashe_live.core.stages import StageClock
+from ashe_live.core.light_estimate import StageClock
 
 
 def test_each_stage_gets_the_time_since_the_one_before_and_the_total_all_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
