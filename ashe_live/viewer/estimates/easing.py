@@ -41,8 +41,7 @@ class LightEasing:
 
     def move(self, T_new_old: Float, marker: MarkerPose) -> None:
         """What is shown goes on in another frame of the marker, as `moved_illumination`."""
-        self._target = self._shown = moved_illumination(self._shown, T_new_old, marker)
-        self._begun_s = -math.inf
+        self.jump(moved_illumination(self._shown, T_new_old, marker))
 
 
 def _between(start: Illumination, end: Illumination, share: float) -> Illumination:

@@ -110,6 +110,14 @@ def test_a_new_target_on_the_way_starts_from_what_is_shown():
     assert angle_between(seen, back) < 1e-9
 
 
+def test_what_is_shown_at_once_stays_though_another_was_on_its_way():
+    easing, end = LightEasing(), lit_from(direction_from_angles(1.5, 0.5))
+    easing.jump(lit_from(SUN))
+    easing.at(end, 0.0)
+    assert easing.jump(end) is end
+    assert easing.at(end, EASED_OVER_S / 3) is end
+
+
 def test_without_any_light_nothing_is_on_its_way():
     assert LightEasing().at(NONE, 0.0).lights == ()
 
@@ -117,7 +125,9 @@ def test_without_any_light_nothing_is_on_its_way():
 def test_on_the_way_only_what_changes_is_a_new_array():
     """What is drawn once for a ground colour is known by its identity."""
     end = replace(lit_from(SUN), ground_rgb=np.full(3, 0.4))
-    assert all(shown.ground_rgb is end.ground_rgb for shown in passage(NONE, end))
+    for shown in passage(NONE, end):
+        assert shown.ground_rgb is end.ground_rgb
+        assert shown.sky_slope_rgb is None
 
 
 @pytest.mark.parametrize("radius_m", [None, 0.02])
@@ -148,12 +158,13 @@ def test_a_lamp_whose_share_was_measured_at_the_marker_fades_by_it():
 
 def test_a_sky_leans_over_without_a_jump():
     lit = lit_from(SUN)
-    slope = np.full((2, 3), 0.1)
-    leaning = [shown.sky_slope_rgb for shown in passage(lit, replace(lit, sky_slope_rgb=slope))]
-    values = [0.0 if each is None else float(each[0, 0]) for each in leaning]
-    assert (values[0], values[-1]) == (0.0, 0.1)
-    assert max(b - a for a, b in itertools.pairwise(values)) < 0.02
-    assert passage(replace(lit, sky_slope_rgb=slope), lit)[-1].sky_slope_rgb is None
+    leaning = replace(lit, sky_slope_rgb=np.full((2, 3), 0.1))
+    for start, end, ends in ((lit, leaning, (0.0, 0.1)), (leaning, lit, (0.1, 0.0))):
+        slopes = [shown.sky_slope_rgb for shown in passage(start, end)]
+        values = [0.0 if each is None else float(each[0, 0]) for each in slopes]
+        assert (values[0], values[-1]) == ends
+        assert np.abs(np.diff(values)).max() < 0.02
+    assert slopes[-1] is None
 
 
 def test_on_the_way_the_picture_is_read_as_it_is_lit():

@@ -12,8 +12,9 @@ from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 POSE = MarkerPose(np.diag([1.0, -1, -1, 1]), np.array([(0.0, 0), (9, 0), (9, 9), (0, 9)]), 0.08, 0.1, None)
 
 
-def frame(index: int) -> TrackedFrame:
-    return TrackedFrame(Frame(np.zeros((12, 16, 3), np.uint8), index, index / 30), Camera.from_hfov((16, 12), 60), POSE)
+def frame(index: int, marker: MarkerPose | None = POSE) -> TrackedFrame:
+    pixels = np.zeros((12, 16, 3), np.uint8)
+    return TrackedFrame(Frame(pixels, index, index / 30), Camera.from_hfov((16, 12), 60), marker)
 
 
 def due(first: FirstEstimate, indices: Iterable[int], is_done_when_due: bool = True) -> list[int]:
@@ -43,8 +44,16 @@ def test_in_a_loop_that_is_never_steady_it_is_made_where_the_next_round_begins()
     assert due(FirstEstimate(never_steady, at_frame=9), (0, 2, 5, 0, 2, 5, 0)) == []
 
 
+def test_in_a_loop_it_is_made_of_no_frame_without_a_marker() -> None:
+    first = FirstEstimate(Steadiness(100), on_first_steady=True)
+    first.add(frame(5))
+    begins_anew = frame(0, marker=None)
+    first.add(begins_anew)
+    assert not first.is_due_in(begins_anew)
+
+
 def test_it_is_made_of_a_frame_with_a_number_or_of_the_next_one_that_was_tracked() -> None:
-    first = FirstEstimate(at_frame=7)
+    first = FirstEstimate(on_first_steady=True, at_frame=7)
     assert not first.awaits_steady
     assert due(first, range(20)) == [7]
     assert due(FirstEstimate(at_frame=7), range(0, 20, 3)) == [9]
