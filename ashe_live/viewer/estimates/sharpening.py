@@ -80,7 +80,7 @@ class Sharpening:
         span_rad = span_of(views)
         if self.is_settled:
             return span_rad >= MUCH_WIDER * self._widest_rad + MUCH_WIDER_BY_RAD
-        if len(views) > 1 and span_rad >= WIDER * self.span_rad + WIDER_BY_RAD:
+        if span_rad >= WIDER * self.span_rad + WIDER_BY_RAD:
             return True
         new = len(without(views, self._views))
         return new >= max(2, NEW_SHARE * len(views)) and span_rad >= AS_WIDE * self.span_rad

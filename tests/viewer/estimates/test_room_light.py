@@ -32,6 +32,7 @@ def moved(turn_deg: float = 0.0, shift_m: tuple[float, float] = (0.0, 0.0), tilt
 
 FIRST = moved()
 ELSEWHERE = moved(70.0, (0.1, -0.06))
+OUT_OF_VIEW = TrackedFrame(FIRST.frame, CAMERA, None)
 
 
 def in_room(light: Light | None, seen_in: TrackedFrame) -> tuple[np.ndarray, float]:
@@ -51,18 +52,29 @@ def test_it_stays_where_it_is_while_the_marker_is_moved(light: Light) -> None:
     np.testing.assert_allclose(in_room(seen.light, ELSEWHERE), in_room(light, FIRST), atol=1e-9)
     assert angle_between(seen.light.to_light_marker, light.to_light_marker) > 0.1
     # While it is out of view it lies where it lay at last.
-    out_of_view = TrackedFrame(FIRST.frame, CAMERA, None)
-    np.testing.assert_allclose(room.now(out_of_view).light.to_light_marker, seen.light.to_light_marker)
+    np.testing.assert_allclose(room.now(OUT_OF_VIEW).light.to_light_marker, seen.light.to_light_marker)
     estimate = LightEstimate("proxy", 0, Illumination((light,)))
     np.testing.assert_allclose(room.seen_by(ELSEWHERE, estimate).light.homogeneous, seen.light.homogeneous)
-    assert room.seen_by(FIRST, estimate) is room.seen_by(out_of_view, estimate) is estimate
+    assert room.seen_by(FIRST, estimate) is room.seen_by(OUT_OF_VIEW, estimate) is estimate
 
 
 def test_an_estimate_of_the_moved_marker_is_of_where_it_lies_then() -> None:
-    room = RoomLight()
-    room.take(Illumination((SUN,)), ELSEWHERE)
-    assert room.now(ELSEWHERE).light is SUN
+    room, lit = RoomLight(), Illumination((SUN,))
+    for lies in (FIRST, ELSEWHERE):  # a second time the same light by its frame, and so another one of the room
+        room.take(lit, lies)
+        assert room.now(lies).light is SUN
     np.testing.assert_allclose(in_room(room.now(FIRST).light, FIRST), in_room(SUN, ELSEWHERE), atol=1e-9)
+
+
+def test_without_an_estimate_there_is_the_sky_or_what_is_set_by_hand() -> None:
+    room, by_hand = RoomLight(), Illumination((SUN,))
+    for tracked in (None, OUT_OF_VIEW, ELSEWHERE):
+        assert room.now(tracked).lights == ()
+        assert room.show_by_hand(tracked, by_hand) is by_hand
+        assert room.shown(tracked, 0.0).light.to_light_marker == pytest.approx(SUN.to_light_marker)
+    room.take(by_hand, FIRST)
+    room.take(Illumination(), None)  # it is gone
+    assert room.now(ELSEWHERE).lights == ()
 
 
 def test_a_marker_is_lifted_when_it_leaves_its_plane_under_a_known_light() -> None:
@@ -72,6 +84,8 @@ def test_a_marker_is_lifted_when_it_leaves_its_plane_under_a_known_light() -> No
     assert not room.is_lifted(FIRST)
     assert not room.is_lifted(ELSEWHERE)
     assert room.is_lifted(moved(tilt_deg=40))
+    room.take(Illumination(), FIRST)  # that no light was found tells nothing of the plane
+    assert not room.is_lifted(moved(tilt_deg=40))
 
 
 def test_from_a_light_that_was_set_by_hand_the_next_one_eases_in_the_room() -> None:
@@ -95,3 +109,15 @@ def test_what_is_on_its_way_stays_in_the_room_when_the_marker_is_moved() -> None
     np.testing.assert_allclose(in_room(begin, ELSEWHERE), in_room(SUN, FIRST), atol=1e-6)
     end = room.shown(ELSEWHERE, 5.0 + EASED_OVER_S).light
     assert angle_between(end.to_light_marker, towards) < 1e-6
+
+
+def test_a_marker_that_is_out_of_view_lies_where_it_lay_while_the_light_is_on_its_way() -> None:
+    room = RoomLight()
+    room.take(Illumination((SUN,)), FIRST)
+    room.jump(ELSEWHERE)
+    for out_of_view in (OUT_OF_VIEW, None):
+        turned = Illumination((Light(np.array([-0.2, 0.3, 0.9]), shadow_rgb_ratio=np.full(3, 0.4)),))
+        room.take(turned, FIRST)
+        for now_s in (5.0, 5.0 + EASED_OVER_S):
+            seen = room.shown(out_of_view, now_s).light
+            np.testing.assert_allclose(seen.homogeneous, room.shown(ELSEWHERE, now_s).light.homogeneous, atol=1e-9)

@@ -25,6 +25,12 @@ def test_views_that_span_more_are_worth_another_estimate_and_the_same_again_are_
     assert sharpening.is_due_for((*views, fakes.tracked(9, tilt_deg=7.0)), 10.0)
 
 
+def test_where_nothing_is_seen_nothing_is_worth_an_estimate():
+    sharpening = Sharpening()
+    assert sharpening.span_rad == 0
+    assert not sharpening.is_due_for((), 10.0)
+
+
 def test_one_estimate_at_a_time_and_not_too_often(fakes):
     sharpening = asked(orbit(fakes, 2, 2.0))
     wider = orbit(fakes, 4, 2.0)
@@ -38,6 +44,14 @@ def test_new_views_over_the_same_span_are_worth_it_once_there_are_enough(fakes):
     assert not sharpening.is_due_for((*views[:5], fakes.tracked(20, tilt_deg=15.0)), 10.0)
     renewed = (*views[:3], *orbit(fakes, 6, 3.0, first=30)[3:])
     assert sharpening.is_due_for(renewed, 10.0)
+
+
+def test_one_new_view_of_few_and_two_of_many_are_not_enough(fakes):
+    for count, new in ((3, 1), (9, 2)):
+        views = orbit(fakes, count, 3.0)
+        others = orbit(fakes, count, 3.0, first=30)
+        assert not asked(views).is_due_for((*views[:-new], *others[-new:]), 10.0)
+        assert asked(views).is_due_for(others, 10.0)
 
 
 def test_a_clip_that_begins_again_is_not_estimated_from_less_than_is_known(fakes):
@@ -55,20 +69,26 @@ def test_it_ends_when_nothing_is_gained_and_goes_on_where_much_more_is_seen(fake
     assert sharpening.is_settled
     assert not sharpening.is_due_for(orbit(fakes, 6, 4.0), 10.0)
     assert sharpening.is_due_for(orbit(fakes, 8, 4.0), 10.0)
-    sharpening.answered(is_sharper=True)
-    assert not sharpening.is_settled
+    for is_sharper in (True, *[False] * (FUTILE - 1)):
+        sharpening.answered(is_sharper)
+        assert not sharpening.is_settled
 
 
 def test_a_watched_scene_is_looked_at_less_often_once_nothing_is_gained_and_estimated_again_in_the_end(fakes):
     sharpening = asked(orbit(fakes, 1, 0.0), 100.0)
     assert sharpening.is_due_again(100.0 + EVERY_S)
     for _ in range(FUTILE):
+        assert not sharpening.is_up_to_date(100.0 + EVERY_S)
         sharpening.answered(is_sharper=False)
     assert not sharpening.is_due_again(100.0 + EVERY_S)
     assert sharpening.is_due_again(100.0 + CHECKED_EVERY_S)
     assert sharpening.is_up_to_date(100.0 + CHECKED_EVERY_S)
-    assert not sharpening.is_up_to_date(101.0 + RENEWED_AFTER_S)
+    later_s = 101.0 + RENEWED_AFTER_S
+    assert not sharpening.is_up_to_date(later_s)
     assert math.isclose(sharpening.span_rad, 0.0)
+    sharpening.asked(orbit(fakes, 1, 0.0), later_s)
+    sharpening.verified()
+    assert sharpening.is_up_to_date(later_s + CHECKED_EVERY_S)
 
 
 def test_views_by_a_focal_length_that_has_become_known_are_worth_it_all_the_same(fakes):
@@ -82,5 +102,10 @@ def test_views_by_a_focal_length_that_has_become_known_are_worth_it_all_the_same
     known = Camera.from_hfov(again[0].camera.size, 50)
     by_it = tuple(dataclasses.replace(view, camera=known) for view in again)
     assert sharpening.is_due_for(by_it, 10.0)
-    sharpening.asked(by_it, 10.0)
-    assert not sharpening.is_settled
+    assert asked(views[:1]).is_due_for(by_it[:1], 10.0)
+    # What was learned by the other is forgotten: how wide its views were, too.
+    sharpening.asked(by_it[:3], 10.0)
+    for _ in range(FUTILE):
+        assert not sharpening.is_settled
+        sharpening.answered(is_sharper=False)
+    assert sharpening.is_due_for(by_it, 20.0)

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.context import AGREEING_RAD, NO_CONTEXT, Context, context_features
+from ashe_live.light.explanation.judgement.context import AGREEING_RAD, NO_CONTEXT, Context, are_apart, context_features
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.shape.body import LitBody
@@ -39,6 +40,26 @@ def test_another_body_in_the_same_light_agrees() -> None:
     one, other = explanation(), elsewhere(explanation(to_light=NEAR), 0.5)
     least = min(other.alignment.clear_body, other.alignment.clear_shadow)
     assert agreeing(one, Context([one, other])) == least > 0
+
+
+def test_of_several_that_agree_the_clearest_counts() -> None:
+    one, clear = explanation(), elsewhere(explanation(to_light=NEAR), 0.5)
+    faint = replace(clear, alignment=replace(clear.alignment, clear_shadow=0.1))
+    counts = agreeing(one, Context([one, clear]))
+    assert agreeing(one, Context([one, faint])) == 0.1 < counts
+    assert agreeing(one, Context([one, faint, clear])) == counts == agreeing(one, Context([one, clear, faint]))
+
+
+def ball_at(x: float, radius: float) -> tuple[float, ...]:
+    return x, 0.02, radius, radius, radius
+
+
+@pytest.mark.parametrize("gap_m", [-0.005, 0.005])
+def test_bodies_are_apart_where_no_part_of_one_reaches_to_the_other(gap_m: float) -> None:
+    ball, middle = Proxy("ball", np.array([ball_at(0.0, 0.03)])), 0.06 + gap_m
+    bar = [ball_at(middle - 0.02, 0.01), ball_at(middle, 0.02), ball_at(middle + 0.02, 0.01)]
+    three = Proxy("balls", np.array(bar))
+    assert are_apart(ball, three) is are_apart(three, ball) is (gap_m > 0)
 
 
 def test_the_same_body_does_not_nor_one_in_another_light() -> None:
