@@ -1,13 +1,17 @@
 """How uncertain a direction is: the radius that holds the truth."""
 
 import math
+from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.transforms import radius_of_68_percent
+from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import PoseShapeErrors
+from ashe_live.core.transforms import radius_of_68_percent, tangent_basis
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.explanation.judgement.uncertainty import Calibration, overdispersed
+from ashe_live.light.explanation.judgement.uncertainty import FLOOR_RAD, Calibration, overdispersed
 from ashe_live.light.shape.directions import HEMISPHERE_RAD, FittedLight
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import direction
@@ -79,3 +83,44 @@ def test_what_an_end_out_of_view_leaves_open_is_no_error_of_outlines(unseen_end:
     assert wider[1, 1] == pytest.approx(4e-4 * (9 * (1 - unseen_end) + unseen_end), rel=0.01)
     assert np.linalg.det(wider) > 0
     assert overdispersed(stated, unseen_end, 1.0)[1, 1] == pytest.approx(4e-4)
+
+
+def by_pose(tracked: TrackedFrame, **how: bool) -> Float:
+    """The covariance of a direction that outlines determine, beyond the floor of systematic errors."""
+    exact = FittedLight(np.append(TO_LIGHT, 0.0), np.zeros((2, 2)))
+    return Calibration(1.0, 0.0, 1.0).covariance(exact, 1.0, tracked, **how) - FLOOR_RAD**2 * np.eye(2)
+
+
+def moved_by(turn: Float, tracked: TrackedFrame) -> Float:
+    """(2,) by how much a light that stays in the room moves, on its tangent basis, if the marker is seen so turned."""
+    assert tracked.marker is not None
+    R = tracked.marker.T_cam_marker[:3, :3]
+    turned = cv2.Rodrigues(turn)[0] @ R
+    return tangent_basis(TO_LIGHT) @ (turned.T @ R @ TO_LIGHT - TO_LIGHT)
+
+
+def test_a_direction_is_as_unsure_as_the_markers_turn_leaves_it(tracked: TrackedFrame) -> None:
+    assert tracked.marker is not None
+    causes = 1e-4 * np.array([[3.0, 1.0, -2.0], [0.0, 2.0, 1.0], [1.0, 0.0, 4.0]])  # rows: independent turns
+    covariance = np.diag([0.0, 0.0, 0.0, 1.0, 2.0, 3.0])  # a shift moves no direction
+    covariance[:3, :3] = causes.T @ causes
+    unsure = replace(tracked, marker=replace(tracked.marker, covariance=covariance))
+    moves = np.array([moved_by(each, tracked) for each in causes])
+    np.testing.assert_allclose(by_pose(unsure), moves.T @ moves, rtol=1e-3)
+    np.testing.assert_allclose(by_pose(tracked), np.zeros((2, 2)), atol=1e-16)
+
+
+def test_what_outlines_say_of_the_pose_as_the_body_may_be_off_counts_once(tracked: TrackedFrame) -> None:
+    assert tracked.marker is not None
+    R = tracked.marker.T_cam_marker[:3, :3]
+    noise, of_body = 1e-4 * np.diag([1.0, 2.0, 3.0]), 1e-3 * np.array([[2.0, 0.0], [1.0, -1.0], [0.0, 3.0]])
+    covariance = np.zeros((6, 6))
+    covariance[:3, :3] = noise @ noise + R @ of_body @ of_body.T @ R.T
+    errors = PoseShapeErrors(np.vstack([of_body, np.zeros((3, 2))]), np.zeros((1, 3, 2)))
+    marker = replace(tracked.marker, covariance=covariance)
+    folded = replace(tracked, marker=replace(marker, pose_shape_errors=errors))
+    moves = np.array([moved_by(each, tracked) for each in noise])
+    np.testing.assert_allclose(by_pose(folded, has_shape_errors=True), moves.T @ moves, rtol=1e-3, atol=1e-12)
+    rigid = by_pose(replace(tracked, marker=marker))
+    np.testing.assert_allclose(by_pose(folded), rigid)
+    np.testing.assert_allclose(by_pose(replace(tracked, marker=marker), has_shape_errors=True), rigid)
