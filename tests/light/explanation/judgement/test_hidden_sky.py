@@ -1,8 +1,11 @@
 """Ground beside a ball, whose share of the sky is known in closed form, in a light and without one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.proxy import Proxy
@@ -20,6 +23,11 @@ SKY = 0.3  # of the light on open ground
 STRIPE_M = 0.04
 
 
+def pixels() -> Float:
+    """(n, 2) of the picture, row by row."""
+    return np.column_stack([each.ravel() for each in np.mgrid[0:360, 0:480][::-1]]).astype(float)
+
+
 def view(
     lit: float, elevation_deg: float, azimuth_deg: float = 200.0, towards=(0.08, 0.0), stripes_at_m: float | None = None
 ) -> View:
@@ -28,8 +36,7 @@ def view(
     stripes_at_m: where dark stripes of the table begin, as broad as what is between them; None for no stripes.
     """
     camera, T = Camera.from_hfov((480, 360), 60.0), camera_towards(towards, 0.45, 50.0, 80.0)
-    pixels = np.column_stack([each.ravel() for each in np.mgrid[0:360, 0:480][::-1]]).astype(float)
-    ground = raycast_to_plane(camera, T, pixels)[:, :2]
+    ground = raycast_to_plane(camera, T, pixels())[:, :2]
     away = np.hypot(np.linalg.norm(ground - PLACE, axis=1), RADIUS_M)
     # A sphere that rests on a plane hides (r/d)^3 of the light of an even sky from a point of it: the sine of its
     # angular radius, squared, times the cosine of its middle's zenith angle.
@@ -82,6 +89,31 @@ def test_what_is_not_in_view_is_not_known() -> None:
     assert depths_beyond_sky(view(0.5, 40, towards=(-0.6, 0.0)), BALL, light) == [None]
     assert not is_of_sky_alone([None], [0.5])
     assert is_of_sky_alone([None, Depth(0.05, 0.0)], [0.5, 0.5])
+
+
+def test_of_a_shadow_that_is_too_small_nothing_is_known() -> None:
+    speck = Proxy("ball", np.array([[*PLACE, 0.001, 0.001, 0.001]]))
+    assert depths_beyond_sky(view(0.5, 40), speck, np.array([[*direction(200, 40), 0.0]])) == [None]
+
+
+def test_only_ground_near_the_body_is_compared() -> None:
+    light, whole = np.array([[*direction(200, 40), 0.0]]), view(0.5, 40)
+    ground = raycast_to_plane(whole.camera, whole.T_cam_marker, pixels())[:, :2]
+    far = np.linalg.norm(ground - PLACE, axis=1).reshape(360, 480) > 7 * RADIUS_M
+    assert far.mean() > 0.3
+    dark = replace(whole, image_bgr=np.where(far[..., None], 5, whole.image_bgr).astype(np.uint8))
+    assert depths_beyond_sky(dark, BALL, light) == depths_beyond_sky(whole, BALL, light)
+
+
+@pytest.mark.parametrize("times", [0.2, 1.0, 5.0])
+def test_what_is_left_of_a_shadow_counts_beside_what_it_seems_and_what_a_pattern_may_hide(times: float) -> None:
+    def is_sky(value: float, sigma: float) -> bool:
+        return is_of_sky_alone([Depth(times * value, times * sigma)], [times * 0.5])
+
+    assert is_sky(0.1, 0.0)
+    assert not is_sky(0.25, 0.0)
+    assert is_sky(0.1, 0.15)
+    assert not is_sky(0.1, 0.25)  # its 0.4 that are missing may be on brighter ground
 
 
 @pytest.mark.parametrize("stripes_at_m", np.linspace(0, 2 * STRIPE_M, 8, endpoint=False))
