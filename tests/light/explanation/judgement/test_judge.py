@@ -1,7 +1,6 @@
 """How far an explanation is believed: what its odds fall with, and what rivals take from the best."""
 
 import dataclasses
-import json
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,14 +13,13 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
-    Judge,
     best_direction,
     fitted_judge,
     likeliest_direction,
     probabilities_of,
     recalibrated,
 )
-from ashe_live.light.explanation.judgement.judge_tables import Average, Curve, read_tables
+from ashe_live.light.explanation.judgement.judge_tables import Average
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.directions import FittedLight
@@ -246,22 +244,5 @@ def test_nothing_counts_with_a_sign_that_physics_forbids(score: str) -> None:
         assert (SIGNS[name] * np.diff(curve.log_odds) >= 0).all(), name
 
 
-def test_tables_read_as_written() -> None:
-    again = Judge(read_tables(json.dumps(JUDGE.tables.as_json())))
-    assert again.tables.as_json() == JUDGE.tables.as_json()
-    assert again.log_odds(explanation()) == JUDGE.log_odds(explanation())
-
-
 def test_the_tables_say_where_they_come_from() -> None:
     assert {"command", "scenes", "pictures", "date"} <= JUDGE.tables.origin.keys()
-
-
-@pytest.mark.parametrize("at", [(0.0,), (0.0, 0.0, 1.0), (1.0, 0.0, 2.0)])
-def test_a_curve_needs_rising_values(at: tuple[float, ...]) -> None:
-    with pytest.raises(ValueError, match="rising values"):
-        Curve(at, (0.0, 1.0, 2.0)[: len(at)])
-
-
-def test_a_curve_is_monotone() -> None:
-    with pytest.raises(ValueError, match="rises or falls"):
-        Curve((0.0, 1.0, 2.0), (0.0, 1.0, 0.5))
