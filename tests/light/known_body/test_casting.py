@@ -6,11 +6,21 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.light.explanation.judgement.judge import logit
 from ashe_live.light.known_body import lamps
 from ashe_live.light.known_body.found_light import FoundLight, image_beside
-from ashe_live.light.known_body.lamps import _ByEdges, _Nearness, _nearness, as_lamps
+from ashe_live.light.known_body.lamps import (
+    FOLDED,
+    LAMP_ODDS,
+    _along,
+    _ByEdges,
+    _Nearness,
+    _nearness,
+    _of_folded_body,
+    as_lamps,
+)
 from ashe_live.light.known_body.lights import _refitted
-from ashe_live.light.known_body.outline.fit import fitted
+from ashe_live.light.known_body.outline.fit import fitted, nearness_sigma
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.ambient import open_sky_rgb
 from ashe_live.light.pixels.view import View
@@ -115,3 +125,49 @@ def test_what_is_likelier_a_sun_after_all_is_the_sun_that_its_edges_show(
     assert not sun_after_all.is_lamp
     assert not sun_after_all.may_be_lamp
     assert sun_after_all.light == pytest.approx(suns[0].light, abs=0.01)
+
+
+def test_a_body_that_may_be_wider_leaves_open_a_nearer_lamp_whose_shadow_ends_at_the_same_place(
+    seen: Seen, suns: list[FoundLight]
+) -> None:
+    image, height, one = image_beside(seen, ()), seen.body.height_m, suns[0]
+    fit = fitted(image, one.light, one.darkening, with_nearness=True)
+    assert fit is not None
+    edges = _of_folded_body(image, fit, one.darkening, None)
+    assert edges is not None
+    assert not edges.has_folds
+    spread, axes = np.linalg.eigh(edges.covariance - fit.covariance)
+    assert spread[:2] == pytest.approx(0, abs=1e-9 * spread[2])
+    assert np.sqrt(spread[2]) * abs(axes[2, 2]) == pytest.approx(FOLDED / height)
+    (wider,) = _along(fit.light, axes[:, 2] / axes[2, 2], np.array([fit.light[3] + FOLDED / height]))
+
+    def end(light: Float) -> Float:
+        return light[:2] / (1 - height * light[3])
+
+    assert end(wider) == pytest.approx(end(fit.light))
+    assert wider[2:] == pytest.approx((1.0, fit.light[3] + FOLDED / height))
+    assert _of_folded_body(image, one.fit, one.darkening, None) is None  # no edges tell how near it is
+
+
+@pytest.mark.parametrize("sigmas_away", [0.0, 1.0, 2.0, 3.0, 5.0])
+def test_where_the_fall_of_light_says_nothing_a_lamp_is_as_likely_as_by_its_edges_over_their_prior(
+    seen: Seen, suns: list[FoundLight], sigmas_away: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lamps, "OF_FALL", 0.0)
+    sigma = 0.5
+    light = np.append(suns[0].fit.light[:3], sigmas_away * sigma)
+    found = _nearness(seen, _ByEdges(light, np.diag([1e-4, 1e-4, sigma**2]), has_folds=False), suns[1:])
+    near = np.linspace(0, sigmas_away * sigma + 6 * sigma, 20_000)
+    by_edges = np.exp(-0.5 * (near / sigma - sigmas_away) ** 2)
+    # Edges' likelihood is their posterior over the prior that their fit had, by which lamps are spread as well.
+    prior = np.exp(-0.5 * (near / nearness_sigma(light)) ** 2)
+    spread = 2 * prior / (nearness_sigma(light) * np.sqrt(2 * np.pi))
+    lamp = LAMP_ODDS * np.trapezoid(by_edges / prior * spread, near)
+    sun = by_edges[0] / (by_edges[0] + lamp)
+    # As far as a grid of so few values tells.
+    assert logit(found.sun) == pytest.approx(logit(sun), abs=0.15)
+    sun = found.sun
+    mean = np.average(near, weights=by_edges)
+    square = np.average(near**2, weights=by_edges)
+    assert found.mean == pytest.approx((1 - sun) * mean, abs=0.05 * sigma)
+    assert found.variance == pytest.approx((1 - sun) * square - ((1 - sun) * mean) ** 2, rel=0.15)
