@@ -9,9 +9,10 @@ from ashe_live.core.arrays import Mask
 from ashe_live.light.edges.step_costs import StepCosts
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.evidence import LEAST_CONTRAST, SIGNS, appearance, evidence
+from ashe_live.light.explanation.judgement.evidence import FLAT, LEAST_CONTRAST, SIGNS, appearance, evidence
 from ashe_live.light.explanation.judgement.shading import shading_of
 from ashe_live.light.labels.materials import Materials, materials_of
+from ashe_live.light.labels.two_lights import materials_of_two
 from ashe_live.light.pixels.areas import grown, shrunk
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.light_points import at_infinity
@@ -46,6 +47,30 @@ def test_a_shadow_on_lit_ground_has_no_edge(ground: str) -> None:
     truth, aside = seen(here), seen(here, shadow=here.region.is_ground & ~grown(here.body | here.shadow, 6))
     assert aside["edge"] < 0.5 * truth["edge"]
     assert aside["missed"] > truth["missed"] + 1
+    assert aside["shaded"] < 0 < truth["shaded"]
+
+
+def test_no_shadow_is_shaded_by_nothing_and_borders_on_the_object_alone() -> None:
+    here = painted_region(BOX)
+    none = seen(here, shadow=here.shadow & False)
+    assert (none["shaded"], none["border"]) == (0, 1)
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_what_is_as_dark_as_ground_in_the_same_shadow_is_no_object(ground: str) -> None:
+    here = painted_region(BOX, ground=ground)
+    truth = explanation_of(here)
+    exchanged = with_masks(truth, Predicted(here.shadow, here.body & ~here.shadow))
+    assert 0 <= evidence(truth)["in shadow"] < 0.3
+    assert 0.7 < evidence(exchanged)["in shadow"] <= 1
+
+
+def test_every_light_beyond_the_first_counts() -> None:
+    here = painted_region(BOX)
+    pale = materials_of(here.region, here.ground, shift_of(np.full(3, 0.8)))
+    of_both = materials_of_two(here.region, here.ground, here.materials, pale)
+    assert of_both is not None
+    assert (seen(here)["second"], seen(here, materials=of_both)["second"]) == (0, 1)
 
 
 def test_what_is_left_out_is_missed() -> None:
@@ -192,6 +217,14 @@ def test_a_slab_is_flat_by_how_much_wider_than_high_it_is(height_m: float) -> No
     )
     assert upright == 0 < thick
     assert thin - thick == pytest.approx(np.log(3))
+
+
+def test_a_round_body_is_as_broad_as_it_is_across() -> None:
+    here, height_m = painted_region(CYLINDER), 0.01
+    truth, low = alignment_of(here), body_of(here, replace(CYLINDER, height_m=height_m))
+    flat = replace(truth, placed=replace(truth.placed, lit=low))
+    told = evidence(explanation_of(here, CYLINDER, alignment=flat))["flat"]
+    assert told == pytest.approx(np.log(CYLINDER.width_m / height_m) - FLAT, abs=0.05)
 
 
 def test_only_the_misfit_measures_how_far_outlines_are_from_borders() -> None:

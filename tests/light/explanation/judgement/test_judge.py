@@ -14,19 +14,24 @@ from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
     best_direction,
+    explanation_features,
     fitted_judge,
+    is_settled,
     likeliest_direction,
     probabilities_of,
     recalibrated,
+    split_features,
 )
 from ashe_live.light.explanation.judgement.judge_tables import Average
+from ashe_live.light.explanation.judgement.uncertainty import covariance_of_outlines
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import materials_of
+from ashe_live.light.labels.two_lights import materials_of_two
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import Predicted
 from tests.light.painted_bodies import alignment_of, body_of, explanation_of
-from tests.light.painted_regions import painted_region
+from tests.light.painted_regions import painted_region, shift_of
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
 from tests.light.synthetic_masks import direction
 
@@ -185,6 +190,17 @@ def test_the_number_of_lights_is_that_of_most_of_the_probability() -> None:
         group, share = likeliest_direction(probabilities, one_direction, counts)
         assert tuple(np.flatnonzero(group)) == alike
         assert share == pytest.approx(0.85)
+    group, _ = likeliest_direction(np.array([0.6, 0.1, 0.1, 0.1]), one_direction, (1, 2, 2, 2))
+    assert tuple(np.flatnonzero(group)) == (0,)
+
+
+def test_the_search_ends_where_one_direction_is_surely_likelier_than_any_other() -> None:
+    here, there = directions((200, 40), (20, 40))
+    assert is_settled([4.0], [here])
+    assert is_settled([3.0, 3.0], [here, here])
+    assert not is_settled([4.0, 4.0], [here, there])
+    assert not is_settled([0.0], [here])
+    assert not is_settled([], [])
 
 
 def test_the_order_of_explanations_does_not_matter() -> None:
@@ -221,7 +237,7 @@ def test_the_best_explanation_wins_and_a_strong_rival_makes_it_less_believed() -
     assert best_of([worse])[1] < alone[1]
 
 
-@pytest.mark.parametrize("looks", [1, 2])
+@pytest.mark.parametrize("looks", [1, 2, 7])
 def test_confidence_rises_with_the_looks_average_probability(looks: int) -> None:
     average = JUDGE.average(looks)
     assert sum(average.weights) == pytest.approx(1)
@@ -233,6 +249,61 @@ def test_confidence_rises_with_the_looks_average_probability(looks: int) -> None
 def test_no_recalibration_leaves_a_probability_as_it_is() -> None:
     assert recalibrated(0.3, Average((1.0,))) == pytest.approx(0.3)
     assert recalibrated(0.3, Average((1.0,), 1.0, 0.0)) == pytest.approx(1 / (1 + np.exp(-1)))
+
+
+def test_pixels_that_may_be_of_either_count_as_shadow_before_a_fit() -> None:
+    here = painted_region(BOX)
+    part = here.shadow & (np.arange(here.shadow.shape[1]) % 2 > 0)
+    by_parts = Split(here.body, here.shadow & ~part, undecided=part)
+    of_parts, of_whole = (
+        split_features(here.region, here.materials, each) for each in (by_parts, Split(here.body, here.shadow))
+    )
+    assert of_parts == of_whole
+
+
+def test_of_two_lights_the_less_certain_one_counts() -> None:
+    sure, unsure = explanation(), explanation(covariance_rad2=covariance(8.0, 6.0))
+    here = painted_region(BOX)
+    pale = materials_of(here.region, here.ground, shift_of(np.full(3, 0.8)))
+    of_both = materials_of_two(here.region, here.ground, here.materials, pale)
+    assert of_both is not None
+    both = dataclasses.replace(sure, materials=of_both)
+    told = [
+        explanation_features(dataclasses.replace(both, lights=lights))["constrained"]
+        for lights in (sure.lights * 2, sure.lights + unsure.lights, unsure.lights * 2)
+    ]
+    assert told[0] > told[1] == told[2]
+
+
+def test_what_all_objects_share_is_what_no_outline_makes_better() -> None:
+    tracked = painted_region(BOX).scene.tracked
+    assert tracked.marker is not None
+    turned = dataclasses.replace(tracked.marker, covariance=1e-4 * np.diag([1.0, 2.0, 3.0, 1.0, 1.0, 1.0]))
+    unsure = dataclasses.replace(tracked, marker=turned)
+    fitted = FittedLight(at_infinity(TO_LIGHT), covariance(1.0, 0.7))
+    own = JUDGE.calibration.of_outlines(fitted) - JUDGE.calibration.of_outlines(
+        dataclasses.replace(fitted, covariance_rad2=np.zeros((2, 2)))
+    )
+    shared = JUDGE.shared_rad2(TO_LIGHT, unsure)
+    np.testing.assert_allclose(shared + own, JUDGE.calibration.covariance(fitted, 1.0, unsure))
+    assert np.linalg.eigvalsh(shared - JUDGE.shared_rad2(TO_LIGHT, tracked)).min() > 1e-9
+
+
+def test_a_hulls_light_is_as_uncertain_as_its_posterior() -> None:
+    one, tracked = explanation(), painted_region(BOX).scene.tracked
+    of_family, of_hull = (
+        JUDGE.lights_of(dataclasses.replace(one, hull=hull), 1.0, tracked)[0] for hull in (None, one.proxy)
+    )
+    assert JUDGE.calibration.overdispersion > 1
+    np.testing.assert_allclose(of_hull.covariance_rad2, covariance_of_outlines(one.lights[0].covariance_rad2))
+    assert of_family.sigma_rad > of_hull.sigma_rad > 0
+
+
+def test_a_known_body_is_judged_by_its_own_score() -> None:
+    known = JUDGE.of_known_body()
+    features = explanation_features(explanation())
+    assert known.log_odds_of(features) == pytest.approx(JUDGE.tables.known_body_score.log_odds(features))
+    assert known.log_odds_of(features) != JUDGE.log_odds_of(features)
 
 
 # The tables
