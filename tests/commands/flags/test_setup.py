@@ -16,6 +16,7 @@ from ashe_live.commands.flags.setup import assumed_note, camera_chooser, cameras
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import Frame
+from ashe_live.tracking.families.layout import usual_side_m
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal_tracker import FocalTracker
 from tests.capture.test_photo import with_exif
@@ -72,6 +73,10 @@ def test_a_focal_length_is_learned_where_nobody_gave_one_and_a_size_and_a_filter
     given = make_tracker(options("--hfov", "60", "--marker-size", "0.05"))
     assert not isinstance(given, FocalTracker)
     assert given.side_m == 0.05
+    of_cube = make_tracker(options("--marker", "cube"))
+    assert of_cube.side_m == usual_side_m("cube") != usual_side_m("aruco:4x4_50:0")
+    read = parse_marker("aruco:4x4_50:7")
+    assert make_tracker(options(), marker=read).marker is read
     assert not make_tracker(build_parser().parse_args(["play", "a.mp4", "--no-filter"])).filters
 
 
