@@ -33,7 +33,7 @@ def level_over_pi(radiance: np.ndarray) -> np.ndarray:
     return (radiance * (np.clip(towards[..., 2], 0, None) * solid)[..., None]).sum(axis=(0, 1)) / math.pi
 
 
-@pytest.mark.parametrize("size_deg", [0.53, 5.0, 30.0])
+@pytest.mark.parametrize("size_deg", [0.02, 0.53, 5.0, 30.0])
 @pytest.mark.parametrize(("azimuth_deg", "elevation_deg"), [(30, 45), (-100, 20), (170, 70)])
 def test_it_gives_level_ground_the_light_that_it_was_made_from(size_deg, azimuth_deg, elevation_deg) -> None:
     towards = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))

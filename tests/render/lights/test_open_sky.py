@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -16,6 +17,7 @@ from ashe_live.render.lights.light_map import HEIGHT_PX, light_map
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.lights.open_sky import open_sky
 from ashe_live.render.lights.photometry import Photometry
+from ashe_live.render.lights.seen_light import lighting_in
 
 SIDE_M = 0.08
 CAMERA = Camera((320, 240), np.array([[400.0, 0, 159.5], [0, 400, 119.5], [0, 0, 1]]), np.zeros(5), "file")
@@ -77,6 +79,34 @@ def test_the_sky_is_that_of_the_open_where_its_share_was_seen_in_a_shadow() -> N
     assert (np.array(photometry.lighting(lit).sky) > 1.05 * RATIO).all()
     without = Illumination((light,), ground_rgb=GROUND, seen_in=tracked)
     assert photometry.lighting(without).sky == pytest.approx(tuple(RATIO), rel=0.01)
+
+
+@pytest.mark.parametrize("case", ["two lights", "by its intensity", "no shadow was measured", "of a known body"])
+def test_a_sky_that_was_not_read_in_the_shadow_of_one_light_is_that_of_the_open_already(case: str) -> None:
+    tracked, light = seen(0), Light(TO_LIGHT, shadow_rgb_ratio=RATIO)
+    other = Light(direction_from_angles(2.0, 0.9), shadow_rgb_ratio=np.full(3, 0.9))
+    by_intensity = Light(TO_LIGHT, shadow_rgb_ratio=RATIO, intensity_rgb_ratio=1 / RATIO - 1, inverse_distance=1.0)
+    lights = {
+        "two lights": (light, other),
+        "by its intensity": (by_intensity,),
+        "no shadow was measured": (Light(TO_LIGHT),),
+    }
+    if case == "of a known body":
+        assert tracked.marker is not None
+        tracked = replace(tracked, marker=replace(tracked.marker, body=BOX))
+    lit = Illumination(lights.get(case, (light,)), real_object=BOX, ground_rgb=GROUND, seen_in=tracked)
+    skies = [Photometry(FAST.render).lighting(each).sky for each in (lit, replace(lit, real_object=None))]
+    assert skies[0] == pytest.approx(skies[1])
+
+
+def test_on_a_tilted_sheet_the_open_skys_share_changes_as_the_ambient_light_does() -> None:
+    light = Light(TO_LIGHT, shadow_rgb_ratio=RATIO)
+    lit = Illumination((light,), ambient_rgb_ratio=RATIO, real_object=BOX, ground_rgb=GROUND, seen_in=seen(0))
+    open_air = np.array(lighting_in(lit).sky)
+    assert (open_air > 1.05 * RATIO).all()
+    tilted = lit.relit((light,), 1.5 * RATIO)
+    for sky in (lighting_in(tilted).sky, Photometry(FAST.render).lighting(tilted).sky):
+        assert np.array(sky) == pytest.approx(1.5 * open_air)
 
 
 def test_shares_of_sky_and_light_are_all_of_the_light() -> None:

@@ -1,5 +1,7 @@
 """What the picture shows of its light does not change with the light that a person sets."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.quality import FAST
+from ashe_live.render.lights import photometry
 from ashe_live.render.lights.light_map import HEIGHT_PX, light_map
 from ashe_live.render.lights.photometry import Photometry
 
@@ -56,7 +59,29 @@ def test_the_same_lights_are_the_same_object_while_the_video_is_lit_by_others() 
     estimated = Illumination((ESTIMATED,), RATIO, GROUND, CARTON, seen())
     moved = estimated.relit((Light((0.0, 0.5, 0.8), shadow_rgb_ratio=RATIO),), RATIO)
     by_hand = estimated.relit((Light((0.6, 0.0, 0.4), shadow_rgb_ratio=RATIO),), RATIO)
-    photometry = Photometry(FAST.render)
-    first = [photometry.lighting(each) for each in (by_hand, moved, estimated)]
-    again = [photometry.lighting(each) for each in (by_hand, moved, estimated)]
+    measured = Photometry(FAST.render)
+    first = [measured.lighting(each) for each in (by_hand, moved, estimated)]
+    again = [measured.lighting(each) for each in (by_hand, moved, estimated)]
     assert all(one is other for one, other in zip(first, again, strict=True))
+
+
+def test_a_shadows_border_is_measured_once_in_shares_of_the_width_where_there_is_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[object] = []
+
+    def eight_px(*of: object) -> float:
+        asked.append(of)
+        return 8.0
+
+    monkeypatch.setattr(photometry, "unexplained_border_px", eight_px)
+    tracked = seen()
+    estimated = Illumination((ESTIMATED,), RATIO, GROUND, CARTON, tracked)
+    by_hand = estimated.relit((Light((0.0, 0.2, 0.9), shadow_rgb_ratio=RATIO),), RATIO)
+    read = Photometry(replace(FAST.render, matches_blur=True))
+    assert [read.border_share(each) for each in (estimated, by_hand, estimated)] == [8 / 320] * 3
+    assert asked == [(tracked, CARTON, read.lighting(estimated).lights[0])]
+    nothing = [replace(estimated, seen_in=None), replace(estimated, real_object=None), replace(estimated, lights=())]
+    assert [read.border_share(each) for each in nothing] == [0] * 3
+    assert Photometry(replace(FAST.render, matches_blur=False)).border_share(estimated) == 0
+    assert len(asked) == 1

@@ -45,3 +45,12 @@ def test_what_no_light_reaches_is_of_the_same_colour() -> None:
     assert ambient is not None
     np.testing.assert_allclose(ambient, light.shadow_rgb_ratio)
     assert ambient[2] > 0.5 * ambient[1]
+
+
+def test_what_was_not_measured_or_not_on_a_known_ground_stays_as_it_is() -> None:
+    measured, unmeasured = Light((0.6, 0.0, 0.8), shadow_rgb_ratio=BLUISH), Light((0.0, 0.6, 0.8))
+    of = Illumination((measured, unmeasured), ambient_rgb_ratio=BLUISH)
+    assert steadied(of) == (of.lights, of.ambient_rgb_ratio)
+    (_, second), ambient = steadied(Illumination((measured, unmeasured), ground_rgb=np.full(3, 0.01)))
+    assert second is unmeasured
+    assert ambient is None
