@@ -62,6 +62,11 @@ def test_a_ratio_is_what_the_shadow_leaves_and_an_ambient_light_that_was_measure
     np.testing.assert_allclose(by_ambient.ground_shares, [np.full(3, 0.6), np.full(3, 0.3)])
 
 
+def test_a_shadow_that_is_brighter_than_the_ground_around_it_is_of_no_light() -> None:
+    lighting = lighting_of((light(0.0, ratio=np.array([1.2, 0.5, 0.5])),))
+    np.testing.assert_allclose(lighting.ground_shares, [(0.0, 0.5, 0.5)])
+
+
 def test_a_share_that_was_measured_at_the_marker_precedes_what_was_measured_in_the_shadow() -> None:
     lighting = lighting_of((LAMP,), np.full(3, 0.1))
     np.testing.assert_allclose(lighting.ground_shares[0] / lighting.sky, (0.5, 1.0, 2.0))
@@ -124,8 +129,8 @@ def test_a_lamps_light_falls_by_the_square_of_the_distance_and_the_cosine(height
     np.testing.assert_allclose(sun.ground_falloff(ground, height_m), 1)
     level = 1 + np.outer(expected - 1, lamp.ground_share)
     np.testing.assert_allclose(lighting.level_at(ground, height_m), level)
-    assert lighting.has_lamps
     assert lighting.constants == {"lights": 2, "lamps": 1}
+    assert lighting_of((light(2.0),)).constants == {"lights": 1, "lamps": 0}
 
 
 def test_ground_above_a_lamp_gets_none_of_its_light() -> None:
@@ -137,6 +142,8 @@ def test_ground_above_a_lamp_gets_none_of_its_light() -> None:
 def test_a_size_is_as_it_was_measured_and_else_a_plausible_one() -> None:
     assert angular_size(light(0.0)) == SUN_ANGULAR_SIZE_RAD
     assert angular_size(light(0.0, angular_size_rad=0.1)) == 0.1
+    (sun,) = lighting_of((light(0.0, angular_size_rad=0.1),)).lights
+    assert sun.tan_half_size == pytest.approx(math.tan(0.05))
     for distance_m in (0.3, 2.0):
         near = {"inverse_distance": 1 / distance_m}
         assert angular_size(light(0.0, angular_size_rad=0.1, **near)) == 0.1

@@ -15,7 +15,7 @@ from ashe_live.quality import FAST
 from ashe_live.render.lights.cast_shadows import is_inside, shadow_hull_of_point
 from ashe_live.render.lights.light_map import HEIGHT_PX, light_map
 from ashe_live.render.lights.lighting import lighting_of
-from ashe_live.render.lights.open_sky import open_sky
+from ashe_live.render.lights.open_sky import _irradiance, open_sky
 from ashe_live.render.lights.photometry import Photometry
 from ashe_live.render.lights.seen_light import lighting_in
 
@@ -63,6 +63,27 @@ def test_what_an_object_sends_back_is_not_missing() -> None:
     black, grey, white = (found(level) for level in (0, 120, 200))
     assert (black > grey).all()
     assert (grey > white).all()
+
+
+@pytest.mark.parametrize(("from_m", "to_m", "shaded"), [(0.0, 9.0, 1.0), (0.15, 0.2, 1 / 3), (0.0, 0.05, 0.0)])
+@pytest.mark.parametrize("inverse_distance", [0.0, 1.5])
+def test_a_wall_gets_half_of_sky_and_ground_and_less_of_that_where_the_shadow_lies_before_it(
+    from_m: float, to_m: float, shaded: float, inverse_distance: float
+) -> None:
+    """Of ground to the horizon a third of a wall's light is from about 1.7 times the height away."""
+    lamp = Light(TO_LIGHT, shadow_rgb_ratio=RATIO, inverse_distance=inverse_distance)
+    lighting = lighting_of((lamp,), None, GROUND)
+    (light,) = lighting.lights
+    shadow = np.array([(from_m, -9.0), (to_m, -9.0), (to_m, 9.0), (from_m, 9.0)])
+    place, normal = np.array([(0.0, 0.0, 0.1)]), np.array([(1.0, 0.0, 0.0)])
+    away = TO_LIGHT - inverse_distance * place[0]
+    direct = normal[0] @ away / np.linalg.norm(away) ** 3 * np.array(light.irradiance)
+    ground = np.array(lighting.bounce) * (1 - shaded * np.array(light.ground_share))
+    expected = 0.5 * np.array(lighting.sky) + 0.5 * ground + direct
+    assert _irradiance(lighting, shadow, place, normal)[0] == pytest.approx(expected)
+    (top,) = _irradiance(lighting, shadow, place, np.array([(0.0, 0.0, 1.0)]))
+    level = np.array(lighting.sky) + away[2] / np.linalg.norm(away) ** 3 * np.array(light.irradiance)
+    assert top == pytest.approx(level)
 
 
 def test_without_object_or_shadow_in_view_nothing_is_known() -> None:

@@ -63,6 +63,10 @@ def test_the_same_lights_are_the_same_object_while_the_video_is_lit_by_others() 
     first = [measured.lighting(each) for each in (by_hand, moved, estimated)]
     again = [measured.lighting(each) for each in (by_hand, moved, estimated)]
     assert all(one is other for one, other in zip(first, again, strict=True))
+    for of, lighting in zip((by_hand, moved, estimated), first, strict=True):
+        assert lighting.lights[0].to_light == pytest.approx(of.lights[0].to_light_marker)
+    later = Illumination((Light((0.0, -0.6, 0.7), shadow_rgb_ratio=0.5 * RATIO),), 0.5 * RATIO, GROUND)
+    assert measured.lighting(later).sky == pytest.approx(0.5 * RATIO, rel=0.05)
 
 
 def test_a_shadows_border_is_measured_once_in_shares_of_the_width_where_there_is_one(
@@ -85,3 +89,5 @@ def test_a_shadows_border_is_measured_once_in_shares_of_the_width_where_there_is
     assert [read.border_share(each) for each in nothing] == [0] * 3
     assert Photometry(replace(FAST.render, matches_blur=False)).border_share(estimated) == 0
     assert len(asked) == 1
+    assert read.border_share(replace(estimated, seen_in=seen())) == 8 / 320
+    assert len(asked) == 2
