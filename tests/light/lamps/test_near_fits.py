@@ -13,6 +13,7 @@ from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.lamps.near_fits import fitted_near, in_all_views
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import nearness_of
@@ -62,7 +63,7 @@ def in_two_views() -> tuple[Explanation, Sharpener]:
         )
         for heading in HEADINGS_DEG
     )
-    _, trace = ProxyEstimator(FAST).traced(first.tracked, [other.tracked])
+    _, trace = ProxyEstimator(FAST.assuming(SUN)).traced(first.tracked, [other.tracked])
     likeliest = trace.judged[int(np.argmax(trace.probabilities))]
     assert likeliest.alignment.elsewhere
     return likeliest, Sharpener.of([View.of(each.tracked, BALANCED.fine_width_px) for each in (first, other)])
