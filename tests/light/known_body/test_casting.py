@@ -171,3 +171,20 @@ def test_where_the_fall_of_light_says_nothing_a_lamp_is_as_likely_as_by_its_edge
     square = np.average(near**2, weights=by_edges)
     assert found.mean == pytest.approx((1 - sun) * mean, abs=0.05 * sigma)
     assert found.variance == pytest.approx((1 - sun) * square - ((1 - sun) * mean) ** 2, rel=0.15)
+
+
+def test_a_lamp_is_stated_at_its_nearness_and_as_unsure_as_that_is(
+    seen: Seen, suns: list[FoundLight], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lamps, "_nearness", lambda *_: _Nearness(0.0, 3.0, 0.04))
+    lamp, _ = as_lamps(seen, suns)
+    assert lamp.is_lamp
+    assert lamp.light[3] == pytest.approx(3.0)
+    assert lamp.covariance[2, 2] == pytest.approx(0.04)
+    assert np.linalg.eigvalsh(lamp.covariance).min() > 0
+    # Four standard errors tell a lamp from a sun: two may be either.
+    monkeypatch.setattr(lamps, "_nearness", lambda *_: _Nearness(0.4, 3.0, 1.5**2))
+    either, _ = as_lamps(seen, suns)
+    assert not either.is_lamp
+    assert either.may_be_lamp
+    assert np.trace(either.covariance) > np.trace(lamp.covariance[:2, :2])
