@@ -16,6 +16,7 @@ from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover.rectified import LEAST_RATIO, Rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES
+from ashe_live.render.lights.lighting import measured_ratio
 
 TEXELS_A_SIDE = 48  # of the marker, in what is compared
 BLACKEST = 0.01  # linear light that is added before logarithms are taken: black ink is not told from noise below it
@@ -81,7 +82,7 @@ def sheet_as_made(
     brightness = logs @ BRIGHTNESS + relit
     is_paper = brightness > np.quantile(brightness[is_own], 0.9) + np.log(PAPER_SHARE)
     is_plain = np.asarray((most - least).max(axis=2) < PLAIN)
-    ratios = [light.shadow_rgb_ratio for light in illumination.lights if light.shadow_rgb_ratio is not None]
+    ratios = [ratio for light in illumination.lights if (ratio := measured_ratio(light)) is not None]
     shadow = np.log(np.clip(ratios[0], LEAST_RATIO, 0.9) if ratios else np.full(3, USUAL_RATIO))
     is_white = np.asarray(is_own & is_paper & is_plain)
     hue = np.zeros_like(brightness) if not is_white.any() else _hue(logs - _paper(logs, is_white), shadow)

@@ -14,6 +14,7 @@ from ashe_live.core.transforms import transform_points
 from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
+from ashe_live.render.lights.lighting import measured_ratio
 
 BORDER_SIDES = 0.115  # of the marker: ground that close to the real shadow's border is neither lit nor shaded
 SOFT_PX = 0.8  # standard deviation of that border
@@ -46,11 +47,12 @@ def rectified(tracked: TrackedFrame, illumination: Illumination, half_m: float, 
         hidden = _silhouette(body, tracked.camera, T)
         is_seen &= cv2.remap(hidden, at[..., 0], at[..., 1], cv2.INTER_NEAREST) == 0
         for light in illumination.lights:
-            if light.shadow_rgb_ratio is None or light.to_light_marker[2] <= 0:
+            ratio = measured_ratio(light)
+            if ratio is None or light.to_light_marker[2] <= 0:
                 continue
             dark = _shadow(body, light, half_m, size)
             soft = (cv2.GaussianBlur(dark, (0, 0), SOFT_PX) / 255.0)[..., None]
-            shade *= (1 - soft * (1 - np.clip(light.shadow_rgb_ratio, LEAST_RATIO, 1))).astype(np.float32)
+            shade *= (1 - soft * (1 - np.clip(ratio, LEAST_RATIO, 1))).astype(np.float32)
             border |= np.asarray(cv2.morphologyEx(dark, cv2.MORPH_GRADIENT, np.ones((3, 3))), np.uint8)
         side_px = tracked.marker.side_m / (2 * half_m) * size
         border = np.asarray(cv2.dilate(border, np.ones((2 * round(BORDER_SIDES * side_px) + 1,) * 2)), np.uint8)

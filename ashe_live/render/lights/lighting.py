@@ -165,6 +165,16 @@ def ground_ratio(light: Light, count: int = 1) -> Float:
     return np.clip(measured, 0.0, 1.0)
 
 
+def measured_ratio(light: Light) -> Float | None:
+    """(3,) ground in the light's shadow over lit ground, as the video shows it; None if it was not measured.
+
+    Where the shadow itself was not measured, that of a lamp's intensity, which holds at the marker's centre.
+    """
+    if light.shadow_rgb_ratio is None and light.intensity_rgb_ratio is None:
+        return None
+    return ground_ratio(light) if light.shadow_rgb_ratio is None else light.shadow_rgb_ratio
+
+
 def angular_size(light: Light) -> float:
     """The light's angular diameter seen from the marker's centre; a plausible one where it was not measured."""
     is_by_radius = light.radius_m is not None or light.angular_size_rad is None

@@ -208,10 +208,13 @@ def test_cover_follows_sheen_that_moves_over_the_table(make_renderer, stage) -> 
     assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
 
 
-@pytest.mark.parametrize("is_lit_by_hand", [False, True])
-def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage, is_lit_by_hand: bool) -> None:
-    """Also under a light by hand, in which it would fall elsewhere."""
-    light = stage.light(90, 45, RATIO)
+@pytest.mark.parametrize("known_by", ["its shadow", "its shadow, and lit by hand", "its intensity"])
+def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage, known_by: str) -> None:
+    """Also under a light by hand, in which it would fall elsewhere, and of a lamp whose intensity alone is known."""
+    light, is_lit_by_hand = stage.light(90, 45, RATIO), known_by.endswith("by hand")
+    if known_by == "its intensity":
+        of_lamp = 1 / np.array(RATIO) - 1
+        light = replace(light, shadow_rgb_ratio=None, inverse_distance=0.01, intensity_rgb_ratio=of_lamp)
     # A post behind the sheet whose shadow falls across its left half.
     radius, height, middle = 0.012, 0.1, (-0.02, 0.075)
     post = Proxy("lathe", np.array([(*middle, 0.0, radius, 0.0), (*middle, height, radius, 0.0)]))

@@ -24,6 +24,7 @@ PAPER_HALF = 0.62 * SIDE
 GROUND, PAPER, INK, SKIN = (0.42, 0.28, 0.16), (0.75, 0.75, 0.75), (0.03, 0.03, 0.03), (0.5, 0.29, 0.2)
 RATIO = np.array((0.25, 0.3, 0.38))
 ONE_SUN = Illumination((Light((0.5, 0.2, 0.8), shadow_rgb_ratio=RATIO),))
+ONE_LAMP = Illumination((Light((0.5, 0.2, 0.8), inverse_distance=0.5, intensity_rgb_ratio=1 / RATIO - 1),))
 
 
 def finger(x, y):
@@ -110,8 +111,9 @@ def test_a_hand_has_no_rim_of_the_paper_beside_it(stage) -> None:
     assert over[finger(x, y) & on_sheet, 0].mean() > 0.75
 
 
-def test_a_shadow_is_seen_on_paper_and_goes_on_across_the_ink(stage) -> None:
-    x, y, over = compared(view(stage), view(stage, shaded=shade))
+@pytest.mark.parametrize("illumination", [ONE_SUN, ONE_LAMP], ids=["sun", "lamp of known intensity"])
+def test_a_shadow_is_seen_on_paper_and_goes_on_across_the_ink(stage, illumination) -> None:
+    x, y, over = compared(view(stage), view(stage, shaded=shade), illumination)
     within, beside = inside(x, y, shade, 0.012)
     assert over[..., 0].max() == 0
     np.testing.assert_allclose(over[within, 1], np.log(RATIO) @ REC709_LUMINANCE, atol=0.15)
