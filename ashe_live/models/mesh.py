@@ -40,7 +40,7 @@ class Motion:
         set_frozen(
             self,
             vertices=_checked(self.vertices, np.float32, shape, "vertices of poses"),
-            normals=_checked(self.normals, np.float32, shape, "normals of poses"),
+            normals=_checked_normals(self.normals, shape, "normals of poses"),
         )
 
     def at(self, time_s: float) -> tuple[Float32, Float32]:
@@ -75,7 +75,7 @@ class Mesh:
         set_frozen(
             self,
             vertices=_checked(self.vertices, np.float32, (count, 3), "vertices"),
-            normals=_checked(self.normals, np.float32, (count, 3), "normals"),
+            normals=_checked_normals(self.normals, (count, 3), "normals"),
             triangles=_checked(self.triangles, np.uint32, (len(self.triangles), 3), "triangles"),
         )
         if self.uvs is not None:
@@ -159,3 +159,10 @@ def _checked(array: NDArray[Any], dtype: type, shape: tuple[int, ...], name: str
     if not np.isfinite(values).all():
         raise ValueError(f"{name} holds a value that is not finite")
     return frozen_view(values)
+
+
+def _checked_normals(array: NDArray[Any], shape: tuple[int, ...], name: str) -> NDArray[Any]:
+    normals = _checked(array, np.float32, shape, name)
+    if not normals.any(axis=-1).all():
+        raise ValueError(f"{name} holds one of length zero, which has no direction")
+    return normals

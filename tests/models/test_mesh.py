@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.models.mesh import Mesh, Model, face_normals
+from ashe_live.models.mesh import Mesh, Model, Motion, face_normals
 from ashe_live.models.primitives import box, revolved
 
 TRIANGLE = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], dtype=np.float32)
@@ -26,6 +26,15 @@ def test_arrays_are_read_only() -> None:
 def test_wrong_arrays_are_wrong_use(vertices: np.ndarray, triangles: np.ndarray, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         Mesh(vertices, UP, np.array(triangles))
+
+
+def test_normals_without_direction_are_wrong_use() -> None:
+    """A shader would make them unit vectors, and draw what is not a number as white."""
+    normals = UP * np.float32([(1,), (0,), (1,)])
+    with pytest.raises(ValueError, match="length zero"):
+        Mesh(TRIANGLE, normals, np.array([(0, 1, 2)]))
+    with pytest.raises(ValueError, match="length zero"):
+        Motion(np.stack([TRIANGLE, TRIANGLE]), np.stack([UP, normals]), 1.0)
 
 
 def test_model_without_parts_is_wrong_use() -> None:

@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.models.assembly.shading_normals import (
+    completed_normals,
     corner_normals,
     flat_normals,
+    has_direction,
     is_inside_out,
     row_keys,
     unit_rows,
@@ -17,6 +19,9 @@ from ashe_live.models.assembly.shading_normals import (
 from ashe_live.models.material import Material
 from ashe_live.models.mesh import Float32, Indices, Mesh, Motion, face_normals
 from ashe_live.models.parsing.malformed import MalformedError
+
+# Share of a file's normals, of vertices that triangles use, which may be no directions; with more, none is believed.
+FEW_MISSING = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +60,7 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
     # A single-sided surface keeps its side: hulls that outline a figure, and rooms, face inwards.
     may_be_turned = raw.material.double_sided
     attributes = _attributes(raw)
-    normals = _file_normals(raw, T)
+    normals = _file_normals(raw, T, triangles)
     source: NDArray[np.integer]  # the file's vertices that are kept
     motion_normals = None if raw.motion is None else raw.motion.normals
     if normals is None:
@@ -75,6 +80,7 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         attributes = {name: values[source] for name, values in attributes.items()}
     else:
         triangles = _wound_like_normals(vertices, triangles, normals)
+        normals = completed_normals(normals, vertices, triangles)
         faces_inwards = is_inside_out(vertices, triangles)
         if faces_inwards and may_be_turned:
             triangles, normals = triangles[:, ::-1], -normals
@@ -140,22 +146,23 @@ def _placed_motion(
             raise MalformedError("an animation moves vertices to no place")
         pointing = vertex_normals(placed[number], triangles) if normals is None else normals[number][source]
         turned[number] = unit_rows(pointing if normals is None else pointing @ np.linalg.inv(T[:3, :3]))
-    if not np.isfinite(turned).all():
+    if not has_direction(turned).all():
         raise MalformedError("an animation turns normals to no direction")
     return Motion(placed, turned, raw.duration_s)
 
 
-def _file_normals(raw: RawMesh, T: Float) -> Float32 | None:
-    """(n, 3) unit, moved by T; None when the file brings none, or some that are no directions."""
+def _file_normals(raw: RawMesh, T: Float, triangles: Indices) -> Float32 | None:
+    """(n, 3) unit, moved by T, and 0 for those that are no directions; None when the file brings none, or too few."""
     if raw.normals is None or raw.normals.shape != raw.vertices.shape:
         return None
     T_normals = T[:3, :3]
     if not np.linalg.det(T_normals):
         return None
     moved = raw.normals @ np.linalg.inv(T_normals)
-    if not np.isfinite(moved).all() or not np.any(moved, axis=1).all():
+    is_known = has_direction(moved)
+    if not is_known.all() and np.mean(~is_known[np.unique(triangles)]) > FEW_MISSING:
         return None
-    return unit_rows(moved).astype(np.float32)
+    return np.where(is_known[:, None], unit_rows(np.where(is_known[:, None], moved, 0.0)), 0.0).astype(np.float32)
 
 
 def _welded(places: Float32, normals: Float32, *attributes: Float32) -> tuple[NDArray[np.int64], Indices]:

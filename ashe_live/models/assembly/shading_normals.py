@@ -21,6 +21,20 @@ def vertex_normals(vertices: Float32, triangles: Indices) -> Float:
     return np.column_stack([np.bincount(each, weights=column, minlength=len(vertices)) for column in faces.T])
 
 
+def completed_normals(normals: Float32, vertices: Float32, triangles: Indices) -> Float32:
+    """(n, 3) the unit normals, and in place of those that are 0 the mean, by area, of the triangles at the vertex."""
+    is_known = has_direction(normals)
+    if is_known.all():
+        return normals
+    return np.where(is_known[:, None], normals, unit_rows(vertex_normals(vertices, triangles))).astype(np.float32)
+
+
+def has_direction(vectors: Float | Float32) -> NDArray[np.bool_]:
+    """(...) whether vectors (..., 3) can be made unit vectors: no zeros, and nothing that is not finite."""
+    lengths = np.linalg.norm(vectors, axis=-1)
+    return np.asarray(np.isfinite(lengths) & (lengths > 0))
+
+
 def unit_rows(vectors: Float) -> Float:
     """(n, 3) at length 1; z where there is no direction, so that a degenerate triangle stays finite."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
