@@ -22,6 +22,10 @@ uniform mat4 shadow_planes_from_marker[MAPS];  // the same for planes, given as 
 uniform vec3 shadow_extent[MAPS];  // size in metres of a tile's coordinates and depth
 uniform float tan_half_size[MAPS];  // the light's radius over its distance from the caster
 
+// Of a surface that is its own caster: the depth per texel up to which its slope is followed, how far from a tap the texels are
+// with which that is compared, and how far a point is moved towards the light for these at most; all in texels.
+const float STEEPEST = 30.0, FARTHEST_TEXEL = 1.42, MOST_AHEAD = 1.0;
+
 // From a tile's texels to texture coordinates. The tile's border is empty, so clamping leaves points beyond it lit.
 vec2 in_texture(int map, vec2 texel) {
     return (shadow_tile[map] + clamp(texel, 0.5, shadow_map_size - 0.5)) / shadow_texture_size;
@@ -170,26 +174,25 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal, vec3 to
     vec3 at = in_map(map, position, scale);
     float texel = scale * max(extent.x, extent.y) / shadow_map_size;
     float cosine = dot(normal, to_light);
-    float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
-    // On a plane at an angle theta to the light, a tap at distance t finds a depth that differs by t tan(theta). An offset
-    // of the receiver along its normal by t sin(theta) compensates for exactly that.
-#if BLOCKER_TAPS > 0
-    // With a wide penumbra, that offset would detach the shadow from its caster. The taps follow the plane's slope (depth
-    // per texel) instead, and the offset only has to cover rounding and curvature.
-    float reach = (LEAST_RADIUS + 0.75) * texel;
+    float tangent = sqrt(max(1.0 / max(cosine * cosine, 1e-6) - 1.0, 0.0));
+    // On a plane at an angle theta to the light, a tap at a distance t finds a depth that differs by t tan(theta): taps follow
+    // the plane's slope (depth per texel). What is left are the texels around a tap. For them the point is moved towards the
+    // light, which moves no shadow aside, but past what stands near by where light grazes: from there on along its normal, by
+    // a distance of which 1 / cos(theta) counts. Half a texel covers rounding and curvature.
+    float ahead = min(FARTHEST_TEXEL * tangent, MOST_AHEAD);
+    float above = (FARTHEST_TEXEL * tangent - ahead) * cosine;
 #if LAMPS
     vec3 facing = (shadow_planes_from_marker[map] * vec4(normal, -dot(normal, position))).xyz;
+    vec2 slope = facing.xy / max(-facing.z, 1e-6);
+    at = in_map(map, position + texel * (above * normal + (ahead + 0.5) * to_light), scale);
 #else
-    vec3 facing = (mat3(shadow_from_marker[map]) * normal) * extent * extent;
+    vec3 along = mat3(shadow_from_marker[map]) * normal;
+    vec2 slope = along.xy * extent.xy * extent.xy / max(cosine * extent.z, 1e-6);
+    at += texel * vec3(above * along.xy, above * along.z - (ahead + 0.5) / extent.z);
 #endif
-    float steepest = 30.0 * texel / (scale * scale * extent.z);
-    vec2 slope = clamp(-facing.xy / min(facing.z, -1e-6) / shadow_map_size, -steepest, steepest);
-#else
-    float reach = 1.5 * float(PCF_RADIUS + 1) * texel;
-    vec2 slope = vec2(0.0);
-#endif
-    vec3 lifted = position + reach * sine * normal + 0.5 * texel * to_light;
-    return lit_fraction(map, tan_half_size[map], in_map(map, lifted, scale), slope);
+    float steepest = STEEPEST * texel / (scale * scale * extent.z);
+    slope = clamp(slope / shadow_map_size, -steepest, steepest);
+    return lit_fraction(map, tan_half_size[map], at, slope);
 }
 
 // The fraction of a light that reaches a point on a model. Of which group it is makes no difference worth a uniform.

@@ -151,6 +151,28 @@ def test_models_shadow_on_itself_is_as_soft_as_its_light(make_renderer, stage, q
 
 
 @pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize("elevation_deg", [25, 50])
+def test_models_shadow_on_itself_ends_where_the_ray_past_its_edge_does(
+    make_renderer, stage, quality: str, elevation_deg: float
+) -> None:
+    """What keeps a surface from shading itself moves no shadow on it by more than a texel across the light."""
+    top, roof = box((0.2, 0.1, 0.01)), box((0.1, 0.1, 0.004)).moved(1.0, np.array([-0.05, 0.0, 0.04]))
+    edge = 0.034 / math.tan(math.radians(elevation_deg))
+    camera = stage.camera((960, 720))
+    pose = stage.pose(0, 50, 0.2, target=(edge, 0, 0.01))
+    tracked = stage.tracked(np.full((720, 960, 3), 200, np.uint8), pose, camera)
+    renderer = make_renderer(QUALITIES[quality].render, camera.size)
+    renderer.render(Scene(tracked, stage.placed(top, roof), Illumination((_light(180, elevation_deg, 0.01),))))
+    xs = np.linspace(edge - 0.015, edge + 0.015, 301)
+    columns, rows = project(camera, pose, np.column_stack([xs, 0 * xs, 0.01 + 0 * xs])).round().astype(int).T
+    seen = LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[rows, columns, 1]]
+    is_lit = seen > (np.median(seen[:20]) + np.median(seen[-20:])) / 2
+    # Both boxes are within 0.15 m across the light, and a pixel is 0.2 mm.
+    texel = 0.15 / QUALITIES[quality].render.shadow_map_size / math.sin(math.radians(elevation_deg))
+    assert xs[np.flatnonzero(is_lit)[0]] == pytest.approx(edge, abs=texel + 0.0002)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
 def test_where_a_bar_hides_little_of_a_wide_light_no_dots_are_fully_lit(make_renderer, stage, quality: str) -> None:
     """A bar over a table top: few samples of the light meet it, and in some places none."""
     top, bar = box((0.2, 0.1, 0.01)), box((0.006, 0.1, 0.002)).moved(1.0, np.array([-0.03, 0.0, HEIGHT + 0.006]))

@@ -80,7 +80,7 @@ def test_inside_of_a_closed_box_sees_neither_sky_nor_ground(openness: Find) -> N
     (found,) = openness(closed)
     np.testing.assert_allclose(found[:, :2], 1.0, atol=0.01)
     of_sky = 0.5 - 0.5 * closed.normals[:, 2]
-    assert (of_sky * found[:, 2] + (1 - of_sky) * found[:, 3]).max() < 0.15  # a depth map leaks at edges
+    assert (of_sky * found[:, 2] + (1 - of_sky) * found[:, 3]).max() < 0.2  # a depth map leaks at edges
 
 
 def test_vertices_within_another_part_do_not_darken_what_is_seen(openness: Find) -> None:
