@@ -136,7 +136,8 @@ class ModelsOnVideo:
 
     def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
         """Readies shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
-        self.shadows.render(models.casters(lighting), lighting, self.layers.real)
+        casters = models.casters(lighting, self.layers.real is not None)
+        self.shadows.render(casters, lighting, self.layers.real)
         self._ground_shadows.render(self.shadows, lighting)
         cover = self.layers.follow_sheet(scene, waits)
         self.layers.catcher.fit(models, lighting, self.shadows, _covered(cover))

@@ -6,7 +6,7 @@ from ashe_live.core.transforms import angle_between, transform_points
 from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.light_text import light_text
 from ashe_live.render.gl.framing import box_corners, framing
-from ashe_live.render.lights.light_view import sees
+from ashe_live.render.lights.light_view import sees, sees_all
 from ashe_live.tracking.families.in_view import in_view_text
 from ashe_live.tracking.families.layout import in_words
 from ashe_live.viewer.session import Session
@@ -24,6 +24,7 @@ SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
 LAMP_BELOW = "the lamp is below the table: it gives no light"
 OUT_OF_PICTURE = "the model stands outside the picture: Backspace puts it back"
 LAMP_INSIDE = "the lamp is inside the model or touches it: it casts no shadow"
+LAMP_AMONG_MANY = "so many models stand around the lamp that some of them cast no shadow in it"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
@@ -155,8 +156,10 @@ def lamp_note(session: Session) -> str | None:
         for _, model, placement in session.arrangement.models(session.tracked)
         if placement is not None
     ]
-    is_outside = all(sees(lamp, points) for lamp in lamps for points in bodies)
-    return None if is_outside else LAMP_INSIDE
+    if not all(sees(lamp, points) for lamp in lamps for points in bodies):
+        return LAMP_INSIDE
+    lit = session.lit_by
+    return None if sees_all(lit.lights, bodies, lit.real_object is not None) else LAMP_AMONG_MANY
 
 
 def _is_moved_out_of_picture(session: Session) -> bool:

@@ -25,6 +25,7 @@ from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.notice import NOTICE_S
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import (
+    LAMP_AMONG_MANY,
     LAMP_BELOW,
     LAMP_INSIDE,
     OUT_OF_PICTURE,
@@ -1063,6 +1064,26 @@ def test_a_lamp_among_models_casts_their_shadows_and_is_not_reported(make, fakes
     between = (np.array(here.shift_m) + there.shift_m) / 2
     for place, said in (((*between, 0.04), ()), ((*between, 0.6), ()), ((*there.shift_m, 0.02), (LAMP_INSIDE,))):
         session.hand.light = Illumination((Light(place, inverse_distance=1 / np.linalg.norm(place)),))
+        assert guidance(session) == said
+
+
+def test_models_around_a_lamp_that_no_views_of_it_show_are_reported(make, fakes, monkeypatch):
+    """Nine, for which depth maps do not suffice beside four lights and a real object; without that they do."""
+    session = make()
+    model = placed_on_marker(Model("box", (box((0.3, 0.3, 1)),)), 0.06)
+    ring = 0.08 * np.array([(np.cos(turn), np.sin(turn)) for turn in 0.7 * np.arange(9)])
+    session.table.shelf.shown = model
+    session.take(fakes.tracked(), 0.0)
+    around = tuple((None, model, Placement(shift_m=tuple(place))) for place in ring)
+    monkeypatch.setattr(type(session.arrangement), "models", lambda *_: around)
+    lamp, cup = Light((0.0, 0.0, 1.0), inverse_distance=1 / 0.03), Proxy("cup", np.array([(0.3, 0.3, 0.05, 0.02, 0)]))
+    suns = tuple(Light((0.1 * number, 0.0, 1.0)) for number in range(3))
+    for lit, said in (
+        (Illumination((lamp,), real_object=cup), ()),
+        (Illumination((lamp, *suns)), ()),
+        (Illumination((lamp, *suns), real_object=cup), (LAMP_AMONG_MANY,)),
+    ):
+        session.hand.light = lit
         assert guidance(session) == said
 
 

@@ -23,6 +23,9 @@ WIDEST_HALF_ANGLE_COSINE = 0.17
 # penumbrae away from the axis are too narrow: by this factor at most.
 TOGETHER_COSINE = 0.6
 NEAREST_RATIO = 1e-3  # of the nearest of the casters over the farthest: a depth map has 24 bits
+# Depth maps of all lights and casters together that a shader looks up: of the 256 vectors that OpenGL 3.3 has for its
+# uniforms, each takes 18.
+MOST_MAPS = 12
 CONE_STEPS = 24
 LEAST_NEARER = 0.4  # of the light's elevation above its own radius; lower lights' penumbrae are cut off
 LEVEL: Float = np.array([0.0, 0.0, 1.0, 0.0])  # the plane z = 0, homogeneous
@@ -58,21 +61,14 @@ class LightView:
         return float(along @ divisor / (divisor @ divisor)) if divisor.any() else -np.inf
 
 
-def view_of(light: ShadingLight, points: Float, least_cosine: float = WIDEST_HALF_ANGLE_COSINE) -> LightView | None:
-    """How `light` sees a body whose hull is that of points (n, 3), marker frame; None from inside or too near it.
-
-    least_cosine: of the half angle of the cone around the body, as seen from a lamp.
-    """
+def view_of(light: ShadingLight, points: Float) -> LightView | None:
+    """How `light` sees a body whose hull is that of points (n, 3), marker frame; None from inside or too near it."""
     axis = light.to_light
     if light.inverse_distance > 0:
-        rays = -light.towards(points)
-        lengths = np.linalg.norm(rays, axis=1, keepdims=True)
-        if lengths.min() <= NEAREST_RATIO * lengths.max():
+        away, cosine = _cone(light, points)
+        if cosine < WIDEST_HALF_ANGLE_COSINE:
             return None
-        axis, cosine = _enclosing_cone(rays / lengths)
-        if cosine < least_cosine:
-            return None
-        axis = -axis
+        axis = -away
     view = light_view(axis)
     x, y, z = view[:3, :3] @ light.to_light
     depths = points @ view[2, :3]
@@ -101,29 +97,61 @@ def sees(light: Light, points: Float) -> bool:
     return all(view_of(each, points) is not None for each in lighting_of((light,)).lights)
 
 
+def most_groups(light_count: int, beside_real: bool) -> int:
+    """How many groups of models have depth maps of their own; `beside_real`: a real object has one for each light."""
+    return MOST_MAPS // max(light_count, 1) - beside_real
+
+
+def sees_all(lights: tuple[Light, ...], bodies: Sequence[Float], beside_real: bool) -> bool:
+    """Whether the shadows of all `bodies`, points (n, 3) of each, can be drawn, if each of them alone can.
+
+    beside_real: as of `most_groups`.
+    """
+    if len(bodies) < 2 or all(sees(light, np.concatenate(bodies)) for light in lights):
+        return True
+    shading = lighting_of(lights).lights
+    groups = seen_together(bodies, shading, most_groups(len(shading), beside_real))
+    together = [np.concatenate([bodies[number] for number in group]) for group in groups]
+    return all(view_of(light, points) is not None for light in shading for points in together)
+
+
 def seen_together(bodies: Sequence[Float], lights: Sequence[ShadingLight], most: int) -> list[list[int]]:
     """Numbers of `bodies`, points (n, 3) of each, in groups that every light sees well as one: all of them, if it does.
 
-    In at most `most` groups. A body that a lamp does not see so is a group of its own.
+    In at most `most` groups. A body that a lamp does not see so is a group of its own. Where they do not suffice, they
+    are as narrow as can be for the lamps, and what no view shows any more is in as few of them as possible.
     """
     lamps = [light for light in lights if light.inverse_distance > 0]
 
-    def are_seen(numbers: Sequence[int]) -> bool:
+    def cosine(numbers: Sequence[int]) -> float:
         points = np.concatenate([bodies[number] for number in numbers])
-        return all(view_of(lamp, points, TOGETHER_COSINE) is not None for lamp in lamps)
+        return min(_cone(lamp, points)[1] for lamp in lamps)
 
-    if not lamps or len(bodies) == 1 or are_seen(range(len(bodies))):
+    if not lamps or len(bodies) == 1 or cosine(range(len(bodies))) >= TOGETHER_COSINE:
         return [list(range(len(bodies)))]
     groups: list[list[int]] = []
     for number in range(len(bodies)):
-        joined = next((group for group in groups if are_seen([*group, number])), None)
-        if joined is None and len(groups) == most:
-            joined = groups[-1]
-        if joined is None:
+        joined = max(groups, key=lambda group: cosine([*group, number]), default=None)
+        narrowest = -1.0 if joined is None else cosine([*joined, number])
+        if joined is None or (narrowest < TOGETHER_COSINE and len(groups) < most):
             groups.append([number])
-        else:
-            joined.append(number)
+            continue
+        if narrowest < WIDEST_HALF_ANGLE_COSINE:
+            joined = min(groups, key=lambda group: (cosine(group) >= WIDEST_HALF_ANGLE_COSINE, len(group)))
+        joined.append(number)
     return groups
+
+
+def _cone(lamp: ShadingLight, points: Float) -> tuple[Float, float]:
+    """Axis (3,), away from a lamp, of the cone in which it sees points (n, 3), and the cosine of its half angle.
+
+    -1 where the lamp touches one of them.
+    """
+    rays = -lamp.towards(points)
+    lengths = np.linalg.norm(rays, axis=1, keepdims=True)
+    if lengths.min() <= NEAREST_RATIO * lengths.max():
+        return -lamp.to_light, -1.0
+    return _enclosing_cone(rays / lengths)
 
 
 def _enclosing_cone(directions: Float) -> tuple[Float, float]:

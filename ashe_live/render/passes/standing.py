@@ -7,13 +7,9 @@ from ashe_live.core.transforms import transform_points
 from ashe_live.models.placement import Placement
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.gl.geometry import GpuModel
-from ashe_live.render.lights.light_view import seen_together
+from ashe_live.render.lights.light_view import most_groups, seen_together
 from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.occlusion.contact import ContactPatch
-
-# Depth maps of all lights and casters together that a shader looks up: of the 256 vectors that OpenGL 3.3 has for its
-# uniforms, each takes 18.
-MOST_MAPS = 12
 
 
 class StandingModel:
@@ -64,14 +60,14 @@ class StandingGroup:
         self._divided: tuple[StandingGroup, ...] = ()  # unless they are one caster
         self._divided_for = b""
 
-    def casters(self, lighting: Lighting) -> tuple["StandingGroup", ...]:
+    def casters(self, lighting: Lighting, beside_real: bool) -> tuple["StandingGroup", ...]:
         """Groups that each light can see as one, itself where possible; the same objects for lights in the same places.
 
-        A point is shaded by what all of them let through.
+        A point is shaded by what all of them let through. `beside_real`: a real object casts shadows as well.
         """
-        key = np.array([light.homogeneous for light in lighting.lights]).tobytes()
+        key = np.array([light.homogeneous for light in lighting.lights]).tobytes() + bytes([beside_real])
         if self._divided_for != key:
-            most = MOST_MAPS // max(len(lighting.lights), 1) - 1  # beside the real object
+            most = most_groups(len(lighting.lights), beside_real)
             groups = seen_together([member.points for member in self.members], lighting.lights, most)
             divided = (StandingGroup(tuple(self.members[number] for number in group)) for group in groups)
             self._divided_for, self._divided = key, tuple(divided) if len(groups) > 1 else ()

@@ -1,5 +1,6 @@
 """A lamp among several models, which no single view from it shows: each of them casts its shadow all the same."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -13,7 +14,7 @@ from ashe_live.models.placement import Placement
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.gl.framing import box_corners
-from ashe_live.render.lights.light_view import seen_together, view_of
+from ashe_live.render.lights.light_view import seen_together, sees_all, view_of
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.scene import Scene
 from tests.render.green_model import split
@@ -78,6 +79,33 @@ def test_their_shadows_fall_where_the_planar_projection_says(make_renderer, stag
         assert (dark == is_model).mean() > 0.999  # the lamp may be taken away again
 
 
+@pytest.mark.parametrize("real_object", [None, Proxy("cup", np.array([(0.3, 0.3, z, 0.02, 0) for z in (0.0, 0.05)]))])
+@pytest.mark.parametrize("order", [(0, 1, 2, 3, 4), (0, 2, 4, 1, 3), (0, 3, 1, 4, 2)])
+def test_beside_three_other_lights_those_around_a_lamp_cast_shadows(stage, make_renderer, order, real_object) -> None:
+    """Which leaves few depth maps for each light: the shadows of five are all there, and of two beside a real object.
+
+    A pole that is taller than the lamp shades all that is behind it.
+    """
+    turns = [math.tau * number / 5 for number in order]
+    places = [Placement(shift_m=(0.08 * math.cos(turn), 0.08 * math.sin(turn)), turn_rad=turn) for turn in turns]
+    tracked = stage.tracked(200, stage.pose(-90, 75, 0.7))
+    pole = stage.placed(stage.glowing_green(box(POLE)))
+    lamp = Light((0.0, 0.0, 1.0), shadow_rgb_ratio=np.full(3, 0.1), inverse_distance=1 / 0.035, radius_m=0.001)
+    lights = (lamp, *(stage.light(90 * turn, 60, (0.999,) * 3) for turn in range(3)))
+    first, *others = ((pole, place) for place in places)
+    lit = Illumination(lights, real_object=real_object)
+    scene = Scene(tracked, pole, lit, placement=first[1], others=tuple(others))
+    renderer = make_renderer()
+    behind = np.array([(0.12 * math.cos(turn), 0.12 * math.sin(turn), 0.0) for turn in turns])
+    columns, rows = project(tracked.camera, tracked.marker.T_cam_marker, behind).round().astype(int).T
+    seen = []
+    for casts_shadow in (True, False):
+        renderer.render(replace(scene, casts_shadow=casts_shadow))
+        seen.append(renderer.read_bgr()[rows, columns, 1].astype(float))
+    # Beside the contact shadows, which are there in any case.
+    assert (seen[0] < 0.93 * seen[1]).sum() >= (5 if real_object is None else 2)
+
+
 @pytest.mark.parametrize("quality", list(QUALITIES))
 def test_a_suns_shadows_stay_what_they_are_where_a_faint_lamp_is_among_them(make_renderer, stage, quality: str) -> None:
     """On the ground, on one another and beside the real object's, though each has a depth map of its own now."""
@@ -136,3 +164,19 @@ def test_groups_are_as_few_as_a_lamp_can_see() -> None:
         assert view_of(among[0], np.concatenate([bodies[number] for number in group])) is not None
     assert [0] in seen_together(bodies, inside, 5)
     assert len(seen_together(bodies, among, 1)) == 1
+
+
+def test_what_too_few_groups_do_not_show_is_left_out_of_as_few_as_possible() -> None:
+    """Three around a lamp in two groups are all seen; of one that holds the lamp the others keep their views."""
+    around = [Placement(shift_m=(0.08 * math.cos(turn), 0.08 * math.sin(turn))) for turn in (0.0, 2.1, 4.2)]
+    low, holds = np.array((0.0, 0.0, 0.035)), Placement()
+    (lamp,) = lighting_of((_lamp(low, 0.3),)).lights
+    for places, unseen in ((around, 0), ([holds, *around[:2]], 1), ([*around[:2], holds], 1)):
+        bodies = [_of_pole(each) for each in places]
+        groups = seen_together(bodies, (lamp,), 2 if unseen == 0 else 3)
+        views = [view_of(lamp, np.concatenate([bodies[number] for number in group])) for group in groups]
+        assert sum(view is None for view in views) == unseen
+    suns = tuple(Light((0.1 * number, 0.0, 1.0)) for number in range(3))
+    ring = [_of_pole(Placement(shift_m=(0.08 * math.cos(turn), 0.08 * math.sin(turn)))) for turn in 0.7 * np.arange(9)]
+    for lights, beside_real in itertools.product(((_lamp(low, 0.3),), (_lamp(low, 0.3), *suns)), (False, True)):
+        assert sees_all(lights, ring, beside_real) == (len(lights) == 1 or not beside_real)
