@@ -12,7 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from ashe_live.commands.answers.empty_table import EmptyTable
 from ashe_live.commands.answers.file_answers import FileEstimator
 from ashe_live.commands.answers.light_page import LightPage
-from ashe_live.commands.flags.marker_choice import other_markers_hint
+from ashe_live.commands.flags.marker_choice import not_found_text
 from ashe_live.commands.flags.model_choice import marker_files
 from ashe_live.commands.flags.named_files import named_files
 from ashe_live.commands.flags.setup import camera_chooser, light_preset, make_tracker
@@ -27,7 +27,6 @@ from ashe_live.process.messages import listed, print_answer, print_exactly, prin
 from ashe_live.process.signals import ended_by_signals
 
 PAGES = (".html", ".htm")
-NO_MARKER = "no marker found: show all of it, or name the one that is there with --marker"
 NAMED = 3  # of the files without a marker in a folder
 WORST_FIRST = (
     ExitStatus.FAULT,
@@ -54,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     camera_for = camera_chooser(options)
     empty = _empty_table(options, estimator.name)
     make_tracker(options, camera_for)  # reports a wrong --marker before any file is opened
-    page = LightPage()
+    page, is_named = LightPage(), not options.takes_any_marker
     statuses = set()
     without_marker: list[str] = []  # of the files that no one named, which are reported together
     files = FileEstimator(estimator, camera_for, options, empty)
@@ -69,15 +68,15 @@ def run(options: argparse.Namespace) -> int:
                 elif _shows_no_marker(record) and Path(record.file) not in options.files:
                     without_marker.append(record.file)
                 else:
-                    is_read = print_answer(_line(record))
+                    is_read = print_answer(_line(record, is_named))
                 if options.sheet is not None:
-                    page.add(_named(record), _answer_text(record), picture)
+                    page.add(_named(record), _answer_text(record, is_named), picture)
                 elif not is_read and options.debug is None:
                     break  # whoever read the output has gone
                 end_if_asked()
         finally:  # a request to end in the middle of a long batch must not lose the sheet
             if without_marker:
-                print_answer(f"{listed(without_marker, NAMED)}: {NO_MARKER}")
+                print_answer(f"{listed(without_marker, NAMED)}: {not_found_text(options.marker, (), is_named)}")
             if page.has_figures:
                 if makes_folder_of_sheet:
                     make_folder(options.debug)
@@ -139,21 +138,20 @@ def _named(record: FileRecord) -> str:
     return listed(dict.fromkeys(file for file, _ in record.places) or [record.file])
 
 
-def _line(record: FileRecord) -> str:
+def _line(record: FileRecord, is_marker_named: bool) -> str:
     """The line about a file: its name, unless the error says it itself, and the answer."""
     # A name may be as short as a word of the error, or as a letter in one.
     as_word = rf"(?<!\w){re.escape(printable(record.file))}(?!\w)"
     names_itself = record.error is not None and re.search(as_word, record.error) is not None
-    return _answer_text(record) if names_itself else f"{_named(record)}: {_answer_text(record)}"
+    answer = _answer_text(record, is_marker_named)
+    return answer if names_itself else f"{_named(record)}: {answer}"
 
 
-def _answer_text(record: FileRecord) -> str:
+def _answer_text(record: FileRecord, is_marker_named: bool) -> str:
     if record.error is not None:
         return record.error
-    if _shows_no_marker(record):
-        return NO_MARKER
     if record.marker is None:
-        return f"the marker was not found: {other_markers_hint(record.in_view, record.looked_for)}"
+        return not_found_text(record.looked_for, record.in_view, is_marker_named)
     estimate = record.estimate
     assert estimate is not None
     if not estimate.lights:

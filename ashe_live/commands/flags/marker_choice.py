@@ -10,13 +10,15 @@ from ashe_live.commands.flags.setup import camera_chooser, make_tracker
 from ashe_live.core.camera import Camera
 from ashe_live.process.messages import print_message
 from ashe_live.tracking.families.in_view import in_view_text, markers_in_view
-from ashe_live.tracking.families.layout import is_of_cube, parse_target
+from ashe_live.tracking.families.layout import in_words, is_of_cube, parse_target
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
 
 # Frames of a clip that are searched: in the very first ones the marker may still be half hidden.
 LOOKED_AT = 5
+SHOW_IT = "show all of it, or name the one that is there with --marker"
+NO_MARKER = f"no marker found: {SHOW_IT}"
 
 
 def with_marker(options: argparse.Namespace, spec: str) -> argparse.Namespace:
@@ -93,7 +95,16 @@ def marker_in(
     return None
 
 
-def other_markers_hint(in_view: tuple[str, ...], marker: str) -> str:
+def not_found_text(marker: str, in_view: tuple[str, ...], is_named: bool) -> str:
+    """That `marker`, which a person may have named, was not found, and what helps."""
+    if not in_view and not is_named:
+        return NO_MARKER
+    # One that is in view is named by the hint.
+    which = f"the marker {in_words(marker)}" if is_named and marker not in in_view else "the marker"
+    return f"{which} was not found: {_hint(in_view, marker) if in_view else SHOW_IT}"
+
+
+def _hint(in_view: tuple[str, ...], marker: str) -> str:
     """A hint on the markers in view, if none that looks like `marker` was found through the camera."""
     if marker in in_view:
         fold = "fold it if it lies flat, or " if is_of_cube(marker) else ""

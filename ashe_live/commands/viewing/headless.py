@@ -11,7 +11,7 @@ from typing import NamedTuple
 from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX, LastPicture
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.recording.transparent import TransparentRecorder
-from ashe_live.commands.flags.marker_choice import other_markers_hint
+from ashe_live.commands.flags.marker_choice import not_found_text
 from ashe_live.commands.flags.setup import assumed_note, quality_of
 from ashe_live.commands.viewing.setup import (
     ViewerSetup,
@@ -144,10 +144,7 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
         yield setup.source.note
     if not found:
         in_view = () if session.tracked is None else markers_in_view(session.tracked.frame.image_bgr)
-        named = (
-            other_markers_hint(in_view, options.marker) if in_view else "if another one is there, name it with --marker"
-        )
-        yield f"the marker {options.marker} is not found in {name}: {named}"
+        yield f"{name}: {not_found_text(options.marker, in_view, not options.takes_any_marker)}"
     elif options.estimate_at not in (None, *found):
         yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
     elif session.notice.text is not None:

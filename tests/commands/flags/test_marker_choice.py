@@ -67,6 +67,21 @@ def test_a_marker_that_is_named_is_never_replaced_and_what_is_there_is_said(run,
     assert record["markers_in_view"] == [OTHER]
 
 
+def test_a_marker_that_is_named_and_not_there_is_named_in_the_answer(run, photo):
+    """Also where no other is there; one that nobody has named is not."""
+    wanted, headless = "aruco:4x4_50:3", ("--headless", "--quality", "fast")
+    for there in ((), (OTHER,)):
+        for command in (["estimate", photo(*there)], ["play", photo(*there), *headless]):
+            outcome = run(*command, "--hfov", "60", "--marker", wanted)
+            assert outcome.status == 3
+            assert f"photo.png: the marker {wanted} was not found: " in " ".join([*outcome.out, *outcome.err])
+    for command in (["estimate", photo()], ["play", photo(), *headless]):
+        outcome = run(*command, "--hfov", "60")
+        said = " ".join([*outcome.out, *outcome.err])
+        assert "photo.png: no marker found: " in said
+        assert "aruco" not in said
+
+
 def test_a_photo_is_shown_with_the_marker_that_is_in_it(run, photo):
     headless = ("--hfov", "60", "--headless", "--quality", "fast", "--no-hide-marker")
     outcome = run("play", photo(OTHER), *headless, "--frames", "2")
