@@ -29,7 +29,7 @@ def opened(path: Path, may_be_empty: bool = False) -> BinaryIO:
             _check_kind(path, status.st_mode)
             # Also what the system makes up as it is read (/proc), which has no size and may have no end, or block.
             if not may_be_empty and not (status.st_size and stream.peek(1)):
-                raise UserError(f"{path} is empty", "copy or record it again")
+                raise _empty(path)
         except BaseException:
             stream.close()
             raise
@@ -48,6 +48,10 @@ def as_given(path: Path) -> str:
     return str(path) if address is None else f"{address['scheme']}://{address['rest']}"
 
 
+def _empty(path: Path) -> UserError:
+    return UserError(f"{path} is empty", "copy, record or export it again")
+
+
 def _missing(path: Path) -> UserError:
     if ADDRESS.match(str(path)) is not None:
         said = f"{as_given(path)} is an address, and nothing is fetched from a network"
@@ -55,9 +59,9 @@ def _missing(path: Path) -> UserError:
     return UserError(f"there is no file {path}", "check the name and the folder")
 
 
-def read_bytes(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> bytes:
+def read_bytes(path: Path, most_bytes: int = MOST_SETTINGS_BYTES, may_be_empty: bool = True) -> bytes:
     """The whole content. Raises UserError as `opened`, and for more than `most_bytes`."""
-    with opened(path, may_be_empty=True) as stream:
+    with opened(path, may_be_empty) as stream:
         try:
             # Memory is reserved for the file's size, and not for all that is allowed.
             size = os.fstat(stream.fileno()).st_size
@@ -81,8 +85,11 @@ def read_text(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> str:
 
 def read_json(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> Any:
     """As `read_text`, parsed. Raises UserError for what is not JSON, which has no NaN and no infinite numbers."""
+    text = read_text(path, most_bytes)
+    if not text.strip():
+        raise _empty(path)
     try:
-        return json.loads(read_text(path, most_bytes), parse_constant=_refused, parse_float=_finite, parse_int=_whole)
+        return json.loads(text, parse_constant=_refused, parse_float=_finite, parse_int=_whole)
     except (ValueError, RecursionError) as error:
         raise UserError(f"{path} is not JSON ({parsers_words(error)})", "write or export it again") from None
 

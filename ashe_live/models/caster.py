@@ -1,11 +1,12 @@
 """A real object of known shape and size, as a person gives it: by its sizes, or by the file of its model."""
 
+import os
 from pathlib import Path
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, directions_on_spiral
-from ashe_live.core.caster import Caster, parsed_caster
+from ashe_live.core.caster import SIZES, Caster, parsed_caster
 from ashe_live.models.loading import SUFFIXES, load_model_file
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_isolated
@@ -21,7 +22,9 @@ def read_caster(spec: str) -> Caster:
     Of a model it is the convex hull, standing as it is loaded, with the file's unit for a metre; its hollows and gaps
     are filled. Raises UserError when there is no such body, or it is too small or too large to cast a shadow.
     """
-    if Path(spec).suffix.lower() not in SUFFIXES:
+    is_file = Path(spec).suffix.lower() in SUFFIXES
+    # A file of another kind is read too, so that it is said what is wrong with it.
+    if not is_file and (spec.partition(":")[0] in SIZES or not os.path.exists(spec)):  # noqa: PTH110 - of any name
         return parsed_caster(spec)
     return Caster.hull(read_isolated(_few_points, (spec,), spec))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
-from ashe_live.files.reading import read_bytes
+from ashe_live.files.reading import opened, read_bytes
 from ashe_live.models.assembly import overlaps
 from ashe_live.models.assembly.geometry import RawMesh, placed_mesh
 from ashe_live.models.assembly.merging import merged
@@ -72,6 +72,7 @@ def _is_out_of_memory() -> bool:
 def _read(path: Path, up: str | None) -> Model:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
+        opened(path, may_be_empty=True).close()  # of a folder, or what may not be read, that is said
         raise UserError(f"{path} is not a supported kind of model file", f"give one of {', '.join(SUFFIXES)}")
     content = read_bytes(path, MAX_FILE_BYTES)
     check_kind(path, content)

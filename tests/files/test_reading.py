@@ -51,6 +51,13 @@ def test_what_the_system_makes_up_as_it_is_read_is_empty() -> None:
     assert read_bytes(path) == b""
 
 
+def test_of_an_empty_file_it_is_said_that_it_is_empty_and_not_what_its_kind_should_hold(tmp_path: Path) -> None:
+    for content in (b"", b"\n"):
+        (tmp_path / "camera.json").write_bytes(content)
+        with pytest.raises(UserError, match=r"camera\.json is empty"):
+            read_json(tmp_path / "camera.json")
+
+
 @pytest.mark.parametrize("name", ["a\0b", "a" * 300, "a/b"])
 def test_a_name_that_no_file_has_is_said(tmp_path: Path, name: str) -> None:
     (tmp_path / "a").write_bytes(b"x")
@@ -85,7 +92,7 @@ def test_text_is_utf8_with_or_without_a_mark(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "content", ["", "{", "NaN", "[Infinity]", '{"a": 1e400}', "-1e999", "1" + 400 * "0", "[" * 100_000]
+    "content", ["{", "NaN", "[Infinity]", '{"a": 1e400}', "-1e999", "1" + 400 * "0", "[" * 100_000]
 )
 def test_only_json_of_finite_numbers_is_read(tmp_path: Path, content: str) -> None:
     path = tmp_path / "a.json"

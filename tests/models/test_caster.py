@@ -63,6 +63,22 @@ def test_a_model_that_cannot_stand_on_the_table_is_said_in_one_line(tmp_path: Pa
     assert "\n" not in str(told.value)
 
 
+def test_of_a_file_that_is_no_model_it_is_said_what_is_wrong(tmp_path: Path) -> None:
+    """Not that there is no such caster."""
+    text, folder = tmp_path / "sizes.txt", tmp_path / "models"
+    text.write_text("6 x 4 x 12")
+    folder.mkdir()
+    for path, said in ((text, "sizes.txt is not a supported kind of model file"), (folder, "models is a folder")):
+        with pytest.raises(UserError, match=said):
+            read_caster(str(path))
+
+
+def test_sizes_are_sizes_though_a_file_is_called_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("sphere:0.03").touch()
+    assert read_caster("sphere:0.03") == Caster.sphere(0.03)
+
+
 def test_a_file_that_is_missing_is_said(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="no file"):
         read_caster(str(tmp_path / "none.glb"))

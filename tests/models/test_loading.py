@@ -236,6 +236,7 @@ def test_limits_hold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_missing_or_unknown_files(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="there is no file"):
         load_model_file(tmp_path / "none.obj")
+    (tmp_path / "model.zip").touch()
     with pytest.raises(UserError, match="not a supported kind of model file"):
         load_model_file(tmp_path / "model.zip")
     (tmp_path / "folder.obj").mkdir()

@@ -39,7 +39,7 @@ def read_pattern_content(path: Path) -> Image:
         raise UserError(f"{path} is a picture, and no ARToolKit pattern file", f"name it by image:{path}")
     wanted = ROTATIONS * CHANNELS * ROWS * ROWS
     remedy = f"an ARToolKit pattern file holds {wanted} numbers from 0 to 255"
-    content = read_bytes(path, MAX_PATTERN_BYTES)
+    content = read_bytes(path, MAX_PATTERN_BYTES, may_be_empty=False)
     try:
         numbers = np.array([int(word) for word in content.decode("ascii").split()])
     except (ValueError, OverflowError) as error:
@@ -57,7 +57,7 @@ def read_marker_picture(path: Path) -> Image:
 
     Raises UserError when it cannot be read or is not a square.
     """
-    file = io.BytesIO(read_bytes(path, MAX_PICTURE_BYTES))
+    file = io.BytesIO(read_bytes(path, MAX_PICTURE_BYTES, may_be_empty=False))
     refuse_endless(path, file)
     by_pattern = f", or one of ARToolKit's by pattern:{path}" if path.suffix.lower() == ".patt" else ""
     try:

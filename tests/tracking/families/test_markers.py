@@ -88,7 +88,8 @@ def test_a_wrong_spec_is_one_line_with_its_remedy(spec: str, words: str) -> None
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("", "holds 0 numbers"),
+        ("", "bad.patt is empty"),
+        (" ", "holds 0 numbers"),
         ("1 2 3", "holds 3 numbers"),
         ("255 " * 3072 + "1", "holds 3073 numbers"),
         ("256 " * 3072, "beyond a byte"),
@@ -178,9 +179,15 @@ def test_a_picture_with_its_white_margin_is_refused(tmp_path: Path, picture_file
     assert "cropped to its edge" in caught.value.remedy
 
 
+def test_an_empty_picture_is_said_to_be_empty(tmp_path: Path) -> None:
+    (tmp_path / "logo.png").touch()
+    with pytest.raises(UserError, match=r"logo\.png is empty"):
+        parse_marker(f"image:{tmp_path / 'logo.png'}")
+
+
 def test_what_is_no_picture_is_refused(tmp_path: Path, picture_file: Path) -> None:
     whole = picture_file.read_bytes()
-    for content in (b"", b"not a picture", whole[: len(whole) // 2]):
+    for content in (b"not a picture", whole[: len(whole) // 2]):
         path = tmp_path / "broken.png"
         path.write_bytes(content)
         with pytest.raises(UserError, match="cannot read"):
