@@ -20,7 +20,7 @@ from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.notice import Notice
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import Table
-from ashe_live.viewer.view_options import WHOLE, ViewOptions
+from ashe_live.viewer.view_options import NEXT_PARTS, WHOLE, ViewOptions
 
 
 class Session:
@@ -219,7 +219,11 @@ class Session:
                 else:
                     view.wants_cover = not self.covers_marker
             case Command.BEFORE_AFTER:
-                self.say(f"{view.next_parts()}: B goes on", now_s)
+                view.show_next_parts()
+                if view.parts is WHOLE:
+                    self.say(f"{WHOLE.value}: {NEXT_PARTS}", now_s)
+                else:  # which is said for as long as it is so
+                    self.notice.withdraw(WHOLE.value)
             case _:
                 return view.handle(request.command) or self._handle_by_hand(request, now_s)
         return True

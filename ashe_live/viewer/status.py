@@ -31,7 +31,7 @@ NO_MARKER = (
     "or `ashe-live marker --cube --out cube.pdf`: a paper cube, which needs no other object beside it",
 )
 NOT_IN_FILE = (
-    "the marker that is looked for is not found: if another one is there, name it with --marker,",
+    "is not found: if another one is there, name it with --marker,",
     "such as `--marker aruco:4x4_50:7`, or `--marker pattern:FILE` for one of a picture of its own",
 )
 
@@ -128,19 +128,18 @@ def status_lines(
     marker = marker_line(seen)
     if seen is not None and seen.marker is not None:
         marker += "".join(f"; {spec}: not in view" for spec in session.arrangement.without_marker(seen))
-    return [
-        "   ".join(
-            [*rate, f"model: {model_name or session.table.in_hand_text}", quality, *([] if fps is None else [KEYS])]
-        ),
-        marker,
-        *([] if camera is None else [camera]),
-        light_line(session, now_s),
-    ]
+    first = "   ".join(
+        [*rate, f"model: {model_name or session.table.in_hand_text}", quality, *([] if fps is None else [KEYS])]
+    )
+    if _awaits_marker(session):  # of which the lines at the bottom speak: camera and light follow from it
+        return [first, marker]
+    return [first, marker, *([] if camera is None else [camera]), light_line(session, now_s)]
 
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:
     """The lines at the bottom left: guidance, the source's status and the last message."""
-    said = (*guidance(session), source_status, session.table.progress, session.notice.shown(now_s))
+    parts, said_now = session.view.parts_line, session.notice.shown(now_s)
+    said = (*guidance(session), source_status, session.table.progress, parts, said_now)
     return [text for text in said if text]
 
 
@@ -174,6 +173,11 @@ def _is_moved_out_of_picture(session: Session) -> bool:
     return framing(tracked.camera, tracked.marker.T_cam_marker, corners, (0, 0, *tracked.frame.size)) is None
 
 
+def _awaits_marker(session: Session) -> bool:
+    """Whether pictures come, and none has shown a marker, without which only a light by hand can be known."""
+    return session.tracked is not None and not session.has_seen_marker and session.hand.light is None
+
+
 def guidance(session: Session) -> tuple[str, ...]:
     """Hints while no marker or no light has been found, or while a lamp or the model stands where it is of no use."""
     if (note := lamp_note(session)) is not None:
@@ -183,8 +187,12 @@ def guidance(session: Session) -> tuple[str, ...]:
     if session.markers_in_view:
         specs = session.markers_in_view
         return (f"{in_view_text(specs)}: M follows {in_words(specs[0])}",)
-    if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
-        return NO_MARKER if session.watch.camera_may_move else NOT_IN_FILE
+    if _awaits_marker(session):
+        if session.watch.camera_may_move:
+            return NO_MARKER
+        marker = session.arrangement.followed
+        which = "the marker that is looked for" if marker is None else f"the marker {in_words(marker)}"
+        return (f"{which} {NOT_IN_FILE[0]}", *NOT_IN_FILE[1:])
     if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
         without_it = [WITHOUT_IT] if session.watch.may_show_empty_table else []
         return f"what helps: {AFTER_NONE}", *without_it, SET_BY_HAND

@@ -18,10 +18,6 @@ class ShownParts(Enum):
     SPLIT = "the video alone in one half"
 
     @property
-    def notice(self) -> str:
-        return self.value
-
-    @property
     def shows_model(self) -> bool:
         return self not in (ShownParts.SHADOW_ALONE, ShownParts.VIDEO_ALONE)
 
@@ -36,6 +32,7 @@ class ShownParts(Enum):
 
 
 WHOLE = ShownParts.WHOLE  # at first, and after a reset
+NEXT_PARTS = "B goes on"
 
 
 class ViewOptions:
@@ -78,8 +75,11 @@ class ViewOptions:
         """Whether models may take the place of a body that the marker is on: once the ground over it is drawn."""
         return self.covers_marker(tracked) and self.cover_is_drawn
 
-    def next_parts(self) -> str:
-        """Shows the next ones, and returns their notice."""
+    def show_next_parts(self) -> None:
         in_order = list(ShownParts)
         self.parts = in_order[(in_order.index(self.parts) + 1) % len(in_order)]
-        return self.parts.notice
+
+    @property
+    def parts_line(self) -> str | None:
+        """What is shown, as long as that is less than all: snapshots and recordings have no more either."""
+        return None if self.parts is WHOLE else f"{self.parts.value}: {NEXT_PARTS}"

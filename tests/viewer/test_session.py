@@ -510,7 +510,10 @@ def test_a_key_switches_it_on_and_holds_the_light_when_it_is_switched_off(make, 
 def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
     session = make()
     session.take(fakes.tracked(has_marker=False), 0.0)
+    assert len(status_lines(session, None, "fast")) == 2, "what follows from a marker is nothing to read yet"
     assert any("name it with --marker" in line for line in guidance(session)), "a file shows what it shows"
+    session.arrangement.followed = "image:logo.png"
+    assert guidance(session)[0].startswith("the marker image:logo.png is not found")
     session.watch.camera_may_move = True
     assert any("marker --show" in line for line in guidance(session))
     session.take(fakes.tracked(), 0.0)
@@ -1005,6 +1008,19 @@ def test_before_and_after(make, fakes):
     session.handle(Request(Command.BEFORE_AFTER), 0.0)
     session.handle(Request(Command.RESET), 0.0)
     assert bare_scene(session).casts_shadow
+
+
+def test_what_is_left_out_is_said_for_as_long_as_it_is_so(make, fakes):
+    """Not only for the few seconds of a notice: snapshots and recordings are made so too."""
+    session = make()
+    session.take(fakes.tracked(0), 0.0)
+    for is_whole in (False, False, False, False, True, False):
+        session.handle(Request(Command.BEFORE_AFTER), 1.0)
+        soon, late = (source_lines(session, None, now_s) for now_s in (1.0, 100.0))
+        assert soon == [f"{session.view.parts.value}: B goes on"]
+        assert late == ([] if is_whole else soon)
+    session.handle(Request(Command.RESET), 100.0)
+    assert session.view.parts.value not in " ".join(source_lines(session, None, 100.0))
 
 
 def test_each_model_stays_where_it_was_put(make, fakes):
