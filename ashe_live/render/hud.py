@@ -23,6 +23,8 @@ Rows = tuple[tuple[str, ...], ...]  # of one or more columns
 
 FONT_PT = 15
 GAP_PT = 8  # around plates
+# Text that covers more than this share of the picture has smaller letters, down to this size, which is read as well.
+MOST_COVERED, SMALL_FONT_PT = 0.25, 11
 MIN_FONT_PX = 6.0
 SMALLER = 0.95
 FINER = 4  # letters are drawn so many times as large and reduced: small ones would stand at whole pixels, unevenly
@@ -80,9 +82,11 @@ def _blocks(text: HudText, screen: Screen, free_width: int) -> list[_Block]:
             for place, lines in (("top left", status), ("bottom left", hint))
             if lines
         ]
-        heights = [_extent(block.rows, font_px)[1] for block in corners]
-        all_fit = sum(heights) + (len(heights) + 1) * gap <= screen.size[1]
-        all_fit &= all(_extent(block.rows, font_px)[0] <= width for block in corners)
+        extents = [_extent(block.rows, font_px) for block in corners]
+        all_fit = sum(height for _, height in extents) + (len(extents) + 1) * gap <= screen.size[1]
+        all_fit &= all(block_width <= width for block_width, _ in extents)
+        covered = sum(block_width * height for block_width, height in extents) / math.prod(screen.size)
+        all_fit &= covered <= MOST_COVERED or SMALLER * font_px < SMALL_FONT_PT * screen.content_scale
         centred = []
         if text.help:
             one_or_two = [rows for rows in (text.help, in_two(text.help)) if fits(rows, font_px, screen.size, gap)]

@@ -67,6 +67,15 @@ def test_a_line_is_broken_before_its_letters_become_smaller() -> None:
     assert rest == 0
 
 
+def test_the_letters_are_smaller_where_the_text_would_cover_much_of_a_small_window() -> None:
+    """And no smaller than can be read as well."""
+    lines = ("the marker is not found: if another one is there, name it with --marker,", "such as one of your own")
+    screen, text = Screen((480, 360)), HudText(("60 fps   model: cube   balanced",), 2 * lines)
+    font_of = {block.place: block.font_px for block in hud._blocks(text, screen, 480)}
+    assert hud.SMALL_FONT_PT <= font_of["bottom left"] == font_of["top left"] < hud.FONT_PT
+    assert {block.font_px for block in hud._blocks(text, Screen((960, 720)), 960)} == {hud.FONT_PT}
+
+
 def test_the_time_for_a_line_grows_with_it_and_not_with_its_square(monkeypatch) -> None:
     """What is measured is counted in letters: eight times the words, at most ten times as many."""
     measured = 0
