@@ -31,6 +31,8 @@ class Look:
     trace: Trace
     unlit: Mask  # (h, w) of the trace's view: pixels that the lit ground does not explain
     views: list[SceneView]  # none where too little of the ground is lit
+    # The search of the first view as if it were the only one, where the others beside it have left doubt.
+    alone: ViewSearch | None = None
 
 
 def looked(
@@ -43,10 +45,10 @@ def looked(
     clock.end("segment")
     if not views:
         return Look(Trace(coarse), np.zeros_like(coarse.is_ground), views)
-    first = ViewSearch(views[0], preset, judge, clock)
-    candidates, log_odds = first.explanations()
+    first, of_first_alone = ViewSearch(views[0], preset, judge, clock), None
+    candidates, log_odds = first.explanations
     if len(views) > 1:
-        together = _explained_together(first, candidates, views)
+        together, of_first_alone = _explained_together(first, candidates, views)
         alone, alone_log_odds = _directions(candidates), log_odds
         once = counted_once(together)
         candidates, log_odds = [each.joint for each, _ in once], [odds for _, odds in once]
@@ -54,17 +56,25 @@ def looked(
         clock.end("views")
     trace = first.trace
     trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
-    return Look(trace, first.unlit, views)
+    return Look(trace, first.unlit, views, of_first_alone)
+
+
+def looked_alone(search: ViewSearch) -> Look:
+    """The look at a picture of which there is no other view, by the search of it."""
+    trace, (candidates, log_odds) = search.trace, search.explanations
+    trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
+    return Look(trace, search.unlit, [search.view])
 
 
 def _explained_together(
     first: ViewSearch, candidates: Sequence[Explanation], views: Sequence[SceneView]
-) -> list[tuple[JointExplanation, float]]:
+) -> tuple[list[tuple[JointExplanation, float]], ViewSearch | None]:
     """What all views together may show, with its log odds: by the candidates of the first view; where these leave
     doubt, by those of others, too.
 
     Where that leaves doubt as well, each view is also searched as if it were the only one: the inside of a plain object
-    does not visibly shear, so that labels which rest on other views take it for the shadow.
+    does not visibly shear, so that labels which rest on other views take it for the shadow. That search of the first
+    view comes with them.
     """
     joint = JointSearch(views, first.preset, first.judge, first.lamps)
 
@@ -75,15 +85,14 @@ def _explained_together(
     by_first = together([of_first], [of_first])
     companions = views[1 : 1 + first.preset.companions]
     if _leaves_no_doubt(by_first) or not companions:
-        return by_first
+        return by_first, None
     found = [of_first, *((view, first.another(view, _beside(first.preset)).rough()) for view in companions)]
     by_all = together(found, found)
     if _leaves_no_doubt(by_all):
-        return by_all
-    alone = [
-        (view, _found_alone(first.another(without_plane(view), first.preset), view)) for view in views[:SEARCHED_ALONE]
-    ]
-    return without_alike([*by_all, *together(alone, [*found, *alone])])
+        return by_all, None
+    searches = [(view, first.another(without_plane(view), first.preset)) for view in views[:SEARCHED_ALONE]]
+    alone = [(view, _found_alone(search, view)) for view, search in searches]
+    return without_alike([*by_all, *together(alone, [*found, *alone])]), searches[0][1]
 
 
 def _leaves_no_doubt(together: Sequence[tuple[JointExplanation, float]]) -> bool:
@@ -96,7 +105,7 @@ def _leaves_no_doubt(together: Sequence[tuple[JointExplanation, float]]) -> bool
 
 def _found_alone(alone: ViewSearch, view: SceneView) -> list[Explanation]:
     """What a view shows by itself, with the others' evidence on its pixels, by which it is judged."""
-    found, _ = alone.explanations()
+    found, _ = alone.explanations
     own = {id(each.region): each.region for each in found}
     compared = {key: region_with_on_plane(region, view.ground) for key, region in own.items()}
     return [replace(each, region=compared[id(each.region)]) for each in found]

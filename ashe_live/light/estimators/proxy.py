@@ -18,11 +18,11 @@ from ashe_live.core.light_estimate import LightEstimate, StageClock
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
-from ashe_live.light.estimators.looking import Look, looked
+from ashe_live.light.estimators.looking import Look, looked, looked_alone
 from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.light.estimators.scene_views import contradicting
 from ashe_live.light.estimators.stating import Choice, chosen, illumination_of
-from ashe_live.light.estimators.view_search import Trace
+from ashe_live.light.estimators.view_search import Trace, ViewSearch
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.hidden_sky import depths_beyond_sky, is_of_sky_alone
 from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
@@ -83,38 +83,43 @@ class ProxyEstimator:
         """As `traced`, of frames in which the plane z = 0 is the ground; those that show another scene are left out."""
         clock, left = StageClock(), list(others)
         while True:
-            estimate, trace = self._traced(tracked, left, clock)
-            odd = self._contradicting(estimate, trace, tracked, left, clock)
+            estimate, look = self._looked(tracked, left, clock)
+            odd = self._contradicting(estimate, look, tracked, left, clock)
             if not odd:
-                return estimate, trace
+                return estimate, look.trace
             # Others take their place, which may be of that scene as well.
             left = without(left, odd)
 
     def _contradicting(
         self,
         estimate: LightEstimate,
-        trace: Trace,
+        look: Look,
         tracked: TrackedFrame,
         others: Sequence[TrackedFrame],
         clock: StageClock,
     ) -> list[TrackedFrame]:
-        """Those of the others on which an estimate rests that show another scene."""
+        """Those of the others that an estimate, made by `look`, rests on, and that show another scene."""
         if len(estimate.views) == 1:
             return []
         # Views that contradict each other may leave no answer; then the first view's answer shows which ones do.
-        explained = estimate if estimate.light is not None else self._traced(tracked, (), clock)[0]
+        explained = estimate if estimate.light is not None else self._looked(tracked, (), clock, look.alone)[0]
         odd = contradicting(explained, tracked, others, self._preset)
         if explained is estimate:
-            return without_confirming(odd, _likeliest(trace), self._judge)
+            return without_confirming(odd, _likeliest(look.trace), self._judge)
         # If all the other views contradict the first one's answer, that answer is wrong rather than they.
         used = [other for other in others if other.frame.index in estimate.views]
         return [] if len(used) > 1 and not without(used, odd) else odd
 
-    def _traced(
-        self, tracked: TrackedFrame, others: Sequence[TrackedFrame], clock: StageClock
-    ) -> tuple[LightEstimate, Trace]:
+    def _looked(
+        self,
+        tracked: TrackedFrame,
+        others: Sequence[TrackedFrame],
+        clock: StageClock,
+        alone: ViewSearch | None = None,
+    ) -> tuple[LightEstimate, Look]:
+        """The estimate and the look that it was made by. alone: the search of the only view, if it was made before."""
         judge, (preset, *further) = self._judge, self._preset.looks
-        first = looked(tracked, others, preset, judge, clock)
+        first = looked(tracked, others, preset, judge, clock) if alone is None else looked_alone(alone)
         is_alone = len(first.views) == 1
         looks = [first, *(looked(tracked, (), each, judge, clock) for each in further if is_alone)]
         answer = _answer_by(looks, tracked, judge, preset, clock)
@@ -131,14 +136,14 @@ class ProxyEstimator:
             views=tuple(view.index for view in first.views),
             span_rad=span_rad(directions) if len(directions) > 1 else None,
         )
-        return estimate, answer.trace
+        return estimate, answer.look
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Answer:
     """What the looks at a picture lead to."""
 
-    trace: Trace  # of the look that it rests on
+    look: Look  # that it rests on
     explanation: Explanation | None  # the likeliest, also where it is not likely enough; None where nothing was found
     illumination: Illumination = field(default_factory=Illumination)
     reason: str | None = None  # why there is no light
@@ -154,14 +159,13 @@ def _answer_by(
     reason = _reason_for_none(first, choice, judge, preset)
     if choice is None or reason is not None:
         likeliest = None if choice is None else choice.explanation
-        return _Answer(first.trace, likeliest, reason=fault_of_exposure(first.trace.view) or reason)
+        return _Answer(first, likeliest, reason=fault_of_exposure(first.trace.view) or reason)
     illumination, explanation = illumination_of(choice, tracked, judge, preset)
     clock.end("judge")
-    trace = choice.look.trace
     if (illumination.lights[0].confidence or 0.0) < judge.least_confidence:
         # The direction from the object is known, but that from the marker is not, as far as it may be a lamp.
-        return _Answer(trace, explanation, reason=fault_of_distance(choice.explanation))
-    return _Answer(trace, explanation, illumination)
+        return _Answer(choice.look, explanation, reason=fault_of_distance(choice.explanation))
+    return _Answer(choice.look, explanation, illumination)
 
 
 def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, preset: ProxyPreset) -> str | None:

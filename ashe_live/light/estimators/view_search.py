@@ -27,6 +27,7 @@ from ashe_live.light.ground.regions import Region, unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts, voted_for
 from ashe_live.light.ground.sheet_shadow import SheetShadow, sheet_shadow_in
 from ashe_live.light.lamps.hypotheses import LampHypotheses
+from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.pixels.view import View
 
 HINTS = 5  # number of lights in which a known object's place is searched
@@ -71,6 +72,7 @@ class ViewSearch:
         """The search of another view, or by another preset."""
         return ViewSearch(view, preset, self.judge, self.clock)
 
+    @cached_property
     def explanations(self) -> tuple[list[Explanation], list[float]]:
         """The explanations of the view, the likeliest refined, and their log odds; none if nothing stands out."""
         rough = self.rough()
@@ -100,11 +102,15 @@ class ViewSearch:
             proposals += proposals_of(region, ground, shifts, paired)
         self.clock.end("associate")
         trace.proposals = selected_for_fit(proposals, preset.tried, self.judge)
-        suns = [each for each in explained(trace.proposals, preset.first_fit) if each] if proposals else []
-        likelier = self.lamps.likelier(suns, partial(explained_near, preset=preset.first_fit))
-        trace.rough = self._sharpener.measured(likelier)
+        trace.rough = self._fitted(preset.first_fit)
         self.clock.end("fit")
         return trace.rough
+
+    def _fitted(self, preset: FitPreset) -> list[Explanation]:
+        """The explanations by fits to the selected splits."""
+        proposals = self.trace.proposals
+        suns = [each for each in explained(proposals, preset) if each] if proposals else []
+        return self._sharpener.measured(self.lamps.likelier(suns, partial(explained_near, preset=preset)))
 
     @cached_property
     def lamps(self) -> LampHypotheses:
@@ -131,9 +137,9 @@ class ViewSearch:
         found: explanations by the known object.
         """
         log_odds = self.log_odds_among(found)
-        of_any = ViewSearch(self.view, self.preset.assuming(self.preset.light), self.judge, StageClock())
-        by_any = of_any.rough()
-        likeliest = sorted(by_any, key=of_any.log_odds_among(by_any), reverse=True)[:HINTS]
+        # The splits are the same whichever object is looked for.
+        by_any = self._fitted(self.preset.assuming(self.preset.light).first_fit)
+        likeliest = sorted(by_any, key=self.log_odds_among(by_any), reverse=True)[:HINTS]
         hints = hints_of([*likeliest, *sorted(found, key=log_odds, reverse=True)], HINTS)
         placed = explanations_by_place(caster, hints, self.view, self.unlit, self.preset.region_px)
         likeliest = sorted(self._sharpener.measured(placed), key=log_odds, reverse=True)[: self.preset.refined + 1]

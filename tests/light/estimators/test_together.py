@@ -12,7 +12,7 @@ from ashe_live.core.light_estimate import LightEstimate, StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, Illumination, Light, TrackedFrame
 from ashe_live.light.estimators import proxy
-from ashe_live.light.estimators.looking import looked
+from ashe_live.light.estimators.looking import Look, looked, looked_alone
 from ashe_live.light.estimators.preset import BALANCED, FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.together import without_alike
@@ -123,6 +123,18 @@ def test_a_plain_grey_box_under_a_high_sun_is_found_by_what_each_view_shows_alon
     assert math.degrees(angle_between(light.to_light_marker, direction(200, 70))) < 3.0
 
 
+def test_a_view_that_was_searched_alone_is_not_searched_again_where_it_is_the_only_one() -> None:
+    """Which is looked at where all together give no answer."""
+    grey = dataclasses.replace(BOX, width_m=0.03, height_m=0.05, rgb=(0.08, 0.08, 0.09))
+    first, *others = (seen_from(heading, grey, elevation_deg=70) for heading in (90, 85, 95))
+    found = looked(first, others, BALANCED, fitted_judge(), StageClock()).alone
+    assert found is not None, "these views leave doubt together"
+    again, anew = looked_alone(found), looked(first, (), BALANCED, fitted_judge(), StageClock())
+    assert again.trace.probabilities == anew.trace.probabilities
+    assert len(again.views) == 1
+    np.testing.assert_array_equal(again.unlit, anew.unlit)
+
+
 def test_of_two_searches_each_explanation_counts_once() -> None:
     moved = dataclasses.replace(BOX, at=(0.15, 0.01))
     one, other = (
@@ -203,7 +215,8 @@ def test_all_views_that_were_used_outvote_the_first_one_whatever_was_not_used(
     first, *others = (dataclasses.replace(seen, frame=Frame(seen.frame.image_bgr, index, 0.0)) for index in range(4))
     together = LightEstimate("proxy", 0, Illumination(), "no shadow found", views=(0, 1, 2))
     alone = LightEstimate("proxy", 0, Illumination((Light((0.0, 0.0, 1.0)),)))
-    estimator, trace = ProxyEstimator(BALANCED), Trace(View.of(seen, 320))
-    monkeypatch.setattr(estimator, "_traced", lambda _, used, __: (together if len(used) else alone, trace))
+    view = View.of(seen, 320)
+    estimator, look = ProxyEstimator(BALANCED), Look(Trace(view), np.zeros_like(view.is_ground), [])
+    monkeypatch.setattr(estimator, "_looked", lambda _, used, *__: (together if len(used) else alone, look))
     monkeypatch.setattr(proxy, "contradicting", lambda _, __, used, ___: list(used))
     assert estimator.traced(first, others)[0] is together
