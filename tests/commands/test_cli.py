@@ -74,7 +74,7 @@ COMMANDS = (
         (["estimate", "a.jpg", "--estimator", "oracle"], "paper"),
         (["estimate", "a.jpg", "--marker", "qr:7"], "aruco:4x4_50:0"),
         (["estimate", "a.jpg", "--camera-file", "missing.json"], "missing.json"),
-        (["estimate", "a.jpg", "--marker-size", "80"], "'80' is not a number from 0.0001 to 10 m"),  # millimetres
+        (["estimate", "a.jpg", "--marker-size", "80"], "to 10 m: for 80 mm write 0.08"),
         (["marker"], "--out"),
         (["marker", "--out", "a.pdf", "--marker", "cube+"], "there is no marker ''"),
         (["bench"], "WHAT"),

@@ -1,6 +1,7 @@
 """Parsers of the values on the command line, which refuse wrong ones in words that a user understands."""
 
 import argparse
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,6 +18,35 @@ from ashe_live.core.ranges import (
     VIEWS,
     Range,
 )
+
+LENGTH = re.compile(r"(?P<number>\d*[.,]?\d+) ?(?P<unit>mm|cm|m|)", re.IGNORECASE | re.ASCII)
+METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+
+
+def _length_in(allowed: Range) -> Callable[[str], float]:
+    """As `_number_in`; says what to write for a length with its unit, or as in the unit that it is usually taken in."""
+    number = _number_in(allowed)
+
+    def length(text: str) -> float:
+        try:
+            return number(text)
+        except argparse.ArgumentTypeError as error:
+            raise argparse.ArgumentTypeError(f"{error}{_as_meant(text, allowed)}") from None
+
+    return length
+
+
+def _as_meant(text: str, allowed: Range) -> str:
+    """What to write in the unit of `allowed` for a length in another one; empty where that is no length either."""
+    if (read := LENGTH.fullmatch(text)) is None:
+        return ""
+    plain = read["number"].replace(",", ".")
+    other = "mm" if allowed.unit == "m" else "m"
+    for unit in [read["unit"].lower()] if read["unit"] else [allowed.unit, other]:
+        meant = float(plain) * METRES[unit] / METRES[allowed.unit]
+        if meant in allowed:
+            return f": for {plain} {unit} write {meant:g}"
+    return ""
 
 
 def _number_in(allowed: Range) -> Callable[[str], float]:
@@ -40,7 +70,7 @@ def _whole_number_in(allowed: Range) -> Callable[[str], int]:
     return number
 
 
-side_m, millimetres = _number_in(PRINTED_SIDE), _number_in(PRINTED_MM)
+side_m, millimetres = _length_in(PRINTED_SIDE), _length_in(PRINTED_MM)
 focal_px, angle_deg = _number_in(FOCAL), _number_in(FIELD_OF_VIEW)
 count, index, views = (_whole_number_in(allowed) for allowed in (COUNT, INDEX, VIEWS))
 

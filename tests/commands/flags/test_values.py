@@ -43,13 +43,24 @@ def test_what_is_right_is_taken(parse: Callable[[str], Any], text: str, value: o
     assert parse(text) == value
 
 
+@pytest.mark.parametrize("text", ["0.00009", "nan", "8 feet", "-80", "", 5000 * "9"])
+def test_a_length_that_nobody_can_mean_is_not_guessed_at(text: str) -> None:
+    with pytest.raises(argparse.ArgumentTypeError) as said:
+        values.side_m(text)
+    assert "write" not in str(said.value)
+
+
 @pytest.mark.parametrize(
     ("parse", "text", "said"),
     [
         (values.side_m, "10.1", "not a number from 0.0001 to 10 m"),
         (values.side_m, "0.00009", "not a number"),
         (values.side_m, "nan", "not a number"),
-        (values.side_m, "8cm", "not a number"),
+        (values.side_m, "8cm", "not a number from 0.0001 to 10 m: for 8 cm write 0.08"),
+        (values.side_m, "80", "to 10 m: for 80 mm write 0.08"),
+        (values.side_m, "0,08", "to 10 m: for 0.08 m write 0.08"),
+        (values.millimetres, "8 CM", "to 10000 mm: for 8 cm write 80"),
+        (values.millimetres, "0.08", "to 10000 mm: for 0.08 m write 80"),
         (values.angle_deg, "180", "not a number from 0.1 to 179 degrees"),
         (values.focal_px, "inf", "not a number"),
         (values.count, "0", "not a whole number from 1 to 1000000000"),
