@@ -51,8 +51,6 @@ class LightWatch:
         self._doubted: TrackedFrame | None = None
         self._is_awaited = False
         self._brightness = Brightness()  # of the frame of the last request
-        # The user's request, and its time, while another estimate is in progress.
-        self._waiting: tuple[TrackedFrame, float, Draw | None] | None = None
         self._worker = worker
 
     @property
@@ -62,12 +60,12 @@ class LightWatch:
     @property
     def is_awaited(self) -> bool:
         """Whether an estimate that the user waits for is in progress."""
-        return self._worker.busy and (self._is_awaited or self._waiting is not None)
+        return self._worker.busy and self._is_awaited
 
     @property
     def asked_s(self) -> float:
-        """When the estimate in progress was asked for, or the one that the user waits for behind it."""
-        return self._asked_s if self._waiting is None else self._waiting[1]
+        """When the estimate in progress was asked for."""
+        return self._asked_s
 
     @property
     def may_show_empty_table(self) -> bool:
@@ -76,7 +74,7 @@ class LightWatch:
 
     def begin_anew(self) -> None:
         """Forgets the scene, and gives up an estimate in progress."""
-        self._frozen, self._others, self._doubted, self._waiting = None, (), None, None
+        self._frozen, self._others, self._doubted = None, (), None
         self.held, self.sharpening = HeldAnswer(), Sharpening()
         self.empty_table = HeldEmptyTable()
         self.key_views.drop()
@@ -85,12 +83,12 @@ class LightWatch:
     def ask(self, frozen: TrackedFrame, now_s: float, draw: Draw | None = None) -> bool:
         """The user requests an estimate of a frame together with the current key views; returns whether it is accepted.
 
-        While another one that the user waits for is in progress, a request is refused; it is kept until a background
-        estimate is done. The answer to it replaces any held one.
+        While another one that the user waits for is in progress, a request is refused; a background estimate is given
+        up for it. The answer to it replaces any held one.
         """
         if self._worker.busy and not self.is_awaited:
-            self._waiting = frozen, now_s, draw
-            return True
+            # What it may still find would not be shown, and at its low priority a busy machine may give it nothing.
+            self._worker.give_up()
         before, self.sharpening = self.sharpening, Sharpening()
         if self.ask_in_background(frozen, now_s, draw, is_awaited=True):
             return True
@@ -179,12 +177,7 @@ class LightWatch:
         new, or nothing by then.
         """
         outcome = self._worker.wait(timeout_s)
-        new = None if outcome is None else self._taken(outcome)
-        if self._waiting is not None and not self._worker.busy:
-            waiting, self._waiting = self._waiting, None
-            self.ask(*waiting)
-            return None  # what the background estimate has found would be taken for the user's
-        return new
+        return None if outcome is None else self._taken(outcome)
 
     def _taken(self, outcome: Outcome) -> NewAnswer | WorkerFailure | None:
         """The answer from now on, by what the worker has found; None where the one before stands."""
