@@ -23,15 +23,16 @@ Rows = tuple[tuple[str, ...], ...]  # of one or more columns
 
 FONT_PT = 15
 GAP_PT = 8  # around plates
-# Text that covers more than this share of the picture has smaller letters, down to this size, which is read as well.
-MOST_COVERED, SMALL_FONT_PT = 0.25, 11
+# In windows smaller than this, letters at the picture's corners shrink with it, down to a size that is read as well: of
+# usual size they would cover half of it. They depend on nothing else, as they would change with every line that comes.
+ROOMY_PT, SMALL_FONT_PT = (640, 480), 11
 MIN_FONT_PX = 6.0
 SMALLER = 0.95
 FINER = 4  # letters are drawn so many times as large and reduced: small ones would stand at whole pixels, unevenly
 PLATE_SRGBA = (12, 14, 18, 175)
 TEXT_SRGBA = (246, 246, 242, 255)
-# Spaces at which no line is broken: within "42° ± 1.0°", "98 %" and "H: keys".
-UNBROKEN = re.compile(r"(?<=±) | (?=[±%])|(?<=\bH:) ")
+# Spaces at which no line is broken: within "42° ± 1.0°", "98 %", "H: keys" and "G goes on".
+UNBROKEN = re.compile(r"(?<=±) | (?=[±%])|(?<=\bH:) |(?<=\b[A-Z]) (?=goes on)")
 NO_BREAK = "\u00a0"
 
 
@@ -74,7 +75,7 @@ def _blocks(text: HudText, screen: Screen, free_width: int) -> list[_Block]:
     """The text, in letters of the usual size, or in smaller ones where these do not fit."""
     # Names of files, and what these hold, are in it.
     status, hint = (tuple(map(printable, lines)) for lines in (text.status, text.hint))
-    gap, font_px = screen.px(GAP_PT), FONT_PT * screen.content_scale
+    gap, font_px = screen.px(GAP_PT), (FONT_PT if text.help else _corner_font_pt(screen)) * screen.content_scale
     width = free_width - 2 * gap
     while True:
         corners = [
@@ -85,8 +86,6 @@ def _blocks(text: HudText, screen: Screen, free_width: int) -> list[_Block]:
         extents = [_extent(block.rows, font_px) for block in corners]
         all_fit = sum(height for _, height in extents) + (len(extents) + 1) * gap <= screen.size[1]
         all_fit &= all(block_width <= width for block_width, _ in extents)
-        covered = sum(block_width * height for block_width, height in extents) / math.prod(screen.size)
-        all_fit &= covered <= MOST_COVERED or SMALLER * font_px < SMALL_FONT_PT * screen.content_scale
         centred = []
         if text.help:
             one_or_two = [rows for rows in (text.help, in_two(text.help)) if fits(rows, font_px, screen.size, gap)]
@@ -95,6 +94,11 @@ def _blocks(text: HudText, screen: Screen, free_width: int) -> list[_Block]:
         if all_fit or font_px <= MIN_FONT_PX:
             return corners + centred
         font_px = max(MIN_FONT_PX, SMALLER * font_px)
+
+
+def _corner_font_pt(screen: Screen) -> float:
+    shares = (side / screen.content_scale / roomy for side, roomy in zip(screen.size, ROOMY_PT, strict=True))
+    return max(SMALL_FONT_PT, FONT_PT * min(1.0, *shares))
 
 
 def in_two(rows: Rows) -> Rows:

@@ -60,20 +60,22 @@ def test_no_text_is_cut_and_none_lies_on_other_text(size: tuple[int, int], text:
 
 
 def test_a_line_is_broken_before_its_letters_become_smaller() -> None:
-    (short,) = Hud().overlays(HudText(("a word",)), Screen((400, 300)))
-    (broken,) = Hud().overlays(HudText(("a word " * 12,)), Screen((400, 300)))
+    (short,) = Hud().overlays(HudText(("a word",)), Screen((640, 480)))
+    (broken,) = Hud().overlays(HudText(("a word " * 24,)), Screen((640, 480)))
     lines, rest = divmod(broken.shown_size[1] - short.shown_size[1], 20)
     assert lines >= 1
     assert rest == 0
 
 
-def test_the_letters_are_smaller_where_the_text_would_cover_much_of_a_small_window() -> None:
-    """And no smaller than can be read as well."""
+@pytest.mark.parametrize("scale", [1, 2])
+def test_letters_are_smaller_in_a_small_window_of_which_text_would_cover_half(scale: int) -> None:
+    """And no smaller than can be read as well, nor of another size when a line comes."""
     lines = ("the marker is not found: if another one is there, name it with --marker,", "such as one of your own")
-    screen, text = Screen((480, 360)), HudText(("60 fps   model: cube   balanced",), 2 * lines)
-    font_of = {block.place: block.font_px for block in hud._blocks(text, screen, 480)}
-    assert hud.SMALL_FONT_PT <= font_of["bottom left"] == font_of["top left"] < hud.FONT_PT
-    assert {block.font_px for block in hud._blocks(text, Screen((960, 720)), 960)} == {hud.FONT_PT}
+    for width, height, font_pt in ((480, 360, 11.25), (400, 300, 11), (640, 480, 15), (1280, 480, 15), (640, 320, 11)):
+        screen = Screen((scale * width, scale * height), scale)
+        for hint in ((), lines):
+            blocks = hud._blocks(HudText(("60 fps   model: cube",), hint), screen, screen.size[0])
+            assert {block.font_px for block in blocks} == {scale * font_pt}
 
 
 def test_the_time_for_a_line_grows_with_it_and_not_with_its_square(monkeypatch) -> None:
@@ -105,10 +107,10 @@ def test_nothing_of_a_line_is_lost_when_it_is_broken(line: str) -> None:
 
 @pytest.mark.parametrize("width", [120, 160, 200, 240, 280])
 def test_no_number_is_parted_from_its_sign_and_no_key_from_what_it_does(width: int) -> None:
-    line = "60 fps   balanced   H: keys, elevation 42° ± 1.0°, 98 % sure, light: 83 % of the red"
+    line = "60 fps   balanced   H: keys, elevation 42° ± 1.0°, 98 % sure, light: 83 % of the red, P goes on"
     parts = hud._wrapped(line, 15, width)
     assert " ".join(parts).split() == line.split()
-    for whole in ("H: keys", "42° ± 1.0°,", "98 %", "83 %"):
+    for whole in ("H: keys", "42° ± 1.0°,", "98 %", "83 %", "P goes on"):
         assert any(whole in part for part in parts)
 
 
@@ -151,7 +153,7 @@ def test_letters_follow_the_picture_where_the_display_does_not_say(size, said, s
 
 
 def test_letters_grow_with_the_displays_scale() -> None:
-    (small,), (large,) = (Hud().overlays(HudText(("60 fps",)), Screen((1280, 720), scale)) for scale in (1.0, 2.0))
+    (small,), (large,) = (Hud().overlays(HudText(("60 fps",)), Screen((2560, 1440), scale)) for scale in (1.0, 2.0))
     assert large.shown_size[1] == pytest.approx(2 * small.shown_size[1], abs=3)
 
 
