@@ -38,6 +38,7 @@ from ashe_live.viewer.sources import marker_hunt
 from ashe_live.viewer.status import guidance
 from ashe_live.viewer.stillness import HELD_AFTER_PICTURES
 from ashe_live.viewer.table.shelf import Shelf
+from ashe_live.viewer.view_options import ShownParts
 from tests.viewer.scripted_window import ScriptedWindow
 
 PATIENCE_S = 20.0
@@ -391,6 +392,15 @@ def test_what_covers_the_marker_is_cut_out_with_the_shadow_and_not_with_a_model_
     assert ["ground over the marker" in text for text in said] == [True, False, False]
     assert all(cut_out.waited)
     assert not any(stage.renderer.waited)
+
+
+def test_a_picture_of_nothing_is_not_saved_as_model_and_shadow(stage, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    stage.put(0)
+    stage.run(None, *3 * (Command.BEFORE_AFTER,), Command.CUT_OUT)
+    assert stage.session.view.parts is ShownParts.VIDEO_ALONE
+    assert "neither model nor shadow is shown" in stage.session.notice.text
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):

@@ -20,8 +20,10 @@ from ashe_live.viewer.display import bare_scene, cut_out
 from ashe_live.viewer.output.as_shown import AsShown, shown_now
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.session import Session
+from ashe_live.viewer.view_options import NEXT_PARTS
 
 COVER_NOTE = ", with the ground over the marker: C first leaves it out"
+NOTHING_SHOWN = f"neither model nor shadow is shown that could be saved alone: {NEXT_PARTS}"
 
 
 class Keeper:
@@ -60,6 +62,9 @@ class Keeper:
         if session.tracked is None:
             return
         scene = bare_scene(session)
+        if is_cut_out and not (scene.shows_model or scene.casts_shadow):
+            self._announce(NOTHING_SHOWN, now_s)
+            return
         scene = cut_out(scene) if is_cut_out else scene
         has_cover = is_cut_out and scene.shows_cover and session.tracked.marker is not None
         texts = {SNAPSHOT_KEYWORD: json.dumps(self._known(session.tracked))}
