@@ -88,12 +88,13 @@ class Display:
             bar = self._time_bar.overlays(readings.moment, screen)
             screen = screen.without_bottom(bar_at(screen).height)  # everything else stands above it
         width, height = screen.size
+        halves: tuple[Overlay, ...] = ()  # below all text, which it would cross out
         if session.view.parts.is_split:
             line = max(1, screen.px(LINE_PT))
-            bar = Overlay(SPLIT_LINE, (width - line) // 2, 0, (line, height)), *bar
+            halves = (Overlay(SPLIT_LINE, (width - line) // 2, 0, (line, height)),)
         masks = self._masks(session, screen.size, models)
         free_width = min((mask.left_px for mask in masks), default=width)
-        return (*masks, *self._hud.overlays(text, screen, free_width), *bar)
+        return (*halves, *masks, *self._hud.overlays(text, screen, free_width), *bar)
 
     def _text(self, session: Session, readings: Readings, now_s: float) -> HudText:
         fps, marker = self._steady_readings(readings.fps, session.tracked, now_s)

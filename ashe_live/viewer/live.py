@@ -62,7 +62,7 @@ class LiveViewer:
         self._take_up(pipeline)
         self.followed = FollowedMarker(pipeline, session, renderer, self._announce, options.takes_any_marker)
         self._keeper.flags = lambda: [*options.flags, *self.followed.flags]
-        self._stillness = Stillness()
+        self._stillness = Stillness(window.refresh_rate_hz)
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: self._keeper.snapshot,
             Command.CUT_OUT: lambda now_s: self._keeper.snapshot(now_s, is_cut_out=True),

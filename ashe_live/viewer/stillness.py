@@ -1,5 +1,6 @@
 """Detects that the pictures no longer change: an unchanged screen need not be drawn, and has no frame rate."""
 
+import math
 import time
 from collections import deque
 
@@ -18,7 +19,9 @@ FPS_OVER_FRAMES = 30
 class Stillness:
     """Compares every picture with the one before, and counts equal ones in a row."""
 
-    def __init__(self) -> None:
+    def __init__(self, display_hz: float = math.inf) -> None:
+        """`display_hz`: more pictures a second than that are not seen, though two may come sooner after a slow one."""
+        self._display_hz = display_hz
         self._last: tuple[Scene, Size, RenderPreset] | None = None
         self._unchanged = 0  # number of pictures in a row that were equal to the one before
         self._changed_s = time.monotonic()  # when the first of these was drawn
@@ -52,5 +55,6 @@ class Stillness:
         if is_idle:
             self._shown_s.clear()  # the gap until the next picture says nothing about the display
         if self._unchanged < HELD_AFTER_PICTURES and len(self._shown_s) >= 2:
-            self._fps = (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
+            fps = (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
+            self._fps = min(fps, self._display_hz)
         return self._fps

@@ -12,6 +12,7 @@ from ashe_live.viewer.drawn.estimate_inset import BORDER_PX
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.session import Session
+from ashe_live.viewer.view_options import ShownParts
 
 SCREEN = Screen((640, 480))
 
@@ -52,6 +53,13 @@ def test_shadows_in_the_video_are_those_of_the_estimated_light_while_another_is_
     session.poll(EASED_OVER_S)
     assert bare_scene(session).illumination is by_hand
     assert bare_scene(session).lit_in_video.lights is session.estimate.lights
+
+
+def test_the_line_between_the_halves_lies_below_the_text(session):
+    session.view.parts = ShownParts.SPLIT
+    line, *text = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
+    assert line.image_rgba.shape[:2] == (1, 1)
+    assert text
 
 
 def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):

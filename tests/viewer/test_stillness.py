@@ -39,3 +39,16 @@ def test_what_changes_or_is_being_prepared_is_not_still(monkeypatch: pytest.Monk
     for _ in range(2 * UNCHANGED_PICTURES):
         stillness.add(Scene(), SIZE, FAST.render, is_settled=False)
         assert not stillness.is_still
+
+
+def test_no_more_pictures_a_second_are_told_than_the_display_shows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a slow one the next may follow at once, and the picture rest then."""
+    now_s = 0.0
+    monkeypatch.setattr(stillness_module.time, "monotonic", lambda: now_s)
+    stillness = Stillness(60.0)
+    for after_s in (1.0, 0.004, 0.5):
+        now_s += after_s
+        stillness.shown()
+        told = stillness.fps(is_idle=False)
+        assert told is None or told <= 60.0
+    assert stillness.fps(is_idle=False) == pytest.approx(2 / 0.504)
