@@ -27,7 +27,6 @@ from ashe_live.light.ground.regions import Region, unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts, voted_for
 from ashe_live.light.ground.sheet_shadow import SheetShadow, sheet_shadow_in
 from ashe_live.light.lamps.hypotheses import LampHypotheses
-from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.pixels.view import View
 
 HINTS = 5  # number of lights in which a known object's place is searched
@@ -102,15 +101,15 @@ class ViewSearch:
             proposals += proposals_of(region, ground, shifts, paired)
         self.clock.end("associate")
         trace.proposals = selected_for_fit(proposals, preset.tried, self.judge)
-        trace.rough = self._fitted(preset.first_fit)
+        trace.rough = self._fitted(preset)
         self.clock.end("fit")
         return trace.rough
 
-    def _fitted(self, preset: FitPreset) -> list[Explanation]:
-        """The explanations by fits to the selected splits."""
-        proposals = self.trace.proposals
-        suns = [each for each in explained(proposals, preset) if each] if proposals else []
-        return self._sharpener.measured(self.lamps.likelier(suns, partial(explained_near, preset=preset)))
+    def _fitted(self, preset: ProxyPreset) -> list[Explanation]:
+        """The explanations by fits to the selected splits, of the object of `preset` or any."""
+        proposals, fit = self.trace.proposals, preset.first_fit
+        suns = [each for each in explained(proposals, fit) if each] if proposals else []
+        return self._sharpener.measured(self.lamps.likelier(suns, partial(explained_near, preset=fit)))
 
     @cached_property
     def lamps(self) -> LampHypotheses:
@@ -138,7 +137,7 @@ class ViewSearch:
         """
         log_odds = self.log_odds_among(found)
         # The splits are the same whichever object is looked for.
-        by_any = self._fitted(self.preset.assuming(self.preset.light).first_fit)
+        by_any = self._fitted(self.preset.assuming(self.preset.light))
         likeliest = sorted(by_any, key=self.log_odds_among(by_any), reverse=True)[:HINTS]
         hints = hints_of([*likeliest, *sorted(found, key=log_odds, reverse=True)], HINTS)
         placed = explanations_by_place(caster, hints, self.view, self.unlit, self.preset.region_px)
