@@ -116,8 +116,8 @@ STATED = {
     ),
     "the bias": (
         "docs/rendering.md",
-        "evaluated {0:g} (r + 1) texels times sin(theta) along the normal",
-        (in_shader(r"float reach = ([\d.]+) \* (?:float|texel)", "lights/shadow.glsl"),),
+        "moves no shadow aside, by {:g} texel at most",
+        (in_shader(r"MOST_AHEAD = ([\d.]+)", "lights/shadow.glsl"),),
     ),
     "auto's way down": (
         "docs/rendering.md",

@@ -31,9 +31,7 @@ from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
-LOWEST_Z = (
-    0.03  # least z of a unit vector towards a light that serves as a start of a fit: lower ones' shadows are long
-)
+LOWEST_Z = 0.03  # of a unit vector towards a light, for it to be a fit's start: lower lights' shadows are too long
 FEW_PX = 20  # a silhouette of no more pixels does not show an object's colours
 END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.

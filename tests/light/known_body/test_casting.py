@@ -10,13 +10,12 @@ from ashe_live.light.explanation.judgement.judge import logit
 from ashe_live.light.known_body import lamps
 from ashe_live.light.known_body.found_light import FoundLight, image_beside
 from ashe_live.light.known_body.lamps import (
-    FOLDED,
     LAMP_ODDS,
-    _along,
+    WIDTH_SIGMA,
+    _by_edges,
     _ByEdges,
     _Nearness,
     _nearness,
-    _of_folded_body,
     as_lamps,
 )
 from ashe_live.light.known_body.lights import _refitted
@@ -133,27 +132,28 @@ def test_a_body_that_may_be_wider_leaves_open_a_nearer_lamp_whose_shadow_ends_at
     image, height, one = image_beside(seen, ()), seen.body.height_m, suns[0]
     fit = fitted(image, one.light, one.darkening, with_nearness=True)
     assert fit is not None
-    edges = _of_folded_body(image, fit, one.darkening, None)
+    edges = _by_edges(image, fit, one.darkening, None)
     assert edges is not None
     assert not edges.has_folds
     spread, axes = np.linalg.eigh(edges.covariance - fit.covariance)
     assert spread[:2] == pytest.approx(0, abs=1e-9 * spread[2])
-    assert np.sqrt(spread[2]) * abs(axes[2, 2]) == pytest.approx(FOLDED / height)
-    (wider,) = _along(fit.light, axes[:, 2] / axes[2, 2], np.array([fit.light[3] + FOLDED / height]))
+    assert np.sqrt(spread[2]) * abs(axes[2, 2]) == pytest.approx(WIDTH_SIGMA / height)
+    by_width = _ByEdges(fit.light, np.outer(axes[:, 2], axes[:, 2]), has_folds=False)
+    (wider,) = by_width.lights_at(np.array([fit.light[3] + WIDTH_SIGMA / height]))
 
     def end(light: Float) -> Float:
         return light[:2] / (1 - height * light[3])
 
     assert end(wider) == pytest.approx(end(fit.light))
-    assert wider[2:] == pytest.approx((1.0, fit.light[3] + FOLDED / height))
-    assert _of_folded_body(image, one.fit, one.darkening, None) is None  # no edges tell how near it is
+    assert wider[2:] == pytest.approx((1.0, fit.light[3] + WIDTH_SIGMA / height))
+    assert _by_edges(image, one.fit, one.darkening, None) is None  # no edges tell how near it is
 
 
 @pytest.mark.parametrize("sigmas_away", [0.0, 1.0, 2.0, 3.0, 5.0])
 def test_where_the_fall_of_light_says_nothing_a_lamp_is_as_likely_as_by_its_edges_over_their_prior(
     seen: Seen, suns: list[FoundLight], sigmas_away: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(lamps, "OF_FALL", 0.0)
+    monkeypatch.setattr(lamps, "FALL_SHARE", 0.0)
     sigma = 0.5
     light = np.append(suns[0].fit.light[:3], sigmas_away * sigma)
     found = _nearness(seen, _ByEdges(light, np.diag([1e-4, 1e-4, sigma**2]), has_folds=False), suns[1:])
