@@ -12,7 +12,7 @@ from ashe_live.files.resources import resource
 from ashe_live.render.gl import offscreen, programs
 from ashe_live.render.gl.programs import shader_source, shaders_of
 from ashe_live.render.gl.texture_units import UNIT_OF
-from ashe_live.render.passes.standing import MOST_MAPS
+from ashe_live.render.lights.light_view import MOST_MAPS
 from tests.render.uniform_audit import UniformError
 
 LEAST_UNITS = 16  # that OpenGL 3.3 has for fragment shaders
