@@ -46,6 +46,7 @@ COMMANDS = (
         (["play", "a.mp4", "b.mp4"], "unrecognized arguments: b.mp4 (see"),
         (["webcam", "1"], "unrecognized arguments: 1: did you mean --camera 1?"),
         (["play", "a.mp4", "mug.glb"], "did you mean --model mug.glb?"),
+        (["marker", "--out", "m.pdf", "--id", "5"], "unrecognized arguments: --id 5 (see ashe-live marker --help)"),
         (["play", "a.mp4", "--", "--headles"], "unrecognized arguments: --headles (see ashe-live play --help)"),
         (["estimate", "a.jpg", "--json", "b.jpg", "--wings"], "--wings"),
         (["estimate", "a.jpg", "--json", ""], "argument FILE"),

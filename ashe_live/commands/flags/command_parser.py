@@ -71,8 +71,10 @@ class CommandParser(argparse.ArgumentParser):
         """A question for the word that may have been meant; empty where none is like it."""
         import difflib  # here, as most commands need it never
 
-        near = difflib.get_close_matches(word, list(words), 1, NEAR)
-        return f": did you mean {near[0]}?" if near else ""
+        # Without the dashes, which make short flags look alike.
+        named = {each.lstrip("-"): each for each in words}
+        near = difflib.get_close_matches(word.lstrip("-"), list(named), 1, NEAR)
+        return f": did you mean {named[near[0]]}?" if near else ""
 
     def error(self, message: str) -> NoReturn:
         print_message(f"{message} (see {self.prog} --help)")
