@@ -22,7 +22,8 @@ NEAR_RAD = math.radians(10)  # within which of a true light an answer counts as 
 # uncertainty if it is as likely within AROUND_RAD as an answer has to be within NEAR_RAD.
 AROUND_RAD, MOST_NONE = 2 * NEAR_RAD, 0.05
 # Log of the prior weight of "no light casts a shadow", where all directions together have the weight 1; and of "there
-# is no further light", whose shadow the body would hide, beside one sun whose edges are seen: of four suns one has one.
+# is no further light", whose shadow the body would hide, beside one sun whose edges are seen: one of four suns has
+# another light beside it, as the generator of scenes draws them.
 LOG_NONE, LOG_NONE_FURTHER = math.log(0.5), math.log(3.0)
 AMONG_OTHERS = ShadowDepths(least=LEAST_DARKENING, pale=LEAST_DARKENING)  # for a light beside others
 # Of the standard normal distribution, the middles of a hundred equal shares.

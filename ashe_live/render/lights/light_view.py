@@ -107,12 +107,15 @@ def sees_all(lights: tuple[Light, ...], bodies: Sequence[Float], beside_real: bo
 
     beside_real: as of `most_groups`.
     """
-    if len(bodies) < 2 or all(sees(light, np.concatenate(bodies)) for light in lights):
-        return True
     shading = lighting_of(lights).lights
-    groups = seen_together(bodies, shading, most_groups(len(shading), beside_real))
+    lamps = [light for light in shading if light.inverse_distance > 0]  # a sun sees all of them, wherever they stand
+    most = most_groups(len(shading), beside_real)
+    # Each may be a group of its own: this is asked for every frame, and dividing them takes milliseconds.
+    if not lamps or len(bodies) <= max(most, 1) or all(sees(light, np.concatenate(bodies)) for light in lights):
+        return True
+    groups = seen_together(bodies, lamps, most)
     together = [np.concatenate([bodies[number] for number in group]) for group in groups]
-    return all(view_of(light, points) is not None for light in shading for points in together)
+    return all(view_of(lamp, points) is not None for lamp in lamps for points in together)
 
 
 def seen_together(bodies: Sequence[Float], lights: Sequence[ShadingLight], most: int) -> list[list[int]]:
