@@ -20,7 +20,7 @@ from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.notice import Notice
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import Table
-from ashe_live.viewer.view_options import NEXT_PARTS, WHOLE, ViewOptions
+from ashe_live.viewer.view_options import WHOLE, ViewOptions
 
 
 class Session:
@@ -46,16 +46,15 @@ class Session:
         self.shown = Illumination()  # on its way to `lit_by`
         self.notice = Notice()
         self.say = self.notice.say
-        self._not_there_yet = NotThereYet(self.notice)
         self.table = Table(shelf, others, self.say)
         self.hand, self.arrangement = self.table.hand, self.table.arrangement
         self.automatic = automatic
         self.watch = LightWatch(worker)
-        self.view = ViewOptions()
+        self._not_there_yet = NotThereYet(self.notice, self.watch)
+        self.view = ViewOptions(self.notice)
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the followed marker is out of view
-        # Until the first estimate, polished surfaces mirror the first frame that shows a marker.
-        self._light = RoomLight()
-        self._first = first
+        self.room_light = RoomLight()
+        self.first = first
         self._by_hand_s = -math.inf
 
     @property
@@ -66,7 +65,7 @@ class Session:
     @property
     def estimated_light(self) -> Illumination:
         """The estimated illumination in the frame of the marker as it lies now, whatever was set by hand."""
-        return self._light.now(self.tracked)
+        return self.room_light.now(self.tracked)
 
     @property
     def estimate(self) -> LightEstimate | None:
@@ -76,27 +75,12 @@ class Session:
     @property
     def estimate_now(self) -> LightEstimate | None:
         """The last estimate, in the frame of the marker as it lies now, and not as it lay then."""
-        return None if self.estimate is None else self._light.seen_by(self.tracked, self.estimate)
+        return None if self.estimate is None else self.room_light.seen_by(self.tracked, self.estimate)
 
     @property
     def covers_marker(self) -> bool:
         """Whether ground is painted over the marker."""
         return self.view.covers_marker(self.tracked)
-
-    @property
-    def has_seen_marker(self) -> bool:
-        """Whether the marker has been in any frame of this source."""
-        return self._light.estimated.seen_in is not None
-
-    @property
-    def awaits_steady(self) -> bool:
-        """Whether an estimate will be made without a request once the marker is steady."""
-        return self._first.awaits_steady
-
-    @property
-    def how_it_gets_known(self) -> str:
-        """What to do about the light while none has been estimated."""
-        return "it is being estimated" if self.watch.is_estimating else "Space estimates it"
 
     def take(self, tracked: TrackedFrame, now_s: float) -> None:
         """Shows `tracked` from now on, and requests an estimate from it where one is due."""
@@ -106,15 +90,14 @@ class Session:
         is_being_moved = self.tracked is not None and tracked.T_room_marker is not self.tracked.T_room_marker
         self.tracked = tracked
         self.hand.see(tracked)
-        if self._light.estimated.seen_in is None and tracked.marker is not None:
-            self._light.take(Illumination(seen_in=tracked), tracked)
+        self.room_light.see(tracked)
         if is_being_moved:
             self._show(now_s)
         self.table.motion.tick(now_s)
         self._stand_clear()
-        is_steady = self._first.add(tracked)
-        if self._first.is_due_in(tracked):
-            self._first.done()
+        is_steady = self.first.add(tracked)
+        if self.first.is_due_in(tracked):
+            self.first.done()
             self.request_estimate(now_s)
         elif self._may_be_watched(tracked) and not is_being_moved:
             is_asked = self.watch.sharpen(tracked, now_s, self._draw)
@@ -123,24 +106,24 @@ class Session:
 
     def _may_be_watched(self, tracked: TrackedFrame) -> bool:
         """Whether the frame may show more of the light: with the marker on its table, and nothing set by hand."""
-        return tracked.marker is not None and self.hand.light is None and not self._light.is_lifted(tracked)
+        return tracked.marker is not None and self.hand.light is None and not self.room_light.is_lifted(tracked)
 
     def settle_for_last(self, now_s: float) -> bool:
         """At the end of a clip without a steady marker, requests an estimate of its last frame; returns whether."""
-        if not self.awaits_steady or self.tracked is None or self.tracked.marker is None:
+        if not self.first.awaits_steady or self.tracked is None or self.tracked.marker is None:
             return False
-        self._first.done()
+        self.first.done()
         return self.request_estimate(now_s)
 
     def begin_anew(self, is_photo: bool) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
         self.tracked = self.answer = None
         self.true_to_light_marker = None
-        self._light = RoomLight()
-        self.shown = self._light.jump(None)
+        self.room_light = RoomLight()
+        self.shown = self.room_light.jump(None)
         self.table.begin_anew()
         self.watch.begin_anew()
-        self._first = FirstEstimate(Steadiness.of(is_photo), on_first_steady=True)
+        self.first = FirstEstimate(Steadiness.of(is_photo), on_first_steady=True)
 
     def request_estimate(self, now_s: float) -> bool:
         """Hands the current frame and the key views to the worker for a person who waits; returns whether it took them.
@@ -183,7 +166,7 @@ class Session:
 
     def _show(self, now_s: float | None) -> None:
         """Shows the light set by hand at once, or the estimated one as far as it has eased by then; None: wholly."""
-        by_hand, light = self.hand.light, self._light
+        by_hand, light = self.hand.light, self.room_light
         if by_hand is not None:
             self.shown = light.show_by_hand(self.tracked, by_hand)
         else:
@@ -206,26 +189,15 @@ class Session:
             case Command.TOGGLE_LIGHT:
                 view.shows_light = not view.shows_light
                 if view.shows_light and self.lit_by.light is None:
-                    self._not_there_yet.show_light(self.how_it_gets_known, now_s)
+                    self._not_there_yet.show_light(now_s)
             case Command.TOGGLE_STEPS:
                 view.shows_steps = not view.shows_steps
                 if view.shows_steps:
-                    self._not_there_yet.show_steps(self.answer, self.how_it_gets_known, now_s)
+                    self._not_there_yet.show_steps(self.answer, now_s)
                 else:
                     self._not_there_yet.hide_steps()
-            case Command.COVER_MARKER:
-                if self.tracked is None or self.tracked.marker is None:
-                    self.say("no marker in view that C could show or cover", now_s)
-                else:
-                    view.wants_cover = not self.covers_marker
-            case Command.BEFORE_AFTER:
-                view.show_next_parts()
-                if view.parts is WHOLE:
-                    self.say(f"{WHOLE.value}: {NEXT_PARTS}", now_s)
-                else:  # which is said for as long as it is so
-                    self.notice.withdraw(WHOLE.value)
             case _:
-                return view.handle(request.command) or self._handle_by_hand(request, now_s)
+                return view.handle(request.command, self.tracked, now_s) or self._handle_by_hand(request, now_s)
         return True
 
     def _handle_by_hand(self, request: Request, now_s: float) -> bool:
@@ -237,7 +209,7 @@ class Session:
         # Also by undoing that it was given back.
         if self.hand.set_light is not None and self.hand.set_light is not before:
             self._by_hand_s = now_s
-            self._first.done()
+            self.first.done()
             self._not_there_yet.take_light()
             if self.automatic:
                 self.automatic = False
@@ -247,11 +219,10 @@ class Session:
     def _accepted(self, found: NewAnswer | WorkerFailure | None, now_s: float) -> NewAnswer | None:
         if isinstance(found, WorkerFailure):
             self.say(f"the estimate failed: {found.message}", now_s)
-            return None
-        if found is None:
+        if not isinstance(found, NewAnswer):
             return None
         new, frozen = found.estimate, found.frozen
-        self._light.take(new.illumination.as_seen_in(frozen), frozen)
+        self.room_light.take(new.illumination.as_seen_in(frozen), frozen)
         self._stand_clear(in_new_light=True)
         self.answer = found
         self._not_there_yet.take_answer(found, self.view.shows_steps, now_s)

@@ -45,7 +45,7 @@ def light_line(session: Session, now_s: float | None = None) -> str:
     if light is None and estimate is None:
         if session.watch.is_estimating:
             return f"light: {_estimating(session, now_s)}"
-        return f"light: {AWAITED if session.awaits_steady or session.automatic else FIRST_STEP}"
+        return f"light: {AWAITED if session.first.awaits_steady or session.automatic else FIRST_STEP}"
     if light is None:
         assert estimate is not None
         text = f"no clear light{_over_empty_table(session)}: {estimate.reason}"
@@ -175,7 +175,7 @@ def _is_moved_out_of_picture(session: Session) -> bool:
 
 def _awaits_marker(session: Session) -> bool:
     """Whether pictures come, and none has shown a marker, without which only a light by hand can be known."""
-    return session.tracked is not None and not session.has_seen_marker and session.hand.light is None
+    return session.tracked is not None and not session.room_light.has_seen_marker and session.hand.light is None
 
 
 def guidance(session: Session) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from enum import Enum
 from ashe_live.core.types import TrackedFrame
 from ashe_live.viewer.hands.help import Help
 from ashe_live.viewer.hands.requests import Command
+from ashe_live.viewer.notice import Notice
 
 
 class ShownParts(Enum):
@@ -38,7 +39,8 @@ NEXT_PARTS = "B goes on"
 class ViewOptions:
     """Changes nothing of what is known or stands on the table."""
 
-    def __init__(self) -> None:
+    def __init__(self, notice: Notice) -> None:
+        self._notice = notice
         self.shows_light = False  # as an arrow or a bulb
         self.shows_steps = False  # to the estimate, or its masks
         self.shows_hud = True
@@ -53,8 +55,8 @@ class ViewOptions:
         """Whether there is room for one: not beside the help, nor where nothing is written."""
         return self.shows_hud and not self.help.is_shown
 
-    def handle(self, command: Command) -> bool:
-        """Handles a command that only changes this; returns False for any other."""
+    def handle(self, command: Command, tracked: TrackedFrame | None, now_s: float) -> bool:
+        """Handles a command that only changes this; returns False for any other. `tracked`: the frame shown."""
         match command:
             case Command.MIRROR:
                 self.is_mirrored = not self.is_mirrored
@@ -62,6 +64,13 @@ class ViewOptions:
                 self.help.turn()
             case Command.TOGGLE_HUD:
                 self.shows_hud = not self.shows_hud
+            case Command.COVER_MARKER:
+                if tracked is None or tracked.marker is None:
+                    self._notice.say("no marker in view that C could show or cover", now_s)
+                else:
+                    self.wants_cover = not self.covers_marker(tracked)
+            case Command.BEFORE_AFTER:
+                self._show_next_parts(now_s)
             case _:
                 return False
         return True
@@ -75,9 +84,13 @@ class ViewOptions:
         """Whether models may take the place of a body that the marker is on: once the ground over it is drawn."""
         return self.covers_marker(tracked) and self.cover_is_drawn
 
-    def show_next_parts(self) -> None:
+    def _show_next_parts(self, now_s: float) -> None:
         in_order = list(ShownParts)
         self.parts = in_order[(in_order.index(self.parts) + 1) % len(in_order)]
+        if self.parts is WHOLE:
+            self._notice.say(f"{WHOLE.value}: {NEXT_PARTS}", now_s)
+        else:  # which `parts_line` says for as long as it is so
+            self._notice.withdraw(WHOLE.value)
 
     @property
     def parts_line(self) -> str | None:

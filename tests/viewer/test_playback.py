@@ -154,6 +154,6 @@ def test_what_is_not_the_bars_is_left_to_others(stage):
     stage.session.view.shows_hud = False  # hidden, it takes nothing either
     assert not stage.mouse(MouseAction.PRESSED, 0.5)
     stage.session.view.shows_hud = True
-    stage.session.view.handle(Command.HELP)
+    stage.session.view.handle(Command.HELP, None, 0.0)
     assert not stage.mouse(MouseAction.PRESSED, 0.5)
     assert stage.pipeline.told == []

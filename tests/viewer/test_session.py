@@ -55,7 +55,7 @@ def test_the_first_steady_frame_is_estimated_once(make, fakes):
     for index in range(2):
         session.take(fakes.tracked(index), 0.0)
     assert not session.watch.is_estimating
-    assert session.awaits_steady
+    assert session.first.awaits_steady
     session.take(fakes.tracked(2), 0.0)
     assert session.watch.is_estimating
     session.watch._worker.answer = fakes.estimate(2)

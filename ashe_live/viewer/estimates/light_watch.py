@@ -63,6 +63,11 @@ class LightWatch:
         return self._worker.busy and self._is_awaited
 
     @property
+    def how_it_gets_known(self) -> str:
+        """What to do about the light while none has been estimated."""
+        return "it is being estimated" if self.is_estimating else "Space estimates it"
+
+    @property
     def asked_s(self) -> float:
         """When the estimate in progress was asked for."""
         return self._asked_s

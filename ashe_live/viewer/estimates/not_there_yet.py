@@ -1,6 +1,6 @@
 """What is said where the arrow, or the steps to the answer, are to be shown and are not there: until they are."""
 
-from ashe_live.viewer.estimates.light_watch import NewAnswer
+from ashe_live.viewer.estimates.light_watch import LightWatch, NewAnswer
 from ashe_live.viewer.notice import Notice
 
 NO_ARROW_YET = "the arrow appears when the light is known"
@@ -11,17 +11,17 @@ ANSWER_ALONE = "this is the answer alone: Space shows the steps to it (the paper
 class NotThereYet:
     """Says what is lacking, and withdraws that once it is there or no longer to be shown."""
 
-    def __init__(self, notice: Notice) -> None:
-        self._notice = notice
+    def __init__(self, notice: Notice, watch: LightWatch) -> None:
+        self._notice, self._watch = notice, watch
 
-    def show_light(self, how_it_gets_known: str, now_s: float) -> None:
+    def show_light(self, now_s: float) -> None:
         """The arrow is to be shown, and no light is known."""
-        self._notice.say(f"{NO_ARROW_YET}: {how_it_gets_known}", now_s)
+        self._notice.say(f"{NO_ARROW_YET}: {self._watch.how_it_gets_known}", now_s)
 
-    def show_steps(self, answer: NewAnswer | None, how_it_gets_known: str, now_s: float) -> None:
+    def show_steps(self, answer: NewAnswer | None, now_s: float) -> None:
         """The steps to `answer` are to be shown, if there are any."""
         if answer is None:
-            self._notice.say(f"{NO_ANSWER_YET}: {how_it_gets_known}", now_s)
+            self._notice.say(f"{NO_ANSWER_YET}: {self._watch.how_it_gets_known}", now_s)
         elif answer.steps_bgr is None:
             self._notice.say(ANSWER_ALONE, now_s)
 

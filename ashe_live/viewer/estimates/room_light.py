@@ -18,6 +18,16 @@ class RoomLight:
         self._fixed = FixedInRoom(self.estimated, None)  # what was asked for last
         self._tracked: TrackedFrame | None = None  # the last frame with a marker
 
+    @property
+    def has_seen_marker(self) -> bool:
+        """Whether the marker has been in any frame of this source."""
+        return self.estimated.seen_in is not None
+
+    def see(self, tracked: TrackedFrame) -> None:
+        """A new frame: polished surfaces mirror the first one that shows a marker, until the first estimate."""
+        if tracked.marker is not None and not self.has_seen_marker:
+            self.take(Illumination(seen_in=tracked), tracked)
+
     def take(self, estimated: Illumination, seen_in: TrackedFrame | None) -> None:
         """A new estimate, made in the frame `seen_in`; what is shown goes on from where it is in the room."""
         T_room_marker = None if seen_in is None else seen_in.T_room_marker

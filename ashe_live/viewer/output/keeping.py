@@ -80,7 +80,7 @@ class Keeper:
         if session.tracked is None:
             return
         if session.lit_by.light is None:
-            self._announce(f"no light is known yet: {session.how_it_gets_known}, or drag in the picture", now_s)
+            self._announce(f"no light is known yet: {session.watch.how_it_gets_known}, or drag in the picture", now_s)
             return
         try:
             path = write_light_map(_new_path(".hdr"), session.lit_by, beside=True)

@@ -65,7 +65,7 @@ class FollowedMarker:
         session.markers_in_view = self._hunt.in_view
         if (answer := self._hunt.take_answer()) is not None:
             self._take_next(answer, now_s)
-        elif is_news and self._takes_any_marker and not session.has_seen_marker:
+        elif is_news and self._takes_any_marker and not session.room_light.has_seen_marker:
             # The first frames after a change are still those in which the new marker was not looked for.
             own = {self._pipeline.marker, *(stand.marker for stand in session.arrangement.stands)}
             free = [spec for spec in self._hunt.in_view if spec not in own]
@@ -120,6 +120,6 @@ class FollowedMarker:
         self._announce(f"{in_words(spec)} is followed now: --marker {spec} names it from the start", now_s)
 
     def _begin_session_anew(self) -> None:
-        if self._session.has_seen_marker:
+        if self._session.room_light.has_seen_marker:
             self._session.begin_anew(self._pipeline.is_photo)
             self._renderer.begin_anew()  # the ground over the last marker is not that around another

@@ -113,7 +113,7 @@ def test_a_light_by_hand_shines_on_what_was_estimated(begun, fakes, tmp_path: Pa
     session = begun()
     ground = np.array((0.1, 0.2, 0.3))
     session.take(fakes.tracked(0), 0.0)
-    session._light.take(Illumination((LAMP,), ground_rgb=ground, seen_in=session.tracked), session.tracked)
+    session.room_light.take(Illumination((LAMP,), ground_rgb=ground, seen_in=session.tracked), session.tracked)
     written(as_shown, tmp_path, session).set_up(session)
     np.testing.assert_array_equal(session.shown.ground_rgb, ground)
     assert session.shown.seen_in is session.tracked
