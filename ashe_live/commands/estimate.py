@@ -16,6 +16,7 @@ from ashe_live.commands.flags.marker_choice import not_found_text
 from ashe_live.commands.flags.model_choice import marker_files
 from ashe_live.commands.flags.named_files import named_files
 from ashe_live.commands.flags.setup import camera_chooser, light_preset, make_tracker
+from ashe_live.core.arrays import Image
 from ashe_live.core.contract import FileRecord
 from ashe_live.drawing.light_text import light_text
 from ashe_live.errors import ExitStatus, UserError
@@ -53,37 +54,57 @@ def run(options: argparse.Namespace) -> int:
     camera_for = camera_chooser(options)
     empty = _empty_table(options, estimator.name)
     make_tracker(options, camera_for)  # reports a wrong --marker before any file is opened
-    page, is_named = LightPage(), not options.takes_any_marker
-    statuses = set()
-    without_marker: list[str] = []  # of the files that no one named, which are reported together
     files = FileEstimator(estimator, camera_for, options, empty)
+    told = _ToldAnswers(options)
     answers = files.of_all(named) if options.together else (files.of(path) for path in _watched(named))
     with ended_by_signals() as end_if_asked:
         try:
             for record, picture in answers:
-                statuses.add(_status(record))
-                is_read = True
-                if options.json:
-                    is_read = print_exactly(record.to_line())
-                elif _shows_no_marker(record) and Path(record.file) not in options.files:
-                    without_marker.append(record.file)
-                else:
-                    is_read = print_answer(_line(record, is_named))
-                if options.sheet is not None:
-                    page.add(_named(record), _answer_text(record, is_named), picture)
-                elif not is_read and options.debug is None:
-                    break  # whoever read the output has gone
+                if not told.tell(record, picture):
+                    break
                 end_if_asked()
         finally:  # a request to end in the middle of a long batch must not lose the sheet
-            if without_marker:
-                print_answer(f"{listed(without_marker, NAMED)}: {not_found_text(options.marker, (), is_named)}")
-            if page.has_figures:
-                if makes_folder_of_sheet:
-                    make_folder(options.debug)
-                print_message(f"sheet in {page.write(options.sheet, options.overwrite)}")
+            told.tell_what_is_left(options.debug if makes_folder_of_sheet else None)
     if files.without_steps:
-        statuses.add(ExitStatus.WRONG_USE)
-    return next(status for status in WORST_FIRST if status in statuses)
+        told.statuses.add(ExitStatus.WRONG_USE)
+    return next(status for status in WORST_FIRST if status in told.statuses)
+
+
+class _ToldAnswers:
+    """Prints the answers file by file, and keeps for the end what is told of all files together."""
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        self._options = options
+        self._is_marker_named = not options.takes_any_marker
+        self._page = LightPage()
+        self._without_marker: list[str] = []  # of the files that no one named
+        self.statuses: set[ExitStatus] = set()
+
+    def tell(self, record: FileRecord, picture: Image | None) -> bool:
+        """Prints the answer and puts it onto the sheet; returns whether anyone is there for the next one."""
+        options = self._options
+        self.statuses.add(_status(record))
+        is_read = True
+        if options.json:
+            is_read = print_exactly(record.to_line())
+        elif _shows_no_marker(record) and Path(record.file) not in options.files:
+            self._without_marker.append(record.file)
+        else:
+            is_read = print_answer(_line(record, self._is_marker_named))
+        if options.sheet is not None:
+            self._page.add(_named(record), _answer_text(record, self._is_marker_named), picture)
+        return is_read or options.sheet is not None or options.debug is not None
+
+    def tell_what_is_left(self, folder_to_make: Path | None) -> None:
+        """Names the files without a marker, and writes the sheet, in a folder that is made for it if one is given."""
+        options = self._options
+        if self._without_marker:
+            not_found = not_found_text(options.marker, (), self._is_marker_named)
+            print_answer(f"{listed(self._without_marker, NAMED)}: {not_found}")
+        if self._page.has_figures:
+            if folder_to_make is not None:
+                make_folder(folder_to_make)
+            print_message(f"sheet in {self._page.write(options.sheet, options.overwrite)}")
 
 
 def _is_in_folder_to_be(sheet: Path | None, folder: Path | None) -> bool:

@@ -45,40 +45,26 @@ def look_at(source: Source, tracker: MarkerTracker, wanted: Wanted) -> LookedAt:
     """
     if isinstance(tracker, FocalTracker):
         _learn_focal_length(source, tracker)
-    steadiness = Steadiness.of(source.is_photo)
-    kept = KeyViews(max(2, wanted.views))
-    frozen: TrackedFrame | None = None
-    found: TrackedFrame | None = None
-    last: TrackedFrame | None = None
     if wanted.first and isinstance(source, Seekable):
         source.seek_frame(wanted.first)
-    while (frame := source.read()) is not None:
-        if frame.index < wanted.first:
-            continue
-        last = tracker.track(frame)
-        kept.add(last)
-        if frozen is None:
-            is_steady = steadiness.add(last)
-            is_it = is_steady if wanted.estimate_at is None else frame.index == wanted.estimate_at
-            frozen = last if is_it else None
-        if last.marker is not None:
-            found = found or last
-        if _has_seen_enough(frozen, last, source, wanted):
-            break
-    if last is None:
-        _refuse(source, wanted)
-    if wanted.estimate_at is not None and frozen is None:
-        of_it = f"choose one from {wanted.first} to {last.frame.index} for --estimate-at"
+    seen = _SeenFrames(wanted, source.is_photo)
+    while not seen.are_enough and (frame := source.read()) is not None:
+        if frame.index >= wanted.first:
+            seen.add(tracker.track(frame))
+    if seen.last is None:
+        _refuse_first(source, wanted)
+    if wanted.estimate_at is not None and seen.chosen is None:
+        of_it = f"choose one from {wanted.first} to {seen.last.frame.index} for --estimate-at"
         raise UserError(
             f"there is no frame {wanted.estimate_at} in it",
             "it is a photo: leave --estimate-at out" if source.is_photo else of_it,
         )
-    frozen = frozen or found or last
-    if frozen.camera is not last.camera and frozen.marker is not None:
+    frozen = seen.chosen or seen.first_with_marker or seen.last
+    if frozen.camera is not seen.last.camera and frozen.marker is not None:
         # The focal length has been learned meanwhile, and poses of the views are measured with it.
         tracker.reset()
         frozen = tracker.track(frozen.frame)
-    others = _spread(frozen, kept.views, wanted.views - 1)
+    others = _spread(frozen, seen.key_views.views, wanted.views - 1)
     usual = first_of_most([frozen, *others])
     if wanted.estimate_at is None and usual is not frozen:
         source.rewind()
@@ -93,16 +79,42 @@ def renumbered(tracked: TrackedFrame, index: int, is_kept_large: bool) -> Tracke
     return replace(kept, frame=Frame(kept.frame.image_bgr, index, kept.frame.time_s))
 
 
-def _has_seen_enough(frozen: TrackedFrame | None, last: TrackedFrame, source: Source, wanted: Wanted) -> bool:
-    if wanted.last is not None and last.frame.index >= wanted.last:
-        return True
-    if frozen is None:
-        return False
-    is_watched = wanted.last is None and last.frame.time_s - frozen.frame.time_s >= WATCHED_S
-    return wanted.views == 1 or source.is_photo or is_watched
+class _SeenFrames:
+    """What of a source's frames, shown one after another, an estimate may be made of."""
+
+    def __init__(self, wanted: Wanted, is_photo: bool) -> None:
+        self._wanted, self._is_photo = wanted, is_photo
+        self._steadiness = Steadiness.of(is_photo)
+        self.key_views = KeyViews(max(2, wanted.views))
+        self.chosen: TrackedFrame | None = None  # the frame that is named, or else the first with a steady marker
+        self.first_with_marker: TrackedFrame | None = None
+        self.last: TrackedFrame | None = None
+
+    def add(self, tracked: TrackedFrame) -> None:
+        self.last = tracked
+        self.key_views.add(tracked)
+        if self.chosen is None:
+            is_steady, at = self._steadiness.add(tracked), self._wanted.estimate_at
+            if is_steady if at is None else tracked.frame.index == at:
+                self.chosen = tracked
+        if self.first_with_marker is None and tracked.marker is not None:
+            self.first_with_marker = tracked
+
+    @property
+    def are_enough(self) -> bool:
+        """Whether no later frame is of use."""
+        if self.last is None:
+            return False
+        if self._wanted.last is not None and self.last.frame.index >= self._wanted.last:
+            return True
+        if self.chosen is None:
+            return False
+        watched_s = self.last.frame.time_s - self.chosen.frame.time_s
+        is_watched = self._wanted.last is None and watched_s >= WATCHED_S
+        return self._wanted.views == 1 or self._is_photo or is_watched
 
 
-def _refuse(source: Source, wanted: Wanted) -> NoReturn:
+def _refuse_first(source: Source, wanted: Wanted) -> NoReturn:
     if not wanted.first:
         raise UserError("there is no readable picture in it", "copy or record it again")
     source.rewind()
