@@ -1,5 +1,6 @@
 """From a file's meshes to ours: placed, with a normal for each vertex, wound as their normals say."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,52 +58,74 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
     if moved is None:
         return None
     vertices, triangles = moved
-    # A single-sided surface keeps its side: hulls that outline a figure, and rooms, face inwards.
-    may_be_turned = raw.material.double_sided
     attributes = _attributes(raw)
     normals = _file_normals(raw, T, triangles)
-    source: NDArray[np.integer]  # the file's vertices that are kept
-    motion_normals = None if raw.motion is None else raw.motion.normals
     if normals is None:
-        motion_normals = None
-        faces_inwards = is_inside_out(vertices, triangles)
-        if faces_inwards and may_be_turned:
-            triangles = triangles[:, ::-1]
-        normals = (flat_normals if raw.is_flat else corner_normals)(vertices, triangles)
-        each = triangles.ravel()
-        alike = [values[each] for values in attributes.values()]
-        if raw.motion is not None:  # what is in one place now may move apart, and what is in one plane may be folded
-            own = np.arange(len(each)) // 3 if raw.is_flat else each
-            alike.append(own[:, None].astype(np.float32))
-        kept, triangles = _welded(vertices[each], normals, *alike)
-        source = each[kept]
-        normals, vertices = normals[kept], vertices[source]
-        attributes = {name: values[source] for name, values in attributes.items()}
+        surface = _with_computed_normals(raw, vertices, triangles, attributes.values())
     else:
-        triangles = _wound_like_normals(vertices, triangles, normals)
-        normals = completed_normals(normals, vertices, triangles)
-        faces_inwards = is_inside_out(vertices, triangles)
-        if faces_inwards and may_be_turned:
-            triangles, normals = triangles[:, ::-1], -normals
-            motion_normals = None if motion_normals is None else -motion_normals
-        # What no triangle uses is not seen, and must not count where the model's size is measured.
-        source, triangles = _used(triangles, len(vertices))
-        vertices, normals = vertices[source], normals[source]
-        attributes = {name: values[source] for name, values in attributes.items()}
+        surface = _with_file_normals(raw, vertices, triangles, normals)
     motion = None
     if raw.motion is not None:
-        motion = _placed_motion(raw.motion, motion_normals, T, source, triangles)
+        motion = _placed_motion(raw.motion, surface.motion_normals, T, surface.source, surface.triangles)
+    kept = {name: values[surface.source] for name, values in attributes.items()}
     return Mesh(
-        vertices=vertices,
-        normals=normals,
-        triangles=triangles,
-        uvs=attributes.get("uvs"),
-        colours=attributes.get("colours"),
-        material=raw.material if "uvs" in attributes else raw.material.without_maps(),
-        more_uvs=attributes.get("more_uvs"),
+        vertices=vertices[surface.source],
+        normals=surface.normals,
+        triangles=surface.triangles,
+        uvs=kept.get("uvs"),
+        colours=kept.get("colours"),
+        material=raw.material if "uvs" in kept else raw.material.without_maps(),
+        more_uvs=kept.get("more_uvs"),
         motion=motion,
-        faces_inwards=faces_inwards and not may_be_turned,
+        faces_inwards=surface.faces_inwards and not _may_be_turned(raw),
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Surface:
+    """Triangles with normals, of those of the file's vertices that are kept."""
+
+    source: NDArray[np.integer]  # (n,) the file's vertices
+    triangles: Indices  # (m, 3) indices of `source`
+    normals: Float32  # (n, 3) unit
+    motion_normals: Float32 | None  # (poses, the file's vertices, 3); None where each pose has its triangles'
+    faces_inwards: bool  # as the file has it
+
+
+def _may_be_turned(raw: RawMesh) -> bool:
+    """A single-sided surface keeps its side: hulls that outline a figure, and rooms, face inwards."""
+    return raw.material.double_sided
+
+
+def _with_computed_normals(
+    raw: RawMesh, vertices: Float32, triangles: Indices, attributes: Iterable[Float32]
+) -> _Surface:
+    """The surface with normals by its triangles; corners that are alike in everything become one vertex."""
+    faces_inwards = is_inside_out(vertices, triangles)
+    if faces_inwards and _may_be_turned(raw):
+        triangles = triangles[:, ::-1]
+    normals = (flat_normals if raw.is_flat else corner_normals)(vertices, triangles)
+    each = triangles.ravel()
+    alike = [values[each] for values in attributes]
+    if raw.motion is not None:  # what is in one place now may move apart, and what is in one plane may be folded
+        own = np.arange(len(each)) // 3 if raw.is_flat else each
+        alike.append(own[:, None].astype(np.float32))
+    kept, triangles = _welded(vertices[each], normals, *alike)
+    return _Surface(each[kept], triangles, normals[kept], None, faces_inwards)
+
+
+def _with_file_normals(raw: RawMesh, vertices: Float32, triangles: Indices, normals: Float32) -> _Surface:
+    """The surface with the file's normals (n, 3), by which its triangles are wound; missing ones are completed."""
+    triangles = _wound_like_normals(vertices, triangles, normals)
+    normals = completed_normals(normals, vertices, triangles)
+    motion_normals = None if raw.motion is None else raw.motion.normals
+    faces_inwards = is_inside_out(vertices, triangles)
+    if faces_inwards and _may_be_turned(raw):
+        triangles, normals = triangles[:, ::-1], -normals
+        motion_normals = None if motion_normals is None else -motion_normals
+    # What no triangle uses is not seen, and must not count where the model's size is measured.
+    source, triangles = _used(triangles, len(vertices))
+    return _Surface(source, triangles, normals[source], motion_normals, faces_inwards)
 
 
 def _moved(raw: RawMesh, T: Float) -> tuple[Float32, Indices] | None:

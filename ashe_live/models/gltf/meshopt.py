@@ -5,6 +5,7 @@ https://github.com/KhronosGroup/glTF/blob/main/extensions/2.0/Vendor/EXT_meshopt
 No wheel that is kept well decodes it: meshoptimizer's own has none for any system, another wants a processor with AVX2.
 """
 
+from collections import deque
 from collections.abc import Iterator
 from typing import Any
 
@@ -137,51 +138,56 @@ def _triangles(content: bytes, count: int) -> Iterator[int]:
         raise MalformedError(f"its header is 0x{content[0]:02x} and not 0xe1")
     if count % 3:
         raise MalformedError(f"{count} indices are no triangles")
-    table, stream = content[-16:], _Stream(content, 1 + count // 3)
-    edges, vertices = [(0, 0)] * FIFO, [0] * FIFO  # rings, the newest before `edge` and `vertex`
-    edge = vertex = next_vertex = 0
+    met = _MetEdges(content[-16:], _Stream(content, 1 + count // 3))
     for code in content[1 : 1 + count // 3]:
         high, low = code >> 4, code & 15
-        if high < 15:
-            a, b = edges[edge - 1 - high & 15]
-            is_new = True
-            if low == 0:
-                c = next_vertex
-                next_vertex += 1
-            elif low < 13:
-                c, is_new = vertices[vertex - 1 - low & 15], False
-            elif low < 15:
-                c = stream.last = stream.last + (1 if low == 14 else -1) & 0xFFFFFFFF
-            else:
-                c = stream.index()
-            met, pairs = [c] if is_new else [], [(c, b), (a, c)]
+        yield from met.at_edge(high, low) if high < 15 else met.apart(low)
+
+
+class _MetEdges:
+    """The edges and vertices that were met last, the newest first, by which a triangle's code names its own."""
+
+    def __init__(self, table: bytes, stream: _Stream) -> None:
+        """`table`: the two places that follow from the low half of a code."""
+        self._table, self._stream = table, stream
+        self._edges, self._vertices = deque([(0, 0)] * FIFO, FIFO), deque([0] * FIFO, FIFO)
+        self._next_vertex = 0
+
+    def at_edge(self, number: int, low: int) -> tuple[int, int, int]:
+        """A triangle that has an edge of an earlier one."""
+        a, b = self._edges[number]
+        if low == 0:
+            c = self._new_vertex()
+        elif low < 13:
+            c = self._vertices[low]
+        elif low < 15:
+            c = self._stream.last = self._stream.last + (1 if low == 14 else -1) & 0xFFFFFFFF
         else:
-            pair = table[low] if low < 14 else stream.byte()
-            if low >= 14 and pair == 0:
-                next_vertex = 0
-            corners, met = [], []
-            for place in (15 if low == 15 else 0, pair >> 4, pair & 15):
-                if place == 0:
-                    corner = next_vertex
-                    next_vertex += 1
-                elif place == 15 and low >= 14:
-                    corner = stream.index()
-                else:
-                    corner = vertices[vertex - place & 15]
-                corners.append(corner)
-                if place in (0, 15):
-                    met.append(corner)
-            a, b, c = corners
-            pairs = [(b, a), (c, b), (a, c)]
-        for pair_of_corners in pairs:
-            edges[edge & 15] = pair_of_corners
-            edge += 1
-        for corner in met:
-            vertices[vertex & 15] = corner
-            vertex += 1
-        yield a
-        yield b
-        yield c
+            c = self._stream.index()
+        if not 0 < low < 13:
+            self._vertices.appendleft(c)
+        self._edges.extendleft([(c, b), (a, c)])
+        return a, b, c
+
+    def apart(self, low: int) -> tuple[int, int, int]:
+        """A triangle that shares vertices with earlier ones at most."""
+        pair = self._table[low] if low < 14 else self._stream.byte()
+        if low >= 14 and pair == 0:
+            self._next_vertex = 0
+        places = 15 if low == 15 else 0, pair >> 4, pair & 15
+        a, b, c = (self._corner(place, may_be_written=low >= 14) for place in places)
+        self._vertices.extendleft(corner for corner, place in zip((a, b, c), places, strict=True) if place in (0, 15))
+        self._edges.extendleft([(b, a), (c, b), (a, c)])
+        return a, b, c
+
+    def _corner(self, place: int, may_be_written: bool) -> int:
+        if place == 0:
+            return self._new_vertex()
+        return self._stream.index() if place == 15 and may_be_written else self._vertices[place - 1]
+
+    def _new_vertex(self) -> int:
+        self._next_vertex += 1
+        return self._next_vertex - 1
 
 
 def _octahedral(packed: NDArray[Any]) -> NDArray[Any]:
