@@ -1,5 +1,6 @@
 """Draws a scene's models onto the video: calls the passes for light, shadows, layers and composite in their order."""
 
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import moderngl
@@ -11,7 +12,7 @@ from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.compositing.outlines import OutlineSmoothing
 from ashe_live.render.cover.marker_cover import MarkerCover, SeenCover
-from ashe_live.render.gl.framing import Rectangle, common, framing, grown, letterbox
+from ashe_live.render.gl.framing import Framing, Rectangle, common, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.layers import LayerContent, LayerPasses
@@ -27,6 +28,8 @@ from ashe_live.render.passes.standing import StandingGroup
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 from ashe_live.render.scene import Scene
+
+Framed = Callable[[Float], Framing | None]  # points (n, 3) of the marker frame by the picture's camera and viewport
 
 
 class ModelsOnVideo:
@@ -92,8 +95,7 @@ class ModelsOnVideo:
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         framed = partial(framing, camera, tracked.marker.T_cam_marker, viewport=viewport)
         signs = _signs(models, scene, bends) if scene.shows_light else ()
-        standing = np.concatenate([models.corners, *(sign.corners for sign in signs)])
-        frame = framed(np.concatenate([standing, self.layers.catcher.polygon]))
+        frame = framed(np.concatenate([_corners(models, signs), self.layers.catcher.polygon]))
         if frame is None:
             return
         look = self.photometry.look(tracked, scene.lit_in_video or scene.illumination)
@@ -103,36 +105,44 @@ class ModelsOnVideo:
         if bends and self.shadows.shadows_meet:
             straight = self._straight_video
             straight.show(tracked, viewport, camera)
+        inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
+        ground = self._ground(scene, straight, cover, viewport)
+        content = LayerContent(models, inputs, scene.shows_model, scene.casts_shadow, signs, ground)
         seen = None
         if cover is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
             seen = SeenCover(cover, frame.ground_from_pixel)
         relief, lens = self.photometry.relief(scene.illumination), self._lens if bends else None
         onto = Footage(viewport, self._video, tracked, look, relief, seen, lens, scene.is_split)
-        inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
-        ground = self._ground(scene, straight, cover, viewport)
-        content = LayerContent(models, inputs, scene.shows_model, scene.casts_shadow, signs, ground)
         with surface.drawing(grown(frame.region, 2 * onto.blurs.farthest + 1, surface.size)):
             self.layers.draw(content, with_models=surface.samples == 0)
-        real = [] if self.layers.real is None else [self.layers.real.points]
-        if surface.samples and (scene.shows_model or signs or real):
-            edged = framed(np.concatenate([standing, *real]))
-            if edged is not None:
-                self._sample_edges(surface, content, common(grown(edged.region, 1, surface.size), frame.region))
-        elif scene.shows_model and not surface.samples:
-            model = framed(models.corners)
-            if model is not None:
-                self._outlines.smooth(surface, grown(model.region, 1, surface.size), viewport)
+        if surface.samples:
+            self._sample_edges(surface, content, framed)
+        elif scene.shows_model:
+            self._smooth_edges(surface, models, framed)
         self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
 
-    def _sample_edges(self, surface: Surface, content: LayerContent, within: Rectangle) -> None:
+    def _smooth_edges(self, surface: Surface, models: StandingGroup, framed: Framed) -> None:
+        """Smooths the models' outlines in what was drawn with one sample a pixel."""
+        frame = framed(models.corners)
+        if frame is not None:
+            self._outlines.smooth(surface, grown(frame.region, 1, surface.size), frame.viewport)
+
+    def _sample_edges(self, surface: Surface, content: LayerContent, framed: Framed) -> None:
         """Draws again with several samples a pixel, which are expensive, where there are edges.
 
         The ground looks the same with one sample: it is only drawn where the real object's border ends it.
         """
+        real = self.layers.real
+        if not (content.shows_model or content.signs or real is not None):
+            return
+        standing = _corners(content.models, content.signs)
+        edged = framed(standing if real is None else np.concatenate([standing, real.points]))
+        if edged is None:
+            return
+        within = common(grown(edged.region, 1, surface.size), content.inputs.framing.region)
         if min(within[2:]) > 0:
-            with_ground = self.layers.real is not None
-            with surface.drawing(within, several_samples=True, over_drawn=not with_ground):
-                self.layers.draw(content, with_ground=with_ground)
+            with surface.drawing(within, several_samples=True, over_drawn=real is None):
+                self.layers.draw(content, with_ground=real is not None)
 
     def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
         """Readies shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
@@ -178,6 +188,11 @@ def _signs(models: StandingGroup, scene: Scene, bends: bool) -> tuple[LightSign,
     shown_by = tracked.camera if bends else tracked.camera.without_distortion()
     corners, T_cam_marker = models.members[0].corners, tracked.marker.T_cam_marker
     return tuple(light_sign(corners, light, shown_by, T_cam_marker) for light in scene.illumination.lights)
+
+
+def _corners(models: StandingGroup, signs: Sequence[LightSign]) -> Float:
+    """(n, 3) metres, corners around all that stands on the plane."""
+    return np.concatenate([models.corners, *(sign.corners for sign in signs)])
 
 
 def _covered(cover: MarkerCover | None) -> Float:

@@ -73,8 +73,8 @@ class ShadowCatcher:
 
     def draw(self, models: StandingGroup, inputs: ShadingInputs, ground: CatchingGround) -> None:
         """Draws behind the models' depth; nothing where the camera is below the plane."""
-        framing, lighting, shadows = inputs.framing, inputs.lighting, inputs.looked_up.ground_shadows
-        if framing.eye_marker[2] <= 0 or self._buffer is None:
+        lighting, shadows = inputs.lighting, inputs.looked_up.ground_shadows
+        if inputs.framing.eye_marker[2] <= 0 or self._buffer is None:
             return
         groups = shadows.group_count
         casters = groups + inputs.looked_up.shadows.shadows_meet
@@ -84,18 +84,7 @@ class ShadowCatcher:
         if ground.border_px >= LEAST_BORDER_PX:
             constants["soft_border"] = 1
         ground.video.bind()
-        uniforms = {
-            "clip_from_marker": framing.clip_from_marker,
-            "ground_bounce": lighting.bounce,
-            "viewport": tuple(float(value) for value in framing.viewport),
-            "ground_rgb": (0.0, 0.0, 0.0) if ground.lit_rgb is None else tuple(float(each) for each in ground.lit_rgb),
-            "sky": lighting.sky,
-            "sky_slope": lighting.sky_slope,
-            "strength": 1.0 if ground.darkens else 0.0,
-            "light_ground_share": lighting.ground_shares,
-            "light_irradiance": lighting.irradiances,
-            "border_px": ground.border_px,
-        }
+        uniforms = _uniforms(inputs, ground)
         # Behind a model that is flat on the ground.
         self._ctx.polygon_offset = 1.0, 1.0
         self._ctx.enable_only(moderngl.DEPTH_TEST)
@@ -157,6 +146,23 @@ class ShadowCatcher:
         for walls in self._walls:
             walls.release()
         self._walls.clear()
+
+
+def _uniforms(inputs: ShadingInputs, ground: CatchingGround) -> dict[str, Any]:
+    """Those of the ground that are the same for all models."""
+    framing, lighting = inputs.framing, inputs.lighting
+    return {
+        "clip_from_marker": framing.clip_from_marker,
+        "ground_bounce": lighting.bounce,
+        "viewport": tuple(float(value) for value in framing.viewport),
+        "ground_rgb": (0.0, 0.0, 0.0) if ground.lit_rgb is None else tuple(float(each) for each in ground.lit_rgb),
+        "sky": lighting.sky,
+        "sky_slope": lighting.sky_slope,
+        "strength": 1.0 if ground.darkens else 0.0,
+        "light_ground_share": lighting.ground_shares,
+        "light_irradiance": lighting.irradiances,
+        "border_px": ground.border_px,
+    }
 
 
 def _shadow_points(points: Float, light: ShadingLight, blur_m: float) -> Float:
