@@ -91,21 +91,9 @@ def _opened(options: argparse.Namespace) -> Source:
 def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> CameraCalibration | None:
     """Reads until a live camera is calibrated; None at the end of a clip, and where the user ended it before."""
     board = CalibrationBoard()
-    frame: Frame | None = None
     said: str | None = None
     try:
-        while True:
-            try:
-                new = source.read()
-            except SourceLost as lost:
-                if frame is not None and guidance.show(frame, None, guide, str(lost)):
-                    if not source.reopen():
-                        time.sleep(RECONNECT_EVERY_S)
-                    continue
-                return None
-            if new is None:
-                return None
-            frame = new
+        for frame in _frames(source, guide, guidance):
             if frame.size != guide.size:
                 raise UserError(f"the pictures change their size to {frame.size[0]}x{frame.size[1]}", "use one size")
             view = board.find(np.asarray(cv2.cvtColor(frame.image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8))
@@ -121,6 +109,24 @@ def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Cam
         if not guide.frames_with_board:
             raise
     return None
+
+
+def _frames(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Iterator[Frame]:
+    """The frames of a clip, or of a camera, which is waited for where it was unplugged, until the user ends that."""
+    frame: Frame | None = None
+    while True:
+        try:
+            new = source.read()
+        except SourceLost as lost:
+            if frame is None or not guidance.show(frame, None, guide, str(lost)):
+                return
+            if not source.reopen():
+                time.sleep(RECONNECT_EVERY_S)
+            continue
+        if new is None:
+            return
+        frame = new
+        yield frame
 
 
 class _Lines:

@@ -55,13 +55,9 @@ def show_without_window(
         renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
         stack.callback(renderer.release)
         session = stack.enter_context(opened_session(setup))
-        as_shown = AsShown()
-        if options.as_shown is not None:
-            as_shown = read_as_shown(options.as_shown, session.table.shelf)
-            check_outputs_and_models(options, session.table.shelf)  # with those that only this file names
-        recorder: Recorder | TransparentRecorder | LastPicture | None = None
-        if options.out is not None:
-            recorder = _recorder(setup)
+        as_shown = _as_shown(options, session)
+        recorder = None if options.out is None else _recorder(setup)
+        if recorder is not None:
             stack.push(partial(_report_if_cut_short, recorder))  # once it is closed
             stack.enter_context(recorder)
             takers = (*takers, recorder.write)
@@ -88,6 +84,15 @@ def show_without_window(
     if refusal is not None:
         raise refusal
     return Played(status, None if recorder is None else recorder.path)
+
+
+def _as_shown(options: argparse.Namespace, session: Session) -> AsShown:
+    """What the file of --as-shown sets up, if one is given."""
+    if options.as_shown is None:
+        return AsShown()
+    as_shown = read_as_shown(options.as_shown, session.table.shelf)
+    check_outputs_and_models(options, session.table.shelf)  # with those that only this file names
+    return as_shown
 
 
 def _report_refused(report: Report, options: argparse.Namespace) -> UserError | None:

@@ -35,13 +35,8 @@ def read_ply(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
     places = _columns(vertices, PLACES)
     if places is None:
         raise MalformedError("its vertices have no x, y and z")
-    lists = next((faces.lists[name] for name in CORNERS if name in faces.lists), None)
-    if lists is None:
-        raise MalformedError("its faces name no vertices")
+    lists = _corner_lists(faces, len(places))
     corners = lists.values.astype(np.int64)
-    if len(corners) and not (corners.min() >= 0 and corners.max() < len(places)):
-        named = corners.min() if corners.min() < 0 else corners.max()
-        raise MalformedError(f"a face names vertex {named} of {len(places)}")
     triangles = triangulated(places, corners, lists.counts)
     uvs = _uvs(vertices) if material.uv_sets else None
     normals, colours = _columns(vertices, NORMALS), _colours(vertices)
@@ -77,6 +72,18 @@ def _material(content: bytes, folder: Folder, notes: Notes) -> Material:
     name = names[0].decode(errors="replace").strip()
     texels = Pictures(folder, notes).named(name, covers=True)
     return UNKNOWN if texels is None else pictured(UNKNOWN, texels)
+
+
+def _corner_lists(faces: Element, vertices: int) -> Lists:
+    """The vertices that each face names, of as many as there are."""
+    lists = next((faces.lists[name] for name in CORNERS if name in faces.lists), None)
+    if lists is None:
+        raise MalformedError("its faces name no vertices")
+    corners = lists.values.astype(np.int64)
+    if len(corners) and not (corners.min() >= 0 and corners.max() < vertices):
+        named = corners.min() if corners.min() < 0 else corners.max()
+        raise MalformedError(f"a face names vertex {named} of {vertices}")
+    return lists
 
 
 def _columns(element: Element, names: tuple[str, ...]) -> Float | None:
