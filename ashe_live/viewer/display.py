@@ -119,8 +119,7 @@ class Display:
         answer = session.answer
         if not session.view.shows_steps or answer is None:
             return ()
-        is_mirrored = session.view.is_mirrored
-        return self._inset.overlays(answer.estimate, answer.frozen, size, answer.steps_bgr, models, is_mirrored)
+        return self._inset.overlays(answer, size, models, session.view.is_mirrored)
 
 
 def _span_of_models(session: Session, framebuffer: Size) -> Span | None:

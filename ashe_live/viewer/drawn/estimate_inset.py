@@ -8,10 +8,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.answer import answer_picture, rose_picture
 from ashe_live.render.scene import Overlay
+from ashe_live.viewer.estimates.light_watch import NewAnswer
 
 WIDTH = 0.32  # of the inset, as a fraction of the window's
 STEPS_WIDTH = 0.45  # the most for the sheet of steps, likewise
@@ -41,50 +40,42 @@ class Corner(NamedTuple):
 CORNERS = tuple(Corner(is_at_top, scale) for scale in SCALES for is_at_top in (False, True))
 
 
+class _Drawn(NamedTuple):
+    """An inset as it was drawn for an answer in a window."""
+
+    answer: NewAnswer
+    size: Size
+    is_mirrored: bool
+    corner: Corner
+    overlays: tuple[Overlay, ...]
+
+
 class EstimateInset:
-    """The inset of the last estimate: the same objects until it has to move out of the model's way."""
+    """The inset of the last answer: the same objects until it has to move out of the model's way."""
 
     def __init__(self) -> None:
-        self._drawn: tuple[LightEstimate, Size, bool, Corner, tuple[Overlay, ...]] | None = None
+        self._drawn: _Drawn | None = None
         self._full_sizes: list[Size] = []  # of the parts at full scale
 
     def overlays(
-        self,
-        estimate: LightEstimate,
-        frozen: TrackedFrame,
-        size: Size,
-        steps_bgr: Image | None,
-        models: Span | None,
-        is_mirrored: bool = False,
+        self, answer: NewAnswer, size: Size, models: Span | None, is_mirrored: bool = False
     ) -> tuple[Overlay, ...]:
         """As `inset_overlays`, in the first of CORNERS where it covers no model; if in none, at the smallest size."""
-        if self._drawn is None or self._drawn[0] is not estimate or self._drawn[1:3] != (size, is_mirrored):
-            self._draw(estimate, frozen, size, steps_bgr, Corner(), is_mirrored)
-            self._full_sizes = [overlay.shown_size for overlay in self.shown]
-        assert self._drawn is not None
-        at = self._drawn[3]
-        if models is not None and self._covers(models, size, at):
+        drawn = self._drawn
+        if drawn is None or drawn.answer is not answer or (drawn.size, drawn.is_mirrored) != (size, is_mirrored):
+            drawn = _drawn(answer, size, is_mirrored, Corner())
+            self._full_sizes = [overlay.shown_size for overlay in drawn.overlays]
+        if models is not None and self._covers(models, size, drawn.corner):
             free = (corner for corner in CORNERS if not self._covers(models, size, corner))
             corner = next(free, Corner(scale=SCALES[-1]))
-            if corner != at:
-                self._draw(estimate, frozen, size, steps_bgr, corner, is_mirrored)
-        return self.shown
+            if corner != drawn.corner:
+                drawn = _drawn(answer, size, is_mirrored, corner)
+        self._drawn = drawn
+        return drawn.overlays
 
     @property
     def shown(self) -> tuple[Overlay, ...]:
-        return () if self._drawn is None else self._drawn[4]
-
-    def _draw(
-        self,
-        estimate: LightEstimate,
-        frozen: TrackedFrame,
-        size: Size,
-        steps_bgr: Image | None,
-        corner: Corner,
-        is_mirrored: bool,
-    ) -> None:
-        overlays = inset_overlays(estimate, frozen, size, steps_bgr, corner, is_mirrored)
-        self._drawn = estimate, size, is_mirrored, corner, overlays
+        return () if self._drawn is None else self._drawn.overlays
 
     def _covers(self, models: Span, size: Size, corner: Corner) -> bool:
         sizes = [(round(corner.scale * width), round(corner.scale * height)) for width, height in self._full_sizes]
@@ -94,19 +85,19 @@ class EstimateInset:
         )
 
 
+def _drawn(answer: NewAnswer, size: Size, is_mirrored: bool, corner: Corner) -> _Drawn:
+    return _Drawn(answer, size, is_mirrored, corner, inset_overlays(answer, size, is_mirrored, corner))
+
+
 def inset_overlays(
-    estimate: LightEstimate,
-    frozen: TrackedFrame,
-    size: Size,
-    steps_bgr: Image | None = None,
-    corner: Corner = CORNERS[0],
-    is_mirrored: bool = False,
+    answer: NewAnswer, size: Size, is_mirrored: bool = False, corner: Corner = CORNERS[0]
 ) -> tuple[Overlay, ...]:
-    """For a framebuffer of `size`; `frozen` is the frame, with a marker, that `estimate` was made from.
+    """For a framebuffer of `size`.
 
     With the sheet of the steps that led to the answer, this sheet; else the answer alone, and the light rose beside it.
     The answer is mirrored as the window is; the sheet and the rose, which is a map, have words in them.
     """
+    estimate, frozen, steps_bgr = answer.estimate, answer.frozen, answer.steps_bgr
     if steps_bgr is not None:
         fitted = _size_in(size, STEPS_WIDTH, steps_bgr.shape[1::-1], corner.scale)
         sheet = np.asarray(cv2.resize(steps_bgr, fitted, interpolation=cv2.INTER_AREA), np.uint8)

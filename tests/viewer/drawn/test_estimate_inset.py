@@ -14,7 +14,9 @@ from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.estimators.view_search import Trace
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.pixels.view import View
+from ashe_live.render.scene import Overlay
 from ashe_live.viewer.drawn.estimate_inset import EstimateInset, Span, inset_overlays
+from ashe_live.viewer.estimates.light_watch import NewAnswer
 
 SIZE = (640, 480)
 # A flat disc 10 cm above the marker plane, beside the optical axis; the camera looks straight down from 40 cm.
@@ -33,53 +35,59 @@ def centre_x(overlay, colour_bgr):
 
 
 @pytest.fixture
-def estimate(fakes):
+def answer(fakes):
     """The light comes from the right, at 45 degrees; no masks."""
     found = fakes.estimate()
     lit_by = replace(found.illumination, real_object=DISC)
-    return replace(found, illumination=lit_by, object_mask=None, shadow_mask=None)
+    estimate = replace(found, illumination=lit_by, object_mask=None, shadow_mask=None)
+    return NewAnswer(estimate, fakes.tracked(), asked_s=0.0, steps_bgr=None, is_news=True)
 
 
-def test_body_and_shadow_are_outlined_where_they_are(fakes, estimate):
-    inset, _ = inset_overlays(estimate, fakes.tracked(), SIZE)
+def test_body_and_shadow_are_outlined_where_they_are(answer):
+    inset, _ = inset_overlays(answer, SIZE)
     focal = 64 / 2 / np.tan(np.radians(30)) / 64  # in widths of the picture
     assert centre_x(inset, OBJECT_BGR) == pytest.approx(0.5 - focal * 0.05 / 0.3, abs=0.03)
     assert centre_x(inset, SHADOW_BGR) == pytest.approx(0.5 - focal * 0.15 / 0.4, abs=0.03)
 
 
-def test_the_rose_stands_above_the_picture(fakes, estimate):
-    inset, rose = inset_overlays(estimate, fakes.tracked(), SIZE)
+def test_the_rose_stands_above_the_picture(answer):
+    inset, rose = inset_overlays(answer, SIZE)
     assert rose.shown_size[0] == rose.shown_size[1]
     assert rose.top_px + rose.shown_size[1] < inset.top_px
     assert rose.left_px + rose.shown_size[0] == inset.left_px + inset.shown_size[0]
 
 
 @pytest.mark.parametrize("width", [640, 1800])
-def test_a_flat_window_shows_all_of_the_picture_and_no_rose_that_would_be_cut_off(fakes, estimate, width):
-    (inset,) = inset_overlays(estimate, fakes.tracked(), (width, 200))
+def test_a_flat_window_shows_all_of_the_picture_and_no_rose_that_would_be_cut_off(answer, width):
+    (inset,) = inset_overlays(answer, (width, 200))
     assert inset.top_px >= 0
     assert inset.shown_size[0] / inset.shown_size[1] == pytest.approx(64 / 48, abs=0.03)
 
 
-def test_a_trace_is_one_sheet_with_the_answer_in_it(fakes, estimate):
-    frozen = fakes.tracked()
-    trace = Trace(View.of(frozen, 64))
-    (answer,) = inset_overlays(estimate, frozen, SIZE, steps_sheet(frozen, estimate, trace))
+def test_a_trace_is_one_sheet_with_the_answer_in_it(answer):
+    trace = Trace(View.of(answer.frozen, 64))
+
+    def sheet_of() -> Overlay:
+        steps_bgr = steps_sheet(answer.frozen, answer.estimate, trace)
+        (sheet,) = inset_overlays(replace(answer, steps_bgr=steps_bgr), SIZE)
+        return sheet
+
+    first = sheet_of()
     trace.ground = fit_lit_ground(trace.view.image_bgr, trace.view.is_ground, BALANCED.ground)
     trace.unlit = np.zeros_like(trace.view.is_ground)
-    (steps,) = inset_overlays(estimate, frozen, SIZE, steps_sheet(frozen, estimate, trace))
-    assert answer.shown_size[1] < steps.shown_size[1] <= SIZE[1]
+    steps = sheet_of()
+    assert first.shown_size[1] < steps.shown_size[1] <= SIZE[1]
     assert drawn(steps, OBJECT_BGR).any()
-    for sheet in (answer, steps):
+    for sheet in (first, steps):
         assert sheet.left_px >= SIZE[0] / 2
         assert sheet.left_px + sheet.shown_size[0] <= SIZE[0]
         assert sheet.top_px >= 0
         assert sheet.top_px + sheet.shown_size[1] <= SIZE[1]
 
 
-def test_without_a_light_there_is_only_the_picture(fakes):
+def test_without_a_light_there_is_only_the_picture(answer):
     none = LightEstimate("fake", 0, Illumination(), "no shadow found")
-    (inset,) = inset_overlays(none, fakes.tracked(), SIZE)
+    (inset,) = inset_overlays(replace(answer, estimate=none), SIZE)
     assert not drawn(inset, OBJECT_BGR).any()
 
 
@@ -96,25 +104,25 @@ def covers(overlays, span: Span) -> bool:
 @pytest.mark.parametrize(
     "model", [Span(440, 330, 560, 470), Span(440, 20, 560, 160), Span(300, 120, 470, 360), Span(480, 205, 520, 260)]
 )
-def test_the_inset_leaves_the_model_uncovered(fakes, estimate, model):
+def test_the_inset_leaves_the_model_uncovered(answer, model):
     """In the corner, above it, so near that only a smaller one has room, and between the corners."""
     inset = EstimateInset()
-    shown = inset.overlays(estimate, fakes.tracked(), SIZE, None, model)
+    shown = inset.overlays(answer, SIZE, model)
     assert len(shown) == 2
     assert not covers(shown, model)
-    assert inset.overlays(estimate, fakes.tracked(), SIZE, None, model) is shown
+    assert inset.overlays(answer, SIZE, model) is shown
 
 
-def test_an_inset_that_covers_nothing_stays(fakes, estimate):
+def test_an_inset_that_covers_nothing_stays(answer):
     inset = EstimateInset()
-    first = inset.overlays(estimate, fakes.tracked(), SIZE, None, None)
-    assert inset.overlays(estimate, fakes.tracked(), SIZE, None, Span(0, 0, 100, 480)) is first
-    moved = inset.overlays(estimate, fakes.tracked(), SIZE, None, Span(440, 330, 560, 470))
+    first = inset.overlays(answer, SIZE, None)
+    assert inset.overlays(answer, SIZE, Span(0, 0, 100, 480)) is first
+    moved = inset.overlays(answer, SIZE, Span(440, 330, 560, 470))
     assert moved is not first
-    assert inset.overlays(estimate, fakes.tracked(), SIZE, None, None) is moved
+    assert inset.overlays(answer, SIZE, None) is moved
 
 
-def test_a_model_that_fills_the_window_leaves_the_smallest_inset(fakes, estimate):
-    full = inset_overlays(estimate, fakes.tracked(), SIZE)
-    shown = EstimateInset().overlays(estimate, fakes.tracked(), SIZE, None, Span(0, 0, *SIZE))
+def test_a_model_that_fills_the_window_leaves_the_smallest_inset(answer):
+    full = inset_overlays(answer, SIZE)
+    shown = EstimateInset().overlays(answer, SIZE, Span(0, 0, *SIZE))
     assert shown[0].shown_size[0] < 0.7 * full[0].shown_size[0]
