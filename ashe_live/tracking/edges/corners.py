@@ -153,15 +153,16 @@ def _fitted(views: Sequence[LightPatch], squares: Sequence[_Windows], samples: i
     values = np.concatenate(light, axis=1) if len(light) > 1 else light[0]
     offsets, weights, widths = edge_offsets(values, reaches_px, spreads_px)
     seen = weights.sum(axis=1) >= MIN_SEEN * samples
-    ends, covariances, bows, correlated_px2 = robust_lines(places, offsets, weights, lengths, seen)
+    lines = robust_lines(places, offsets, weights, lengths, seen)
+    ends = lines.ends_px
     directions = sides + (ends[:, 1:] - ends[:, :1]) * outwards
     shape = corners_px.shape
     corners = meeting_points((starts + ends[:, :1] * outwards).reshape(shape), directions.reshape(shape))
-    information = information_by_side(outwards.reshape(shape), covariances.reshape(-1, 4, 2, 2))
-    bows = bows / lengths
+    information = information_by_side(outwards.reshape(shape), lines.covariances_px2.reshape(-1, 4, 2, 2))
+    bows = lines.bows_px / lengths
     fitted = []
     for number, part in enumerate(parts):
-        mean_px2 = float(correlated_px2[part][seen[part]].mean()) if seen[part].any() else 0.0
+        mean_px2 = float(lines.correlated_px2[part][seen[part]].mean()) if seen[part].any() else 0.0
         square = FittedSquare(
             corners[number], information[number], seen[part], bows[part], math.sqrt(max(0.0, mean_px2))
         )

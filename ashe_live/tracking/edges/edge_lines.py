@@ -1,5 +1,6 @@
 """Fits straight lines to the points measured along a square's sides, and intersects them in its corners."""
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -22,14 +23,23 @@ SLOW_ORDERS = 3, 4, 5, 6
 NEXT, BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
 
 
-def robust_lines(
-    places: Float, offsets: Float, weights: Float, lengths_px: Float, seen: Mask
-) -> tuple[Float, Float, Float, Float]:
-    """Each side's offset at places 0 and 1 (n, 2), the covariances (n, 2, 2) of these, and bows (n,), in px and px^2.
+@dataclass(frozen=True, slots=True, eq=False)
+class SideLines:
+    """Lines along n sides, as offsets outwards from these."""
 
-    Least squares reweighted with Tukey's biweight. A side that is not `seen` stays where it is, with a huge covariance.
-    The covariances assume that the noise of pixels is independent. The last result (n,) is the variance of an offset at
-    either place that scatter correlated along the side adds; as an unbiased estimate it may be negative.
+    ends_px: Float  # (n, 2) offsets of a side's two ends
+    covariances_px2: Float  # (n, 2, 2) of these, as if the noise of pixels were independent
+    bows_px: Float  # (n,) by how much the middle is off the line between the ends, at least 0
+    # (n,) what scatter correlated along the side adds to the variance of either end; as it is estimated without bias,
+    # it may be negative.
+    correlated_px2: Float
+
+
+def robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Float, seen: Mask) -> SideLines:
+    """Lines by least squares reweighted with Tukey's biweight.
+
+    places: (m,) along every side, 0 at its first and 1 at its second end. offsets, weights: (n, m) pixels outwards
+    there, and 0 where there is no edge. A side that is not `seen`, (n,), stays where it is, with a huge covariance.
     """
     # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
     at_start, slope = _medians(offsets, weights > 0), np.zeros(len(offsets))
@@ -60,14 +70,11 @@ def robust_lines(
     # Independent scatter has the same variance in all orthonormal polynomials; correlated scatter more in slow ones.
     slow = ((kept * residuals) @ _slow_polynomials(len(places))) ** 2
     correlated_px2 = (slow.mean(axis=1) * len(places) / mass - variance) * by_variance[:, (0, 1), (0, 1)].mean(axis=1)
-    covariances = np.where(seen[:, None, None], covariances, 1e4 * np.eye(2))
-    # Over the whole side, from its ends to its middle.
-    bows = np.where(seen, np.abs(bowed) / 4, 0.0)
-    return (
-        np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0),
-        covariances,
-        bows,
-        correlated_px2,
+    return SideLines(
+        ends_px=np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0),
+        covariances_px2=np.where(seen[:, None, None], covariances, 1e4 * np.eye(2)),
+        bows_px=np.where(seen, np.abs(bowed) / 4, 0.0),
+        correlated_px2=correlated_px2,
     )
 
 

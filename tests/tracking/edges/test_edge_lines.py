@@ -19,12 +19,10 @@ def ends_and_variances(correlated_over: int) -> tuple[float, float, float]:
     for _ in range(150):
         noise = rng.normal(0, SIGMA_PX, (4, len(PLACES) + correlated_over - 1))
         offsets: Float = np.array([np.convolve(one, window, "valid") for one in noise])
-        found, covariances, _, correlated_px2 = robust_lines(
-            PLACES, offsets, np.ones_like(offsets), np.full(4, 100.0), np.ones(4, dtype=bool)
-        )
-        ends.append(found)
-        stated.append(covariances[:, (0, 1), (0, 1)].mean())
-        correlated.append(correlated_px2.mean())
+        lines = robust_lines(PLACES, offsets, np.ones_like(offsets), np.full(4, 100.0), np.ones(4, dtype=bool))
+        ends.append(lines.ends_px)
+        stated.append(lines.covariances_px2[:, (0, 1), (0, 1)].mean())
+        correlated.append(lines.correlated_px2.mean())
     return float(np.var(ends)), float(np.mean(stated)), float(np.mean(correlated))
 
 

@@ -99,25 +99,25 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     by_size = np.sqrt((lines[:2] ** 2).sum(axis=0) + (s @ lines[:2] + nearness * lines[3]) ** 2) / (4 * up)
 
     side, along_px = _evenly_along(lengths_px)
+    # One look-up for all that is the same along a side.
     of_sides = np.concatenate([normals, -lines[PLANE], by_size[None], lengths_px[None]])[:, side]
-    share = along_px / np.maximum(of_sides[6], 1e-9)
+    normal, by_light, by_size, length_px = of_sides[:2], of_sides[2:5], of_sides[5], of_sides[6]
+    share = along_px / np.maximum(length_px, 1e-9)
     # What is projective along the body's edge is linear along its picture, if it is over the homogeneous scale.
-    over_scale = np.concatenate([pixels, points[2:, rim] / scales, cast[2:] / scales])
-    over_scale = _along(over_scale, side, share)
+    over_scale = _along(np.concatenate([pixels, points[2:, rim] / scales, cast[2:] / scales]), side, share)
     drop_over_depth, inverse_depth = over_scale[2:]
-    drop = drop_over_depth / inverse_depth
     return ShadowEdges(
-        over_scale[:2].T,
-        pixels.T,
-        of_sides[:2].T,
-        side,
-        np.minimum(along_px, of_sides[6] - along_px),
-        (of_sides[2:5] * drop_over_depth).T,
-        of_sides[5] * drop_over_depth,
-        share,
-        inverse_depth,
-        drop,
-        OutlineCorners(rim, scales, cast[:2] / scales, lines),
+        points_px=over_scale[:2].T,
+        corners_px=pixels.T,
+        normals_px=normal.T,
+        side=side,
+        to_corner_px=np.minimum(along_px, length_px - along_px),
+        by_light=(by_light * drop_over_depth).T,
+        by_size=by_size * drop_over_depth,
+        share=share,
+        inverse_depth=inverse_depth,
+        drop=drop_over_depth / inverse_depth,
+        corners=OutlineCorners(rim, scales, cast[:2] / scales, lines),
     )
 
 
