@@ -58,55 +58,55 @@ class PaperEstimator:
         """
         if tracked.marker is None:
             raise ValueError("an estimate needs a frame with a marker")
-        clock, parameters, marker = StageClock(), self.parameters, tracked.marker
-        object_mask: Mask | None = None
-        shadow_mask: Mask | None = None
+        clock = StageClock()
+        found = self._found(tracked, tracked.marker, clock)
+        lit = Illumination(() if found.light is None else (found.light,))
+        masks_found = found.object_mask, found.shadow_mask
+        return LightEstimate(self.name, tracked.frame.index, lit, found.reason, *masks_found, clock.timing_ms())
 
-        def answer(light: Light | None, reason: str | None) -> LightEstimate:
-            found = Illumination(() if light is None else (light,))
-            return LightEstimate(
-                self.name, tracked.frame.index, found, reason, object_mask, shadow_mask, clock.timing_ms()
-            )
-
+    def _found(self, tracked: TrackedFrame, marker: MarkerPose, clock: StageClock) -> "_Found":
+        """The steps in the paper's order, up to the first that finds nothing."""
+        parameters = self.parameters
         size = masks.working_size(tracked.frame.size, parameters.size)
         if min(size) < parameters.least_side_px:
-            return answer(None, "the picture is too narrow")
+            return _Found("the picture is too narrow")
         camera = tracked.camera.resized(size)
         smallest_px = parameters.smallest_share * size[0] * size[1]
 
         cube_hull, sheet_hull = self._hulls(camera, marker)
         if cube_hull is None or sheet_hull is None:
-            return answer(None, "the virtual object reaches behind the camera")
+            return _Found("the virtual object reaches behind the camera")
         # The marker lies inside the cube's mask, its white margin beside it: neither object nor shadow.
         cube, sheet = masks.filled(cube_hull, size), masks.filled(sheet_hull, size)
 
         image = masks.resized(tracked.frame.image_bgr, size)
         dark = self._dark(image, ~sheet)
-        if not dark.any():
-            clock.end("segment")
-            return answer(None, "nothing in the picture is dark enough for a shadow")
-        foreground = masks.grabcut_foreground(image, parameters.grabcut_margin_px, parameters.grabcut_iterations)
+        foreground: Mask | None = None
+        if dark.any():
+            foreground = masks.grabcut_foreground(image, parameters.grabcut_margin_px, parameters.grabcut_iterations)
         clock.end("segment")
+        if foreground is None:
+            return _Found("nothing in the picture is dark enough for a shadow")
 
         object_mask = masks.largest_object(foreground, dark, cube | sheet, smallest_px)
-        if object_mask is None:
-            clock.end("associate")
-            return answer(None, "no object found beside the marker")
-        c_px, k = parameters.score_c_share * size[0], parameters.score_k
-        shadow_mask = masks.shadow_of(object_mask, dark & ~cube, c_px, k, smallest_px)
+        shadow_mask: Mask | None = None
+        if object_mask is not None:
+            c_px = parameters.score_c_share * size[0]
+            shadow_mask = masks.shadow_of(object_mask, dark & ~cube, c_px, parameters.score_k, smallest_px)
         clock.end("associate")
+        if object_mask is None:
+            return _Found("no object found beside the marker")
         if shadow_mask is None:
-            return answer(None, "no shadow found beside the object")
+            return _Found("no shadow found beside the object", object_mask)
 
         to_light = _to_light(camera, marker, cube_hull, object_mask, shadow_mask)
         clock.end("fit")
-
         if to_light is None or to_light[2] <= 0:
             clock.end("judge")
-            return answer(None, "the shadow does not fit a light above the ground")
+            return _Found("the shadow does not fit a light above the ground", object_mask, shadow_mask)
         ratio = shadow_rgb_ratio(image, shadow_mask, object_mask | sheet)
         clock.end("judge")
-        return answer(Light(to_light, shadow_rgb_ratio=ratio), None)
+        return _Found(None, object_mask, shadow_mask, Light(to_light, shadow_rgb_ratio=ratio))
 
     def _dark(self, image: Image, ground: Mask) -> Mask:
         """(h, w) the pixels of the darkest clusters of colour, by what is dark beside `ground`."""
@@ -122,6 +122,16 @@ class PaperEstimator:
         bodies = geometry.cube_corners(marker.side_m), square_corners(sheet_side_m)
         cube, sheet = (masks.hull_of_points(camera, marker.T_cam_marker, corners) for corners in bodies)
         return cube, sheet
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """What the steps found, at the working size, and why there is no light."""
+
+    reason: str | None
+    object_mask: Mask | None = None
+    shadow_mask: Mask | None = None
+    light: Light | None = None
 
 
 def _to_light(
