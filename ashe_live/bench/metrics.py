@@ -1,7 +1,7 @@
 """Metrics: the error of an answer, and the calibration of its stated uncertainty and confidence."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import permutations
 
 import numpy as np
@@ -96,6 +96,30 @@ def calibration_error(confidences: Sequence[float], is_good: Sequence[bool], bin
 def share(flags: Sequence[bool]) -> float | None:
     """The fraction of True among `flags`; None without any."""
     return float(np.mean(flags)) if len(flags) else None
+
+
+def mean(values: Iterable[float | None]) -> float | None:
+    """The mean of the values that are known; None where none is, as of the statistics below."""
+    known = _known(values)
+    return float(np.mean(known)) if known else None
+
+
+def median(values: Iterable[float | None]) -> float | None:
+    known = _known(values)
+    return float(np.median(known)) if known else None
+
+
+def percentile(values: Iterable[float | None], percent: float) -> float | None:
+    known = _known(values)
+    return float(np.percentile(known, percent)) if known else None
+
+
+def largest(values: Iterable[float | None]) -> float | None:
+    return max(_known(values), default=None)
+
+
+def _known(values: Iterable[float | None]) -> list[float]:
+    return [value for value in values if value is not None]
 
 
 def overlap(a: Mask, b: Mask) -> float:

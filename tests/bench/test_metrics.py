@@ -9,7 +9,11 @@ from ashe_live.bench.metrics import (
     angular_error_deg,
     brier_score,
     calibration_error,
+    largest,
+    mean,
+    median,
     overlap,
+    percentile,
     risk_at,
     risk_by_coverage,
     rms_deg,
@@ -94,3 +98,11 @@ def test_risk_is_read_where_a_coverage_is_reached() -> None:
     assert risk_at(curve, 0.5) == (0.8, 0.0)
     assert risk_at(curve, 0.75) == (0.5, pytest.approx(1 / 3))
     assert risk_at(curve, 0.9) is None
+
+
+def test_statistics_are_those_of_the_known_values() -> None:
+    values = [4.0, None, 1.0, 2.0]
+    assert (mean(values), median(values), largest(values)) == (pytest.approx(7 / 3), 2.0, 4.0)
+    assert (percentile(values, 0), percentile(values, 50), percentile(values, 100)) == (1.0, 2.0, 4.0)
+    for none in ([], [None, None]):
+        assert mean(none) is median(none) is largest(none) is percentile(none, 90) is None

@@ -9,11 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ashe_live.bench.bench import Bench
-from ashe_live.bench.cube.lights import light_row, median
+from ashe_live.bench.cube.lights import light_row
 from ashe_live.bench.cube.painted_scene import CubeScene
 from ashe_live.bench.cube.painter import painted
 from ashe_live.bench.cube.pictures import CubePicture, painted_pictures, traced_picture, traced_pictures
 from ashe_live.bench.cube.scenes import CAMERA, EDGE_M, SETS, looking, sun
+from ashe_live.bench.metrics import median
 from ashe_live.bench.tables import figures_table
 from ashe_live.bench.track.frames import PrintedMarker
 from ashe_live.bench.track.measures import turn_deg
@@ -84,9 +85,9 @@ class CubeBench(Bench):
             both = [(a, b) for a, b in zip(of_flat, of_cube, strict=True) if a is not None and b is not None]
             row: Json = {
                 "tilt_deg": tilt,
-                "flat_deg": median([one.error_deg for one in of_flat if one is not None]),
-                "cube_deg": median([one.error_deg for one in of_cube if one is not None]),
-                "cost_ratio": median([b.following_s / a.following_s for a, b in both]),
+                "flat_deg": median(one.error_deg for one in of_flat if one is not None),
+                "cube_deg": median(one.error_deg for one in of_cube if one is not None),
+                "cost_ratio": median(b.following_s / a.following_s for a, b in both),
                 "flat_found": sum(one is not None for one in of_flat) / len(looks),
                 "cube_found": sum(one is not None for one in of_cube) / len(looks),
             }

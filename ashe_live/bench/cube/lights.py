@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import chain
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ashe_live.bench.cube.ambient import ambient_errors
 from ashe_live.bench.cube.pictures import CubePicture
-from ashe_live.bench.metrics import squared_sigmas
+from ashe_live.bench.metrics import median, percentile, share, squared_sigmas
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
 from ashe_live.core.light_estimate import LightEstimate
@@ -93,25 +93,20 @@ class _Tally:
             "pictures": len(self.seen),
             "answered": len(self.counted) / max(len(self.seen), 1),
             "median_deg": median(first),
-            "percentile_95_deg": float(np.percentile(first, 95)) if first else None,
+            "percentile_95_deg": percentile(first, 95),
             "largest_deg": max(first, default=None),
             "shadow_hidden": 1 - float(np.mean(self.seen)) if self.seen else None,
-            "percentile_95_of_others_deg": float(np.percentile(in_view, 95)) if in_view else None,
+            "percentile_95_of_others_deg": percentile(in_view, 95),
             "sure_and_wrong": self.wrong,
-            "in_95_percent_ellipse": float(np.mean(self.within)) if self.within else None,
-            "count_right": float(np.mean(self.counted)) if self.counted else None,
+            "in_95_percent_ellipse": share(self.within),
+            "count_right": share(self.counted),
             "worse_median_deg": median(self.worst_deg),
-            "ambient_even": median([even for even, _ in self.ambient]),
-            "ambient_leaning": median([leaning for _, leaning in self.ambient]),
+            "ambient_even": median(even for even, _ in self.ambient),
+            "ambient_leaning": median(leaning for _, leaning in self.ambient),
             "stated_as_lamps": self.lamps / len(first) if first else None,
             "distance_relative_error": median(self.distances),
             "ms": median(self.spent_ms),
         }
-
-
-def median(values: Sequence[float]) -> float | None:
-    """None without any."""
-    return float(np.median(values)) if len(values) else None
 
 
 def _errors_deg(estimate: LightEstimate, lights: Float) -> Float:

@@ -12,6 +12,7 @@ from rich.console import Console
 from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES, Case
 from ashe_live.bench.light.cells import degrees, percent
 from ashe_live.bench.light.results import CaseResult, summarise
+from ashe_live.bench.metrics import median
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.caster import Caster, parsed_caster
 from ashe_live.errors import UserError
@@ -62,8 +63,7 @@ def print_known_casters(console: Console, free: Sequence[CaseResult], known: Seq
             both = [key for key in several[1] if all(of_kind[key].is_answered for of_kind in several)]
             for name, of_kind in zip(("any object", "known"), several, strict=True):
                 summary = summarise(list(of_kind.values()))
-                errors = [of_kind[key].error_deg for key in both]
-                paired = float(np.median([error for error in errors if error is not None])) if both else None
+                paired = median(of_kind[key].error_deg for key in both)
                 table.add_row(
                     kind or "all",
                     preset,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.bench.cases import Case
-from ashe_live.bench.metrics import angular_error_deg, share, tangent_offset
+from ashe_live.bench.metrics import angular_error_deg, median, share, tangent_offset
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Light
 
@@ -86,15 +86,10 @@ def summarise_lamps(figures: Sequence[LampFigures], answered: Sequence[bool]) ->
         len(figures),
         share(list(answered)),
         share([each.is_stated for each in given]),
-        _median([each.beside_deg for each in given]),
-        _median([each.distance_error for each in given]),
+        median(each.beside_deg for each in given),
+        median(each.distance_error for each in given),
         share([abs(each) <= 1 for each in sigmas]),
         share([each <= ELLIPSOID_95 for each in squares]),
         share([each.radius_error is not None for each in given if each.distance_error is not None]),
-        _median([each.radius_error for each in given]),
+        median(each.radius_error for each in given),
     )
-
-
-def _median(values: Sequence[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    return float(np.median(known)) if known else None

@@ -1,13 +1,23 @@
 """The estimators' results on single cases, and their summaries."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.lamps import LampFigures, lamp_figures
-from ashe_live.bench.metrics import angular_error_deg, brier_score, share, squared_sigmas, worst_assigned_deg
+from ashe_live.bench.metrics import (
+    angular_error_deg,
+    brier_score,
+    largest,
+    mean,
+    median,
+    percentile,
+    share,
+    squared_sigmas,
+    worst_assigned_deg,
+)
 from ashe_live.core.contract import light_json
 from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.transforms import ELLIPSE_95
@@ -138,40 +148,36 @@ class Summary:
 def summarise(results: Sequence[CaseResult]) -> Summary:
     """The statistics of a group of cases."""
     lit = [result for result in results if result.is_lit]
-    errors = [result.error_deg for result in lit if result.error_deg is not None]
-    worst = [result.worst_deg for result in lit if result.worst_deg is not None]
+    errors = [result.error_deg for result in lit]
     sigmas = [(r.error_deg, r.sigma_deg) for r in lit if r.error_deg is not None and r.sigma_deg is not None]
     ellipses = [result.squared_sigmas for result in lit if result.squared_sigmas is not None]
-    sure = [(r.confidence, r.error_deg) for r in results if r.confidence is not None]
-    true_labels = [result.true_labels_deg for result in lit if result.true_labels_deg is not None]
+    sure = [(result.confidence, result.is_good) for result in results if result.confidence is not None]
+    true_labels = [result.true_labels_deg for result in lit]
     wall_ms, cpu_ms = [result.wall_ms["total"] for result in results], [result.cpu_ms for result in results]
     return Summary(
         attempted=len(results),
         abstained=sum(not result.is_answered for result in results),
-        mean_deg=_of(np.mean, errors),
-        median_deg=_of(np.median, errors),
-        p90_deg=_percentile(errors, 90),
-        max_deg=_of(np.max, errors),
-        good_share=share([result.error_deg is not None and result.error_deg < GOOD_DEG for result in lit]),
+        mean_deg=mean(errors),
+        median_deg=median(errors),
+        p90_deg=percentile(errors, 90),
+        max_deg=largest(errors),
+        good_share=share([error is not None and error < GOOD_DEG for error in errors]),
         right_count_share=share([len(result.lights) == result.true_lights for result in results]),
-        worst_median_deg=_of(np.median, worst),
+        worst_median_deg=median(result.worst_deg for result in lit),
         within_1_sigma=share([error <= sigma for error, sigma in sigmas]),
         within_2_sigma=share([error <= 2 * sigma for error, sigma in sigmas]),
         within_ellipse_95=share([squared <= ELLIPSE_95 for squared in ellipses]),
-        brier=brier_score(
-            [confidence for confidence, _ in sure],
-            [error is not None and error < CONFIDENT_DEG for _, error in sure],
-        ),
+        brier=brier_score([confidence for confidence, _ in sure], [is_good for _, is_good in sure]),
         bad_share=share([result.is_bad for result in results]),
-        object_iou=_of(np.median, [result.object_iou for result in results if result.object_iou is not None]),
-        shadow_iou=_of(np.median, [result.shadow_iou for result in results if result.shadow_iou is not None]),
-        true_labels_mean_deg=_of(np.mean, true_labels),
-        true_labels_median_deg=_of(np.median, true_labels),
-        true_labels_max_deg=_of(np.max, true_labels),
-        median_ms=_of(np.median, wall_ms),
-        p95_ms=_percentile(wall_ms, 95),
-        median_cpu_ms=_of(np.median, cpu_ms),
-        p95_cpu_ms=_percentile(cpu_ms, 95),
+        object_iou=median(result.object_iou for result in results),
+        shadow_iou=median(result.shadow_iou for result in results),
+        true_labels_mean_deg=mean(true_labels),
+        true_labels_median_deg=median(true_labels),
+        true_labels_max_deg=largest(true_labels),
+        median_ms=median(wall_ms),
+        p95_ms=percentile(wall_ms, 95),
+        median_cpu_ms=median(cpu_ms),
+        p95_cpu_ms=percentile(cpu_ms, 95),
     )
 
 
@@ -191,11 +197,3 @@ def stage_times(results: Sequence[CaseResult]) -> dict[str, dict[str, float]]:
     stages = dict.fromkeys(stage for result in results for stage in result.wall_ms)
     times = {stage: [result.wall_ms[stage] for result in results if stage in result.wall_ms] for stage in stages}
     return {stage: {"p50": float(np.median(ms)), "p95": float(np.percentile(ms, 95))} for stage, ms in times.items()}
-
-
-def _of(statistic: Callable[[Sequence[float]], object], values: Sequence[float]) -> float | None:
-    return float(statistic(values)) if len(values) else None  # type: ignore[arg-type]
-
-
-def _percentile(values: Sequence[float], percent: float) -> float | None:
-    return float(np.percentile(values, percent)) if len(values) else None

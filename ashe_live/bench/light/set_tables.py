@@ -10,8 +10,17 @@ from ashe_live.bench.light.cells import degrees, fraction, percent
 from ashe_live.bench.light.clips import EVERY, ClipResult
 from ashe_live.bench.light.lamps import FAR_M, FARTHEST_M, NEAR_M, summarise_lamps
 from ashe_live.bench.light.results import CONFIDENT_DEG, CaseResult, summarise
-from ashe_live.bench.light.takes import TakeResult, confidence_falls, grouped_by_span, p95_deg
-from ashe_live.bench.metrics import calibration_error, risk_at, risk_by_coverage, share
+from ashe_live.bench.light.takes import TakeResult, confidence_falls, grouped_by_span
+from ashe_live.bench.metrics import (
+    calibration_error,
+    largest,
+    mean,
+    median,
+    percentile,
+    risk_at,
+    risk_by_coverage,
+    share,
+)
 from ashe_live.bench.tables import figures_table
 
 # Distances of lights, above the first and up to the second.
@@ -55,16 +64,15 @@ def print_takes(console: Console, results: Sequence[TakeResult]) -> None:
             for views in dict.fromkeys(each.views for each in of_span):
                 some = summarise([each.result for each in of_span if each.views == views])
                 lit = [each for each in of_span if each.views == views and each.result.is_lit]
-                p95 = p95_deg([each.result for each in lit])
                 table.add_row(
                     span,
                     str(views),
                     str(len(lit)),
                     percent(share([each.result.is_answered for each in lit])),
                     degrees(some.median_deg),
-                    degrees(p95),
+                    degrees(percentile((each.result.error_deg for each in lit), 95)),
                     *map(percent, (some.within_1_sigma, some.within_ellipse_95, some.bad_share)),
-                    fraction(_mean([each.result.confidence for each in lit])),
+                    fraction(mean(each.result.confidence for each in lit)),
                     "-" if some.median_ms is None else f"{some.median_ms:.0f}",
                 )
         console.print(table)
@@ -102,8 +110,7 @@ def print_places(console: Console, results: Sequence[CaseResult]) -> None:
             members = [pair for pair in alone if pair[0].category == category]
             lamps = [lamp for _, lamp in members]
             summary = summarise_lamps(lamps, [result.is_answered for result, _ in members])
-            errors = [result.error_deg for result, _ in members if result.error_deg is not None]
-            sigmas = [abs(lamp.sigmas) for lamp in lamps if lamp.sigmas is not None]
+            errors = [result.error_deg for result, _ in members]
             q = np.median([1 / (lamp.true_distance_m or math.inf) for lamp in lamps])
             table.add_row(
                 preset,
@@ -112,11 +119,11 @@ def print_places(console: Console, results: Sequence[CaseResult]) -> None:
                 str(summary.attempted),
                 percent(summary.answered),
                 percent(summary.stated),
-                degrees(float(np.median(errors)) if errors else None),
-                degrees(max(errors, default=None)),
+                degrees(median(errors)),
+                degrees(largest(errors)),
                 str(sum(result.is_bad for result, _ in members)),
                 percent(summary.distance_error),
-                fraction(max(sigmas, default=None)),
+                fraction(largest(abs(lamp.sigmas) for lamp in lamps if lamp.sigmas is not None)),
             )
     if table.row_count > 1 and any(result.lamp and result.lamp.true_distance_m for result in results):
         console.print(table)
@@ -157,15 +164,14 @@ def _print_by_distance(console: Console, title: str, groups: Mapping[str, Sequen
             if not members:
                 continue
             summary = summarise_lamps([lamp for _, lamp in members], [result.is_answered for result, _ in members])
-            errors = [result.error_deg for result, _ in members if result.error_deg is not None]
-            at_marker = [degrees(float(np.percentile(errors, part)) if errors else None) for part in (50, 90)]
+            errors = [result.error_deg for result, _ in members]
             table.add_row(
                 name,
                 kind,
                 str(summary.attempted),
                 percent(summary.answered),
                 percent(summary.stated),
-                *at_marker,
+                *(degrees(percentile(errors, percent_below)) for percent_below in (50, 90)),
                 degrees(summary.beside_deg),
                 percent(summary.distance_error),
                 percent(summary.within_1_sigma),
@@ -184,9 +190,3 @@ def print_clips(console: Console, clips: Sequence[ClipResult]) -> None:
         counts = (str(count) for count in (clip.frames, clip.without_marker, clip.abstained))
         table.add_row(clip.clip, clip.preset, *counts, clip.about, degrees(clip.rms_deg), degrees(clip.max_deg))
     console.print(table)
-
-
-def _mean(values: Sequence[float | None]) -> float | None:
-    """The mean of the values that are known."""
-    known = [value for value in values if value is not None]
-    return sum(known) / len(known) if known else None

@@ -143,12 +143,6 @@ def confidence_falls(results: Sequence[TakeResult]) -> tuple[int, int]:
     return falls, steps
 
 
-def p95_deg(results: Sequence[CaseResult]) -> float | None:
-    """The 95th percentile of the errors of what was answered."""
-    errors = [result.error_deg for result in results if result.error_deg is not None]
-    return float(np.percentile(errors, 95)) if errors else None
-
-
 def _take(folder: Path, take: dict[str, Any]) -> Take | None:
     """The take, or None where no frame shows the marker."""
     camera = rendering_camera(take)
