@@ -1,8 +1,10 @@
 """The scene's irradiances and the video's exposure, blur and noise, measured again only when they may have changed."""
 
 from collections import deque
+from typing import NamedTuple
 
 from ashe_live.core.arrays import same_objects
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.camera.held_look import HeldLook
 from ashe_live.render.camera.relief import Relief, relief_of
@@ -11,6 +13,14 @@ from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.lighting import RGB, Lighting
 from ashe_live.render.lights.seen_light import SeenLight
+
+
+class _MeasuredRelief(NamedTuple):
+    """The ground's relief, and what it was measured by."""
+
+    shown_by: tuple[TrackedFrame, Proxy]  # the frame, and the real object whose shadow is in it
+    lighting: Lighting
+    relief: Relief | None
 
 
 class Photometry:
@@ -23,7 +33,7 @@ class Photometry:
         self._lightings: deque[tuple[tuple[object, ...], Lighting]] = deque(maxlen=2)
         self._read: tuple[tuple[object, ...], SeenLight] | None = None
         self._border: tuple[Lighting, float] | None = None
-        self._relief: tuple[tuple[object, ...], Lighting, Relief | None] | None = None
+        self._relief: _MeasuredRelief | None = None
         self._relief_asked_by: Lighting | None = None
 
     def lighting(self, of: Illumination) -> Lighting:
@@ -72,11 +82,11 @@ class Photometry:
         if of.seen_in is None or of.real_object is None or not lighting.lights:
             return None
         known = of.seen_in, of.real_object
-        if self._relief is None or not same_objects(self._relief[0], known):
-            self._relief = known, lighting, relief_of(*known, lighting)
-        elif is_steady and self._relief[1] is not lighting:
-            self._relief = known, lighting, relief_of(*known, lighting) or self._relief[2]
-        return self._relief[2]
+        if self._relief is None or not same_objects(self._relief.shown_by, known):
+            self._relief = _MeasuredRelief(known, lighting, relief_of(*known, lighting))
+        elif is_steady and self._relief.lighting is not lighting:
+            self._relief = _MeasuredRelief(known, lighting, relief_of(*known, lighting) or self._relief.relief)
+        return self._relief.relief
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
         """The look that the preset matches of the video, which is lit by `of`."""
