@@ -11,13 +11,15 @@ dominates.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.batches import for_alike, for_groups, for_known
 from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE
 from ashe_live.light.explanation.normal_equations import PlacedBody, added_up, normal_equations, placed_in
 from ashe_live.light.labels.costs import Costs
@@ -67,17 +69,7 @@ def aligned(several: Sequence[Start], ranges: Sequence[float] = SEARCH_RANGES) -
     The TRIED_BODIES that are cheapest before they move are tried, as the family that fits the masks best need not fit
     the pixels best. Steps of Harris and Stennett, with Cauchy's weights (docs/maths). ranges: as SEARCH_RANGES.
     """
-    found: list[Alignment | None] = [None] * len(several)
-    for members in grouped_by_lights(len(start.bodies[0].lights) for start in several):
-        for i, alignment in zip(members, _aligned([several[i] for i in members], ranges), strict=True):
-            found[i] = alignment
-    return found
-
-
-def grouped_by_lights(counts: Iterable[int]) -> list[list[int]]:
-    """Indices into numbers of lights, grouped by these: arrays of one group have one shape and form a batch."""
-    lights = list(counts)
-    return [[i for i, each in enumerate(lights) if each == count] for count in sorted(set(lights))]
+    return for_alike(partial(_aligned, ranges=ranges), several, lambda start: len(start.bodies[0].lights))
 
 
 def lights_as_lamps(several: Sequence[PlacedBody]) -> tuple[Float, Float]:
@@ -102,26 +94,28 @@ def criterion(placed: PlacedBody) -> float:
 
 def _aligned(several: Sequence[Start], ranges: Sequence[float]) -> list[Alignment | None]:
     """As `aligned`, where all bodies have the same number of lights."""
-    candidates = iter(placed_in([(lit, start.sight, start.costs) for start in several for lit in start.bodies]))
-    tried = [sorted((next(candidates) for _ in start.bodies), key=criterion)[:TRIED_BODIES] for start in several]
-    best = [one for bodies in tried for one in bodies]
-    here = list(best)
+    candidates = for_groups(placed_in, [[(lit, start.sight, start.costs) for lit in start.bodies] for start in several])
+    tried = [sorted(bodies, key=criterion)[:TRIED_BODIES] for bodies in candidates]
+    moved = for_groups(partial(_moved_onto_borders, ranges=ranges), tried)
+    cheapest = [min(bodies, key=criterion) for bodies in moved]
+    return for_known(measured, [one if one.is_in_view else None for one in cheapest])
+
+
+def _moved_onto_borders(several: Sequence[PlacedBody], ranges: Sequence[float]) -> list[PlacedBody]:
+    """Each body where it costs least on its way onto the borders around it, as long as it stays in view."""
+    here, best = list(several), list(several)
     for number, range_share in enumerate(ranges):
         in_view = [i for i, one in enumerate(here) if one.is_in_view]
         if not in_view:
             break
-        steps = normal_equations(
-            [here[i] for i in in_view], range_share, 1.0 if number == len(ranges) - 1 else EARLY_LOSS_FACTOR
-        ).steps()
+        loss_factor = 1.0 if number == len(ranges) - 1 else EARLY_LOSS_FACTOR
+        steps = normal_equations([here[i] for i in in_view], range_share, loss_factor).steps()
         stepping = [(here[i], step) for i, step in zip(in_view, steps, strict=True)]
         moved = placed_in([(one.lit.moved(step), one.sight, one.costs) for one, step in stepping])
         for i, one in zip(in_view, moved, strict=True):
             here[i] = one
             best[i] = min(best[i], one, key=attrgetter("cost"))
-    each = iter(best)
-    cheapest = [min((next(each) for _ in bodies), key=criterion) for bodies in tried]
-    seen = iter(measured([one for one in cheapest if one.is_in_view]))
-    return [next(seen) if one.is_in_view else None for one in cheapest]
+    return best
 
 
 def measured(several: Sequence[PlacedBody]) -> list[Alignment]:

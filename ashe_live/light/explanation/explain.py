@@ -6,10 +6,12 @@ An explanation is a hypothesis of what a region shows: a body, its lights, and t
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.batches import for_known
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.explanation import Explanation
@@ -27,7 +29,7 @@ from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import fitted_lights, information_on_displacement
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, observe_outlines
-from ashe_live.light.shape.predicted import Predicted, predicted
+from ashe_live.light.shape.predicted import predicted_of
 from ashe_live.light.shape.sight import Sight
 
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
@@ -69,21 +71,23 @@ class FittedProposal:
     sight: Sight  # whose centre lies near the bodies
 
 
-def proposal_by(masks: Predicted, region: Region, materials: Materials) -> Proposal:
-    """The hypothesis that a region shows what a body predicts there, the object's colours learned in its silhouette."""
-    as_object = object_cost(region, masks.body & region.is_ground)
-    split = relabelled(region, materials, as_object, masks)
-    return Proposal(region, materials, split, as_object=as_object)
+def proposal_of(lit: LitBody, region: Region, materials: Materials) -> FittedProposal:
+    """The hypothesis that a region shows this body in these lights, its colours learned in its silhouette."""
+    seen = predicted_of(lit, region.view)
+    as_object = object_cost(region, seen.body & region.is_ground)
+    split = relabelled(region, materials, as_object, seen)
+    return FittedProposal(Proposal(region, materials, split, as_object=as_object), [lit], Sight.of(region.view))
 
 
 def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanation | None]:
     """Fits bodies with lights to each proposal and aligns them with the picture; None where no light can be fitted."""
     masks = [_masks(proposal) for proposal in proposals]
     fits = fit_bodies(masks, preset)
-    pairs = zip(proposals, fits, strict=True)
-    fitted = [FittedProposal(one, fit.bodies, fit.sight) for one, fit in pairs if not isinstance(fit, FitFailure)]
-    found = iter(aligned_explanations(fitted))
-    return [None if isinstance(fit, FitFailure) else next(found) for fit in fits]
+    fitted = [
+        None if isinstance(fit, FitFailure) else FittedProposal(one, fit.bodies, fit.sight)
+        for one, fit in zip(proposals, fits, strict=True)
+    ]
+    return for_known(aligned_explanations, fitted)
 
 
 def refitted_bodies(explanation: Explanation, preset: FitPreset) -> list[LitBody]:
@@ -119,9 +123,7 @@ def refined(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanatio
 
     A right explanation survives this. None for one whose new labels no longer allow a fit.
     """
-    proposals = [_relabelled(rough) for rough in roughs]
-    fits = iter(explained([proposal for proposal in proposals if proposal is not None], preset))
-    fines = [None if proposal is None else next(fits) for proposal in proposals]
+    fines = for_known(partial(explained, preset=preset), [_relabelled(rough) for rough in roughs])
     return [None if fine is None else _better(rough, fine) for rough, fine in zip(roughs, fines, strict=True)]
 
 
@@ -221,8 +223,7 @@ def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:
     """The unary costs for the alignment; unknown colours of the object are learned from the likeliest body."""
     region, as_object = proposal.region, proposal.as_object
     if as_object is None:
-        seen = predicted(likeliest.body.proxy, likeliest.lights, region.view)
-        as_object = _cost_of_object(proposal, seen.body & region.unlit)
+        as_object = _cost_of_object(proposal, predicted_of(likeliest, region.view).body & region.unlit)
     return Costs(region, proposal.materials, as_object)
 
 

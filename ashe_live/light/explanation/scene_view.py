@@ -6,6 +6,8 @@ from ashe_live.core.arrays import Mask
 from ashe_live.light.ground.lit_ground import LitGround, unlit_mask
 from ashe_live.light.ground.regions import Region, region_of
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.predicted import predicted_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,6 +22,10 @@ class SceneView:
     def unlit(self, least_px: int) -> Mask:
         """(h, w) of `coarse`: areas of at least `least_px` pixels that the lit ground does not explain."""
         return unlit_mask(self.ground, self.coarse.is_ground, least_px)
+
+    def ground_under(self, lit: LitBody) -> Mask:
+        """(h, w) of `coarse`: the ground that a body and its shadows cover."""
+        return predicted_of(lit, self.coarse).whole & self.coarse.is_ground
 
     def region(self, area: Mask, size_px: int) -> Region:
         """The part of the view that holds `area`, (h, w) of `coarse`, scaled to `size_px`."""

@@ -2,14 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from operator import attrgetter
 
 import numpy as np
 
+from ashe_live.core.batches import for_alike, for_groups, for_known
 from ashe_live.light.edges.step_alignment import EdgeFit, aligned_with_steps, step_costs
-from ashe_live.light.edges.step_costs import MISSED
+from ashe_live.light.edges.step_costs import MISSED, StepCosts
 from ashe_live.light.edges.steps import LightPicture
-from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, grouped_by_lights, measured
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, measured
 from ashe_live.light.explanation.explain import refined_by_tangents
 from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
 from ashe_live.light.explanation.light_covariance import lights_by_information
@@ -56,24 +58,23 @@ class Sharpener:
         costs, both in units of what one more parameter costs. An explanation is returned as it is if no body stays in
         view, or too little of a shadow. near: the prior on the nearness of their only lights, where that is not held.
         """
-        found = list(several)
-        for members in grouped_by_lights(len(each.lights) for each in several):
-            for i, one in zip(members, self._sharpened([several[i] for i in members], near), strict=True):
-                found[i] = one
-        return found
+        return for_alike(partial(self._sharpened, near=near), several, _number_of_lights)
 
     def _sharpened(self, several: Sequence[Explanation], near: NearnessPrior | None) -> Iterator[Explanation]:
         """As `sharpened`, of explanations with the same number of lights."""
         fits = self._fits([[each.alignment.placed.lit, *_other_bodies(each)] for each in several], several, near)
-        pairs = [(fit, each) for each, own in zip(several, fits, strict=True) for fit in own]
-        moved = iter(placed_in([(fit.lit, *_placing(each)) for fit, each in pairs]))
-        best = [_likeliest([_Sharp(fit, next(moved)) for fit in own]) for own in fits]
-        alignments = iter(measured([one.placed for one in best if one is not None]))
-        for explanation, one in zip(several, best, strict=True):
-            if one is None:
+        pairs = zip(several, fits, strict=True)
+        moved = for_groups(placed_in, [[(fit.lit, *_placing(each)) for fit in own] for each, own in pairs])
+        sharp = [
+            [_Sharp(*each) for each in zip(own, there, strict=True)] for own, there in zip(fits, moved, strict=True)
+        ]
+        best = [_likeliest(each) for each in sharp]
+        alignments = for_known(measured, [None if one is None else one.placed for one in best])
+        for explanation, one, alignment in zip(several, best, alignments, strict=True):
+            if one is None or alignment is None:
                 yield from self.measured([explanation])
                 continue
-            fit, alignment = one.fit, next(alignments)
+            fit = one.fit
             # Where the body is a poor model, and its steps constrain little, the common tangents decide.
             yield refined_by_tangents(
                 replace(
@@ -98,19 +99,18 @@ class Sharpener:
         determine their lights.
         """
         shifts = np.repeat([shifts_of(each) for each in several], [len(own) for own in bodies], axis=0)
-        fits = iter(aligned_with_steps([lit for own in bodies for lit in own], self.pictures, shifts, near))
-        moved = [[next(fits) for _ in own] for own in bodies]
+        moved = for_groups(lambda lit: aligned_with_steps(lit, self.pictures, shifts, near), bodies)
         return [[fit for fit in own if fit is not None and fit.mean_cost < MISSED] for own in moved]
 
     def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:
         """The explanations where they stand, each with the costs of its steps."""
-        found = list(explanations)
-        for members in grouped_by_lights(len(each.lights) for each in explanations):
-            bodies = [explanations[i].alignment.placed.lit for i in members]
-            shifts = np.array([shifts_of(explanations[i]) for i in members])
-            for i, costs in zip(members, step_costs(bodies, self.pictures, shifts), strict=True):
-                found[i] = replace(explanations[i], steps=costs)
-        return found
+
+        def of_alike(several: Sequence[Explanation]) -> list[StepCosts]:
+            shifts = np.array([shifts_of(each) for each in several])
+            return step_costs([each.alignment.placed.lit for each in several], self.pictures, shifts)
+
+        costs = for_alike(of_alike, explanations, _number_of_lights)
+        return [replace(each, steps=steps) for each, steps in zip(explanations, costs, strict=True)]
 
 
 def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_per_sample: float = 1.0) -> tuple[FittedLight, ...]:
@@ -120,6 +120,10 @@ def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_per_sample: float 
     effective sample size.
     """
     return lights_by_information(fit.lit, fit.information / views_per_sample, alignment.ends_in_view)
+
+
+def _number_of_lights(explanation: Explanation) -> int:
+    return len(explanation.lights)
 
 
 def _other_bodies(explanation: Explanation) -> list[LitBody]:

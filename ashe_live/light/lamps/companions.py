@@ -20,7 +20,7 @@ from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
 from ashe_live.light.shape.layout import light_parameters, nearness_of
-from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.shape.predicted import predicted_of
 
 LEAST_PROBABILITY = 0.7  # of another object's explanation
 MOST = 3  # number of other objects that are used
@@ -79,7 +79,7 @@ def _agreement(place: Place, explanation: Explanation, covariance_rad2: Float) -
 
 def _silhouette(explanation: Explanation, view: View) -> Mask:
     """(h, w) the object with its shadow."""
-    return predicted(explanation.proxy, explanation.alignment.placed.lit.lights, view).whole & view.is_ground
+    return predicted_of(explanation.alignment.placed.lit, view).whole & view.is_ground
 
 
 def _share(one: Mask, other: Mask) -> float:

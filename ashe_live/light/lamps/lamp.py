@@ -42,7 +42,7 @@ from ashe_live.light.lamps.sources import (
     shadow_middle,
 )
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.shape.predicted import predicted_of
 
 SURE_DEVIANCE = 60.0  # of a sun, from which on there is a lamp even without a slope of the ground's light: one overhead
 LEAST_SIGMAS = 3.0  # standard errors by which the nearness of a lamp must differ from 0, seen from a sun
@@ -114,46 +114,55 @@ def stated(
 
     ratios: (3,) each light's shadow ratio, linear RGB. kind: one of KINDS.
     """
-    lights = scene.lights_of(explanation, confidence)
-    whole = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, scene.view).whole
+    whole = predicted_of(explanation.alignment.placed.lit, scene.view).whole
     fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | whole))
 
     first = scene.seen_object(explanation, confidence)
     seen = PlaceEvidence([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
     if kind == SUN:
-        return StatedExplanation(explanation, _as_suns(lights, first, scene), place)
+        return StatedExplanation(explanation, _as_suns(first, scene), place)
     if kind == LAMP or _may_be_near(place):
         others = companions(first, place, scene.find_others(), scene.covariance_rad2, scene.view)
         if others:
             seen = replace(seen, objects=[first, *others])
             place = place_by_all(seen)
             from_sun = max(from_sun, place_seen_from_a_sun(seen), key=attrgetter("standard_errors"))
-    is_lamp = kind == LAMP or is_held_near(explanation)
-    if not is_lamp and _is_lamp(seen, place, from_sun):
-        evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.fit, scene.sharpener)
-        # Another object is independent evidence; that of one object alone is used up.
-        is_lamp = evidence.is_lamp if len(seen.objects) == 1 else evidence.lamp is None or evidence.deviance > 0
-    if is_lamp:
-        worth, needed = (WORTH_ALIGNING, STATED_SIGMAS) if kind == AUTO else (0.0, 0.0)
-        as_lamps, at = _fitted_as_lamps(seen, place, worth, scene)
-        believed = _believed(as_lamps, scene)
-        if _is_near(at, needed) and believed.mean.mean[2] > 0:
-            best = as_lamps.objects[0].explanation
-            alone, *others_lights = scene.lights_of(best, confidence)
-            lamp = _lamp(alone, believed, ratios[0], shadow_middle(best))
-            return StatedExplanation(best, (lamp, *others_lights), believed.mean)
-    alone, *others_lights = _as_suns(lights, first, scene)
+    if kind == LAMP or is_held_near(explanation) or _is_lamp(seen, place, from_sun, scene):
+        as_lamp = _stated_as_lamp(seen, place, kind, scene)
+        if as_lamp is not None:
+            return as_lamp
+    return _stated_as_sun(seen, place, from_sun, scene)
+
+
+def _stated_as_lamp(seen: PlaceEvidence, place: Place, kind: str, scene: PictureContext) -> StatedExplanation | None:
+    """The first light as a lamp; None where it is not near enough once the objects are fitted as in a lamp's light."""
+    worth, needed = (WORTH_ALIGNING, STATED_SIGMAS) if kind == AUTO else (0.0, 0.0)
+    as_lamps, at = _fitted_as_lamps(seen, place, worth, scene)
+    if not _is_near(at, needed):
+        return None
+    believed = _believed(as_lamps, scene)
+    if not believed.mean.mean[2] > 0:
+        return None
+    alone, *others = scene.lights_of(as_lamps.first, seen.objects[0].probability)
+    lamp = _lamp(alone, believed, seen.ratios[0], shadow_middle(as_lamps.first))
+    return StatedExplanation(as_lamps.first, (lamp, *others), believed.mean)
+
+
+def _stated_as_sun(seen: PlaceEvidence, place: Place, from_sun: Place, scene: PictureContext) -> StatedExplanation:
+    """The first light as a sun, as unsure as there is evidence of a lamp."""
+    alone, *others = _as_suns(seen.objects[0], scene)
     # Evidence of the outlines for a lamp is in the place by their borders already.
-    deviance, by_outlines = deviance_of_sun(seen, place), min(explanation.sun_by_outlines, 0.0)
+    deviance, by_outlines = deviance_of_sun(seen, place), min(seen.first.sun_by_outlines, 0.0)
     unsure = with_doubt(alone, place, from_sun, deviance, by_outlines)
     if deviance + by_outlines > EXCLUDED_DEVIANCE:
         unsure = replace(unsure, confidence=0.0)
-    return StatedExplanation(explanation, (unsure, *others_lights), place)
+    return StatedExplanation(seen.first, (unsure, *others), place)
 
 
-def _as_suns(lights: tuple[Light, ...], first: SeenObject, scene: PictureContext) -> tuple[Light, ...]:
+def _as_suns(first: SeenObject, scene: PictureContext) -> tuple[Light, ...]:
     """The lights at infinity that `first` shows: the only one by all objects that stand in it, two as they are."""
+    lights = scene.lights_of(first.explanation, first.probability)
     if len(lights) > 1:
         return lights
     alone = first.as_sun
@@ -164,8 +173,17 @@ def _as_suns(lights: tuple[Light, ...], first: SeenObject, scene: PictureContext
     return (by_all_objects(sun, suns, shared_rad2) if others else sun,)
 
 
-def _is_lamp(seen: PlaceEvidence, place: Place, from_sun: Place) -> bool:
-    """Whether the light is surely no sun: by the slope of its nearness, seen from a sun, and by a sun's deviance."""
+def _is_lamp(seen: PlaceEvidence, place: Place, from_sun: Place, scene: PictureContext) -> bool:
+    """Whether the light is surely no sun, and the hypotheses of a lamp and of a sun do not contradict that."""
+    if not _is_surely_no_sun(seen, place, from_sun):
+        return False
+    evidence = LampHypotheses(seen.fall_off, scene.ground).evidence(seen.first, scene.fit, scene.sharpener)
+    # Another object is independent evidence; that of one object alone is used up.
+    return evidence.is_lamp if len(seen.objects) == 1 else evidence.lamp is None or evidence.deviance > 0
+
+
+def _is_surely_no_sun(seen: PlaceEvidence, place: Place, from_sun: Place) -> bool:
+    """By the slope of the light's nearness, seen from a sun, and by a sun's deviance."""
     deviance = deviance_of_sun(seen, place)
     needed = ALONE_SIGMAS if len(seen.objects) == 1 else LEAST_SIGMAS
     return deviance >= SURE_DEVIANCE or (from_sun.standard_errors > needed and deviance > needed**2)

@@ -43,6 +43,11 @@ def predicted(proxy: Proxy, lights: Float, view: View) -> Predicted:
     return painted(outlines(proxy, lights, view), view.is_ground.shape)
 
 
+def predicted_of(lit: LitBody, view: View) -> Predicted:
+    """The silhouettes of a body and of its shadows in its lights."""
+    return predicted(lit.body.proxy, lit.lights, view)
+
+
 def outlines(proxy: Proxy, lights: Float, view: View) -> list[Float | None]:
     """The outlines (m, 2) in pixels of a convex body, then of its shadow in each light (l, 4); None if not in view."""
     points = proxy.points_marker(AROUND)

@@ -11,7 +11,7 @@ from ashe_live.light.labels.materials import object_cost
 from ashe_live.light.labels.two_lights import materials_of_each
 from ashe_live.light.pixels.areas import overlapping
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.shape.predicted import predicted_of
 
 LEAST_PX = 60  # of a body with its shadow, in the coarse picture: a view that shows less is no evidence
 
@@ -21,7 +21,7 @@ def costs_around(lit: LitBody, shifts: Sequence[Float], view: SceneView, region_
 
     shifts: (3,) each, of the materials in which the body was explained. None where too little of it is in view.
     """
-    whole = predicted(lit.body.proxy, lit.lights, view.coarse).whole & view.coarse.is_ground
+    whole = view.ground_under(lit)
     if np.count_nonzero(whole) < LEAST_PX:
         return None
     unlit = view.unlit(LEAST_PX)
@@ -30,5 +30,5 @@ def costs_around(lit: LitBody, shifts: Sequence[Float], view: SceneView, region_
     materials = materials_of_each(region, view.ground, shifts)
     if materials is None:
         return None
-    body = predicted(lit.body.proxy, lit.lights, region.view).body
+    body = predicted_of(lit, region.view).body
     return Costs(region, materials, object_cost(region, body & region.is_ground))

@@ -8,16 +8,15 @@ predicts which shadows it can cast.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from ashe_live.core.batches import for_groups
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_by
+from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_of
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.second_light import LEAST_CLARITY, NEAR_RAD
 from ashe_live.light.explanation.searches.shadow_search import shadow_candidates
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.light_points import NO_LIGHTS
-from ashe_live.light.shape.predicted import predicted
-from ashe_live.light.shape.sight import Sight
 
 BODIES, TRIED = 2, 2  # objects whose shadows are searched for, and candidates for each
 CLEAR_BODY = 0.5  # least mean clarity of an outline that is taken for an object's
@@ -39,13 +38,12 @@ def with_shadows_searched(
     objects = _clear_objects(judged, log_odds)
     starts = [_starts(one, view, region_px) for one in objects]
     # Aligned and refined as one batch, as they do not depend on one another.
-    aligned = iter(aligned_explanations([start for of_one in starts for start in of_one]))
-    found = [[each for _ in of_one if (each := next(aligned)) is not None] for of_one in starts]
-    refined = iter(refine([each for of_one in found for each in of_one]))
+    aligned = for_groups(aligned_explanations, starts)
+    refined = for_groups(refine, [[each for each in of_one if each is not None] for of_one in aligned])
     kept = list(judged)
-    for one, of_one in zip(objects, found, strict=True):
+    for one, of_one in zip(objects, refined, strict=True):
         same = [each for each in kept if each.region is one.region]
-        for new in (next(refined) for _ in of_one):
+        for new in of_one:
             rivals = [each for each in same if _near(each, new)]
             if _shows_shadow(new) and all(log_odds(new) > log_odds(each) for each in rivals):
                 kept, same = ([each for each in some if each not in rivals] + [new] for some in (kept, same))
@@ -69,9 +67,7 @@ def _starts(one: Explanation, view: SceneView, region_px: int) -> list[FittedPro
         if shift is not None:
             start = replace(one.alignment.placed.lit, lights=candidate.light[None])
             region = candidate.region(start, view, region_px)
-            masks = predicted(one.proxy, start.lights, region.view)
-            proposal = proposal_by(masks, region, materials_of(region, view.ground, shift))
-            starts.append(FittedProposal(proposal, [start], Sight.of(region.view)))
+            starts.append(proposal_of(start, region, materials_of(region, view.ground, shift)))
     return starts
 
 

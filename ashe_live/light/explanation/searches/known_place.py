@@ -13,7 +13,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import raycast_to_plane
-from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_by
+from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_of
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
 from ashe_live.light.explanation.scene_view import SceneView
@@ -25,7 +25,6 @@ from ashe_live.light.pixels.mixtures import UNEXPLAINED
 from ashe_live.light.shape.body import Body, BodyFrame, LitBody
 from ashe_live.light.shape.known import family_of, unit_m
 from ashe_live.light.shape.light_points import cast_on_ground
-from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
 
 SEARCH_PX = 130  # size to which the whole picture is scaled
@@ -181,10 +180,8 @@ def _agreement(one: PlacedBody) -> float:
 
 def _start(lit: LitBody, hint: Hint, view: SceneView, region_px: int) -> FittedProposal | None:
     """The body as the start of an alignment, in a region of its own; None where it is not in view."""
-    seen = predicted(lit.body.proxy, lit.lights, view.coarse).whole & view.coarse.is_ground
+    seen = view.ground_under(lit)
     if not seen.any():
         return None
     region = view.region(seen, region_px)
-    masks = predicted(lit.body.proxy, lit.lights, region.view)
-    proposal = proposal_by(masks, region, materials_of(region, view.ground, hint.shift))
-    return FittedProposal(proposal, [lit], Sight.of(region.view))
+    return proposal_of(lit, region, materials_of(region, view.ground, hint.shift))

@@ -17,7 +17,7 @@ from ashe_live.light.explanation.sharpen import Sharpener, shifts_of
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import object_cost
 from ashe_live.light.outline_fit.preset import FitPreset
-from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.shape.predicted import predicted_of
 
 # That are tried, over the fitted one: alignment reaches from each about half way to the next.
 HEIGHTS = (0.75, 1.3, 1.6)
@@ -76,7 +76,7 @@ def _better_fit(one: Explanation, sharpener: Sharpener) -> EdgeFit | None:
 def _relearned(one: Explanation, fit: EdgeFit, preset: FitPreset) -> Explanation | None:
     """The explanation by the labels that the fit predicts, with the object's colours as they are there."""
     region = one.region
-    seen = predicted(fit.lit.body.proxy, fit.lit.lights, region.view)
+    seen = predicted_of(fit.lit, region.view)
     split = Split(seen.body, seen.shadow)
     if not split.is_large_enough:
         return None

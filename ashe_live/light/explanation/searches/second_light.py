@@ -12,15 +12,14 @@ import numpy as np
 
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
-from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, explanation_criterion, proposal_by
+from ashe_live.light.explanation.explain import aligned_explanations, explanation_criterion, proposal_of
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.shadow_search import ShadowCandidate, shadow_candidates
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
-from ashe_live.light.shape.predicted import Predicted, predicted
-from ashe_live.light.shape.sight import Sight
+from ashe_live.light.shape.predicted import Predicted, predicted_of
 
 TRIED = 2  # candidates for the second light
 # How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders.
@@ -86,16 +85,16 @@ def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region
         return None
     second = 1 if materials.shifts[1] is shift else 0
     start = replace(lit, lights=np.insert(lit.lights, second, candidate.light, axis=0))
-    masks = predicted(one.proxy, start.lights, region.view)
-    proposal = proposal_by(masks, region, materials)
+    fitted = proposal_of(start, region, materials)
+    proposal = fitted.proposal
     assert proposal.as_object is not None
     if not are_two_shadows(proposal.split.parts):
         return None
-    (both,) = aligned_explanations([FittedProposal(proposal, [start], Sight.of(region.view))])
+    (both,) = aligned_explanations([fitted])
     if both is None or both.alignment.clear_shadows[second] < LEAST_CLARITY:
         return None
     costs = Costs(region, materials, proposal.as_object)
-    alone = min(costs.of(_without(second, each)) for each in (masks, both.predicted))
+    alone = min(costs.of(_without(second, each)) for each in (predicted_of(start, region.view), both.predicted))
     return both if alone - costs.of(both.predicted) > LEAST_GAIN else None
 
 

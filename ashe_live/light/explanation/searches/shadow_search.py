@@ -57,8 +57,7 @@ class ShadowCandidate:
 
     def region(self, lit: LitBody, view: SceneView, region_px: int) -> Region:
         """The part of the view that holds the candidate and the body with its shadows, scaled to `region_px`."""
-        seen = predicted(lit.body.proxy, lit.lights, view.coarse).whole & view.coarse.is_ground
-        return view.region(seen | self.area, region_px)
+        return view.region(view.ground_under(lit) | self.area, region_px)
 
 
 def shadow_candidates(

@@ -23,7 +23,7 @@ from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.hypotheses import NEARNESSES
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import light_parameters, nearness_of
-from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.shape.predicted import predicted_of
 
 HEIGHTS = (1.0, 0.7, 0.5)  # of the lamps that are tried, over the object's height
 LOWEST_M = 0.04  # of these lamps: no bulb fits below
@@ -46,8 +46,7 @@ def is_under_low_lamp(explanation: Explanation, confidence: float, view: View, g
     if len(explanation.lights) > 1:
         return False
     lit = explanation.alignment.placed.lit
-    whole = predicted(explanation.proxy, lit.lights, view).whole
-    fall_off = FallOff.of(view, ground, clear_of(unlit | whole))
+    fall_off = FallOff.of(view, ground, clear_of(unlit | predicted_of(lit, view).whole))
     if fall_off is None:
         return False
     lights = np.vstack([lit.lights[:1], lit.first_light_near((0.0, *NEARNESSES))])

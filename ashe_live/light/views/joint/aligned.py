@@ -11,14 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.batches import for_alike, for_groups
 from ashe_live.core.transforms import angle_between, project
-from ashe_live.light.explanation.alignment import (
-    EARLY_LOSS_FACTOR,
-    SEARCH_RANGES,
-    Alignment,
-    grouped_by_lights,
-    measured,
-)
+from ashe_live.light.explanation.alignment import EARLY_LOSS_FACTOR, SEARCH_RANGES, Alignment, measured
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.light_covariance import lights_of
@@ -79,11 +74,8 @@ def costs_of_views(explanation: Explanation) -> list[Costs]:
 
 def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation | None]:
     """Each body aligned with the borders in all its views; None where it is not in the first view."""
-    found: list[JointExplanation | None] = [None] * len(several)
-    for members in grouped_by_lights(len(start.lit.lights) for start in several):
-        for i, start in zip(members, _aligned([several[i] for i in members]), strict=True):
-            found[i] = explained_where_it_stands(start)
-    return found
+    moved = for_alike(_aligned, several, lambda start: len(start.lit.lights))
+    return [explained_where_it_stands(start) for start in moved]
 
 
 def in_each_view(joint: Explanation) -> JointExplanation:
@@ -186,8 +178,7 @@ def _stepped(start: JointStart, placed: Sequence[PlacedBody], pull: NormalEquati
 
 
 def _placed(several: Sequence[JointStart]) -> list[list[PlacedBody]]:
-    flat = iter(placed_in([(one.lit, _sight(one.lit, costs), costs) for one in several for costs in one.costs]))
-    return [[next(flat) for _ in one.costs] for one in several]
+    return for_groups(placed_in, [[(one.lit, _sight(one.lit, costs), costs) for costs in one.costs] for one in several])
 
 
 def _sight(lit: LitBody, costs: Costs) -> Sight:

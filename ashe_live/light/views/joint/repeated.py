@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Mask
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.labels.associate import distinct
-from ashe_live.light.shape.predicted import Predicted, predicted
+from ashe_live.light.shape.predicted import predicted_of
 from ashe_live.light.views.joint.aligned import JointExplanation, towards_light
 
 # Of the pixels that either of two explanations takes for the object, those that both do; of shadows too.
@@ -60,10 +60,9 @@ def _silhouettes(explanation: JointExplanation, where: JointExplanation | None =
     joint = explanation.joint
     if where is None and joint.hull is not None:
         return joint.split.object_mask, joint.split.shadow_mask
-    lit = joint.alignment.placed.lit
-    seen: Predicted = (
-        joint.predicted if where is None else predicted(lit.body.proxy, lit.lights, where.joint.region.view)
-    )
+    seen = joint.predicted
+    if where is not None:
+        seen = predicted_of(joint.alignment.placed.lit, where.joint.region.view)
     return seen.body, seen.shadow
 
 
