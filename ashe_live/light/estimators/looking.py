@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.light_estimate import StageClock
 from ashe_live.core.types import TrackedFrame
@@ -29,10 +27,15 @@ class Look:
     """What a picture may show, and the views of the scene that this rests on, its own first."""
 
     trace: Trace
-    unlit: Mask  # (h, w) of the trace's view: pixels that the lit ground does not explain
     views: list[SceneView]  # none where too little of the ground is lit
     # The search of the first view as if it were the only one, where the others beside it have left doubt.
     alone: ViewSearch | None = None
+
+    @property
+    def unlit(self) -> Mask:
+        """(h, w) of the trace's view: pixels that the lit ground, of which there is enough, does not explain."""
+        assert self.trace.unlit is not None
+        return self.trace.unlit
 
 
 def looked(
@@ -44,7 +47,7 @@ def looked(
     views = scene_views(tracked, fine, coarse, others, preset)
     clock.end("segment")
     if not views:
-        return Look(Trace(coarse), np.zeros_like(coarse.is_ground), views)
+        return Look(Trace(coarse), views)
     first, of_first_alone = ViewSearch(views[0], preset, judge, clock), None
     candidates, log_odds = first.explanations
     if len(views) > 1:
@@ -54,16 +57,24 @@ def looked(
         candidates, log_odds = [each.joint for each, _ in once], [odds for _, odds in once]
         log_odds = no_less_sure(_directions(candidates), log_odds, alone, alone_log_odds)
         clock.end("views")
-    trace = first.trace
-    trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
-    return Look(trace, first.unlit, views, of_first_alone)
+    return _look(first, candidates, log_odds, views, of_first_alone)
 
 
 def looked_alone(search: ViewSearch) -> Look:
     """The look at a picture of which there is no other view, by the search of it."""
-    trace, (candidates, log_odds) = search.trace, search.explanations
-    trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
-    return Look(trace, search.unlit, [search.view])
+    return _look(search, *search.explanations, [search.view])
+
+
+def _look(
+    first: ViewSearch,
+    judged: list[Explanation],
+    log_odds: Sequence[float],
+    views: list[SceneView],
+    alone: ViewSearch | None = None,
+) -> Look:
+    """The look of these views that has judged these explanations; the search of the first view keeps them."""
+    first.trace.judged, first.trace.probabilities = judged, probabilities_of(log_odds).tolist()
+    return Look(first.trace, views, alone)
 
 
 def _explained_together(

@@ -61,10 +61,10 @@ class ViewSearch:
         self._own_features = cache(explanation_features)
         coarse, ground = view.coarse, view.ground
         unlit = with_unlit_on_average(view.unlit(round(SPECK_SHARE * coarse.is_ground.size)), coarse)
-        self._sheet_shadow, self._glint = sheet_shadow_in(view.fine), glint_in(coarse, ground)
-        self.unlit = unlit if self._glint is None else unlit & ~self._glint.halo
+        sheet_shadow, glint = sheet_shadow_in(view.fine), glint_in(coarse, ground)
+        self.unlit = unlit if glint is None else unlit & ~glint.halo
         regions = unlit_regions(view.fine, self.unlit, ground, preset.region_px, preset.regions)
-        self.trace = Trace(coarse, ground, self._sheet_shadow, self._glint, self.unlit, regions)
+        self.trace = Trace(coarse, ground, sheet_shadow, glint, self.unlit, regions)
         clock.end("segment")
 
     def another(self, view: SceneView, preset: ProxyPreset) -> "ViewSearch":
@@ -128,7 +128,7 @@ class ViewSearch:
 
     def context_of(self, several: Sequence[Explanation]) -> Context:
         """The context of an explanation of the view: these several, and what else shows the light."""
-        return Context(several, self._glint, self._sheet_shadow)
+        return Context(several, self.trace.glint, self.trace.sheet_shadow)
 
     def _found_by_place(self, caster: Caster, found: Sequence[Explanation], refiner: Refiner) -> list[Explanation]:
         """Where the known object may stand in the lights that it, or any object of the picture, may show.

@@ -216,7 +216,7 @@ def test_all_views_that_were_used_outvote_the_first_one_whatever_was_not_used(
     together = LightEstimate("proxy", 0, Illumination(), "no shadow found", views=(0, 1, 2))
     alone = LightEstimate("proxy", 0, Illumination((Light((0.0, 0.0, 1.0)),)))
     view = View.of(seen, 320)
-    estimator, look = ProxyEstimator(BALANCED), Look(Trace(view), np.zeros_like(view.is_ground), [])
+    estimator, look = ProxyEstimator(BALANCED), Look(Trace(view), [])
     monkeypatch.setattr(estimator, "_looked", lambda _, used, *__: (together if len(used) else alone, look))
     monkeypatch.setattr(proxy, "contradicting", lambda _, __, used, ___: list(used))
     assert estimator.traced(first, others)[0] is together
