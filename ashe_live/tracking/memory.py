@@ -1,6 +1,6 @@
 """What the tracker remembers of a frame for the next one: the pose, the picture, and how each marker was moving."""
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,6 +34,13 @@ class Memory:
             number: corners_px + (time_s - self.time_s) * self.velocities_px_s.get(number, np.zeros((4, 2)))
             for number, corners_px in self.corners_px.items()
         }
+
+    def nearest(self, number: int, found: Sequence[Float]) -> Float:
+        """Of several markers (4, 2) like a member, the nearest to its last place, or else the first, the likeliest."""
+        last_px = self.corners_px.get(number)
+        if last_px is None:
+            return found[0]
+        return min(found, key=lambda corners: float(np.linalg.norm(corners.mean(axis=0) - last_px.mean(axis=0))))
 
 
 def remembered(

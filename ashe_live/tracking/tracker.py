@@ -8,9 +8,7 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
-
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size, fitted
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.tracking.cube.unfolded import UNFOLDED, lies_unfolded
@@ -145,30 +143,21 @@ class MarkerTracker:
 
     def _look(self, frame: Frame, camera: Camera, last: Memory | None) -> _Looked:
         """Looks for all members where expected, else near their last place, else anywhere."""
-        image = frame.image_bgr
-        squares: dict[int, FittedSquare | None] = {}
-        equal: int | None = None
+        image, looked = frame.image_bgr, _Looked({}, None)
         if last is not None:
-            squares = self._where_expected(image, camera, last, frame.time_s)
-            if not any(squares.values()):
-                for number, corners_px in last.corners_px.items():
-                    marker = self._members.all[number].marker
-                    found = nearby(marker, image, corners_px)
-                    if found:
-                        equal, coarse_px = len(found), _nearest(found, corners_px)
-                        squares[number] = refined(marker, image, camera, coarse_px, self.preset.edge_samples)
-        if not any(squares.values()):
+            looked = self._where_expected(image, camera, last, frame.time_s)
+            if not looked.squares:
+                looked = self._near_last_place(image, camera, last)
+        if not looked.squares:
             searched = self._search(image, camera, last)
-            return searched if searched.equal is not None else searched._replace(equal=equal)
+            return searched if searched.equal is not None else searched._replace(equal=looked.equal)
         if self._duplicates_s is None or not 0 <= frame.time_s - self._duplicates_s < DUPLICATE_CHECK_EVERY_S:
             self._duplicates_s = frame.time_s
             (alike,) = anywhere([self._members.all[0].marker], image, self.preset.detection_width_px, thorough=False)
-            equal = len(alike)
-        return _Looked({number: square for number, square in squares.items() if square is not None}, equal)
+            looked = looked._replace(equal=len(alike))
+        return looked
 
-    def _where_expected(
-        self, image: Image, camera: Camera, last: Memory, time_s: float
-    ) -> dict[int, FittedSquare | None]:
+    def _where_expected(self, image: Image, camera: Camera, last: Memory, time_s: float) -> _Looked:
         """Members measured along their expected edges: moving on as they did, or as predicted by the last pose."""
         moved_px = last.expected_px(time_s)
         expected = self._members.projected(camera, last.pose.measured_T_cam_marker, moved_px) | moved_px
@@ -178,7 +167,21 @@ class MarkerTracker:
             number: Expected(self._members.all[number].marker, expected[number], last.aligned_sigmas.get(number, 0.0))
             for number in numbers
         }
-        return first_along_edges(where, most, image, camera, self.preset.edge_samples, last.is_predictable)
+        seen = first_along_edges(where, most, image, camera, self.preset.edge_samples, last.is_predictable)
+        return _Looked({number: square for number, square in seen.items() if square is not None}, None)
+
+    def _near_last_place(self, image: Image, camera: Camera, last: Memory) -> _Looked:
+        """Members searched for in the surroundings of their last places."""
+        squares: dict[int, FittedSquare] = {}
+        equal: int | None = None
+        for number, corners_px in last.corners_px.items():
+            marker = self._members.all[number].marker
+            if found := nearby(marker, image, corners_px):
+                equal = len(found)
+                square = refined(marker, image, camera, last.nearest(number, found), self.preset.edge_samples)
+                if square is not None:
+                    squares[number] = square
+        return _Looked(squares, equal)
 
     def _search(self, image: Image, camera: Camera, last: Memory | None) -> _Looked:
         """Searches the whole frame for the first member that is found, and those that are seen by its pose."""
@@ -192,7 +195,7 @@ class MarkerTracker:
             for number, (marker, found) in enumerate(zip(markers, several, strict=True)):
                 if not found:
                     continue
-                equal, chosen = len(found), _nearest(found, None if last is None else last.corners_px.get(number))
+                equal, chosen = len(found), found[0] if last is None else last.nearest(number, found)
                 square = refined(marker, image, camera, chosen, self.preset.edge_samples)
                 if square is not None:
                     return _Looked(self._with_others(number, square, image, camera), equal)
@@ -240,10 +243,3 @@ class MarkerTracker:
             pose.T_cam_marker, pose.noise_covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
         )
         return dataclasses.replace(pose, T_cam_marker=T, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
-
-
-def _nearest(found: list[Float], last_px: Float | None) -> Float:
-    """Of several equal markers, the one nearest to the last place, or else the first, which is the likeliest."""
-    if last_px is None:
-        return found[0]
-    return min(found, key=lambda corners: float(np.linalg.norm(corners.mean(axis=0) - last_px.mean(axis=0))))
