@@ -238,7 +238,7 @@ def reasons() -> Iterator[tuple[str, str]]:
     for module in sorted((CHECKOUT / "ashe_live" / "light").rglob("*.py")):
         for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
             given: list[ast.expr] = []
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "answer":
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "_Found":
                 given = node.args
             elif isinstance(node, ast.Assign):
                 is_one = module.name == "no_answer.py" or any(
