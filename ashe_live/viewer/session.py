@@ -52,6 +52,7 @@ class Session:
         self.automatic = automatic
         self.watch = LightWatch(worker)
         self.view = ViewOptions()
+        self.has_named_marker = True  # whether a person has named the one that is looked for
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the followed marker is out of view
         # Until the first estimate, polished surfaces mirror the first frame that shows a marker.
         self._light = RoomLight()

@@ -34,6 +34,11 @@ NOT_IN_FILE = (
     "is not found: if another one is there, name it with --marker,",
     "such as `--marker aruco:4x4_50:7`, or `--marker pattern:FILE` for one of a picture of its own",
 )
+NONE_IN_FILE = (
+    "no marker is found here: all of one must be in view, with the white around it;",
+    "one of a picture of its own is looked for by name, such as `--marker pattern:FILE`;",
+    "`ashe-live marker --out marker.pdf` makes one to print, for another photo or clip",
+)
 
 
 def light_line(session: Session, now_s: float | None = None) -> str:
@@ -190,6 +195,8 @@ def guidance(session: Session) -> tuple[str, ...]:
     if _awaits_marker(session):
         if session.watch.camera_may_move:
             return NO_MARKER
+        if not session.has_named_marker:
+            return NONE_IN_FILE
         marker = session.arrangement.followed
         which = "the marker that is looked for" if marker is None else f"the marker {in_words(marker)}"
         return (f"{which} {NOT_IN_FILE[0]}", *NOT_IN_FILE[1:])

@@ -199,7 +199,7 @@ def test_sound_alone_is_said_to_be_that(tmp_path: Path, has_cover: bool) -> None
 def test_clip_cut_before_its_first_picture_is_refused(clip: Path) -> None:
     content = clip.read_bytes()
     clip.write_bytes(content[: content.index(b"mdat") + 8])
-    with pytest.raises(UserError, match="no readable picture"):
+    with pytest.raises(UserError, match="no readable picture in it: copy or record it again"):
         ClipSource(clip)
 
 
@@ -224,7 +224,7 @@ def test_no_memory_is_spent_on_a_picture_of_too_many_pixels(
     _write_packets(grows, "png", "rgb24", [small, large, small])
     assert int(DECODED["max_pixels"]) == MAX_PIXELS
     monkeypatch.setitem(DECODED, "max_pixels", str(192 * 128 - 1))
-    with pytest.raises(UserError, match=r"no readable picture in it: .*scale it down to 110 million"):
+    with pytest.raises(UserError, match=r"has more than 110 million pixels: scale it down"):
         ClipSource(alone)
     with ClipSource(grows) as source:
         assert len(frames_of(source)) == 2
