@@ -16,7 +16,7 @@ from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
 from ashe_live.capture.clips.deinterlacing import progressive
-from ashe_live.capture.clips.index import ClipIndex
+from ashe_live.capture.clips.index import LONGEST_S, ClipIndex
 from ashe_live.capture.clips.wide_gamut import srgb_converter
 from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_length, video_in
 from ashe_live.capture.sources import MAX_PIXELS, refuse_too_large
@@ -162,7 +162,8 @@ class ClipPictures:
             time_s = self.decoded / self.fps
         else:
             time_s = float((stamp - self.start_pts) * video.time_base)
-        if time_s < self._latest_s:  # clips that were joined byte by byte begin anew
+        # Clips that were joined byte by byte begin anew.
+        if not self._latest_s <= time_s <= LONGEST_S:
             time_s = self._latest_s + 1 / self.fps
             self._is_in_order = False
         self._latest_s = time_s
