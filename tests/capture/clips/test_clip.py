@@ -267,7 +267,7 @@ def test_a_time_beyond_all_clips_is_damage(tmp_path: Path, far: int) -> None:
 def _write_packets(
     path: Path, codec: str, pixels: str, contents: list[bytes], times: Sequence[int] | None = None
 ) -> None:
-    """A clip of pictures that are encoded already, the first of which is of 96 x 64. `times`: thirtieths of a second."""
+    """A clip of pictures that are encoded already, the first of 96 x 64; `times` in thirtieths of a second."""
     with av.open(str(path), "w") as container:
         stream = container.add_stream(codec, rate=30)
         stream.width, stream.height, stream.pix_fmt = 96, 64, pixels
