@@ -10,7 +10,6 @@ from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 from ashe_live.files.writing import write_json
 
-
 # Where nothing is found and nothing can be written.
 NOWHERE = Path("/dev/null/ashe-live")
 
