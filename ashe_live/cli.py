@@ -38,7 +38,7 @@ def main() -> None:
     # As of OpenCV above. What is set for all of a person's Python programs is not meant for this one: pyrr cannot be
     # compiled where its warnings are errors.
     os.environ["PYTHONWARNINGS"] = "ignore"
-    sys.warnoptions.clear()  # which children would get as flags
+    sys.warnoptions[:] = _warnings_of_flags()  # children would get others as flags
     warnings.simplefilter("ignore")
     try:
         status = run(sys.argv[1:], _interruptible)
@@ -46,6 +46,14 @@ def main() -> None:
         status = end.code if isinstance(end.code, int) else ExitStatus.ANSWERED
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done: the interpreter takes itself apart
     end_process(flushed(status))
+
+
+def _warnings_of_flags() -> list[str]:
+    """Those that stand for other flags of Python's (-X dev, -b): starting a child fails where one is missing."""
+    of_flags = ["default"] if sys.flags.dev_mode else []
+    if sys.flags.bytes_warning:
+        of_flags.append(f"{'error' if sys.flags.bytes_warning > 1 else 'default'}::BytesWarning")
+    return of_flags
 
 
 def _interruptible() -> None:

@@ -12,8 +12,8 @@ import PIL.Image
 
 from ashe_live.capture.sources import too_many_pixels
 from ashe_live.errors import UserError
-from ashe_live.files.jpeg import refuse_endless
 from ashe_live.files.reading import opened
+from ashe_live.files.slow_pictures import refuse_slow, refuse_slow_decoder
 from ashe_live.process.children import Limits
 from ashe_live.process.isolated import NoAnswerError, isolated_call
 
@@ -55,8 +55,9 @@ def _read(path: Path, formats: tuple[str, ...], read: Callable[[Path, PIL.Image.
         register_heif_opener()
     try:
         with opened(path) as file:
-            refuse_endless(path, file)
+            refuse_slow(path, file)
             with PIL.Image.open(file, formats=formats) as picture:
+                refuse_slow_decoder(path, picture, file)
                 return read(path, picture)
     except PIL.Image.DecompressionBombError:
         raise too_many_pixels(path) from None

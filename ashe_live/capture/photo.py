@@ -19,8 +19,8 @@ from ashe_live.capture.sources import MAX_PIXELS, Source, refuse_too_large, too_
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
-from ashe_live.files.jpeg import refuse_endless
 from ashe_live.files.reading import opened
+from ashe_live.files.slow_pictures import refuse_slow, refuse_slow_decoder
 
 FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
@@ -89,8 +89,8 @@ def looks_like_photo(path: Path) -> bool:
 
 
 def _open(path: Path, file: BinaryIO) -> PIL.Image.Image:
-    """Reads the header only. Raises UserError for a JPEG that takes very long already there, or once it is decoded."""
-    refuse_endless(path, file)
+    """Reads the header only. Raises UserError for a photo that takes very long already there, as `refuse_slow`."""
+    refuse_slow(path, file)
     with warnings.catch_warnings():
         # Pillow warns of large pictures at a limit of its own; ours is MAX_PIXELS.
         warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
@@ -122,6 +122,7 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
             if file_bytes > LARGE_FILE_BYTES and not is_heif(file):
                 return read_isolated(path, FORMATS, _decoded)
             with _open(path, file) as picture:
+                refuse_slow_decoder(path, picture, file)
                 return _decoded(path, picture)
     except UserError:
         raise

@@ -17,6 +17,7 @@ from ashe_live import __version__
 from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.files.kept import NOWHERE
 from ashe_live.files.resources import resource
 from ashe_live.process.children import Limits
 from ashe_live.process.isolated import NoAnswerError, isolated_call
@@ -169,6 +170,8 @@ def _cameras() -> str:
 def _settings() -> str:
     parsed(["webcam"])
     path = settings_path()
+    if path.parent == NOWHERE:
+        return "none, as HOME names no folder (defaults hold)"
     return str(path) if os.path.lexists(path) else f"{path} (not there, defaults hold)"
 
 

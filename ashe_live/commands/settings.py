@@ -9,6 +9,7 @@ from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
 from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.settings_file import SETTINGS, read_settings, settings_path
 from ashe_live.errors import ExitStatus
+from ashe_live.files.kept import NOWHERE
 from ashe_live.process.messages import print_answer, print_exactly
 
 NOTE_AT = 36
@@ -34,6 +35,8 @@ def run(_options: argparse.Namespace) -> int:
 
 def _where_it_is(path: Path) -> str:
     """What is to be said of a file that is not read."""
+    if path.parent == NOWHERE:
+        return " (there is no home folder: set HOME to one)"
     try:
         os.lstat(path)
     except (FileNotFoundError, NotADirectoryError):

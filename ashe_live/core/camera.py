@@ -1,7 +1,6 @@
 """The pinhole camera: intrinsics and distortion in OpenCV's model, pixel centres at integer coordinates."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -154,9 +153,11 @@ def read_camera_file(path: str | Path) -> Camera:
         content = read_json(path)
         if not isinstance(content, dict):
             raise ValueError("it is no object in braces")
-        width, height = (_whole_number(value) for value in content["size"])
-        dist: Sequence[float] = content.get("dist") or [0.0] * 5
-        camera = Camera((width, height), np.asarray(content["K"], np.float64), np.array(dist, dtype=np.float64), "file")
+        size, K, dist = content["size"], content["K"], content.get("dist") or [0.0] * 5
+        if not (isinstance(size, list) and len(size) == 2):
+            raise ValueError("size is not a width and a height")
+        width, height = (_whole_number(value) for value in size)
+        camera = Camera((width, height), _numbers(K, "K"), _numbers(dist, "dist"), "file")
         _check_lens(camera)
         return camera
     except KeyError as error:
@@ -174,6 +175,13 @@ def _check_lens(camera: Camera) -> None:
         raise ValueError(f"the focal lengths {fx:g} and {fy:g} px are too unlike for the pixels of any camera")
     if not all(-0.5 * side <= at <= 1.5 * side for at, side in zip((x, y), camera.size, strict=True)):
         raise ValueError(f"the principal point ({x:g}, {y:g}) is far outside of the picture")
+
+
+def _numbers(value: object, name: str) -> Float:
+    try:
+        return np.array(value, dtype=np.float64)
+    except (ValueError, TypeError):
+        raise ValueError(f"{name} is not made of numbers, in rows of one length") from None
 
 
 def _whole_number(value: object) -> int:

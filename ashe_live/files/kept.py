@@ -10,10 +10,20 @@ from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 from ashe_live.files.writing import write_json
 
+# Where nothing is found and nothing can be written.
+NOWHERE = Path("/dev/null/ashe-live")
+
 
 def configuration_file(name: str) -> Path:
-    """The path at which a file of that name is kept, whether it exists or not."""
-    return platformdirs.user_config_path("ashe-live", appauthor=False) / name
+    """The path at which a file of that name is kept, whether it exists or not; in NOWHERE for a user without a home.
+
+    Services and containers run as such users, with no HOME. A relative folder, as of `HOME=.`, would be anybody's.
+    """
+    try:
+        folder = platformdirs.user_config_path("ashe-live", appauthor=False)
+    except RuntimeError:  # of some versions of platformdirs; others name a folder called "~"
+        folder = NOWHERE
+    return (folder if folder.is_absolute() else NOWHERE) / name
 
 
 class KeptObject:

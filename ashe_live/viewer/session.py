@@ -52,6 +52,7 @@ class Session:
         self.watch = LightWatch(worker)
         self._not_there_yet = NotThereYet(self.notice, self.watch)
         self.view = ViewOptions(self.notice)
+        self.has_named_marker = True  # whether a person has named the one that is looked for
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the followed marker is out of view
         self.room_light = RoomLight()
         self.first = first

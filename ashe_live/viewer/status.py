@@ -8,7 +8,7 @@ from ashe_live.drawing.light_text import light_text
 from ashe_live.render.gl.framing import box_corners, framing
 from ashe_live.render.lights.light_view import sees, sees_all
 from ashe_live.tracking.families.in_view import in_view_text
-from ashe_live.tracking.families.layout import in_words
+from ashe_live.tracking.families.layout import in_words, the_marker
 from ashe_live.viewer.session import Session
 
 FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
@@ -33,6 +33,11 @@ NO_MARKER = (
 NOT_IN_FILE = (
     "is not found: if another one is there, name it with --marker,",
     "such as `--marker aruco:4x4_50:7`, or `--marker pattern:FILE` for one of a picture of its own",
+)
+NONE_IN_FILE = (
+    "no marker is found here: all of one must be in view, with the white around it;",
+    "one of a picture of its own is looked for by name, such as `--marker pattern:FILE`;",
+    "`ashe-live marker --out marker.pdf` makes one to print, for another photo or clip",
 )
 
 
@@ -190,8 +195,10 @@ def guidance(session: Session) -> tuple[str, ...]:
     if _awaits_marker(session):
         if session.watch.camera_may_move:
             return NO_MARKER
+        if not session.has_named_marker:
+            return NONE_IN_FILE
         marker = session.arrangement.followed
-        which = "the marker that is looked for" if marker is None else f"the marker {in_words(marker)}"
+        which = "the marker that is looked for" if marker is None else the_marker(marker)
         return (f"{which} {NOT_IN_FILE[0]}", *NOT_IN_FILE[1:])
     if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
         without_it = [WITHOUT_IT] if session.watch.may_show_empty_table else []

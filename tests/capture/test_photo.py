@@ -2,6 +2,7 @@
 
 import os
 import signal
+import struct
 import zlib
 from pathlib import Path
 
@@ -178,6 +179,72 @@ def test_a_jpeg_of_very_many_parts_is_refused(tmp_path: Path) -> None:
     path.write_bytes(content[:2] + b"\xff\xe5\x00\x02" * 10_001 + content[2:])
     with pytest.raises(UserError, match="in more than 10,000 parts"):
         open_source(path)
+
+
+def bmp_in_run_lengths(size: tuple[int, int], runs: bytes) -> bytes:
+    """8 bits a pixel, shades of grey: BI_RLE8."""
+    palette = bytes(value for shade in range(256) for value in (shade, shade, shade, 0))
+    start = 54 + len(palette)
+    begin = struct.pack("<2sIHHI", b"BM", start + len(runs), 0, 0, start)
+    return begin + struct.pack("<IiiHHIIiiII", 40, *size, 1, 8, 1, len(runs), 0, 0, 0, 0) + palette + runs
+
+
+SLOW = {
+    "text.ppm": b"P3 2 1 255 0 127 255 # a comment\n255 127 0",
+    "text.pbm": b"P1 # a comment\n2 1 1 0",
+    "other.ppm": b"P6 2 1 51 " + bytes([0, 10, 51, 51, 10, 0]),
+    "twelve_bits.pgm": b"P5 2 1 4095 \x08\x00\x0f\xff",
+    "runs.bmp": bmp_in_run_lengths((2, 1), b"\x01\x80\x01\xff\x00\x01"),
+}
+
+
+@pytest.mark.parametrize("name", SLOW)
+def test_photos_that_are_decoded_slowly_are_read_where_they_are_small(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(SLOW[name])
+    assert read(tmp_path / name).shape == (1, 2, 3)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("text.ppm", b"P3 4000 2600 255\n"),
+        ("other.ppm", b"P6 2000 1700 254\n"),
+        ("twelve_bits.pgm", b"P5 4000 2600 4095\n"),
+        ("runs.bmp", bmp_in_run_lengths((16_384, 6_700), b"\1\1\0\0" * 6_700)),
+    ],
+)
+def test_a_photo_that_would_be_decoded_for_seconds_is_refused(tmp_path: Path, name: str, content: bytes) -> None:
+    """By its header: what follows is missing, and would be damage."""
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(UserError, match=r"is too large for its kind, .* which takes long to read: save it as PNG"):
+        open_source(tmp_path / name)
+    (tmp_path / name).write_bytes(SLOW[name])
+    os.truncate(tmp_path / name, 40_000_001)
+    with pytest.raises(UserError, match="is too large for its kind"):
+        open_source(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"P3 2 1 255\n" + b"#\n" * 1001 + b"0 127 255 255 127 0",
+        b"P3 2 1 255 0 127 255 255 127 0" + b" " * 65_536 + b"#\n" * 1001,
+        b"P6 #" + b"x" * 65_536 + b"\n2 1 255 012345",
+        b"P5 2 1" + b" " * 65_536 + b"255 01",
+    ],
+    ids=["many", "many later", "one long", "spaces"],
+)
+def test_comments_without_end_are_refused(tmp_path: Path, content: bytes) -> None:
+    """Pillow reads a header byte by byte, and for each comment of a text copies all that follows: minutes for 10 MB."""
+    (tmp_path / "a.ppm").write_bytes(content)
+    with pytest.raises(UserError, match="has comments without end: save it as PNG"):
+        open_source(tmp_path / "a.ppm")
+
+
+def test_a_picture_all_of_whose_pixels_look_like_spaces_or_comments_is_read(tmp_path: Path) -> None:
+    for shade in b" #":
+        (tmp_path / "a.ppm").write_bytes(b"P6 200 200 255 " + bytes([shade]) * 120_000)
+        assert (read(tmp_path / "a.ppm") == shade).all()
 
 
 @pytest.mark.parametrize("size", [(16_385, 2), (2, 16_385)])

@@ -123,3 +123,14 @@ def test_warnings_that_are_errors_elsewhere_are_none_here(tmp_path: Path) -> Non
     assert "Traceback" not in done.stderr
     assert done.returncode == 3  # a picture without a marker
     assert (tmp_path / "shown.png").exists()
+
+
+@pytest.mark.parametrize("flags", ["-X dev", "-b", "-bb -W error"])
+def test_python_s_own_flags_do_not_keep_it_from_starting_processes(flags: str, tmp_path: Path) -> None:
+    """As of PYTHONDEVMODE, which is set for all of a person's Python programs."""
+    (tmp_path / "model.obj").write_text("v 0 0 0\nf 1 1 1\n")
+    done = run_in_shell(
+        f'"$PYTHON" {flags} -m ashe_live estimate a.png --caster model.obj', tmp_path, PYTHON=sys.executable
+    )
+    assert done.returncode == 2
+    assert "model.obj holds no triangle" in done.stderr

@@ -115,6 +115,23 @@ def test_reads_a_calibration(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ('"size": 640, "K": [[1,0,0],[0,1,0],[0,0,1]]', "(size is not a width and a height)"),
+        ('"size": [640, 480, 3], "K": [[1,0,0],[0,1,0],[0,0,1]]', "(size is not a width and a height)"),
+        ('"size": [640, 480], "K": [[1,0,0],[0,1],[0,0,1]]', "(K is not made of numbers, in rows of one length)"),
+        ('"size": [640, 480], "K": [[1,0,0],[0,1,0],[0,0,1]], "dist": {"k1": 0}', "(dist is not made of numbers"),
+    ],
+)
+def test_what_is_wrong_in_a_camera_file_is_said_in_its_own_words(tmp_path: Path, values: str, said: str) -> None:
+    """Python's would speak of values to unpack, and NumPy's of an inhomogeneous shape."""
+    (tmp_path / "camera.json").write_text(f"{{{values}}}")
+    with pytest.raises(UserError) as caught:
+        read_camera_file(tmp_path / "camera.json")
+    assert said in caught.value.message
+
+
+@pytest.mark.parametrize(
     "content",
     [
         "",

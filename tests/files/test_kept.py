@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from ashe_live import cli
+from ashe_live.commands import doctor
 from ashe_live.files.kept import KeptObject, configuration_file
 
 
@@ -36,3 +38,44 @@ def test_it_is_kept_in_the_users_own_folder_for_this_program() -> None:
     assert path.is_absolute()
     assert path.name == "settings.toml"
     assert "ashe-live" in path.parts
+
+
+@pytest.fixture
+def without_home(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As for a user whom the system does not know, without HOME: in containers, and as services."""
+    pwd = pytest.importorskip("pwd")
+    for name in ("HOME", "XDG_CONFIG_HOME"):
+        monkeypatch.delenv(name, raising=False)
+
+    def unknown(_uid: int) -> None:
+        raise KeyError("getpwuid(): uid not found: 12345")
+
+    monkeypatch.setattr(pwd, "getpwuid", unknown)
+
+
+@pytest.mark.usefixtures("without_home")
+def test_without_a_home_nothing_is_kept_and_nothing_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also not in a folder called "~", which may lie beside a clip."""
+    hostile = tmp_path / "~" / ".config" / "ashe-live"
+    hostile.mkdir(parents=True)
+    (hostile / "a.json").write_text('{"a": 1}')
+    monkeypatch.chdir(tmp_path)
+    kept = KeptObject(configuration_file("a.json"))
+    assert kept.read() == {}
+    kept.write({"a": 2})
+    assert kept.read() == {}
+    assert (hostile / "a.json").read_text() == '{"a": 1}'
+
+
+@pytest.mark.parametrize("folder", [Path("~/.config/ashe-live"), Path("relative")])
+def test_no_folder_of_the_current_one_is_the_users_own(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+    monkeypatch.setattr("platformdirs.user_config_path", lambda *_args, **_named: folder)
+    assert configuration_file("a.json").is_absolute()
+    assert not KeptObject(configuration_file("a.json")).read()
+
+
+@pytest.mark.usefixtures("without_home")
+def test_without_a_home_the_program_runs_and_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run(["settings"]) == 0
+    assert "there is no home folder: set HOME" in capsys.readouterr().out
+    assert "HOME names no folder" in doctor.CHECKS["settings"]()

@@ -10,6 +10,7 @@ import pytest
 
 from tests.fuzz.command_lines.case import WORK, Case, Planted, case_from
 from tests.fuzz.command_lines.oracle import broken_promises
+from tests.fuzz.command_lines.strategies import outputs_in
 
 SINS = {
     "traceback": "a documented status",
@@ -65,6 +66,13 @@ def test_too_much_memory_is_seen(sinners):
     with sinners.run(case) as outcome:
         greedy = replace(outcome, largest_bytes=3 << 30)
         assert [each.promise for each in broken_promises(case, greedy)] == ["memory below 2 GB"]
+
+
+def test_what_arbitrary_words_ask_to_be_written_is_known():
+    """Without a command it is the demo's recording, by the last `--out`; a colon makes no address of its name."""
+    assert outputs_in(["--out", "crypto:clip.mp4"]) == ["crypto:clip.mp4"]
+    assert outputs_in(["--out", "a.mp4", "--out", "b.mp4"]) == ["b.mp4"]
+    assert outputs_in(["play", "a.mp4"]) == []
 
 
 def test_a_kept_case_is_read_as_it_was_written():

@@ -514,6 +514,11 @@ def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
     assert any("name it with --marker" in line for line in guidance(session)), "a file shows what it shows"
     session.arrangement.followed = "image:logo.png"
     assert guidance(session)[0].startswith("the marker image:logo.png is not found")
+    session.arrangement.followed = "cube"
+    assert guidance(session)[0].startswith("the paper cube is not found")
+    session.has_named_marker = False
+    assert guidance(session)[0].startswith("no marker is found here"), "nobody has heard of the one by default"
+    assert not any("cube" in line for line in guidance(session))
     session.watch.camera_may_move = True
     assert any("marker --show" in line for line in guidance(session))
     session.take(fakes.tracked(), 0.0)

@@ -12,6 +12,8 @@ from ashe_live.capture.container import Searched, has_decoding_times_alone, open
 
 # Rounding error of a time that was computed from a frame's; no two frames are that close.
 ROUNDING_S = 1e-6
+# From the first frame to any other, eleven days: beyond it, a time is damage.
+LONGEST_S = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +47,8 @@ class ClipIndex:
             return None
         # All that are decoded before a keyframe are shown before it, unless times begin anew there.
         if any(time in keys and time < latest for time, latest in zip(decoded, accumulate(decoded, max), strict=True)):
+            return None
+        if (pts[-1] - pts[0]) * time_base > LONGEST_S:
             return None
         return cls(tuple(pts), tuple(index for index, time in enumerate(pts) if time in keys), time_base)
 

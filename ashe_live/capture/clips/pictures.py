@@ -16,7 +16,7 @@ from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
 from ashe_live.capture.clips.deinterlacing import progressive
-from ashe_live.capture.clips.index import ClipIndex
+from ashe_live.capture.clips.index import LONGEST_S, ClipIndex
 from ashe_live.capture.clips.wide_gamut import srgb_converter
 from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_length, video_in
 from ashe_live.capture.sources import MAX_PIXELS, refuse_too_large
@@ -69,6 +69,8 @@ class ClipPictures:
             self.close()
             raise _sound_alone(path) if is_sound else _no_clip(path)
         self._stream, codec = stream, stream.codec_context
+        # FFmpeg takes a size beyond the limit for none.
+        has_stated_size = codec.width > 0 and codec.height > 0
         self.fps = float(self._stream.average_rate or self._stream.guessed_rate or FALLBACK_FPS)
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
@@ -81,8 +83,7 @@ class ClipPictures:
         first = next(self._videos, None)
         if first is None:
             self.close()
-            remedy = f"copy or record it again, or scale it down to {MAX_PIXELS // 10**6} million pixels or fewer"
-            raise UserError(f"{path} has no readable picture in it", remedy)
+            raise _without_picture(path, has_stated_size)
         self.size = _with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
         try:
             refuse_too_large(path, self.size)
@@ -161,7 +162,8 @@ class ClipPictures:
             time_s = self.decoded / self.fps
         else:
             time_s = float((stamp - self.start_pts) * video.time_base)
-        if time_s < self._latest_s:  # clips that were joined byte by byte begin anew
+        # Clips that were joined byte by byte begin anew.
+        if not self._latest_s <= time_s <= LONGEST_S:
             time_s = self._latest_s + 1 / self.fps
             self._is_in_order = False
         self._latest_s = time_s
@@ -219,6 +221,14 @@ def _with_square_pixels(size: tuple[int, int], aspect: Fraction | None) -> tuple
 
 def _no_clip(path: Path) -> UserError:
     return UserError(f"{path} is not a clip or photo that can be read", "convert it to MP4 (H.264), JPEG or PNG")
+
+
+def _without_picture(path: Path, has_stated_size: bool) -> UserError:
+    limit = f"{MAX_PIXELS // 10**6} million pixels"
+    if has_stated_size:
+        return UserError(f"{path} has no readable picture in it", f"copy or record it again, or scale it to {limit}")
+    what = f"{path} has no readable picture in it: each is damaged, or has more than {limit}"
+    return UserError(what, "scale it down, or copy or record it again")
 
 
 def _begins_as_mp4(file: BinaryIO) -> bool:

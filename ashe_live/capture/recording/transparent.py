@@ -37,7 +37,10 @@ FORMATS = {
 
 
 class TransparentRecorder:
-    """Writes pictures of one size to a new clip; a context manager. What fails leaves no file."""
+    """Writes pictures of one size to a new clip; a context manager. If the disk or the encoder fails, no file is left.
+
+    What else ends it before its time leaves a whole clip of what was written until then.
+    """
 
     def __init__(self, path: Path, size: tuple[int, int], fps: float, overwrite: bool = False) -> None:
         """`size` (width, height); an odd last column or row is left out. Raises UserError as Recorder does."""
@@ -51,6 +54,7 @@ class TransparentRecorder:
         self._format = found
         self._even_size = even_size(size)
         self._last_pts = -1
+        self._has_failed = False
         self._file = NewFile(path, overwrite)
         try:
             with signals_held():
@@ -78,6 +82,7 @@ class TransparentRecorder:
                 self._written.check()
             self.frame_count += 1
         except (OSError, av.error.FFmpegError) as error:
+            self._has_failed = True  # what a full disk has refused will not be finished either
             self._file.discard()
             raise cannot_write(self.path, error) from error
 
@@ -99,10 +104,8 @@ class TransparentRecorder:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        if isinstance(error, UserError):  # what a full disk has refused will not be finished either
-            self._file.discard()
-            return
-        self.close()
+        if not self._has_failed:
+            self.close()
 
     def _begin(self, fps: float) -> None:
         self._written = WrittenContainer(self._file.stream, {}, self._format.muxer)

@@ -8,6 +8,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.clean_plates import over_empty_table
 from ashe_live.tracking.families.in_view import in_view_text, markers_in_view
+from ashe_live.tracking.families.layout import the_marker
 from ashe_live.tracking.tracker import MarkerTracker
 
 
@@ -40,6 +41,6 @@ class EmptyTable:
         empty = tracker.track(self.frame)
         tracker.reset()
         if empty.marker is None and (others := markers_in_view(self.frame.image_bgr)):
-            said = f"{self.path} does not show the marker {tracker.marker.spec}: {in_view_text(others)}"
+            said = f"{self.path} does not show {the_marker(tracker.marker.spec)}: {in_view_text(others)}"
             raise UserError(said, "leave the marker where it is, and take only the object away")
         return over_empty_table(tracked, replace(empty, camera=tracked.camera), str(self.path))

@@ -10,7 +10,7 @@ from ashe_live.commands.flags.setup import camera_chooser, make_tracker
 from ashe_live.core.camera import Camera
 from ashe_live.process.messages import print_message
 from ashe_live.tracking.families.in_view import in_view_text, markers_in_view
-from ashe_live.tracking.families.layout import in_words, is_of_cube, parse_target
+from ashe_live.tracking.families.layout import is_of_cube, parse_target, the_marker
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
@@ -100,7 +100,7 @@ def not_found_text(marker: str, in_view: tuple[str, ...], is_named: bool) -> str
     if not in_view and not is_named:
         return NO_MARKER
     # One that is in view is named by the hint.
-    which = f"the marker {in_words(marker)}" if is_named and marker not in in_view else "the marker"
+    which = the_marker(marker) if is_named and marker not in in_view else "the marker"
     return f"{which} was not found: {_hint(in_view, marker) if in_view else SHOW_IT}"
 
 

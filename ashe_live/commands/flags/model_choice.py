@@ -9,6 +9,7 @@ from ashe_live.errors import UserError
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.loading import SUFFIXES
 from ashe_live.tracking.cube.faces import CUBE
+from ashe_live.tracking.families.layout import the_marker
 from ashe_live.tracking.families.markers import Marker, parse_marker
 
 
@@ -46,7 +47,7 @@ def with_markers_spelled(options: argparse.Namespace) -> argparse.Namespace:
     if all(specs) and options.takes_any_marker:
         spelled.marker, spelled.takes_any_marker = specs[0], False
     if not any(spec in (None, spelled.marker) for spec in specs):
-        raise UserError(f"no model is for the marker {spelled.marker}", "give one without a number: --model NAME")
+        raise UserError(f"no model is for {the_marker(spelled.marker)}", "give one without a number: --model NAME")
     names = [name for _, name in given]
     spelled.model = tuple(name if spec is None else f"{spec}={name}" for spec, name in zip(specs, names, strict=True))
     return spelled

@@ -71,10 +71,11 @@ def show_without_window(
         run = HeadlessRun(next_scene, options.frames, options.loop, takers, options.layers is not None)
         try:
             play_headless(setup.source, setup.tracker, session, renderer, run, report)
-        except (KeyboardInterrupt, SystemExit):  # what has been recorded until then is kept as well
+        except BaseException as error:  # what has been recorded until then is kept as well, whatever ends it
             if options.report is not None and report.frames:
                 refusal = _report_refused(report, options)
-                print_message(str(refusal or f"saved {options.report} ({len(report.frames)} frames)"))
+                if refusal is None or not isinstance(error, UserError):  # which may well be about the same full disk
+                    print_message(str(refusal or f"saved {options.report} ({len(report.frames)} frames)"))
             raise
         refusal = _report_refused(report, options)
     # Only now is it known what has become of the recording.
@@ -114,11 +115,15 @@ def _recorder(setup: ViewerSetup) -> Recorder | TransparentRecorder | LastPictur
 
 
 def _report_if_cut_short(
-    recorder: Recorder | TransparentRecorder | LastPicture, kind: type[BaseException] | None, *_: object
+    recorder: Recorder | TransparentRecorder | LastPicture,
+    _kind: type[BaseException] | None,
+    error: BaseException | None,
+    _at: object,
 ) -> None:
-    """Says where a recording is that a request to end the program has ended."""
-    is_asked = kind is not None and issubclass(kind, KeyboardInterrupt | SystemExit)
-    if is_asked and not isinstance(recorder, LastPicture) and recorder.frame_count:
+    """Says where a recording is that was ended before its time, unless the error is its own, and says that."""
+    if error is None or isinstance(recorder, LastPicture) or not recorder.frame_count:
+        return
+    if not (isinstance(error, UserError) and str(recorder.path) in error.message):
         print_message(f"saved {recorder.path} ({recorder.frame_count} frames)")
 
 

@@ -115,6 +115,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, first_estimate, setup.true_to_light_marker, others, options.auto)
         session.arrangement.followed = setup.tracker.marker.spec
+        session.has_named_marker = not options.takes_any_marker
         session.view.shows_light = setup.shows_light
         session.view.wants_cover = options.hide_marker
         session.view.is_mirrored = options.mirror

@@ -110,6 +110,11 @@ def in_words(spec: str) -> str:
     return f"the paper cube with {beside} beside it" if beside else "the paper cube"
 
 
+def the_marker(spec: str) -> str:
+    """`in_words`, with its article: the paper cube has one already."""
+    return in_words(spec) if is_of_cube(spec) else f"the marker {spec}"
+
+
 def usual_side_m(spec: str) -> float:
     """The size in metres of what `spec` names where nobody gave one: a square's side, the cube's edge."""
     return USUAL_EDGE_M if is_of_cube(spec) else USUAL_SIDE_M

@@ -12,6 +12,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.files.jpeg import refuse_endless
 from ashe_live.files.reading import read_bytes
+from ashe_live.files.slow_pictures import refuse_slow_decoder
 
 # An ARToolKit pattern file: for each of 4 rotations the blue, green and red channel, 16 rows of 16 numbers each.
 ROTATIONS, CHANNELS, ROWS = 4, 3, 16
@@ -66,6 +67,7 @@ def read_marker_picture(path: Path) -> Image:
             # Opening reads the header only, so the size is known before memory is spent on it.
             with PIL.Image.open(file, formats=PICTURE_FORMATS) as picture:
                 _check_picture_size(path, picture.size)
+                refuse_slow_decoder(path, picture, file)
                 rgba = picture.convert("RGBA")
     except (PIL.Image.DecompressionBombError, PIL.Image.DecompressionBombWarning) as error:
         raise UserError(

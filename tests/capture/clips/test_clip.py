@@ -1,7 +1,7 @@
 """Every readable frame of a clip, upright and at its own time; no clip at all is one clear line."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from av.video.frame import VideoFrame
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.container import DECODED
 from ashe_live.capture.opening import open_source
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.sources import MAX_PIXELS
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
@@ -199,7 +200,7 @@ def test_sound_alone_is_said_to_be_that(tmp_path: Path, has_cover: bool) -> None
 def test_clip_cut_before_its_first_picture_is_refused(clip: Path) -> None:
     content = clip.read_bytes()
     clip.write_bytes(content[: content.index(b"mdat") + 8])
-    with pytest.raises(UserError, match="no readable picture"):
+    with pytest.raises(UserError, match="no readable picture in it: copy or record it again"):
         ClipSource(clip)
 
 
@@ -224,7 +225,7 @@ def test_no_memory_is_spent_on_a_picture_of_too_many_pixels(
     _write_packets(grows, "png", "rgb24", [small, large, small])
     assert int(DECODED["max_pixels"]) == MAX_PIXELS
     monkeypatch.setitem(DECODED, "max_pixels", str(192 * 128 - 1))
-    with pytest.raises(UserError, match=r"no readable picture in it: .*scale it down to 110 million"):
+    with pytest.raises(UserError, match=r"has more than 110 million pixels: scale it down"):
         ClipSource(alone)
     with ClipSource(grows) as source:
         assert len(frames_of(source)) == 2
@@ -245,13 +246,33 @@ def test_a_picture_of_very_many_scans_within_a_clip_is_damage(tmp_path: Path) ->
         assert "truncated or damaged" in source.note
 
 
-def _write_packets(path: Path, codec: str, pixels: str, contents: list[bytes]) -> None:
-    """A clip of pictures that are encoded already, the first of which is of 96 x 64."""
+@pytest.mark.parametrize("far", [2**30, 2**50])
+def test_a_time_beyond_all_clips_is_damage(tmp_path: Path, far: int) -> None:
+    """In thirtieths of a second, of which 2^50 in ticks of a recording are more than 64 bits hold."""
+    jpeg = cv2.imencode(".jpg", np.full((64, 96, 3), 90, np.uint8))[1].tobytes()
+    path, recorded = tmp_path / "a.nut", tmp_path / "recorded.mp4"
+    _write_packets(path, "mjpeg", "yuvj420p", [jpeg] * 4, times=[0, 1, far, far + 1])
+    with ClipSource(path) as source, Recorder(recorded, source.size, 30.0) as recorder:
+        frames = frames_of(source)
+        for frame in frames:
+            recorder.write(frame.image_bgr, frame.time_s)
+        np.testing.assert_allclose([frame.time_s for frame in frames], np.arange(4) / 30, atol=1e-6)
+        source.seek(3 / 30)
+        assert (last := source.read()) is not None
+        assert last.index == 3
+    with ClipSource(recorded) as source:
+        assert len(frames_of(source)) == 4
+
+
+def _write_packets(
+    path: Path, codec: str, pixels: str, contents: list[bytes], times: Sequence[int] | None = None
+) -> None:
+    """A clip of pictures that are encoded already, the first of 96 x 64; `times` in thirtieths of a second."""
     with av.open(str(path), "w") as container:
         stream = container.add_stream(codec, rate=30)
         stream.width, stream.height, stream.pix_fmt = 96, 64, pixels
         container.start_encoding()
-        for time, content in enumerate(contents):
+        for time, content in zip(times or range(len(contents)), contents, strict=True):
             packet = av.Packet(content)
             packet.stream, packet.pts, packet.dts, packet.time_base = stream, time, time, Fraction(1, 30)
             packet.is_keyframe = True

@@ -75,6 +75,8 @@ def test_a_marker_that_is_named_and_not_there_is_named_in_the_answer(run, photo)
             outcome = run(*command, "--hfov", "60", "--marker", wanted)
             assert outcome.status == 3
             assert f"photo.png: the marker {wanted} was not found: " in " ".join([*outcome.out, *outcome.err])
+    cube = run("estimate", photo(), "--hfov", "60", "--marker", "cube")
+    assert "photo.png: the paper cube was not found: " in " ".join(cube.out)
     for command in (["estimate", photo()], ["play", photo(), *headless]):
         outcome = run(*command, "--hfov", "60")
         said = " ".join([*outcome.out, *outcome.err])

@@ -15,6 +15,7 @@ import pytest
 from PIL import Image
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.core.contract import SCHEMA
 from ashe_live.errors import UserError
@@ -439,3 +440,40 @@ def test_a_play_that_is_asked_to_end_keeps_its_report(play, tmp_path, monkeypatc
     assert outcome.status == 128 + number
     assert len(json.loads(report.read_text())["frames"]) == 3
     assert any("r.json (3 frames)" in line for line in outcome.err)
+
+
+@pytest.mark.parametrize("flags", [("o.mp4",), ("o.mov", "--layers", "both")])
+def test_what_was_recorded_until_its_clip_was_gone_is_kept(run, film, tmp_path, monkeypatch, flags):
+    """As with a camera that is unplugged: an hour of poses, and of pictures, was lost with it."""
+    out, report, clip, add = tmp_path / flags[0], tmp_path / "r.json", tmp_path / "clip.mp4", Report.add_frame
+    clip.write_bytes(film.path.read_bytes())
+
+    def add_and_lose(self, *args) -> None:
+        add(self, *args)
+        clip.unlink(missing_ok=True)
+
+    monkeypatch.setattr(Report, "add_frame", add_and_lose)
+    size = "--size", "200x150", "--loop", "--frames", 100
+    outcome = run("play", clip, *HEADLESS, *size, "--report", report, "--out", out, *flags[1:])
+    assert outcome.status == 2
+    assert len(frames_of(out)) == len(json.loads(report.read_text())["frames"]) == film.frame_count
+    for file in (out, report):
+        assert any(f"saved {file} ({film.frame_count} frames)" in line for line in outcome.err)
+    assert sum("there is no file" in line for line in outcome.err) == 1
+
+
+def test_of_a_full_disk_is_said_once(play, tmp_path, monkeypatch):
+    """Of the recording; the report that goes with it finds room or does not."""
+
+    def full(self, *_args) -> None:
+        raise UserError(f"cannot write {self.path} (No space left on device)", "make room")
+
+    def refused(*_args) -> None:
+        raise UserError("cannot write r.json (No space left on device)", "make room")
+
+    monkeypatch.setattr(Recorder, "write", full)
+    monkeypatch.setattr(Report, "write", refused)
+    outcome = play("--frames", 3, "--out", tmp_path / "o.mp4", "--report", tmp_path / "r.json")
+    assert outcome.status == 2
+    assert len(outcome.err) == 1
+    assert "o.mp4 (No space left" in outcome.err[0]

@@ -1,7 +1,7 @@
 """`ashe-live play` in a window that is worked by a script: how it ends."""
 
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import pytest
 
@@ -10,6 +10,7 @@ from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
 from ashe_live.render.gl.offscreen import offscreen_context
+from ashe_live.viewer.session import Session
 from ashe_live.viewer.windows import glfw_window
 from tests.viewer.scripted_window import ScriptedWindow
 
@@ -43,6 +44,19 @@ def test_what_is_recorded_is_as_long_as_was_asked_for(play, tmp_path):
     assert play("--out", tmp_path / "a.mp4").status == 0
     with ClipSource(tmp_path / "a.mp4") as clip:
         assert len(list(clip)) == 3
+
+
+def test_a_marker_counts_as_named_where_a_person_has_named_it(play, monkeypatch):
+    sessions: list[Session] = []
+
+    def make(*arguments: Any) -> Session:
+        sessions.append(Session(*arguments))
+        return sessions[-1]
+
+    monkeypatch.setattr("ashe_live.commands.viewing.setup.Session", make)
+    for flags in ((), ("--marker", "aruco:4x4_50:7")):
+        assert play(*flags).status == 0
+    assert [session.has_named_marker for session in sessions] == [False, True]
 
 
 def test_a_recording_that_is_not_there_is_no_success(play, tmp_path: Path, monkeypatch):

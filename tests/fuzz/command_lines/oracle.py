@@ -30,6 +30,7 @@ NOTES = (
     r"ashe-live: camera: [0-9.]+° ",
     r"ashe-live: .* has appeared meanwhile and stays as it is: see ",
     r".*: steps in ",
+    r"ashe-live: .*: without its steps: ",
     r"sheet in ",
     r".*frame \d+: ",  # the board's guide
     r"(?:[^A-Za-z\\]|\\u[0-9a-f]{4})+$",  # the same where the terminal has a column only

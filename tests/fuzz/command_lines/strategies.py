@@ -1,5 +1,6 @@
 """Cases drawn at random: command lines with which the program mostly comes far before it notices."""
 
+from itertools import pairwise
 from typing import Any
 
 from hypothesis import strategies as st
@@ -189,10 +190,17 @@ def _bench(words: Words) -> None:
     words.written("--out", "", 3)
 
 
+def outputs_in(words: list[str]) -> list[str]:
+    """What a command line of arbitrary words asks to be written: without a command, that of the demo."""
+    named = [after for word, after in pairwise(words) if word == "--out"]
+    return named[-1:]
+
+
 def _anything(words: Words) -> None:
     words.words += words.draw(st.lists(st.one_of(hostile_names, st.sampled_from(["play", "--out", "-h"])), max_size=4))
     # The demo would play all of its clip.
     words.words = [word for word in words.words if word not in ("demo", "webcam", "start")] or ["--help"]
+    words.outputs = outputs_in(words.words)
 
 
 COMMANDS = (_play, _play, _play, _estimate, _estimate, _estimate, _marker, _board, _calibrate, _calibrate, _demo,

@@ -1,5 +1,6 @@
 """Specs: what they name, and that each wrong one is refused with one line and a remedy."""
 
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
@@ -167,6 +168,14 @@ def test_a_picture_of_very_many_scans_is_refused(tmp_path: Path) -> None:
     path.write_bytes(content[:-2] + content[content.rindex(b"\xff\xda") : -2] * 200 + content[-2:])
     with pytest.raises(UserError, match=r"in 20\d scans"):
         parse_marker(f"image:{path}")
+
+
+def test_a_picture_that_is_decoded_for_seconds_is_refused(tmp_path: Path) -> None:
+    """A BMP in run lengths, of as many pixels as another picture may have: its header alone."""
+    begin = struct.pack("<2sIHHIIiiHHIIiiII", b"BM", 0, 0, 0, 1078, 40, 4096, 4096, 1, 8, 1, 0, 0, 0, 0, 0)
+    (tmp_path / "runs.bmp").write_bytes(begin + bytes(1024))
+    with pytest.raises(UserError, match="is too large for its kind, a BMP in run lengths"):
+        parse_marker(f"image:{tmp_path / 'runs.bmp'}")
 
 
 def test_a_picture_with_its_white_margin_is_refused(tmp_path: Path, picture_file: Path) -> None:
