@@ -10,7 +10,8 @@ def light_text(light: Light, decimals: int = 0) -> str:
     sigma = "" if light.sigma_rad is None else f" ± {math.degrees(light.sigma_rad):.1f}°"
     # No estimate is certain, whatever a probability is rounded to.
     sure = "" if light.confidence is None else f", {min(100 * light.confidence, 99):.0f} % sure"
-    angles = f"azimuth {light.azimuth_deg:.{decimals}f}°, elevation {light.elevation_deg:.{decimals}f}°"
+    azimuth_deg = round(light.azimuth_deg, decimals) % 360  # a whole turn, to which it may be rounded, is none
+    angles = f"azimuth {azimuth_deg:.{decimals}f}°, elevation {light.elevation_deg:.{decimals}f}°"
     return f"{_distance_text(light)}{angles}{sigma}{sure}"
 
 

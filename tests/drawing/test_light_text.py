@@ -4,7 +4,9 @@ import dataclasses
 import math
 
 import numpy as np
+import pytest
 
+from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Light
 from ashe_live.drawing.light_text import light_text
 
@@ -21,3 +23,9 @@ def test_a_lamp_is_said_with_its_distance() -> None:
     covariance = np.diag([0.01, 0.01, (0.05 / 0.62**2) ** 2])
     assert light_text(dataclasses.replace(lamp, lamp_covariance=covariance)).startswith("lamp, 62 ± 5 cm, ")
     assert light_text(Light((0.0, 1.0, 1.0))).startswith("azimuth")
+
+
+@pytest.mark.parametrize(("azimuth_deg", "decimals", "said"), [(359.7, 0, "0"), (359.4, 0, "359"), (359.97, 1, "0.0")])
+def test_an_azimuth_is_less_than_a_whole_turn(azimuth_deg: float, decimals: int, said: str) -> None:
+    light = Light(direction_from_angles(math.radians(azimuth_deg), math.radians(30)))
+    assert light_text(light, decimals).startswith(f"azimuth {said}°, ")
