@@ -19,7 +19,7 @@ MOVED = 1e-4  # of a light's displacement, metres per metre of height, by which 
 class Gloss:
     """How a ground mirrors."""
 
-    roughness: float  # GGX's alpha: standard deviation of the facets' slopes, times the square root of 2
+    roughness: float  # GGX's alpha: half of the area seen from above is in facets of smaller slopes
     albedo: float  # of what it scatters
 
 
