@@ -65,6 +65,27 @@ def test_sky_lights_level_ground_as_measured(stage) -> None:
     assert (sky > 0).all()
 
 
+def test_the_sky_has_the_colours_of_the_sides_of_the_picture_and_behind_the_camera_those_of_its_middle(stage) -> None:
+    image = np.zeros((360, 480, 3), np.uint8)
+    image[:, :240, 2] = image[:180, :, 1] = 255  # red on the left, green above
+    image[90:270, 120:360, 0] = 255
+    for azimuth_deg in (-90, 20, 140):
+        T_cam_marker = stage.pose(azimuth_deg, 30)
+        sky = surroundings_of(stage.tracked(image, T_cam_marker), SIZE).sky
+
+        def colour(right: float, down: float, forward: float, R=T_cam_marker[:3, :3], sky=sky) -> np.ndarray:
+            """(3,) RGB relative to their mean, from a direction of the camera."""
+            x, y, z = np.array((right, down, forward)) @ R / np.linalg.norm((right, down, forward))
+            column, row = ((0.5 + 0.5 * np.array((x, y)) / (1 + z)) * SIZE).astype(int)
+            return sky[row, column] / sky[row, column].sum()
+
+        left, right, above = colour(-1, -0.2, -0.2), colour(1, -0.2, -0.2), colour(0, -1, -0.2)
+        behind_below = colour(0, 0.4, -1)
+        assert left[0] > 1.5 * right[0]
+        assert above[1] > 1.5 * behind_below[1]
+        assert colour(0, 0, -1)[2] > 1.5 * max(left[2], right[2], above[2])
+
+
 def test_each_level_is_half_of_the_one_before() -> None:
     levels = blurred_levels(np.ones((64, 64, 3), np.float32))
     assert [level.shape[0] for level in levels] == [64, 32, 16, 8, 4]
