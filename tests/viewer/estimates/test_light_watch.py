@@ -295,3 +295,32 @@ def test_of_the_empty_table_it_is_said_what_to_do_next_and_without_a_marker_noth
     assert "in another frame of this view" in watch.show_empty_table(fakes.tracked(1)), "of a clip"
     watch.camera_may_move = True
     assert "put the object there" in watch.show_empty_table(fakes.tracked(2))
+
+
+def test_only_a_frame_in_which_nothing_stands_on_the_table_serves_as_the_empty_one(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    assert watch.ask(fakes.tracked(1), 0.0)
+    answered(watch, fakes.estimate(1))
+    assert watch.ask(fakes.tracked(2), 1.0)
+    assert worker.empty is None
+    worker.shows_empty_table = True
+    answered(watch, fakes.estimate(2, with_light=False))
+    assert watch.ask(fakes.tracked(3), 2.0)
+    assert worker.empty.frame.index == 2
+
+
+def test_a_frame_of_another_scene_is_no_view_of_this_one_and_then_the_light_is_not_only_followed(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    watch.key_views = fakes.KeyViews(first := fakes.tracked(1), other := fakes.tracked(2))
+    for now_s in range(4):  # until further estimates gain nothing
+        assert watch.ask_in_background(first, now_s)
+        answered(watch, fakes.estimate(1))
+    assert watch.sharpening.is_settled
+    full_size = replace(other)  # of which the view is a smaller copy
+    assert watch.look_again(full_size, 10.0, None)
+    assert worker.known[-1] is not None, "it is only followed"
+    answered(watch, fakes.estimate(2), (0,))
+    assert watch.key_views.views == (first,)
+    assert watch.look_again(fakes.tracked(3), 20.0, None)
+    assert worker.known[-1] is None
+    assert worker.doubted is full_size
