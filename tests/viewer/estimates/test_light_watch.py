@@ -324,3 +324,17 @@ def test_a_frame_of_another_scene_is_no_view_of_this_one_and_then_the_light_is_n
     assert watch.look_again(fakes.tracked(3), 20.0, None)
     assert worker.known[-1] is None
     assert worker.doubted is full_size
+
+
+def test_in_a_changed_scene_the_views_begin_to_count_anew(fakes) -> None:
+    """However widely the one before was seen."""
+    watch = LightWatch(fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(1), fakes.tracked(2, tilt_deg=40))
+    assert watch.ask(fakes.tracked(3), 0.0)
+    answered(watch, fakes.estimate(3))
+    for index in (4, 5):
+        assert watch.look_again(fakes.tracked(index), float(index), None)
+        answered(watch, fakes.estimate(index, towards=(-1.0, 0.0, 1.0)), (0, 1))
+    assert watch.held.is_news
+    watch.key_views = fakes.KeyViews(fakes.tracked(6), fakes.tracked(7, tilt_deg=10))
+    assert watch.sharpen(fakes.tracked(8), 8.0, None)
