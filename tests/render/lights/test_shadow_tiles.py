@@ -7,6 +7,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import direction_from_angles, normalised
+from ashe_live.core.types import Light
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.ground_shadows import (
@@ -16,8 +17,8 @@ from ashe_live.render.lights.ground_shadows import (
     _per_metre,
     _tile_from_marker,
 )
-from ashe_live.render.lights.light_view import view_of
-from ashe_live.render.lights.lighting import ShadingLight
+from ashe_live.render.lights.light_view import sees, view_of
+from ashe_live.render.lights.lighting import ShadingLight, lighting_of
 from ashe_live.render.lights.shadow_maps import LightBox, _fitted, _is_seen_soft, _overlaps, _plane_transform
 
 SIZE, MARGIN = 512, 5
@@ -52,6 +53,14 @@ def fitted(by: ShadingLight, points: Float) -> LightBox:
     return _fitted(view_of(by, points), points, SIZE, MARGIN)
 
 
+def around(by: ShadingLight) -> Float:
+    """(72, 4) homogeneous points of the rim of a light's disc."""
+    across = normalised(np.cross(by.to_light, (0.0, 0.0, 1.0)))
+    angles = np.linspace(0, 2 * np.pi, 72)
+    rim = np.outer(np.cos(angles), across) + np.outer(np.sin(angles), np.cross(by.to_light, across))
+    return np.column_stack([by.to_light + by.tan_half_size * rim, np.full(72, by.inverse_distance)])
+
+
 def through(projective: Float, points: Float) -> Float:
     homogeneous = points @ projective[:, :3].T + projective[:, 3]
     return np.asarray(homogeneous[:, :3] / homogeneous[:, 3:])
@@ -71,14 +80,22 @@ def test_a_depth_map_shows_its_caster_with_empty_texels_around_it_and_hardly_mor
 
 
 @pytest.mark.parametrize("by", LIGHTS.values(), ids=LIGHTS.keys())
+@pytest.mark.parametrize("above_m", [0.0, 0.1])
+def test_the_widest_penumbra_is_as_wide_as_the_lights_disc_casts_it(by, above_m) -> None:
+    points = box_corners(np.array(BOX)) + np.array((0, 0, above_m))
+    view = view_of(by, points)
+    cast = np.array([cast_by_point(points, point) for point in around(by)])
+    on_ground = np.dstack([cast, np.zeros(cast.shape[:2])])
+    aside = [view.seen(each)[:, :2] - view.seen(points)[:, :2] for each in on_ground]
+    # A lamp is seen a little aslant from beside the view's axis, where its disc looks narrower.
+    assert view.penumbra_m(points) == pytest.approx(np.linalg.norm(aside, axis=2).max(), rel=0.04)
+
+
+@pytest.mark.parametrize("by", LIGHTS.values(), ids=LIGHTS.keys())
 @pytest.mark.parametrize("bounds", [BOX, STEM], ids=["box", "stem"])
 def test_a_tile_of_the_ground_has_room_for_all_of_the_penumbra_and_hardly_more(by, bounds) -> None:
     points = box_corners(np.array(bounds))
-    across = normalised(np.cross(by.to_light, (0.0, 0.0, 1.0)))
-    angles = np.linspace(0, 2 * np.pi, 24)
-    rim = np.outer(np.cos(angles), across) + np.outer(np.sin(angles), np.cross(by.to_light, across))
-    disc = np.column_stack([by.to_light + by.tan_half_size * rim, np.full(24, by.inverse_distance)])
-    cast = np.concatenate([cast_by_point(points, point) for point in disc])
+    cast = np.concatenate([cast_by_point(points, point) for point in around(by)])
     tile_from_marker = _tile_from_marker(fitted(by, points), SIZE)
     texels = SIZE * through(tile_from_marker, np.column_stack([cast, np.zeros(len(cast))]))[:, :2]
     assert texels.min() >= RIM_TEXELS
@@ -174,3 +191,17 @@ def test_where_a_lamp_stands_between_two_bodies_their_shadows_may_meet() -> None
     bodies = [Caster(box_corners(np.array(BOX)) + np.array((x, 0, 0))) for x in (-0.05, 0.04)]
     assert view_of(by, np.concatenate([body.points for body in bodies])) is None, "no view of it shows both"
     assert _overlaps(bodies[0], bodies[1], by) == (True, True)
+
+
+def test_a_lamp_sees_a_body_wherever_a_view_of_it_shows_that() -> None:
+    random = np.random.default_rng(5)
+    told = []
+    for _ in range(300):
+        body = box_corners(np.array(BOX)) * random.uniform(0.3, 3) + np.array((*random.uniform(-0.1, 0.1, 2), 0))
+        towards = direction_from_angles(random.uniform(0, 6), random.uniform(0.1, 1.5))
+        lamp = Light(towards, inverse_distance=1 / random.uniform(0.03, 0.2))
+        shown = all(view_of(each, body) is not None for each in lighting_of((lamp,)).lights)
+        told.append(sees(lamp, body))
+        assert told[-1] == shown
+    assert 30 < told.count(False) < 270
+    assert not sees(Light((1.0, 0.0, -0.1)), box_corners(np.array(BOX)))
