@@ -302,6 +302,23 @@ def test_of_several_pictures_one_of_another_scene_is_neither_answered_for_nor_us
     assert np.degrees(angle_between(estimate.light.to_light_marker, truth)) < 5
 
 
+def test_each_picture_of_several_is_looked_at_by_itself_and_those_of_a_tracker_until_it_is_reset(picture_of_box):
+    """Where the marker is covered in a picture of another view, it is not followed there from the picture before."""
+    camera, shown = al.Camera.from_hfov((640, 480), 55), picture_of_box(-100)
+    covered = shown.copy()
+    for corner in al.Tracker(camera).track(shown).marker.corners_px:
+        cv2.circle(covered, np.round(corner).astype(int).tolist(), 10, (60, 90, 130), -1)
+    tracker = al.Tracker(camera)
+    assert tracker.track(shown).marker is not None
+    assert tracker.track(covered).marker is not None, "a hand that passes in a film"
+    tracker.reset()
+    assert tracker.track(covered).marker is None
+
+    assert al.estimate_light([shown, covered], camera, quality="fast").views == (0,)
+    with pytest.raises(al.UserError, match="shows no marker"):
+        al.estimate_light(shown, camera, empty_bgr=covered)
+
+
 def test_a_known_caster_is_the_real_object_of_the_answer(picture_of_box):
     camera = al.Camera.from_hfov((640, 480), 55)
     picture = picture_of_box(-100)

@@ -12,7 +12,7 @@ from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
-from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR, UNEXPLAINED_BGR
+from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body
 from ashe_live.drawing.steps import debug_pictures
@@ -170,6 +170,39 @@ def test_the_rose_has_x_right_y_up_and_the_horizon_at_its_rim(azimuth_deg):
         assert (off + 180) % 360 - 180 == pytest.approx(0, abs=4)
         reach.append(length.max())
     assert reach[0] / reach[1] == pytest.approx(70 / 20, rel=0.15)
+
+
+def test_the_rose_s_rings_are_where_lights_of_their_elevations_are():
+    """Elevations of 0, 30 and 60 degrees, as the guide reads the rose."""
+    empty = light_rose((), 400).astype(int)
+    (x,) = np.nonzero(np.abs(empty[180] - PAPER_BGR).max(axis=1) > 20)
+    rings = np.unique(np.hypot(x[x > 210] - 200, 20).round())
+    for elevation_deg in (0, 30, 60):
+        light = Light(direction_from_angles(math.radians(45), math.radians(elevation_deg)))
+        y, x = np.nonzero(np.abs(light_rose((light,), 400) - empty).max(axis=2) > 60)
+        reach = np.hypot(x - 200, y - 200).max()
+        assert np.abs(rings - reach).min() < 3, "but for the width of what is drawn"
+        rings = rings[np.abs(rings - reach) > 5]
+    assert not len(rings)
+
+
+def test_the_rose_counts_azimuths_from_its_right_to_its_top():
+    """Told by the widths of 0°, 90°, and of what has three figures."""
+    inked = np.abs(light_rose((), 400).astype(int) - PAPER_BGR).max(axis=2) > 20
+    beside_rim = inked[150:250, 366:], inked[:34, 150:250], inked[150:250, :34], inked[366:, 150:250]
+    right, top, left, bottom = (np.ptp(np.nonzero(part)[1]) for part in beside_rim)
+    assert right < top < min(left, bottom)
+
+
+def test_the_rose_shows_the_camera_where_a_light_from_there_would_be():
+    camera = direction_from_angles(math.radians(160), math.radians(40))
+    empty = light_rose((), 98).astype(int)
+    triangle, light = (
+        np.argwhere(np.abs(each.astype(int) - empty).max(axis=2) > 30)
+        for each in (light_rose((), 98, 0.7 * camera), light_rose((Light(camera),), 98))
+    )
+    tip = light[np.hypot(*(light - 49).T).argmax()]
+    np.testing.assert_allclose(triangle.mean(axis=0), tip, atol=3)
 
 
 def test_the_ellipse_is_long_where_the_covariance_is():

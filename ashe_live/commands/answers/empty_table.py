@@ -39,7 +39,6 @@ class EmptyTable:
             raise UserError(f"{self.path} is of another size ({sizes})", "take both pictures by one camera")
         tracker.reset()
         empty = tracker.track(self.frame)
-        tracker.reset()
         if empty.marker is None and (others := markers_in_view(self.frame.image_bgr)):
             said = f"{self.path} does not show {the_marker(tracker.marker.spec)}: {in_view_text(others)}"
             raise UserError(said, "leave the marker where it is, and take only the object away")

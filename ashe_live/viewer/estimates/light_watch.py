@@ -192,7 +192,9 @@ class LightWatch:
             return outcome
         if isinstance(outcome, OtherScene):
             self._doubted = self._frozen
-            self.key_views.drop([view for view in self.key_views.views if view is self._frozen])
+            # By its number: of a large picture the view is a smaller copy.
+            number = self._frozen.frame.index
+            self.key_views.drop([view for view in self.key_views.views if view.frame.index == number])
             return None
         if isinstance(outcome, Estimated) and outcome.shows_empty_table:
             self.empty_table.found(self._frozen)

@@ -38,8 +38,7 @@ class Gestures:
     def _press(self, event: MouseEvent, now_s: float) -> Request | None:
         clicked, self._clicked = self._clicked, None
         if clicked is not None and now_s - clicked[1] <= DOUBLE_CLICK_S and self._is_near(clicked[0], event):
-            self._pressed = None  # moving on after the second click is not a drag
-            return Request(COMMAND_BY_GESTURE[Gesture.DOUBLE_CLICK])
+            return Request(COMMAND_BY_GESTURE[Gesture.DOUBLE_CLICK])  # moving on from there is not a drag
         self._pressed, self._drags = event, False
         return None
 

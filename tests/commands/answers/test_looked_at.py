@@ -7,16 +7,18 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.sources import Source
-from ashe_live.commands.answers.looked_at import WATCHED_S, LookedAt, Wanted, look_at
+from ashe_live.commands.answers import looked_at
+from ashe_live.commands.answers.looked_at import LEARNING_S, WATCHED_S, LookedAt, Wanted, look_at
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.poses.steadiness import Steadiness
 
 SIZE, FPS = (64, 48), 5.0
-CAMERA = Camera.from_hfov(SIZE, 60)
+CAMERA, LEARNED = Camera.from_hfov(SIZE, 60), Camera.from_hfov(SIZE, 50)
 PICTURE = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
 SIDE_M = 0.08
 STEADY_AFTER = 4  # frames that follow the first of those that hardly differ
@@ -60,21 +62,29 @@ class Photo(Clip):
 
 
 class Tracker:
-    """Finds the marker in frames from `seen` on; it moves until `still`."""
+    """Finds the marker from frame `seen` on; it moves until `still`. Its camera is another one from `learned` on."""
 
-    def __init__(self, seen: int = 0, still: int = 0) -> None:
-        self.seen, self.still = seen, still
+    def __init__(self, seen: int = 0, still: int = 0, learned: int = 999) -> None:
+        self.seen, self.still, self.learned = seen, still, learned
+        self.camera, self.last = CAMERA, -1
 
     def track(self, frame: Frame) -> TrackedFrame:
+        assert frame.index > self.last, "where a clip begins again, the pose that was last seen says nothing"
+        self.last = frame.index
+        self.camera = LEARNED if frame.index >= self.learned else self.camera
         if frame.index < self.seen:
             return TrackedFrame(frame, CAMERA, None)
         aside_m = 0.02 * min(frame.index, self.still)
         T = rigid(cv2.Rodrigues(np.array([2.3, 0.0, 0.0]))[0], (aside_m - 0.1, 0.0, 0.6))
         marker = MarkerPose(T, project(CAMERA, T, square_corners(SIDE_M)), SIDE_M, 0.1, None)
-        return TrackedFrame(frame, CAMERA, marker)
+        return TrackedFrame(frame, self.camera, marker)
 
     def reset(self) -> None:
-        pass
+        self.last = -1
+
+
+class FocalLearner(Tracker, FocalTracker):
+    is_sure = False
 
 
 def looked(source: Source, tracker: Tracker, wanted: Wanted) -> LookedAt:
@@ -136,3 +146,19 @@ def test_a_frame_that_is_not_there_is_said(source: Source, wanted: Wanted, said:
     with pytest.raises(UserError, match=said) as caught:
         looked(source, Tracker(), wanted)
     assert remedy in caught.value.remedy
+
+
+def test_a_frame_before_the_focal_length_was_learned_is_looked_at_again() -> None:
+    frozen = looked(Clip(60), Tracker(learned=20), Wanted(views=2)).frozen
+    assert frozen.frame.index == STEADY_AFTER
+    assert frozen.camera is LEARNED
+
+
+def test_a_clip_is_begun_again_for_its_focal_length_and_where_its_first_frame_shows_another_scene(monkeypatch) -> None:
+    clip = Clip(500)
+    assert looked(clip, FocalLearner(), Wanted(views=1)).frozen.frame.index == STEADY_AFTER
+    assert clip.read_indices.index(0, 1) == LEARNING_S * FPS + 2, "it was read as far as it may help"
+
+    usual = Tracker().track(Frame(PICTURE, 30, 30 / FPS))
+    monkeypatch.setattr(looked_at, "first_of_most", lambda _: usual)
+    assert looked(Clip(60), Tracker(), Wanted(views=3)).frozen.frame.index == 30

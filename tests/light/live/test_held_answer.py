@@ -46,6 +46,23 @@ def error_deg(answer: HeldAnswer, truth) -> float:
     return math.degrees(angle_between(answer.estimate.light.to_light_marker, truth))
 
 
+@pytest.mark.parametrize(
+    ("one", "other", "is_same"),
+    [
+        (light(SUN, depth=0.3), light(SUN, depth=0.42), True),
+        (light(SUN, depth=0.3), light(SUN, depth=0.5), False),
+        (light(SUN, 0.1), light(turned(SUN, 5, 0), 0.1), True),  # masks change from frame to frame
+        (light(SUN, 0.1), light(turned(SUN, 9, 0), 0.1), False),
+        (light(SUN, 0.1), light(turned(SUN, 9, 0), 3.0), True),  # of which one is as vague
+        (light(SUN, 0.1), Light(turned(SUN, 20, 0)), True),  # who states no error may be off by this
+        (light(SUN, 0.1), Light(turned(SUN, 40, 0)), False),
+    ],
+)
+def test_two_answers_agree_by_the_errors_of_both_and_whichever_came_first(one, other, is_same) -> None:
+    assert agree(estimate(one), estimate(other)) is is_same
+    assert agree(estimate(other), estimate(one)) is is_same
+
+
 def test_a_sharper_answer_replaces_the_one_held_and_is_said_to_gain() -> None:
     answer = held(estimate(light(turned(SUN, 2, 0), 4.0)))
     assert answer.offer(estimate(light(SUN, 1.0), views=7))

@@ -20,7 +20,7 @@ from ashe_live.core.transforms import (
     transform_points,
 )
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
-from ashe_live.light.live.moved_marker import moved_illumination, seen_before_move
+from ashe_live.light.live.moved_marker import moved_illumination, seen_before_move, stays_on_plane
 from tests.light.synthetic_masks import camera_towards
 
 SIDE_M = 0.08
@@ -38,6 +38,19 @@ def seen(T_cam_marker=None, **kwargs) -> TrackedFrame:
 
 
 PRINT = seen().marker
+
+
+@pytest.mark.parametrize(
+    ("tilt_deg", "lift_m", "stays"),
+    [(0, 0.0, True), (3, 0.005, True), (8, 0.0, False), (0, 0.02, False), (0, -0.02, False), (180, 0.0, False)],
+)
+def test_a_sheet_that_is_tilted_or_lifted_no_longer_lies_on_its_plane_however_far_it_was_moved_on_it(
+    tilt_deg, lift_m, stays
+) -> None:
+    """Of paper 8 cm wide; the same holds for a sheet ten times as large that is lifted by ten times as much."""
+    R = cv2.Rodrigues(np.radians([tilt_deg, 0.0, 0.0]))[0] @ TURNED[:3, :3]
+    for factor in (0.1, 1, 10):
+        assert stays_on_plane(rigid(R, factor * np.array([0.3, -0.5, lift_m])), factor * SIDE_M) is stays
 
 
 @pytest.mark.parametrize("motion", [TURNED, TILTED], ids=["turned", "tilted"])

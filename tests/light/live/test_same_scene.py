@@ -1,15 +1,19 @@
 """Two views of one scene agree on its plane, however the camera moved; a changed light, object or marker does not."""
 
+from dataclasses import replace
 from functools import cache
 
+import cv2
 import numpy as np
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Frame
 from ashe_live.light.live import same_scene
 from ashe_live.light.live.key_views import KeyViews
-from ashe_live.light.live.same_scene import PlanePicture, differs, outdated, outdated_with_far
+from ashe_live.light.live.same_scene import CELLS_A_SIDE, PlanePicture, differs, outdated, outdated_with_far
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
@@ -34,8 +38,40 @@ def test_a_moving_camera_changes_nothing(ground, turned_deg) -> None:
     assert differs(first, seen(BOX, MUG, ground=ground, azimuth_deg=turned_deg, exposure=0.8, seed=1)) is False
 
 
-def test_from_far_apart_nothing_is_said() -> None:
+def test_neither_does_another_exposure() -> None:
+    assert differs(seen(BOX), seen(BOX, exposure=0.55, seed=1)) is False
+
+
+def test_from_far_apart_or_by_a_glimpse_of_the_ground_nothing_is_said() -> None:
     assert differs(seen(BOX), seen(BOX, azimuth_deg=40)) is None
+    for sides, said in ((1.9, None), (2.1, False)):
+        now = seen(BOX)
+        cells = np.zeros(now.is_seen.size, np.bool_)
+        cells[np.flatnonzero(now.is_seen)[: round(sides * CELLS_A_SIDE**2)]] = True
+        assert differs(seen(BOX, seed=1), replace(now, is_seen=cells.reshape(now.is_seen.shape))) is said
+
+
+@pytest.mark.parametrize(("grey", "said"), [(60, True), (255, False)], ids=["dark paper", "glare"])
+def test_a_glare_on_the_table_is_no_change(grey, said) -> None:
+    tracked = paint(BOX, T_cam_marker=camera_towards((0.02, 0.0), 0.6, 45.0), ground="plain").tracked
+    image = np.array(tracked.frame.image_bgr)
+    corners = np.array([(-0.16, -0.16, 0), (-0.08, -0.16, 0), (-0.08, -0.08, 0), (-0.16, -0.08, 0)])
+    outline = np.round(project(tracked.camera, tracked.marker.T_cam_marker, corners)).astype(np.int32)
+    cv2.fillConvexPoly(image, outline, (grey, grey, grey))
+    lit = replace(tracked, frame=Frame(image, 1, 0.0))
+    assert differs(PlanePicture.of(tracked), PlanePicture.of(lit)) is said
+
+
+@pytest.mark.parametrize("factor", [0.1, 10])
+def test_a_table_ten_times_as_large_looks_the_same(factor) -> None:
+    tracked = paint(BOX, T_cam_marker=camera_towards((0.02, 0.0), 0.6, 45.0)).tracked
+    T = tracked.marker.T_cam_marker.copy()
+    T[:3, 3] *= factor
+    larger = replace(tracked, marker=replace(tracked.marker, T_cam_marker=T, side_m=factor * tracked.marker.side_m))
+    here, there = PlanePicture.of(tracked), PlanePicture.of(larger)
+    np.testing.assert_allclose(there.slope, here.slope)
+    assert there.height_sides == pytest.approx(here.height_sides)
+    assert differs(here, there) is False
 
 
 @pytest.mark.parametrize("turned_deg", [0, 3])

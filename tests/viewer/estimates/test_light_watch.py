@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import angle_between, direction_from_angles
+from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.transforms import angle_between, direction_from_angles, rigid
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.live.worker import LightWorker
@@ -229,3 +230,111 @@ def test_who_leans_in_until_object_and_shadow_are_out_of_view_loses_no_light(wat
     assert watch.held.estimate is before
     assert watch.ask(near, now_s), "who asks for it gets an answer"
     watch.wait(PATIENCE_S)
+
+
+def answered(watch: LightWatch, estimate: LightEstimate, outdated: tuple[int, ...] = ()) -> None:
+    """The stand-in for the worker answers so."""
+    watch._worker.answer, watch._worker.outdated = estimate, outdated
+    watch.wait(0.0)
+
+
+def test_another_scene_begins_without_views_doubts_and_empty_table_of_the_one_before(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(1), fakes.tracked(2))
+    watch.show_empty_table(fakes.tracked(0))
+    assert watch.ask(fakes.tracked(3), 0.0)
+    answered(watch, fakes.estimate(3))
+    assert watch.ask_in_background(fakes.tracked(4), 1.0)
+    answered(watch, fakes.estimate(4), (0, 1))
+    assert watch.ask_in_background(fakes.tracked(5), 2.0)
+    assert (len(worker.others), worker.doubted.frame.index, worker.empty.frame.index) == (2, 4, 0)
+
+    watch.begin_anew()
+    assert not watch.is_estimating
+    assert watch.held.estimate is None
+    assert watch.ask(fakes.tracked(6), 3.0)
+    assert (worker.others, worker.doubted, worker.empty) == ((), None, None)
+
+
+def test_views_by_another_focal_length_or_of_the_marker_elsewhere_are_not_asked_about(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    seen, zoomed, elsewhere, asked = (replace(fakes.tracked(index), T_room_marker=np.eye(4)) for index in range(4))
+    zoomed = replace(zoomed, camera=Camera.from_hfov(seen.camera.size, 40))
+    elsewhere = replace(elsewhere, T_room_marker=rigid(np.eye(3), (0.1, 0, 0)))
+    watch.key_views = fakes.KeyViews(seen, zoomed, elsewhere, asked)
+    assert watch.ask(asked, 0.0)
+    assert worker.others == (seen,)
+
+
+def test_a_second_request_of_who_waits_already_changes_nothing(fakes) -> None:
+    watch = LightWatch(fakes.Worker())
+    assert watch.ask(fakes.tracked(1), 0.0)
+    asked = watch.sharpening
+    assert not watch.ask(fakes.tracked(2), 1.0)
+    assert watch.sharpening is asked
+    assert watch.asked_s == 0.0
+    answered(watch, fakes.estimate(1))
+    assert watch.ask(fakes.tracked(3), 2.0)
+    assert watch.sharpening is not asked, "another request may gain something again"
+
+
+@pytest.mark.parametrize(("estimator", "gains"), [("proxy", True), ("paper", False)])
+def test_an_estimator_of_one_frame_is_not_asked_about_further_views(estimator, gains, fakes) -> None:
+    watch = LightWatch(fakes.Worker())
+    assert watch.ask(fakes.tracked(1), 0.0)
+    answered(watch, replace(fakes.estimate(1), estimator=estimator))
+    watch.key_views = fakes.KeyViews(fakes.tracked(2), fakes.tracked(3, tilt_deg=20))
+    assert watch.sharpen(fakes.tracked(4), 1.0, None) is gains
+
+
+def test_of_the_empty_table_it_is_said_what_to_do_next_and_without_a_marker_nothing_is_kept(fakes) -> None:
+    watch = LightWatch(fakes.Worker())
+    for tracked in (None, fakes.tracked(0, has_marker=False)):
+        assert watch.show_empty_table(tracked) == "no marker in view"
+        assert watch.empty_table.frame is None
+    assert "in another frame of this view" in watch.show_empty_table(fakes.tracked(1)), "of a clip"
+    watch.camera_may_move = True
+    assert "put the object there" in watch.show_empty_table(fakes.tracked(2))
+
+
+def test_only_a_frame_in_which_nothing_stands_on_the_table_serves_as_the_empty_one(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    assert watch.ask(fakes.tracked(1), 0.0)
+    answered(watch, fakes.estimate(1))
+    assert watch.ask(fakes.tracked(2), 1.0)
+    assert worker.empty is None
+    worker.shows_empty_table = True
+    answered(watch, fakes.estimate(2, with_light=False))
+    assert watch.ask(fakes.tracked(3), 2.0)
+    assert worker.empty.frame.index == 2
+
+
+def test_a_frame_of_another_scene_is_no_view_of_this_one_and_then_the_light_is_not_only_followed(fakes) -> None:
+    watch = LightWatch(worker := fakes.Worker())
+    watch.key_views = fakes.KeyViews(first := fakes.tracked(1), other := fakes.tracked(2))
+    for now_s in range(4):  # until further estimates gain nothing
+        assert watch.ask_in_background(first, now_s)
+        answered(watch, fakes.estimate(1))
+    assert watch.sharpening.is_settled
+    full_size = replace(other)  # of which the view is a smaller copy
+    assert watch.look_again(full_size, 10.0, None)
+    assert worker.known[-1] is not None, "it is only followed"
+    answered(watch, fakes.estimate(2), (0,))
+    assert watch.key_views.views == (first,)
+    assert watch.look_again(fakes.tracked(3), 20.0, None)
+    assert worker.known[-1] is None
+    assert worker.doubted is full_size
+
+
+def test_in_a_changed_scene_the_views_begin_to_count_anew(fakes) -> None:
+    """However widely the one before was seen."""
+    watch = LightWatch(fakes.Worker())
+    watch.key_views = fakes.KeyViews(fakes.tracked(1), fakes.tracked(2, tilt_deg=40))
+    assert watch.ask(fakes.tracked(3), 0.0)
+    answered(watch, fakes.estimate(3))
+    for index in (4, 5):
+        assert watch.look_again(fakes.tracked(index), float(index), None)
+        answered(watch, fakes.estimate(index, towards=(-1.0, 0.0, 1.0)), (0, 1))
+    assert watch.held.is_news
+    watch.key_views = fakes.KeyViews(fakes.tracked(6), fakes.tracked(7, tilt_deg=10))
+    assert watch.sharpen(fakes.tracked(8), 8.0, None)

@@ -12,7 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Model
-from ashe_live.models.placement import UNMOVED, placed_on_marker
+from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.render.lights.lighting import angular_size, lighting_of
 from ashe_live.viewer.hands.hand import (
@@ -28,6 +28,7 @@ from ashe_live.viewer.hands.hand import (
     NEAREST_LAMP_SIDES,
     SCALE_STEP,
     SMALLEST,
+    SOFTEST_RAD,
     TURN_STEP_RAD,
     Hand,
     HandContext,
@@ -117,6 +118,22 @@ def test_the_shadows_end_follows_the_mouse(eye, camera, estimated):
             begin, now = (x + beside, y), (x + beside + dx, y + dy)
             hand.obey(Request(Command.MOVE_LIGHT, Drag(begin, now, dx == 12)), sight(tracked, estimated))
             assert pixel_of(tracked, shadow_end(hand)) == pytest.approx((x + dx, y + dy), abs=0.01)
+
+
+def test_a_model_that_stands_elsewhere_turned_and_enlarged_follows_the_mouse_and_so_does_its_shadow():
+    tracked, hand = seen_from(EYES[0]), Hand()
+    anchor = Placement(2.0, 1.0, (0.05, -0.02))
+    begin, now = (300.0, 260.0), (350.0, 250.0)
+    drag(hand, Command.MOVE_MODEL, HandContext(tracked, ESTIMATED, MODEL, anchor), begin, now)
+    moved = np.subtract((anchor @ hand.placement).shift_m, anchor.shift_m)
+    assert pixel_of(tracked, ground_at(tracked, begin) + moved) == pytest.approx(now, abs=0.01)
+
+    hand = Hand()
+    hand.obey(Request(Command.SCALE_MODEL, -5), sight(tracked))
+    hand.obey(Request(Command.MOVE_LIGHT, (0, 0)), sight(tracked))
+    x, y = pixel_of(tracked, shadow_end(hand))
+    drag(hand, Command.MOVE_LIGHT, sight(tracked), (x, y), (x + 30, y + 10))
+    assert pixel_of(tracked, shadow_end(hand)) == pytest.approx((x + 30, y + 10), abs=0.01)
 
 
 @pytest.mark.parametrize("elevation_deg", [-10, 0.5, 8])
@@ -311,6 +328,7 @@ def test_a_light_by_hand_states_no_uncertainty(command):
     hand.obey(Request(command, -1), sight(seen_from(EYES[0])))
     light = hand.light.light
     assert light.sigma_rad is light.confidence is light.covariance_rad2 is light.lamp_covariance is None
+    assert hand.frame_index == 7, "the frame that was shown"
 
 
 def test_no_key_makes_a_light_that_cannot_be():
@@ -350,6 +368,19 @@ def test_a_light_by_hand_comes_nearer_and_goes_away_again():
     for _ in range(3):
         hand.obey(Request(Command.LIGHT_DISTANCE, -1e9), sight(tracked))
     assert 1 / hand.light.light.inverse_distance == pytest.approx(NEAREST_LAMP_SIDES * SIDE_M)
+
+
+def test_of_a_light_whose_shadow_leaves_two_fifths_it_is_said_that_it_gives_three():
+    two_fifths = Light(ESTIMATED.light.to_light_marker, shadow_rgb_ratio=np.full(3, 0.4))
+    said = Hand().obey(Request(Command.LIGHT_STRENGTH, 0), sight(seen_from(EYES[0]), Illumination((two_fifths,))))
+    assert "light: 60 % " in said
+
+
+def test_a_wide_light_that_comes_near_is_as_wide_as_the_softest_at_most():
+    tracked, hand = seen_from(EYES[0]), Hand()
+    for command, notches in ((Command.LIGHT_SOFTNESS, 100), (Command.LIGHT_DISTANCE, -1), (Command.LIGHT_DISTANCE, -9)):
+        hand.obey(Request(command, notches), sight(tracked))
+        assert angular_size(hand.light.light) == pytest.approx(SOFTEST_RAD)
 
 
 def test_a_snapshot_knows_where_the_lamp_by_hand_is():

@@ -51,7 +51,9 @@ def test_every_row_can_be_chosen_wherever_it_was_opened(corner):
     found = set()
     for share in (0.2, 0.8):  # of two columns, from left to right
         for row in range(top, top + height, 6):
-            found.add(chosen_at(left + share * width, row, opened(*corner)))
+            menu = opened(*corner)
+            found.add(request := chosen_at(left + share * width, row, menu))
+            assert menu.is_open is (request is None)
     assert found - {None} == {entry.request for entry in ENTRIES}
 
 
@@ -111,12 +113,40 @@ def test_whatever_a_key_asks_for_without_saying_how_much_is_offered():
     assert {each.command for each in BINDINGS if not each.arguments} - by_name - {Command.LEAVE} == set(OFFERED)
 
 
-def test_a_press_beside_it_closes_it_and_reaches_nothing_below():
-    menu = opened()
-    left, top, width, height = plate(menu)
-    assert chosen_at(left + width + 5, top + height + 5, menu) is None
+def test_it_opens_at_the_pointer_where_there_is_room():
+    assert plate(opened(300, 100, (1920, 1080)), (1920, 1080))[:2] == (300, 100)
+
+
+def test_opened_again_it_is_drawn_where_the_pointer_is_then():
+    size = (1920, 1080)
+    menu = opened(300, 100, size)
+    before = plate(menu, size)
+    menu.take_mouse(MouseEvent(MENU, 500, 50), lambda: ENTRIES, Screen(size))
+    assert plate(menu, size) == (500, 50, *before[2:])
+
+
+def test_it_stands_in_one_column_where_the_window_is_high_and_is_as_large_on_a_dense_screen():
+    high, wide = (plate(opened(0, 0, size), size) for size in ((1000, 2000), (1280, 720)))
+    assert high[3] > 1.8 * wide[3]
+    assert high[2] < 0.6 * wide[2]
+    menu, dense = Menu(), Screen((2000, 4000), 2.0)
+    menu.take_mouse(MouseEvent(MENU, 0, 0), lambda: ENTRIES, dense)
+    (overlay,) = menu.overlays(dense)
+    np.testing.assert_allclose(overlay.shown_size, 2 * np.array(high[2:]), rtol=0.05)
+
+
+@pytest.mark.parametrize("beside", [(5, None), (None, 5), (-60, None), (None, -60)], ids=str)
+def test_a_press_beside_it_closes_it_and_reaches_nothing_below(beside: tuple[int | None, int | None]):
+    size = (1280, 720)
+    menu = opened(100, 80, size)
+    left, top, *extent = plate(menu, size)
+    x, y = (
+        begin + (length / 2 if by is None else by if by < 0 else length + by)
+        for begin, length, by in zip((left, top), extent, beside, strict=True)
+    )
+    assert chosen_at(x, y, menu, size) is None
     assert not menu.is_open
-    assert not menu.take_mouse(MouseEvent(PRESSED, 1, 1), lambda: ENTRIES, Screen(SIZE))
+    assert not menu.take_mouse(MouseEvent(PRESSED, 1, 1), lambda: ENTRIES, Screen(size))
 
 
 def test_a_press_on_its_rim_asks_for_nothing_and_leaves_it_open():

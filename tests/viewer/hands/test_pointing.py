@@ -47,7 +47,7 @@ def test_a_drag_is_one_in_the_video():
 def test_in_a_mirror_right_is_left():
     drag = Request(Command.MOVE_MODEL, Drag((10, 20), (13, 25), False))
     assert in_mirror(drag, (640, 480)) == Request(Command.MOVE_MODEL, Drag((630, 20), (627, 25), False))
-    assert in_mirror(Request(Command.MOVE_LIGHT, (1, -1)), (640, 480)) == Request(Command.MOVE_LIGHT, (-1, -1))
+    assert in_mirror(Request(Command.MOVE_LIGHT, (1, -2)), (640, 480)) == Request(Command.MOVE_LIGHT, (-1, -2))
     for same in (Request(Command.SCALE_MODEL, 2), Request(Command.OPEN, Files(("a.glb",))), Request(Command.HELP)):
         assert in_mirror(same, (640, 480)) is same
 
@@ -70,6 +70,7 @@ def test_where_no_plane_is_there_is_no_point():
     assert all(ground_at(edge_on, (320, row)) is None for row in (0, 100, 240, 400))
     assert pixel_of(grazing, np.array((0.0, -3.0))) is None  # behind the camera
     assert pixel_of(grazing, np.array((9.0, 0.0))) is None  # beside the picture
+    assert pixel_of(seen_from((0.0, -0.5, 0.3)), np.array((0.0, -0.45))) is None  # below it
     nowhere = TrackedFrame(grazing.frame, PINHOLE, None)
     assert ground_at(nowhere, (320, 400)) is pixel_of(nowhere, np.zeros(2)) is None
 

@@ -1,6 +1,7 @@
 """Undo: gesture by gesture back to the beginning, and no further."""
 
 import numpy as np
+import pytest
 
 from ashe_live.core.types import Illumination, Light
 from ashe_live.viewer.hands.hand import Hand, HandContext
@@ -23,11 +24,16 @@ class Table:
         self.hand.obey(request, self._context)
 
 
-def test_each_gesture_is_taken_back_by_itself(fakes):
+@pytest.mark.parametrize(
+    ("requests", "pause_s"),
+    [((LARGER, TURN, LARGER), ONE_GESTURE_S / 4), ((LARGER, LARGER, LARGER), 2 * ONE_GESTURE_S)],
+    ids=["other keys at once", "the same after a pause"],
+)
+def test_each_gesture_is_taken_back_by_itself(requests, pause_s, fakes):
     table = Table(fakes)
     states = [table.hand.placement]
-    for number, request in enumerate((LARGER, TURN, LARGER)):
-        table.obey(request, 10.0 * number)
+    for number, request in enumerate(requests):
+        table.obey(request, pause_s * number)
         states.append(table.hand.placement)
     for state in reversed(states[:-1]):
         assert table.undo.undo(table.hand)
@@ -42,6 +48,24 @@ def test_a_turning_wheel_is_one_gesture(fakes):
         table.obey(LARGER, number * ONE_GESTURE_S / 2)
     assert table.undo.undo(table.hand)
     assert table.hand.placement == before
+
+
+def test_the_same_key_again_after_undoing_or_another_change_is_a_gesture_of_its_own(fakes):
+    table = Table(fakes)
+    before = table.hand.placement
+    undo = table.undo
+    for change in (undo.note_change, undo.note_turned_up, undo.note_other_taken_up):
+        table.obey(LARGER, 0.0)
+        larger = table.hand.placement
+        change(lambda: "taken back")
+        table.obey(LARGER, 0.1)
+        assert undo.undo(table.hand)
+        assert table.hand.placement == larger
+        assert undo.undo(table.hand) == "taken back"
+        table.obey(LARGER, 0.2)
+        for state in (larger, before):
+            assert undo.undo(table.hand)
+            assert table.hand.placement == state
 
 
 def test_a_drag_is_one_gesture_however_slow(fakes):
