@@ -41,7 +41,7 @@ def estimate_light(
     quality: str = "balanced",
     estimator: str = "proxy",
     light: str = "auto",
-    caster: str | None = None,
+    caster: str | Path | None = None,
     empty_bgr: Image | None = None,
 ) -> LightEstimate:
     """Where the light is in a picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
@@ -85,7 +85,7 @@ def estimate_light(
 
 
 def make_estimator(
-    name: str = "proxy", quality: str = "balanced", light: str = "auto", caster: str | None = None
+    name: str = "proxy", quality: str = "balanced", light: str = "auto", caster: str | Path | None = None
 ) -> "LightEstimator":
     """An estimator to keep for one frame after another; `estimate_light` makes a new one each time.
 
@@ -98,9 +98,9 @@ def make_estimator(
 class LightEstimator:
     """Where the light is in tracked frames. For use by one thread at a time."""
 
-    def __init__(self, name: str, quality: str, light: str, caster: str | None = None) -> None:
+    def __init__(self, name: str, quality: str, light: str, caster: str | Path | None = None) -> None:
         """As `make_estimator`."""
-        known = None if caster is None else read_caster(arguments.text(caster, "caster"))
+        known = None if caster is None else read_caster(arguments.text_or_path(caster, "caster"))
         self._estimator = estimators.make_estimator(name, quality_named(quality).light.assuming(light, known))
 
     @property
