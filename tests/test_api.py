@@ -1,5 +1,7 @@
 """The programming interface: docs/api.md runs as written; what it promises is kept; importing it is cheap."""
 
+import dataclasses
+import inspect
 import os
 import re
 import shutil
@@ -273,6 +275,19 @@ def test_every_name_is_there_and_no_other():
     assert set(dir(al)) == {*al.__all__, "__version__"}
     with pytest.raises(AttributeError, match="no attribute 'learn'"):
         al.learn  # noqa: B018
+
+
+@pytest.mark.parametrize("name", al.__all__)
+def test_help_tells_what_every_field_and_member_is(name):
+    kind = getattr(al, name)
+    said = inspect.getdoc(kind)
+    if dataclasses.is_dataclass(kind):
+        told = ",".join(re.findall(r"^([\w, ]+): ", said, re.MULTILINE)).replace(" ", "").split(",")
+        assert {field.name for field in dataclasses.fields(kind)} <= {*told}
+    if isinstance(kind, type):
+        fields = getattr(kind, "__slots__", ())
+        members = {name: member for name, member in vars(kind).items() if name[0] != "_" and name not in fields}
+        assert [name for name, member in members.items() if not inspect.getdoc(member)] == []
 
 
 @pytest.mark.parametrize(
