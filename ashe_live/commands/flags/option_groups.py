@@ -88,7 +88,8 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
         help="cover the marker's sheet, or the paper cube, with ground like that around it (default: the sheet "
         "alone; key C)",
     )
-    view.add_argument("--mirror", action="store_true", help="show the window as a mirror would (key W)")
+    mirrored = "show the window, not what is recorded, as a mirror would (key W)"
+    view.add_argument("--mirror", action="store_true", help=mirrored)
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
     _add_output_options(parser)
     add_quality_options(parser)
