@@ -41,7 +41,7 @@ def estimate_light(
     quality: str = "balanced",
     estimator: str = "proxy",
     light: str = "auto",
-    caster: str | None = None,
+    caster: str | Path | None = None,
     empty_bgr: Image | None = None,
 ) -> LightEstimate:
     """Where the light is in a picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
@@ -49,7 +49,10 @@ def estimate_light(
     image_bgr: one picture, or several of one scene from different sides, in which nothing has moved. The answer is then
     for the first that shows the marker and the same as most of them (in another, a hand may be in the way).
     camera: of the pictures, to whose size it is scaled.
-    side_m: the black square's side (None: 0.08) or the cube's edge (None: 0.06).
+    marker: as `--marker` takes it, such as "apriltag:36h11:5" or "cube"; no other one is looked for.
+    side_m: the black square's side (None: 0.08) or the cube's edge (None: 0.06), metres.
+    quality: "fast", "balanced" or "accurate".
+    estimator: "proxy", or "paper" for the AShE paper's method.
     light: "sun", "lamp", or "auto": a lamp where the picture shows its distance.
     caster: the object that casts the shadow, where its shape and size are known: "box:WxDxH", "cylinder:RxH" or
     "sphere:R" in metres, or the path of a model, whose convex hull it is.
@@ -85,12 +88,13 @@ def estimate_light(
 
 
 def make_estimator(
-    name: str = "proxy", quality: str = "balanced", light: str = "auto", caster: str | None = None
+    name: str = "proxy", quality: str = "balanced", light: str = "auto", caster: str | Path | None = None
 ) -> "LightEstimator":
     """An estimator to keep for one frame after another; `estimate_light` makes a new one each time.
 
-    Raises UserError for an unknown estimator or a caster that cannot be read, ValueError for an unknown quality or
-    light. Frames of the paper cube are estimated by the cube, whatever the caster.
+    `name` is what `estimate_light` calls `estimator`; `quality`, `light` and `caster` are as there. Frames of the paper
+    cube are estimated by the cube, whatever the caster. Raises UserError for an unknown estimator or a caster that
+    cannot be read, ValueError for an unknown quality or light.
     """
     return LightEstimator(arguments.text(name, "name"), quality, light, caster)
 
@@ -98,13 +102,14 @@ def make_estimator(
 class LightEstimator:
     """Where the light is in tracked frames. For use by one thread at a time."""
 
-    def __init__(self, name: str, quality: str, light: str, caster: str | None = None) -> None:
+    def __init__(self, name: str, quality: str, light: str, caster: str | Path | None = None) -> None:
         """As `make_estimator`."""
-        known = None if caster is None else read_caster(arguments.text(caster, "caster"))
+        known = None if caster is None else read_caster(arguments.text_or_path(caster, "caster"))
         self._estimator = estimators.make_estimator(name, quality_named(quality).light.assuming(light, known))
 
     @property
     def name(self) -> str:
+        """As given to `make_estimator`."""
         return self._estimator.name
 
     def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:

@@ -19,7 +19,8 @@ from ashe_live.models.placement import PlacedModel, Placement, seat_beside
 from ashe_live.models.reading import read_model
 from ashe_live.quality import quality_named
 
-Standing = str | tuple[str, Placement]  # a model, by itself or moved from where it stands first
+Name = str | os.PathLike[str]  # a shipped model's, or the path of a file
+Standing = Name | tuple[Name, Placement]  # a model, by itself or moved from where it stands first
 
 
 class Renderer:
@@ -60,6 +61,8 @@ class Renderer:
 
         `time_s`: of a model that moves, since its motion began; it is looped. `is_cut_out`: model and shadow alone,
         (h, w, 4) uint8 BGRA with straight alpha, so that they give the same picture when put over the frame.
+
+        `shows_light`: with an arrow that comes from each light, or a bulb where a lamp is.
 
         `model` is a shipped model's name (`model_names()`) or the path of a glTF, GLB, OBJ, PLY or STL file; or such a
         name with a Placement, how it is scaled, turned and shifted on the marker's plane; or a list of up to nine of
@@ -132,7 +135,8 @@ def _standings(model: Standing | Sequence[Standing]) -> list[tuple[str, Placemen
     for one in chosen:
         if isinstance(one, tuple) and len(one) == 2:
             name, placement = one
-            found.append((arguments.text(name, "model"), arguments.instance(placement, Placement, "model's placement")))
+            moved = arguments.instance(placement, Placement, "model's placement")
+            found.append((arguments.text_or_path(name, "model"), moved))
         else:
-            found.append((arguments.text(one, "model"), None))
+            found.append((arguments.text_or_path(one, "model"), None))
     return found

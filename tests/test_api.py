@@ -1,5 +1,7 @@
 """The programming interface: docs/api.md runs as written; what it promises is kept; importing it is cheap."""
 
+import dataclasses
+import inspect
 import os
 import re
 import shutil
@@ -101,6 +103,25 @@ def test_several_models_stand_side_by_side_and_one_where_it_is_put(ran):
     assert np.count_nonzero(tree & ~mug) > 100
     assert np.mean(both == (mug | tree)) > 0.999
     assert np.mean(in_other_order == both) > 0.999
+
+
+def test_a_file_is_named_by_a_path_as_by_text(ran, tmp_path):
+    file = tmp_path / "tile.obj"
+    file.write_text("v 0 0 0\nv 0.06 0 0\nv 0.06 0 0.04\nv 0 0.03 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n")
+    tracked, moved = ran["tracked"], al.Placement(scale=0.5)
+    with al.Renderer(tracked.frame.size) as renderer:
+        for by_path, by_text in (
+            (file, str(file)),
+            ((file, moved), (str(file), moved)),
+            (["mug", file], ["mug", str(file)]),
+        ):
+            drawn = renderer.render(tracked, by_path, is_cut_out=True)
+            assert drawn[..., 3].any()
+            np.testing.assert_array_equal(drawn, renderer.render(tracked, by_text, is_cut_out=True))
+    known = [al.make_estimator("proxy", "fast", caster=caster).estimate(tracked) for caster in (file, str(file))]
+    assert known[0].reason == known[1].reason
+    with pytest.raises(al.UserError, match="no file"):
+        al.make_estimator(caster=tmp_path / "none.obj")
 
 
 def test_what_is_cut_out_is_nothing_where_nothing_is_drawn_and_can_be_saved(ran, tmp_path):
@@ -254,6 +275,19 @@ def test_every_name_is_there_and_no_other():
     assert set(dir(al)) == {*al.__all__, "__version__"}
     with pytest.raises(AttributeError, match="no attribute 'learn'"):
         al.learn  # noqa: B018
+
+
+@pytest.mark.parametrize("name", al.__all__)
+def test_help_tells_what_every_field_and_member_is(name):
+    kind = getattr(al, name)
+    said = inspect.getdoc(kind)
+    if dataclasses.is_dataclass(kind):
+        told = ",".join(re.findall(r"^([\w, ]+): ", said, re.MULTILINE)).replace(" ", "").split(",")
+        assert {field.name for field in dataclasses.fields(kind)} <= {*told}
+    if isinstance(kind, type):
+        fields = getattr(kind, "__slots__", ())
+        members = {name: member for name, member in vars(kind).items() if name[0] != "_" and name not in fields}
+        assert [name for name, member in members.items() if not inspect.getdoc(member)] == []
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,11 @@ from ashe_live.errors import UserError
 
 
 def open_source(path: str | Path) -> Source:
-    """The photo or clip in the file `path`, told apart by content. Raises UserError when there is neither."""
+    """The photo or clip in the file `path`, told apart by content. Raises UserError when there is neither.
+
+    It is a context manager, has a `size` (width, height), and gives its frames one after another when iterated over,
+    each with its `image_bgr`, `index` and `time_s`.
+    """
     # Each kind loads a library of its own, which the other does not need.
     from ashe_live.capture.photo import PhotoSource, looks_like_photo
 

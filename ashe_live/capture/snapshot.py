@@ -23,7 +23,7 @@ def write_png(
     texts: Mapping[str, str] | None = None,
     beside: bool = False,
 ) -> Path:
-    """Writes (h, w, 3) uint8, or (h, w, 4) with straight alpha, and returns where it is.
+    """Writes (h, w, 3) uint8 BGR, or (h, w, 4) BGRA with straight alpha, and returns where it is.
 
     That is `beside` a file that has appeared at `path` meanwhile. `texts` stand in it by keyword, in chunks of the kind
     iTXt (PNG specification, 11.3.3.4). Raises UserError when `path` exists (without `overwrite`) or cannot be written,

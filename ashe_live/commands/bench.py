@@ -3,8 +3,8 @@
 import argparse
 
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
-from ashe_live.errors import ExitStatus, UserError
-from ashe_live.quality import QUALITIES, Quality
+from ashe_live.errors import ExitStatus
+from ashe_live.quality import QUALITIES
 
 LEAST_MEMORY_FRAMES = 10  # the end is compared with a fifth of the way
 
@@ -28,7 +28,7 @@ def _viewer(options: argparse.Namespace) -> None:
     from ashe_live.bench.viewer.bench import ViewerBench
     from ashe_live.capture.clips.known_clip import shipped_clip
 
-    ViewerBench(shipped_clip(), _fixed_quality(options), options.estimator, options.frames, options.size).run(
+    ViewerBench(shipped_clip(), QUALITIES[options.quality], options.estimator, options.frames, options.size).run(
         options.out, options.overwrite
     )
 
@@ -37,15 +37,9 @@ def _soak(options: argparse.Namespace) -> None:
     from ashe_live.bench.soak.bench import SoakBench
     from ashe_live.capture.clips.known_clip import shipped_clip
 
-    SoakBench(shipped_clip(), _fixed_quality(options), options.estimator, options.frames).run(
+    SoakBench(shipped_clip(), QUALITIES[options.quality], options.estimator, options.frames).run(
         options.out, options.overwrite
     )
-
-
-def _fixed_quality(options: argparse.Namespace) -> Quality:
-    if options.quality not in QUALITIES:
-        raise UserError(f"quality {options.quality} changes as it runs", f"measure one of {', '.join(QUALITIES)}")
-    return QUALITIES[options.quality]
 
 
 def _render(options: argparse.Namespace) -> None:

@@ -35,11 +35,16 @@ def text(value: str, name: str) -> str:
     return value
 
 
+def text_or_path(value: str | os.PathLike[str], name: str) -> str:
+    """Returns a str, or a path as one, without NUL."""
+    if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
+        raise TypeError(f"{name} must be a str or a Path, and is {_a(type(value))}")
+    return text(os.fspath(value), name)
+
+
 def path(value: str | os.PathLike[str], name: str) -> Path:
     """Returns a str or path as a Path."""
-    if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
-        raise TypeError(f"{name} must be a str or a Path, and is a {type(value).__name__}")
-    return Path(text(os.fspath(value), name))
+    return Path(text_or_path(value, name))
 
 
 def one_of(value: str, choices: Iterable[str], name: str) -> str:

@@ -35,13 +35,22 @@ DISTORTION_LENGTHS = (4, 5, 8, 12, 14)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Camera:
-    """Intrinsics for frames of one size."""
+    """Intrinsics for frames of one size, by OpenCV's model, pixel centres at integers.
 
-    size: Size  # width, height in pixels
-    K: Float  # (3, 3) pixels, last row 0 0 1
-    dist: Float  # (4, 5, 8, 12 or 14,) OpenCV's distortion coefficients
-    source: CameraSource  # where the numbers come from
-    focal_sigma_px: float = math.nan  # standard deviation of the focal length; not given, FOCAL_SIGMA of its source
+    size: width, height in pixels.
+    K: (3, 3) pixels, last row 0 0 1.
+    dist: (4, 5, 8, 12 or 14,) OpenCV's distortion coefficients.
+    source: where the numbers come from.
+    focal_sigma_px: standard deviation of the focal length; not given, that which cameras of its `source` have.
+
+    Raises ValueError for what no camera has.
+    """
+
+    size: Size
+    K: Float
+    dist: Float
+    source: CameraSource
+    focal_sigma_px: float = math.nan  # not given: by FOCAL_SIGMA
 
     def __post_init__(self) -> None:
         set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(self.dist, (-1,), "dist"))
@@ -99,6 +108,7 @@ class Camera:
 
     @property
     def is_distorted(self) -> bool:
+        """Whether a coefficient of `dist` is not 0."""
         return bool(self.dist.any())
 
     def without_distortion(self) -> "Camera":

@@ -12,17 +12,27 @@ from ashe_live.core.types import Illumination, Light
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LightEstimate:
-    """An estimator's answer to one frozen frame: the light, and how it was found; or the `reason` why there is none."""
+    """An estimator's answer to one frozen frame: the light, and how it was found; or the `reason` why there is none.
+
+    estimator: its name, "proxy" or "paper".
+    frame_index: of the frame that it answers for, as `frame.index` of a TrackedFrame.
+    illumination: with `seen_in` None; the caller adds the frame by `Illumination.as_seen_in`.
+    reason: a message for the user, e.g. "no shadow found beside the object"; without a light there always is one.
+    object_mask, shadow_mask: (h, w) bool at the estimator's working size; None where nothing was found.
+    timing_ms: by stage, with "total".
+    views: indices of the frames that the answer rests on, `frame_index` first.
+    span_rad: the largest angle between their directions of view to the marker; None: one view.
+    """
 
     estimator: str
     frame_index: int
-    illumination: Illumination  # with `seen_in` None; the caller adds the frame by `Illumination.as_seen_in`
-    reason: str | None = None  # a message for the user, e.g. "no shadow found beside the object"
-    object_mask: Mask | None = None  # (h, w) at the estimator's working size
-    shadow_mask: Mask | None = None  # (h, w) at the estimator's working size
-    timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total": as by `StageClock`
-    views: tuple[int, ...] = ()  # indices of the frames that the answer rests on, `frame_index` first; () is that alone
-    span_rad: float | None = None  # largest angle between their directions of view to the marker; None: one view
+    illumination: Illumination
+    reason: str | None = None
+    object_mask: Mask | None = None
+    shadow_mask: Mask | None = None
+    timing_ms: Mapping[str, float] = field(default_factory=dict)
+    views: tuple[int, ...] = ()
+    span_rad: float | None = None
 
     def __post_init__(self) -> None:
         arguments.instance(self.illumination, Illumination, "illumination")

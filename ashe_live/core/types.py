@@ -24,38 +24,54 @@ LEAST_INVERSE_DISTANCE = 1e-100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """One picture of a source."""
+    """One picture of a source: (h, w, 3) uint8 sRGB, OpenCV's channel order, read-only.
 
-    image_bgr: Image  # (h, w, 3) uint8 sRGB, OpenCV's channel order, read-only
-    index: int  # 0 for the source's first frame
-    time_s: float  # since the source's first frame, at capture
+    index, time_s: 0 for the source's first frame; the time since then, at capture.
+    """
+
+    image_bgr: Image
+    index: int
+    time_s: float
 
     def __post_init__(self) -> None:
         set_frozen(self, image_bgr=frozen_view(arguments.picture(self.image_bgr, "image_bgr")))
 
     @property
     def size(self) -> tuple[int, int]:
+        """Width and height, pixels."""
         return self.image_bgr.shape[1], self.image_bgr.shape[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MarkerPose:
-    """Where the marker stands in front of the camera, and how well that explains its corners."""
+    """Where the marker stands in front of the camera, and how well that explains its corners.
 
-    T_cam_marker: Float  # (4, 4) rigid, marker to camera frame, metres; smoothed by the tracker's filter
-    corners_px: Float  # (4, 2) source pixels: top-left, top-right, bottom-right, bottom-left of the upright print
-    side_m: float  # of the black square
-    reprojection_rms_px: float  # of the corners by this pose, one of IPPE's two solutions
-    other_rms_px: float | None  # of the other solution; None when there is only one
-    covariance: Float | None = None  # (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v
-    noise_covariance: Float | None = None  # (6, 6) the part of `covariance` that changes from frame to frame
-    unfiltered_T_cam_marker: Float | None = None  # (4, 4) from this frame alone; None: T_cam_marker is unfiltered
-    bridged: bool = False  # the marker could not be read: its corners were followed from an earlier frame
-    # The body that the marker is printed on (the paper cube), standing on the plane z = 0; None for a flat marker. With
-    # a body, `side_m` is its edge, and `corners_px` are the corners of a square of that side on the plane, centred on
-    # the origin, whether it can be seen or not.
+    T_cam_marker: (4, 4) rigid, marker to camera frame, metres; smoothed by the tracker's filter.
+    corners_px: (4, 2) source pixels: top-left, top-right, bottom-right, bottom-left of the upright print.
+    side_m: of the black square.
+    reprojection_rms_px, other_rms_px: of the corners by this pose, one of IPPE's two solutions, and by the other one;
+    None when there is only one.
+    covariance, noise_covariance: (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v; and the part of
+    it that changes from frame to frame.
+    unfiltered_T_cam_marker: (4, 4) from this frame alone; None: T_cam_marker is unfiltered.
+    bridged: the marker could not be read: its corners were followed from an earlier frame.
+    body: what the marker is printed on (the paper cube), standing on the plane z = 0; None for a flat marker. With a
+    body, `side_m` is its edge, and `corners_px` are the corners of a square of that side on the plane, centred on the
+    origin, whether it can be seen or not.
+    pose_shape_errors: how pose and body may be off; of the pose it is `covariance`.
+    """
+
+    T_cam_marker: Float
+    corners_px: Float
+    side_m: float
+    reprojection_rms_px: float
+    other_rms_px: float | None
+    covariance: Float | None = None
+    noise_covariance: Float | None = None
+    unfiltered_T_cam_marker: Float | None = None
+    bridged: bool = False
     body: Proxy | None = None
-    pose_shape_errors: PoseShapeErrors | None = None  # how pose and body may be off; of the pose it is `covariance`
+    pose_shape_errors: PoseShapeErrors | None = None
 
     def __post_init__(self) -> None:
         set_frozen(
@@ -74,18 +90,27 @@ class MarkerPose:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrackedFrame:
-    """A frame and the pose measured in it: one object, so that video and model are never out of step."""
+    """A frame and the pose measured in it: one object, so that video and model are never out of step.
+
+    frame: the picture (`image_bgr`), its `index`, `time_s` and `size`.
+    camera: of this frame's size.
+    marker: its pose; None: no marker in this frame.
+    detect_ms: how long it was looked for.
+    note: a message for the user, e.g. that two equal markers are in view.
+    others: further markers on the same plane: those asked for that are in this frame.
+    T_room_marker: (4, 4) rigid, metres, from the marker's frame to the room's, which is that of the marker where it lay
+    at first. It is the same array until the marker itself is moved. None: nobody has followed it, and it counts as
+    unmoved.
+    clean_plate_bgr: (h, w, 3) uint8 sRGB: the same view without the object, by a camera that stood still; None: none.
+    """
 
     frame: Frame
-    camera: Camera  # of this frame's size
-    marker: MarkerPose | None  # None: no marker in this frame
+    camera: Camera
+    marker: MarkerPose | None
     detect_ms: float = 0.0
-    note: str | None = None  # a message for the user, e.g. that two equal markers are in view
-    others: tuple[PlaneMarker, ...] = ()  # further markers on the same plane: those asked for that are in this frame
-    # (4, 4) rigid, metres, from the marker's frame to the room's, which is that of the marker where it lay at first. It
-    # is the same array until the marker itself is moved. None: nobody has followed it, and it counts as unmoved.
+    note: str | None = None
+    others: tuple[PlaneMarker, ...] = ()
     T_room_marker: Float | None = None
-    # (h, w, 3) uint8 sRGB, a clean plate: the same view without the object, by a camera that stood still; None: none.
     clean_plate_bgr: Image | None = None
 
     def __post_init__(self) -> None:
@@ -108,21 +133,31 @@ class Light:
     """A sun or a lamp, with the uncertainty of its direction. What was not measured is None.
 
     A sun is a light at infinity: its inverse distance is 0, while a lamp's is positive. Nothing else differs.
+
+    to_light_marker: (3,) unit, marker frame, from the marker's centre towards the light; given at any length.
+    covariance_rad2: (2, 2) on the tangent basis: larger azimuth, larger elevation.
+    sigma_rad: radius that contains the truth with probability 0.68.
+    confidence: P(angular error < 10 degrees).
+    angular_size_rad: the source's angular diameter, seen from the marker's centre.
+    shadow_rgb_ratio: (3,) linear RGB, shadowed over lit ground. Of an estimated lamp, whose light falls off, it holds
+    where the shadow was measured, and `intensity_rgb_ratio` at the marker's centre; of any other light it holds there
+    as well.
+    inverse_distance: 1/m, one over a lamp's distance from the marker's centre; 0 for a sun.
+    lamp_covariance: (3, 3) on (larger azimuth, larger elevation, larger inverse distance): rad, rad and 1/m.
+    radius_m: of a lamp's bulb or shade.
+    intensity_rgb_ratio: (3,) linear RGB, of a lamp: its irradiance on the plane at the marker's centre, over that of
+    all other light.
     """
 
-    to_light_marker: Float  # (3,) unit, from the marker's centre towards the light
-    covariance_rad2: Float | None = None  # (2, 2) on the tangent basis: larger azimuth, larger elevation
-    sigma_rad: float | None = None  # radius that contains the truth with probability 0.68
-    confidence: float | None = None  # P(angular error < 10 degrees)
-    angular_size_rad: float | None = None  # the source's angular diameter, seen from the marker's centre
-    # (3,) linear RGB, shadowed over lit ground. Of an estimated lamp, whose light falls off, it holds where the shadow
-    # was measured, and `intensity_rgb_ratio` at the marker's centre; of any other light it holds there as well.
+    to_light_marker: Float
+    covariance_rad2: Float | None = None
+    sigma_rad: float | None = None
+    confidence: float | None = None
+    angular_size_rad: float | None = None
     shadow_rgb_ratio: Float | None = None
-    inverse_distance: float = 0.0  # 1/m, one over a lamp's distance from the marker's centre; 0 for a sun
-    # (3, 3) on (larger azimuth, larger elevation, larger inverse distance): rad, rad and 1/m.
+    inverse_distance: float = 0.0
     lamp_covariance: Float | None = None
-    radius_m: float | None = None  # of a lamp's bulb or shade
-    # (3,) linear RGB, of a lamp: its irradiance on the plane at the marker's centre, over that of all other light.
+    radius_m: float | None = None
     intensity_rgb_ratio: Float | None = None
 
     def __post_init__(self) -> None:
@@ -142,10 +177,12 @@ class Light:
 
     @property
     def azimuth_deg(self) -> float:
+        """From x towards y of the marker's frame, in [0, 360)."""
         return math.degrees(angles_from_direction(self.to_light_marker)[0])
 
     @property
     def elevation_deg(self) -> float:
+        """Above the marker's plane; negative below it."""
         return math.degrees(angles_from_direction(self.to_light_marker)[1])
 
     @property
@@ -191,23 +228,27 @@ class Light:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Illumination:
-    """The light of a scene, whether it was estimated, set by hand or made up by a program."""
+    """The light of a scene, whether it was estimated, set by hand or made up by a program.
 
-    # Strongest first (but last, a light whose shadow a known body hides). Empty: the sky alone, no shadows.
+    lights: strongest first (but last, a light whose shadow a known body hides). Empty: the sky alone, no shadows.
+    ambient_rgb_ratio: (3,) linear RGB, ground that none of `lights` reaches, over lit ground.
+    ground_rgb: (3,) linear RGB, the lit ground's mean colour in the video.
+    real_object: approximates the real object, which casts shadows and occludes the model. It stands below the plane
+    z = 0 where several views tell that the marker lies above the ground.
+    seen_in: the frame, with a marker, that polished surfaces mirror, and whose white turns `ground_rgb` into an albedo.
+    None: they mirror even ground under an overcast sky.
+    sky_slope_rgb: (2, 3) linear RGB, the lean of the sky: beyond the light of an even sky, a surface of normal n gets
+    n_x times the first row plus n_y times the second, relative to all light on level ground. None: an even sky.
+    as_read: the illumination as it was when `seen_in` was read: in the frame of the marker as it lay there, where it
+    has been moved since, and in the lights of then, where these are others (`relit`). None: it is this one.
+    """
+
     lights: tuple[Light, ...] = ()
-    ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that none of `lights` reaches, over lit ground
-    ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the video
-    # Approximates the real object, which casts shadows and occludes the model. It stands below the plane z = 0 where
-    # several views tell that the marker lies above the ground.
+    ambient_rgb_ratio: Float | None = None
+    ground_rgb: Float | None = None
     real_object: Proxy | None = None
-    # The frame, with a marker, that polished surfaces mirror, and whose white turns `ground_rgb` into an albedo.
-    # None: they mirror even ground under an overcast sky.
     seen_in: TrackedFrame | None = None
-    # (2, 3) linear RGB, the lean of the sky: beyond the light of an even sky, a surface of normal n gets n_x times the
-    # first row plus n_y times the second, relative to all light on level ground. None: an even sky.
     sky_slope_rgb: Float | None = None
-    # The illumination as it was when `seen_in` was read: in the frame of the marker as it lay there, where it has been
-    # moved since, and in the lights of then, where these are others (`relit`). None: it is this one.
     as_read: "Illumination | None" = None
 
     def __post_init__(self) -> None:

@@ -41,12 +41,16 @@ class PlacedModel:
 class Placement:
     """How a placed model was moved since: scaled and turned about the marker's centre, then shifted on its plane.
 
+    scale: over the size at which the marker's side has it stand first.
+    turn_rad: counter-clockwise, seen from above.
+    shift_m: x, y; metres, marker frame.
+
     Raises ValueError for a scale that is not positive and for what is not finite, TypeError for what is no number.
     """
 
     scale: float = 1.0
-    turn_rad: float = 0.0  # counter-clockwise, seen from above
-    shift_m: tuple[float, float] = (0.0, 0.0)  # x, y; marker frame
+    turn_rad: float = 0.0
+    shift_m: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         SCALE.checked(self.scale, "scale")

@@ -95,9 +95,18 @@ def absolute(value: Any) -> Any:
     return value
 
 
-def test_a_quality_that_changes_as_it_runs_is_not_measured(
-    ran: list[tuple[Bench, Path | None, bool]], capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("bench", ["viewer", "soak", "cube", "track"])
+def test_what_is_not_measured_is_neither_offered_nor_taken(
+    ran: list[tuple[Bench, Path | None, bool]], capsys: pytest.CaptureFixture[str], bench: str
 ) -> None:
-    assert run(["bench", "viewer", "--quality", "auto"]) != 0
-    assert "measure one of fast, balanced, accurate" in capsys.readouterr().err
+    """A quality that changes as it runs, and what lights are taken for, which these benches say nothing of."""
+    for asked, named in ((("--quality", "auto"), "--quality: invalid choice"), (("--light", "lamp"), "--light")):
+        with pytest.raises(SystemExit, match="2"):
+            run(["bench", bench, *asked])
+        assert named in capsys.readouterr().err
     assert ran == []
+    with pytest.raises(SystemExit, match="0"):
+        run(["bench", bench, "--help"])
+    offered = capsys.readouterr().out
+    assert "auto" not in offered
+    assert "--light" not in offered

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
+from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.types import Illumination, Light
 from ashe_live.drawing.light_text import light_text
 from ashe_live.light.estimators import estimator
@@ -309,6 +310,23 @@ def test_repeat_gives_medians_of_the_same_answer(run, files):
     (record,) = run("estimate", "--json", *KNOWN, "--repeat", 3, files["photo"]).records
     assert record["timing_ms"]["fit"] == 1.0
     assert record["timing_ms"]["segment"] is None
+
+
+def test_the_answer_of_repeated_estimates_is_the_one_without(run, film, monkeypatch):
+    """Also where frames before it have a part in its pose, which a marker that is looked for anew does not have."""
+
+    def as_seen(self, tracked, others=()):  # noqa: ARG001
+        light = Light(-tracked.marker.T_cam_marker[2, :3])
+        return LightEstimate(
+            self.name, tracked.frame.index, Illumination((light,)), timing_ms={"fit": 1.0, "total": 1.0}
+        )
+
+    monkeypatch.setattr(InstantEstimator, "estimate", as_seen)
+    asked = "estimate", "--json", "--estimate-at", 11, film.path
+    (once,), (again,) = run(*asked).records, run(*asked, "--repeat", 2).records
+    for record in (once, again):
+        del record["timing_ms"]
+    assert again == once
 
 
 def test_the_steps_of_every_estimate_are_kept_on_sheets_of_their_own(run, files, tmp_path):

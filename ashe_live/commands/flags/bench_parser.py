@@ -3,15 +3,8 @@
 import argparse
 
 from ashe_live.commands.flags import values
-from ashe_live.commands.flags.option_groups import (
-    DEFAULT_ESTIMATOR,
-    ESTIMATOR_HELP,
-    QUALITIES,
-    add_command,
-    add_quality_options,
-)
+from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR, ESTIMATOR_HELP, QUALITIES, add_command
 
-PRESET_HELP = "the preset that is measured (default balanced)"
 SCENES_HELP = "folders of pictures with known lights, each with a ground_truth.json"
 MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
 
@@ -37,7 +30,8 @@ def _add_viewer(viewer: argparse.ArgumentParser) -> None:
     )
     viewer.add_argument("--size", type=values.size, metavar="WxH", help="size of the picture (default: the clip's)")
     _add_results_folder(viewer)
-    add_quality_options(viewer, default="fast")
+    _add_preset(viewer, "fast")
+    viewer.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=ESTIMATOR_HELP)
 
 
 def _add_render(render: argparse.ArgumentParser) -> None:
@@ -60,7 +54,8 @@ def _add_render(render: argparse.ArgumentParser) -> None:
 def _add_soak(soak: argparse.ArgumentParser) -> None:
     soak.add_argument("--frames", type=values.count, default=100_000, metavar="N", help="frames (default 100000)")
     _add_results_folder(soak)
-    add_quality_options(soak, default="fast")
+    _add_preset(soak, "fast")
+    soak.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=ESTIMATOR_HELP)
 
 
 def _add_light(light: argparse.ArgumentParser) -> None:
@@ -118,7 +113,7 @@ def _add_cube(cube: argparse.ArgumentParser) -> None:
     )
     _add_scenes(cube, "the light on these pictures, not on painted ones")
     _add_results_folder(cube)
-    cube.add_argument("--quality", choices=QUALITIES, default="balanced", help=PRESET_HELP)
+    _add_preset(cube, "balanced")
 
 
 def _add_track(tracking: argparse.ArgumentParser) -> None:
@@ -129,7 +124,13 @@ def _add_track(tracking: argparse.ArgumentParser) -> None:
     _add_scenes(tracking, "also check, and fit, how certain poses are")
     _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
-    tracking.add_argument("--quality", choices=QUALITIES, default="balanced", help=PRESET_HELP)
+    _add_preset(tracking, "balanced")
+
+
+def _add_preset(bench: argparse.ArgumentParser, default: str) -> None:
+    """Without `auto`, which changes as it runs."""
+    said = f"the preset that is measured (default {default})"
+    bench.add_argument("--quality", choices=QUALITIES, default=default, help=said)
 
 
 def _add_scenes(bench: argparse.ArgumentParser, instead: str | None = None) -> None:

@@ -18,7 +18,10 @@ DEFAULT_MODELS = ("cube",)
 SHIPPED_MODELS = ("cube", "goblet", "lantern", "mug", "tree")
 LIGHTS = ("auto", "sun", "lamp")
 LIGHT_HELP = "taken for a lamp where the picture tells its distance (auto, the default), or always for one of them"
-QUALITY_HELP = "of tracking, light and drawing; auto: the best at which the window keeps up with the display"
+QUALITY_HELP = (
+    "of tracking, light and drawing; auto: the best at which the window keeps up with the display (without a window: "
+    "balanced)"
+)
 ESTIMATOR_HELP = f"how the light is estimated; `paper` is the AShE paper's method (default {DEFAULT_ESTIMATOR})"
 LAYERS = ("both", "model", "shadow")
 UPS = ("x", "y", "z", "-x", "-y", "-z")
@@ -85,7 +88,8 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
         help="cover the marker's sheet, or the paper cube, with ground like that around it (default: the sheet "
         "alone; key C)",
     )
-    view.add_argument("--mirror", action="store_true", help="show the window as a mirror would (key W)")
+    mirrored = "show the window, not what is recorded, as a mirror would (key W)"
+    view.add_argument("--mirror", action="store_true", help=mirrored)
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
     _add_output_options(parser)
     add_quality_options(parser)
@@ -118,10 +122,10 @@ def _add_output_options(parser: argparse.ArgumentParser) -> None:
     output.add_argument("--overwrite", action="store_true", help="replace existing files")
 
 
-def add_quality_options(parser: argparse.ArgumentParser, default: str = "balanced") -> None:
+def add_quality_options(parser: argparse.ArgumentParser) -> None:
     trade = parser.add_argument_group("speed against accuracy")
     trade.add_argument(
-        "--quality", choices=(*QUALITIES, "auto"), default=default, help=f"{QUALITY_HELP} (default {default})"
+        "--quality", choices=(*QUALITIES, "auto"), default="balanced", help=f"{QUALITY_HELP} (default balanced)"
     )
     trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=ESTIMATOR_HELP)
     trade.add_argument("--light", choices=LIGHTS, default=LIGHTS[0], help=LIGHT_HELP)

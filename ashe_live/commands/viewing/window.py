@@ -30,7 +30,8 @@ def show_in_window(setup: ViewerSetup) -> int:
 
     options = setup.options
     if not has_display():
-        raise UserError("there is no display for a window", "give --headless --out VIDEO.mp4")
+        written = "FILE.png" if setup.source.is_photo else "VIDEO.mp4"
+        raise UserError("there is no display for a window", f"give --headless --out {written}")
     report_recordings_cut_short(options.out)
     with contextlib.ExitStack() as stack:
         end_if_asked = stack.enter_context(ended_by_signals())

@@ -386,6 +386,18 @@ def test_an_error_is_said_alone(run, tmp_path, monkeypatch, broken):
     assert [broken in line for line in outcome.err] == [True]
 
 
+@pytest.mark.parametrize(("kind", "written"), [("photo", "FILE.png"), ("film", "VIDEO.mp4")])
+def test_without_a_display_it_is_said_what_may_be_written_instead(run, tmp_path, film, monkeypatch, kind, written):
+    write_sheet(tmp_path / "sheet.png", {0: (185, 265)}, cv2.aruco.DICT_4X4_50)
+    played = film.path if kind == "film" else tmp_path / "sheet.png"
+    monkeypatch.setattr("ashe_live.commands.viewing.window.has_display", lambda: False)
+    outcome = run("play", played, "--hfov", "55")
+    assert outcome.status == 2
+    (line,) = outcome.err
+    assert line.endswith(f"give --headless --out {written}")
+    assert run("play", played, *HEADLESS, "--out", tmp_path / written).status == 0
+
+
 def test_a_model_stands_on_each_marker(run, tmp_path):
     """Two markers on a sheet seen from straight above: each model covers its own, and the one without a model stays."""
     tops = {0: (185, 60), 7: (185, 265), 9: (185, 470)}
