@@ -18,9 +18,9 @@ void main() {
     // The map's depth range ends behind the caster but the ground goes on: lit_fraction clamps points beyond the range.
     vec3 at = in_map(map, vec3(ground.xy / ground.z, 0.0), scale);
     vec2 ray = first_ray(gl_FragCoord.xy);
-    Blockers blockers = blockers_of(map, tan_half_size[map], at, vec2(0.0), ray);
+    Blockers blockers = blockers_of(map, tan_half_size[map], at, NOT_IN_MAP, ray);
     // Variances add up: what averaging will add to the penumbra is left out here.
     vec2 radius_m = blockers.radius_m * sqrt(1.0 - share_smoothed(blockers.radius_m));
     vec2 radius = max(vec2(LEAST_RADIUS), radius_m * shadow_map_size / shadow_extent[map].xy);
-    lit = vec2(lit_fraction(map, at, vec2(0.0), ray, blockers, radius), is_penumbra(blockers) ? blockers.radius_m : 0.0);
+    lit = vec2(lit_fraction(map, at, NOT_IN_MAP, ray, blockers, radius), is_penumbra(blockers) ? blockers.radius_m : 0.0);
 }

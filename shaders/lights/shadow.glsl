@@ -26,6 +26,18 @@ uniform float tan_half_size[MAPS];  // the light's radius over its distance from
 // with which that is compared, and how far a point is moved towards the light for these at most; all in texels.
 const float STEEPEST = 30.0, FARTHEST_TEXEL = 1.42, MOST_AHEAD = 1.0;
 
+// Of a receiver: the depth by which its plane changes per texel aside, and by how much more than that a blocker of a wide light
+// stands out, over how far aside it is.
+struct Receiver {
+    vec2 slope;
+    float least_rise;
+};
+const Receiver NOT_IN_MAP = Receiver(vec2(0.0), 0.0);
+// Hollow surfaces rise from their plane to all sides, the more, the more light grazes them (LEAST_RISE, and RISE_OF_SLOPE of
+// the slope), and block nothing: of a light of the radius r at a distance of 1, only what stands out by 1 / r of how far
+// aside it is takes any. No more than MOST_RISE of that is asked for.
+const float LEAST_RISE = 1.0, RISE_OF_SLOPE = 0.7, MOST_RISE = 0.9;
+
 // From a tile's texels to texture coordinates. The tile's border is empty, so clamping leaves points beyond it lit.
 vec2 in_texture(int map, vec2 texel) {
     return (shadow_tile[map] + clamp(texel, 0.5, shadow_map_size - 0.5)) / shadow_texture_size;
@@ -59,18 +71,20 @@ struct Blockers {
     float radius_m;  // of the penumbra across the light, where they are neither none nor all
 };
 
-Blockers blockers_of(int map, float tan_half, vec3 at, vec2 slope, vec2 ray) {
+Blockers blockers_of(int map, float tan_half, vec3 at, Receiver receiver, vec2 ray) {
     vec2 texels_per_m = shadow_map_size / shadow_extent[map].xy;
     vec2 centre = at.xy * shadow_map_size;
     vec2 search = max(vec2(1.5), at.z * shadow_extent[map].z * tan_half * texels_per_m);
+    float least_rise = receiver.least_rise * at.z * tan_half;  // at the rim of what is searched
     bool is_near = all(lessThan(abs(centre - 0.5 * shadow_map_size), 0.5 * shadow_map_size + search));
     float depths = 0.0;
     float blockers = 0.0;
     // A software rasteriser saves time when a loop ends early, but not when a branch is not taken.
     for (int k = 0; k < (is_near ? BLOCKER_TAPS : 0); ++k) {
-        vec2 aside = ray * sqrt((float(k) + 0.5) / float(BLOCKER_TAPS)) * search;
+        float away = sqrt((float(k) + 0.5) / float(BLOCKER_TAPS));
+        vec2 aside = ray * away * search;
         float depth = texture(shadow_depths, in_texture(map, centre + aside)).r;
-        float blocks = step(depth, min(at.z + dot(slope, aside), 0.99999));
+        float blocks = step(depth, min(at.z + dot(receiver.slope, aside) - least_rise * away, 0.99999));
         depths += blocks * depth;
         blockers += blocks;
         ray = GOLDEN_TURN * ray;
@@ -89,27 +103,30 @@ bool is_penumbra(Blockers blockers) {
 }
 
 // The mean over a penumbra of `radius` texels.
-float lit_fraction(int map, vec3 at, vec2 slope, vec2 ray, Blockers blockers, vec2 radius) {
+float lit_fraction(int map, vec3 at, Receiver receiver, vec2 ray, Blockers blockers, vec2 radius) {
     vec2 centre = at.xy * shadow_map_size;
+    float least_rise = receiver.least_rise * blockers.radius_m / shadow_extent[map].z;
     float lit = 0.0;
     for (int k = 0; k < (is_penumbra(blockers) ? SOFT_TAPS : 0); ++k) {
-        vec2 aside = ray * sqrt((float(k) + 0.5) / float(SOFT_TAPS)) * radius;
+        float away = sqrt((float(k) + 0.5) / float(SOFT_TAPS));
+        vec2 aside = ray * away * radius;
 #ifdef DITHERED
         // Between four texels, so that four taps in a row see each of the pattern's sixteen texels once.
         vec2 between = vec2(k & 2, k << 1 & 2);
         aside = between + 4.0 * round(0.25 * (centre + aside - between)) - centre;
 #endif
-        lit += texture(shadow_maps, vec3(in_texture(map, centre + aside), clamp(at.z + dot(slope, aside), 0.0, 1.0)));
+        float depth = clamp(at.z + dot(receiver.slope, aside) - least_rise * away, 0.0, 1.0);
+        lit += texture(shadow_maps, vec3(in_texture(map, centre + aside), depth));
         ray = GOLDEN_TURN * ray;
     }
     return is_penumbra(blockers) ? lit / float(SOFT_TAPS) : 1.0 - step(0.5, blockers.share);
 }
 
-float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
+float lit_fraction(int map, float tan_half, vec3 at, Receiver receiver) {
     vec2 ray = first_ray(at.xy * shadow_map_size);
-    Blockers blockers = blockers_of(map, tan_half, at, slope, ray);
+    Blockers blockers = blockers_of(map, tan_half, at, receiver, ray);
     vec2 radius = max(vec2(LEAST_RADIUS), blockers.radius_m * shadow_map_size / shadow_extent[map].xy);
-    return lit_fraction(map, at, slope, ray, blockers, radius);
+    return lit_fraction(map, at, receiver, ray, blockers, radius);
 }
 #else
 // Along one axis, 2 r + 1 bilinear taps weight 2 r + 2 texels by 1-f, 1, ..., 1, f. One bilinear tap placed between two
@@ -119,7 +136,7 @@ vec2 tap_pair(int k, float f) {
     return k == 0 ? vec2(2.0 - f, 1.0 / (2.0 - f)) : k == PCF_RADIUS ? vec2(1.0 + f, f / (1.0 + f)) : vec2(2.0, 0.5);
 }
 
-float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
+float lit_fraction(int map, float tan_half, vec3 at, Receiver receiver) {
     vec2 texels = at.xy * shadow_map_size - 0.5;
     vec2 first = floor(texels);
     vec2 f = texels - first;
@@ -129,7 +146,7 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
         for (int column = 0; column <= PCF_RADIUS; ++column) {
             vec2 x = tap_pair(column, f.x);
             vec2 aside = vec2(2 * column, 2 * row) - float(PCF_RADIUS) + vec2(x.y, y.y);
-            float depth = clamp(at.z + dot(slope, aside - f), 0.0, 1.0);
+            float depth = clamp(at.z + dot(receiver.slope, aside - f), 0.0, 1.0);
             lit += x.x * y.x * texture(shadow_maps, vec3(in_texture(map, first + aside + 0.5), depth));
         }
     }
@@ -156,7 +173,7 @@ float lit_past(int caster, int light, vec3 position) {
     int map = caster * LIGHTS + light;
     float scale;
     // The map's depth range ends behind the caster but the ground goes on: lit_fraction clamps points beyond the range.
-    return lit_fraction(map, tan_half_size[map], in_map(map, position, scale), vec2(0.0));
+    return lit_fraction(map, tan_half_size[map], in_map(map, position, scale), NOT_IN_MAP);
 }
 
 // The same for all models together.
@@ -192,7 +209,8 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal, vec3 to
 #endif
     float steepest = STEEPEST * texel / (scale * scale * extent.z);
     slope = clamp(slope / shadow_map_size, -steepest, steepest);
-    return lit_fraction(map, tan_half_size[map], at, slope);
+    float rise = max(min(RISE_OF_SLOPE * tangent, MOST_RISE / tan_half_size[map]), LEAST_RISE);
+    return lit_fraction(map, tan_half_size[map], at, Receiver(slope, rise));
 }
 
 // The fraction of a light that reaches a point on a model. Of which group it is makes no difference worth a uniform.

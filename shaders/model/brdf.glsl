@@ -32,14 +32,23 @@ Facets facets_in_pixel(float roughness, vec3 n, float n_v) {
 }
 
 // Microfacet distribution times visibility of GGX (Walter et al. 2007; Heitz 2014, height-correlated), without 1 / pi.
-float ggx(Facets facets, vec3 n, vec3 between, float n_v, float n_l) {
-    vec2 aside = vec2(dot(between, facets.along), dot(between, facets.across)) / facets.alpha;
-    float n_h = max(dot(n, between), 0.0);
-    float d = dot(aside, aside) + n_h * n_h;
-    // Of the same facets as the distribution: with fewer that hide one another, outlines would sparkle.
+// `tan_half`: the light's radius over its distance. What mirrors its disc are normals within a disc of half its size, which
+// is wider where light grazes. The distribution is flat within `reach` of `between`, such that in the middle it is what the
+// disc mirrors of a lobe wider or narrower than itself, and that all of it sums up to 1 whatever the light's size. (Karis,
+// "Real shading in Unreal Engine 4", 2013, has such a shift with another sum.)
+float ggx(Facets facets, vec3 n, vec3 between, float n_v, float n_l, float v_h, float tan_half) {
+    const float QUARTER_TURN = 0.78539816;
     float a2 = facets.alpha.x * facets.alpha.y;
+    float radius2 = 0.25 * tan_half * tan_half / max(v_h, 0.01), of_lobe = QUARTER_TURN * sqrt(a2);
+    float reach = sqrt(of_lobe * of_lobe + radius2) - of_lobe;
+    vec2 aside = vec2(dot(between, facets.along), dot(between, facets.across));
+    float n_h = max(dot(n, between), 0.0), aside2 = dot(aside, aside);
+    float left = max(1.0 - reach * inversesqrt(max(aside2, 1e-12)), 0.0);
+    vec2 beyond = left * aside / facets.alpha;
+    float d = dot(beyond, beyond) + n_h * n_h + (1.0 - left * left) * aside2;
+    // Of the same facets as the distribution: with fewer that hide one another, outlines would sparkle.
     float v = n_l * sqrt(n_v * n_v * (1.0 - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0 - a2) + a2);
-    return 0.5 / (facets.alpha.x * facets.alpha.y * d * d * v);
+    return 0.5 / ((a2 + radius2) * d * d * v);
 }
 
 // Schlick 1994.

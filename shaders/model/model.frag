@@ -278,10 +278,10 @@ void main() {
         vec3 between = normalize(to_eye + to_light);
         float v_h = max(dot(to_eye, between), 0.0);
         float n_l = max(dot(shine_n, to_light), 1e-3);
-        vec3 shine = ggx(facets, shine_n, between, n_v, n_l) * fresnel(f0, v_h);
+        vec3 shine = ggx(facets, shine_n, between, n_v, n_l, v_h, tan_half_size[light]) * fresnel(f0, v_h);
         mirrored += arrives * n_l * compensation * shine;
 #ifdef COATED
-        float coat_shine = ggx(coat_facets, coat_n, between, coat_n_v, coat_cosine);
+        float coat_shine = ggx(coat_facets, coat_n, between, coat_n_v, coat_cosine, v_h, tan_half_size[light]);
         in_coat += arrives * coat_cosine * coat_shine * fresnel(vec3(GLASS), v_h);
 #endif
 #endif

@@ -5,6 +5,7 @@ gets.
 """
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import moderngl
@@ -12,16 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
+from ashe_live.models.mesh import Mesh
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.adding import draw_added
+from ashe_live.render.occlusion.surface_samples import LEAST_AREA, samples_on
 
 PATCH_SIZE = 140  # texels a side
-# Standard deviations of Gaussians that merge the shadows of single directions: beside the model in texels, and farther
-# away over the distance, which is half of the angle between neighbouring directions.
+# Standard deviations of Gaussians that merge the shadows of single directions: at the model in texels, and farther
+# away, beside it or below, over the distance, which is half of the angle between neighbouring directions.
 BLUR_TEXELS, SPREAD = 1.5, 0.2
+POINTS = 4_000  # on the model, besides one on each triangle, to which that distance is measured
 LEAST_BLUR_TEXELS = 0.1  # changes nothing, while OpenCV takes 0 for a width of its own choice
 # Reach of the darkening beyond the model's bounds, in heights of the model. On lit ground it is limited, as pixels are
 # drawn for its sake alone; in the model's own shadow it shows farther, as no sun outshines it.
@@ -77,12 +81,15 @@ class ContactPatch:
             self._rectangle = self._ctx.vertex_array(program, [])
         draw_added(self._ctx, self._framebuffer, self._rectangle)
 
-    def smoothed(self) -> NDArray[np.float16]:
-        """(PATCH_SIZE, PATCH_SIZE, 4) what the patch is to hold, once every direction of the sky has been added."""
+    def smoothed(self, distances: Float) -> NDArray[np.float16]:
+        """(PATCH_SIZE, PATCH_SIZE, 4) what the patch is to hold, once every direction of the sky has been added.
+
+        `distances`: as `distances` gives them.
+        """
         halves = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE, 4)
         occlusion = halves.astype(np.float32)
         away = self._away()
-        doublings = np.log2(np.maximum(SPREAD * away / (self._texel * self._blur_texels), 1.0))
+        doublings = np.log2(np.maximum(SPREAD * distances / (self._texel * self._blur_texels), 1.0))
         smooth = np.zeros_like(occlusion)
         for doubling in range(int(np.ceil(doublings.max())) + 1):
             sigma = self._blur_texels * 2**doubling
@@ -104,6 +111,20 @@ class ContactPatch:
         places = self.bounds[0] + shares * (self.bounds[1] - self.bounds[0])
         beyond = np.maximum(np.maximum(self.model_bounds[0, :2] - places, places - self.model_bounds[1, :2]), 0.0)
         return np.asarray(np.hypot(beyond[None, :, 0], beyond[:, None, 1]))
+
+    def distances(self, meshes: Sequence[Mesh]) -> Float:
+        """(PATCH_SIZE, PATCH_SIZE) metres from places of the ground to the model's `meshes`, at rest; rows along y."""
+        size = self.bounds[1] - self.bounds[0]
+        per_area = POINTS / max(sum(float(mesh.areas.sum()) for mesh in meshes), LEAST_AREA)
+        points = np.concatenate([samples_on(mesh, per_area).places_and_normals()[0] for mesh in meshes])
+        columns, rows = (np.clip((points[:, :2] - self.bounds[0]) / size, 0, 0.9999) * PATCH_SIZE).astype(int).T
+        squared = np.full((PATCH_SIZE, PATCH_SIZE), np.inf)
+        np.minimum.at(squared, (rows, columns), np.square(points[:, 2].astype(np.float64)))
+        # The least over a row's places, then over a column's: squares of distances along both axes add up.
+        apart = np.square(np.subtract.outer(np.arange(PATCH_SIZE), np.arange(PATCH_SIZE)) / PATCH_SIZE)
+        for metres in size:
+            squared = np.array([(metres**2 * apart + line).min(axis=1) for line in squared]).T
+        return np.asarray(np.sqrt(squared))
 
     def fill(self, smooth: NDArray[np.float16]) -> None:
         """Has it hold what `smoothed` gave."""

@@ -100,7 +100,9 @@ def _found(
         for found, vertices in zip(on_model.openness(), stand_in.vertices, strict=True):
             openness.append(np.round(found * 255).astype(np.uint8)[vertices])
             yield
-        return Hidden(contact.smoothed(), tuple(openness))
+        distances = contact.distances(stand_in.placed.model.parts)
+        yield
+        return Hidden(contact.smoothed(distances), tuple(openness))
     finally:
         # moderngl binds again what was bound before, which must not have been released by then.
         ctx.detect_framebuffer(0).use()

@@ -16,10 +16,9 @@ from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.adding import draw_added
-from ashe_live.render.occlusion.surface_samples import SurfaceSamples, samples_on
+from ashe_live.render.occlusion.surface_samples import LEAST_AREA, SurfaceSamples, samples_on
 
 SAMPLES = 8_000  # points on a model, besides one on each triangle
-LEAST_AREA = 1e-12  # square metres
 ROW = 1024  # texels in a row of the textures, each of a point
 # Weight of a point inside another part, from where nothing is seen: points that are seen count far more.
 LEAST_WEIGHT = 0.01

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.models.mesh import Float32, Mesh, spread_over_triangle
 
+LEAST_AREA = 1e-12  # square metres, of a model by which points are spread over it
 STEADINESS = 0.1  # weight of the mean around a vertex, against the errors at the points
 ROUNDS = 6  # of conjugate gradients, after which hardly anything changes
 # Points a vertex from which on the mean around a vertex is improved upon: fewer tell no more than that.

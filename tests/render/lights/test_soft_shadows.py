@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.core.transforms import direction_from_angles, project
+from ashe_live.core.transforms import direction_from_angles, light_view, project
 from ashe_live.core.types import Illumination, Light
-from ashe_live.models.primitives import box
+from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.lights.lighting import SUN_ANGULAR_SIZE_RAD, lighting_of
 from ashe_live.render.scene import Scene
+from tests.render.in_turns import in_turns
 
 HEIGHT = 0.06
 DARK = 0.2
@@ -185,3 +186,57 @@ def test_where_a_bar_hides_little_of_a_wide_light_no_dots_are_fully_lit(make_ren
     seen = LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[rows, columns, 1]].reshape(xs.shape)
     brightest = seen.max(axis=1) - np.median(seen, axis=1)
     assert brightest.max() < 0.14 * seen.mean()
+
+
+@pytest.mark.parametrize(("quality", "size_deg"), in_turns([(8.0,), (15.0,), (15.0,)]))
+def test_the_rims_shadow_in_a_bowl_is_as_soft_as_its_light(make_renderer, stage, quality: str, size_deg: float) -> None:
+    """A ray from half a hollow ball is lit where it would meet it again above the rim: its own sides block nothing."""
+    radius, wall = 0.045, 0.002
+    middle = np.array([0.0, 0.0, radius + wall])
+    turns = np.linspace(0, math.pi / 2, 49)
+    profile = [
+        (r * math.sin(turn), radius + wall - r * math.cos(turn)) for r in (radius + wall, radius) for turn in turns
+    ]
+    outer, inner = [(0, 0), *profile[1:49]], [*profile[:49:-1], (0, wall)]
+    tracked = stage.tracked(128, stage.pose(-90, 60, 0.25, target=(0, 0, 0.03)))
+    light = _light(150, 40, size_deg, 0.0)
+    renderer = make_renderer(QUALITIES[quality].render)
+    renderer.render(
+        Scene(tracked, stage.placed(revolved([*outer, *inner], 128, (0.5, 0.5, 0.5, 1.0))), Illumination((light,)))
+    )
+
+    tilts, around = np.meshgrid(np.linspace(0.1, 1.45, 50), np.linspace(0, math.tau, 200))
+    outwards = np.stack([np.sin(tilts) * np.cos(around), np.sin(tilts) * np.sin(around), -np.cos(tilts)], -1).reshape(
+        -1, 3
+    )
+    to_eye = np.linalg.inv(tracked.marker.T_cam_marker)[:3, 3] - middle - radius * outwards
+    cosine = -(outwards @ light.to_light_marker)
+    is_seen = _leaves_past(outwards, to_eye[:, None] / np.linalg.norm(to_eye, axis=1)[:, None, None])[:, 0] > 0.05
+    outwards, cosine = outwards[is_seen & (cosine > 0.25)], cosine[is_seen & (cosine > 0.25)]
+    columns, rows = (
+        project(tracked.camera, tracked.marker.T_cam_marker, middle + radius * outwards).round().astype(int).T
+    )
+    seen = LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[rows, columns, 1]]
+    towards = _points_of_disc(light.to_light_marker, math.radians(size_deg / 2), 200)
+    expected = (_leaves_past(outwards, towards[None]) > 0).mean(axis=1)
+    # What arrives is proportional to cosine and share; the light that is thrown between the bowl's sides comes on top.
+    of_light = np.column_stack([np.ones(len(seen)), cosine * expected])
+    thrown, whole = np.linalg.lstsq(of_light, seen, rcond=None)[0]
+    found = (seen - thrown) / (whole * cosine)
+    assert 0.2 < expected.mean() < 0.8
+    assert np.sqrt(np.mean((found - expected) ** 2)) < 0.035
+
+
+def _leaves_past(outwards: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """(n, m) heights above its rim, in radii, at which rays from points (n, 3) of half a ball meet the ball again."""
+    along = -2 * (outwards[:, None] * directions).sum(axis=2)
+    return outwards[:, None, 2] + along * directions[..., 2]
+
+
+def _points_of_disc(direction: np.ndarray, radius: float, count: int) -> np.ndarray:
+    """(count, 3) unit vectors, spread evenly over a disc around a direction."""
+    across, along = light_view(direction)[:2, :3]
+    numbers = np.arange(count) + 0.5
+    aside, turns = np.sqrt(numbers / count) * math.tan(radius), numbers * math.pi * (3 - math.sqrt(5))
+    points = direction + np.outer(aside * np.cos(turns), across) + np.outer(aside * np.sin(turns), along)
+    return points / np.linalg.norm(points, axis=1, keepdims=True)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import light_view, project
 from ashe_live.core.types import Illumination
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
@@ -247,6 +247,62 @@ def test_highlight_stands_where_the_mirror_direction_says_and_widens_with_roughn
         assert math.dist((columns.mean(), rows.mean()), expected) < 4
         areas.append(len(rows))
     assert areas[0] < areas[1] < areas[2]
+
+
+@pytest.mark.parametrize(("quality", "size_deg"), in_turns([(10.0,), (16.0,), (24.0,)]))
+def test_a_polished_ball_mirrors_a_wide_light_as_large_and_as_bright_as_it_is(
+    make_renderer, stage, quality: str, size_deg: float
+) -> None:
+    """Its disc has one brightness, by which it lights the ground, of which glass mirrors 4 %, and an end."""
+    studio = _Studio(make_renderer, stage, quality, 20, elevation_deg=45)
+    half = math.radians(size_deg / 2)
+    share = 8 * math.sin(half) ** 2
+    light = replace(stage.light(-60, 50, (1 - share,) * 3), angular_size_rad=2 * half)
+    picture = studio.picture(_ball(Material(base_colour=(0.0, 0.0, 0.0, 1.0), roughness=0.1)), light)
+    eye = -studio.tracked.marker.T_cam_marker[:3, :3].T @ studio.tracked.marker.T_cam_marker[:3, 3]
+    around, tilts = np.meshgrid(np.linspace(-math.pi, 0, 241), np.linspace(0, 1.2, 121))
+    normals = np.stack([np.sin(tilts) * np.cos(around), np.sin(tilts) * np.sin(around), np.cos(tilts)], -1).reshape(
+        -1, 3
+    )
+    to_eye = eye - (0, 0, 0.03) - 0.03 * normals
+    to_eye /= np.linalg.norm(to_eye, axis=1, keepdims=True)
+    cosines = (normals * to_eye).sum(axis=1)
+    mirrored, to_eye = (2 * cosines[:, None] * normals - to_eye)[cosines > 0.3], to_eye[cosines > 0.3]
+    aside = np.arccos(np.clip(mirrored @ light.to_light_marker, -1, 1)) / half
+    places = (0, 0, 0.03) + 0.03 * normals[cosines > 0.3]
+    columns, rows = project(studio.tracked.camera, studio.tracked.marker.T_cam_marker, places).round().astype(int).T
+    seen = linear_from_srgb(picture[rows, columns, 1] / 255) / ASSUMED_WHITE
+    bright = 0.04 * lighting_of((light,)).lights[0].irradiance[1] / math.sin(half) ** 2
+    beside = np.median(seen[(aside > 1.6) & (aside < 2.5)])
+    assert beside < 0.2 * bright
+    assert np.median(seen[aside < 0.7]) == pytest.approx(bright + beside, rel=0.12)
+    assert (seen[aside < 0.7] > 0.7 * bright).mean() > 0.97
+    assert (seen[(aside > 1.6) & (aside < 3.0)] < 0.35 * bright).mean() > 0.97
+
+
+@pytest.mark.parametrize(("quality", "roughness"), in_turns([(0.25,), (0.3,), (0.4,)]))
+def test_the_highlight_of_a_wide_light_is_the_mean_of_those_of_its_points(
+    make_renderer, stage, quality: str, roughness: float
+) -> None:
+    studio = _Studio(make_renderer, stage, quality, 20, elevation_deg=45)
+    ball = _ball(Material(base_colour=(0.0, 0.0, 0.0, 1.0), roughness=roughness))
+    light, half = stage.light(-60, 50, (0.92, 0.92, 0.92)), math.radians(8)
+
+    def shine(direction: np.ndarray, size_rad: float) -> np.ndarray:
+        lit = replace(light, to_light_marker=direction, angular_size_rad=size_rad)
+        return linear_from_srgb(studio.picture(ball, lit)[..., 1] / 255)
+
+    across, along = light_view(light.to_light_marker)[:2, :3]
+    numbers = np.arange(24) + 0.5
+    aside, turns = np.sqrt(numbers / 24) * math.tan(half), numbers * math.pi * (3 - math.sqrt(5))
+    points = light.to_light_marker + np.outer(aside * np.cos(turns), across) + np.outer(aside * np.sin(turns), along)
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    mean = np.mean([shine(point, 1e-4) for point in points], axis=0)
+    wide = shine(light.to_light_marker, 2 * half)
+    assert mean.max() < 0.8
+    assert wide.max() == pytest.approx(mean.max(), rel=0.05)
+    is_bright = mean > 0.5 * mean.max()
+    assert wide[is_bright].sum() == pytest.approx(mean[is_bright].sum(), rel=0.1)
 
 
 @pytest.mark.parametrize(

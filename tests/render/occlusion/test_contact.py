@@ -15,8 +15,13 @@ RADIUS = 0.03
 @pytest.fixture
 def around_a_ball(ctx, stage) -> tuple[np.ndarray, np.ndarray]:
     """(n, 2) places around a ball on the ground, over its radius, and (n, 4) of its contact there."""
+    return _around_a_ball(ctx, stage, 1.0)
+
+
+def _around_a_ball(ctx, stage, height: float) -> tuple[np.ndarray, np.ndarray]:
+    """The same of one whose middle is `height` radii above the ground."""
     angles = np.linspace(-np.pi / 2, np.pi / 2, 33)
-    profile = RADIUS * np.column_stack([np.cos(angles).round(9), 1 + np.sin(angles)])
+    profile = RADIUS * np.column_stack([np.cos(angles).round(9), height + np.sin(angles)])
     placed, programs, known = stage.placed(revolved(profile, segments=64)), Programs(ctx), Known()
     model = GpuModel(ctx, placed, programs)
     contact = ContactPatch(ctx, programs, model)
@@ -37,6 +42,17 @@ def test_a_ball_hides_its_form_factor_all_around(around_a_ball) -> None:
     off = contact[ring, 0] - (away[ring] ** 2 + 1) ** -1.5
     assert abs(off.mean()) < 0.01
     assert off.std() < 0.010  # 0.012 where the samples of the sky can be told from one another
+
+
+@pytest.mark.parametrize("height", [1.7, 2.5, 4.0])
+def test_below_a_ball_in_the_air_the_samples_of_the_sky_cannot_be_told_from_one_another(
+    ctx, stage, height: float
+) -> None:
+    places, contact = _around_a_ball(ctx, stage, height)
+    away = np.hypot(*places.T)
+    below = away < height
+    expected = height * (away[below] ** 2 + height**2) ** -1.5
+    assert np.sqrt(np.mean((contact[below, 0] - expected) ** 2)) < 0.01
 
 
 def test_the_hidden_sky_is_where_the_ball_is(around_a_ball) -> None:
