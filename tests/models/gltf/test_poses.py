@@ -286,6 +286,22 @@ def test_normals_stay_upright_on_what_is_stretched(tmp_path: Path) -> None:
         assert (normals @ Y_UP @ (0, -1, 1) > 0).all()  # still on the side that they were on
 
 
+def test_what_is_turned_as_it_is_inside_out_stays_so_while_it_moves(tmp_path: Path) -> None:
+    document = Document()
+    corners = np.float32([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)])  # of a tetrahedron about the origin
+    document.quad(material={"doubleSided": True})
+    document.json["meshes"][0]["primitives"][0] |= {
+        "attributes": {"POSITION": document.accessor(corners), "NORMAL": document.accessor(-corners)},
+        "indices": document.accessor(np.uint16([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]).ravel()),
+    }
+    animated(document, "scale", np.float32([(1, 1, 1), (2, 2, 2)]))
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    assert part.motion is not None
+    for vertices, normals in zip(part.motion.vertices, part.motion.normals, strict=True):
+        assert (np.einsum("ij,ij->i", vertices, normals) > 0.9).all()
+        assert (np.einsum("ij,ij->i", vertices[part.triangles[:, 0]], face_normals(vertices, part.triangles)) > 0).all()
+
+
 def test_a_spline_that_comes_back_to_where_it_began_moves_in_between(tmp_path: Path) -> None:
     """Appendix C: between two keyframes of the same value it follows their tangents."""
     document = Document()
