@@ -565,6 +565,20 @@ def test_the_tracking_preset_changes_between_frames_and_never_within_one(run, fa
     assert set(map(id, presets[2:])) == {id(ACCURATE.tracking)}
 
 
+def test_another_tracker_goes_on_at_the_quality_that_was_asked_for(fakes):
+    made = []
+
+    def tracker_for(_spec, _hfov_deg):
+        made.append(fakes.Tracker())
+        return made[-1]
+
+    pipeline = Pipeline(fakes.Source(3), fakes.Tracker(), False, tracker_for)
+    for change in (lambda: pipeline.track_with(ACCURATE.tracking), lambda: pipeline.follow("cube")):
+        change()
+        pipeline._capture.step()
+    assert [tracker.preset for tracker in made] == [ACCURATE.tracking]
+
+
 def test_of_wishes_that_come_faster_than_frames_none_is_lost(held):
     """They are one value: a pause does not undo a seek that nobody has obeyed yet. And where it was sent is shown,
     however soon after another frame: at twice the pace frames in a row that come so soon are left out."""
