@@ -119,6 +119,19 @@ def test_a_skin_follows_its_joints(tmp_path: Path) -> None:
     np.testing.assert_allclose(places(model), expected([(0, 0, 0), (1, 0, 0), (0, 0, 0), (0, 1, 0)]), atol=1e-5)
 
 
+def test_a_skin_of_one_joint_follows_it(tmp_path: Path) -> None:
+    """Its arrays hold a single item."""
+    document = Document()
+    skinned_quad(document)
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    own["JOINTS_0"] = document.accessor(np.zeros((4, 4), np.uint8))
+    bound = np.eye(4, dtype=np.float32)
+    bound[3, 0] = -1
+    document.json["skins"] = [{"joints": [2], "inverseBindMatrices": document.accessor(bound.reshape(1, 16))}]
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    np.testing.assert_allclose(places(model), expected([(1, -1, 0), (1, 0, 0), (0, 0, 0), (0, -1, 0)]), atol=1e-5)
+
+
 def with_normals(document: Document, normals: np.ndarray) -> None:
     own = document.json["meshes"][0]["primitives"][0]["attributes"]
     own["NORMAL"] = document.accessor(np.float32(normals))

@@ -488,14 +488,17 @@ def test_a_picture_of_another_size_is_an_error_that_names_both(run, fakes):
 
 
 def test_a_source_that_hangs_is_reported_until_it_goes_on(run, fakes, monkeypatch):
-    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.02)
-    source, goes_on = fakes.Source(10_000), threading.Event()
-    source.hook = lambda index: index < 3 or goes_on.wait(PATIENCE_S)
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 2 * PATIENCE_S)
+    source, gate = fakes.Source(10_000), Gate()
+    source.hook = lambda index: index < 3 or gate(index)
     pipeline = run(source)
+    assert gate.reached.wait(PATIENCE_S)
+    assert pipeline.stall is None  # it is waited for, and not yet for long
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.02)
     await_that(lambda: pipeline.stall is not None)
     assert "fake has given no picture" in pipeline.stall
     monkeypatch.undo()
-    goes_on.set()
+    gate.opened.set()
     indices(pipeline, until=5)
     assert pipeline.stall is None
 
