@@ -239,6 +239,35 @@ def test_the_last_frame_of_a_clip_is_tracked_again_for_another_marker(asked_mean
     await_that(lambda: pipeline.has_ended)
     pipeline.see_by(50.0)  # restarts it
     assert_settles(pipeline, at=2)
+    assert pipeline._source.rewinds == 1
+
+
+def test_a_photo_is_tracked_again_for_another_marker(fakes):
+    second = fakes.Tracker()
+    second.note = "by the second"
+    source = fakes.Source(1, is_photo=True)
+    pipeline = Pipeline(source, fakes.Tracker(), False, lambda _spec, _hfov_deg: second)
+    pipeline.start()
+    try:
+        assert pipeline.frames.take(PATIENCE_S).note is None
+        await_that(lambda: source.reads == 2)  # and no more: it waits
+        pipeline.follow("cube")
+        assert pipeline.frames.take(PATIENCE_S).note == "by the second"
+    finally:
+        pipeline.close()
+
+
+def test_where_nobody_can_seek_seeks_and_steps_change_nothing(run, fakes):
+    source = fakes.Source(10_000)
+    pipeline = run(source)
+    indices(pipeline, until=3)
+    pipeline.step(-1)
+    assert min(indices(pipeline, until=8)) > 3  # it is not paused
+    pipeline.pause(True)
+    while pipeline.frames.take(A_WHILE_S) is not None:
+        pass
+    pipeline.seek(0.0)
+    assert pipeline.frames.take(A_WHILE_S) is None
 
 
 @pytest.fixture
@@ -580,6 +609,18 @@ def test_another_tracker_goes_on_at_the_quality_that_was_asked_for(fakes):
         change()
         pipeline._capture.step()
     assert [tracker.preset for tracker in made] == [ACCURATE.tracking]
+
+
+def test_a_seek_by_an_amount_begins_where_the_step_before_it_leads(held):
+    """Also while that has not been carried out yet."""
+    pipeline, source, _ = held
+    source.hook = gate = Gate()
+    pipeline.step(1)
+    assert gate.reached.wait(PATIENCE_S)
+    pipeline.step(3)
+    pipeline.seek_by(2 / source.fps)
+    gate.opened.set()
+    assert_settles(pipeline, at=56)
 
 
 def test_of_wishes_that_come_faster_than_frames_none_is_lost(held):
