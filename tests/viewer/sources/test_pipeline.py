@@ -611,6 +611,18 @@ def test_another_tracker_goes_on_at_the_quality_that_was_asked_for(fakes):
     assert [tracker.preset for tracker in made] == [ACCURATE.tracking]
 
 
+def test_a_frame_that_is_not_due_yet_is_not_shown_once_another_is_sought(fakes):
+    source = fakes.Clip(100, fps=1.0)
+    pipeline = Pipeline(source, fakes.Tracker(), False)
+    shown = []
+    for _ in range(3):
+        pipeline._capture.step()
+        tracked = pipeline.frames.take(0.0)
+        shown.append(None if tracked is None else tracked.frame.index)
+        source.hook = lambda index: pipeline.seek(50.0) if index == 1 else None
+    assert shown == [0, None, 50]
+
+
 def test_a_seek_by_an_amount_begins_where_the_step_before_it_leads(held):
     """Also while that has not been carried out yet."""
     pipeline, source, _ = held
