@@ -45,6 +45,7 @@ def test_a_closed_surface_seen_from_one_side_faces_as_its_file_says(tmp_path, wi
     (part,) = load_model_file(path).parts
     assert part.material.double_sided == double_sided
     assert (_volume(part) > 4) if double_sided else (_volume(part) < -4)
+    assert part.faces_inwards != double_sided  # what is within such a hull stands in the light
 
 
 def test_open_model_keeps_the_side_that_its_file_says(tmp_path: Path) -> None:

@@ -251,6 +251,7 @@ def test_another_marker_was_not_moved_where_the_one_before_it_was() -> None:
                 preset=None,
                 track=lambda frame: frames[frame.index],
                 jump=lambda: None,
+                reset=lambda: None,
             ),
         )
 
@@ -258,6 +259,14 @@ def test_another_marker_was_not_moved_where_the_one_before_it_was() -> None:
     scene = SceneTracker(moved, KeyViews())
     frames = [Frame(np.zeros((480, 640, 3), np.uint8), k, k / FPS) for k in range(len(TURNED))]
     assert_near(np.asarray([scene.track(frame) for frame in frames][-1].T_room_marker), TURNED[-1], 0.5, 1)
+    scene.rewind()
+    assert np.array_equal(scene.track(frames[0]).T_room_marker, np.eye(4))
+    assert_near(np.asarray([scene.track(frame) for frame in frames[1:]][-1].T_room_marker), TURNED[-1], 0.5, 1)
+    # Seen by another camera the same marker lies where it lay.
+    scene.follow(of_marker("moved", TURNED))
+    assert_near(np.asarray(scene.track(frames[-1]).T_room_marker), TURNED[-1], 0.5, 1)
+    scene.jump()
+    assert np.array_equal(scene.track(frames[0]).T_room_marker, np.eye(4))
     scene.follow(still)
     here = scene.track(frames[-1])
     scene.jump()

@@ -28,9 +28,8 @@ class SceneTracker:
         self._tracker.preset = preset
 
     def follow(self, tracker: MarkerTracker) -> None:
-        """Another marker, or the same by another camera, is followed from the next frame on, at the same quality."""
+        """Another marker, or the same by another camera, is followed from the next frame on."""
         is_same_marker = tracker.marker.spec == self._tracker.marker.spec
-        tracker.preset = self._tracker.preset
         self._tracker = tracker
         self._forget_scene()
         if not is_same_marker:  # a step back may lead to frames in which the one before lay elsewhere

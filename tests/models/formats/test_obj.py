@@ -56,8 +56,8 @@ def test_a_mask_cuts_its_picture_out(tmp_path: Path) -> None:
 
 
 def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
-    Image.new("RGB", (8, 8), (255, 0, 0)).save(tmp_path / "red.png")
-    Image.fromarray(np.uint8([[0, 0, 255, 255]] * 4)).save(tmp_path / "mask.png")
+    Image.new("RGB", (8, 4), (255, 0, 0)).save(tmp_path / "red.png")
+    Image.fromarray(np.uint8([[0, 0, 255, 255]] * 2)).save(tmp_path / "mask.png")
     material = surface(tmp_path, "map_Kd red.png\nmap_d mask.png")
     assert material.alpha is Alpha.CUT_OUT
     assert (material.base_map[:, :3, 3] < 128).all()
@@ -250,6 +250,21 @@ def test_a_picture_is_enlarged_and_shifted_as_its_options_say(tmp_path: Path) ->
 def test_roughness_and_metal_may_be_said(tmp_path: Path) -> None:
     material = surface(tmp_path, "Kd 1 0 0\nNs 10\nPr 0.25\nPm 0.75")
     assert (material.roughness, material.metallic) == (0.25, 0.75)
+
+
+def test_an_exponent_is_that_of_a_lobe_as_wide_as_its_roughness_says(tmp_path: Path) -> None:
+    """Of Blinn and Phong's exponent n and Beckmann's alpha, the roughness squared: n = 2 / alpha^2 - 2."""
+    for exponent in (1, 10, 96, 900):
+        alpha = surface(tmp_path, f"Kd 1 0 0\nNs {exponent}").roughness ** 2
+        assert 2 / alpha**2 - 2 == pytest.approx(exponent)
+
+
+@pytest.mark.parametrize(
+    ("line", "colour"),
+    [("Kd 0.5", "Kd 0.5 0.5 0.5"), ("Kd 0.5 0.2", "Kd 0.5 0.5 0.5"), ("Kd 3 0 -1\nd 7", "Kd 1 0 0\nd 1")],
+)
+def test_one_number_is_a_grey_and_nothing_sends_back_more_light_than_falls_on_it(tmp_path, line, colour) -> None:
+    assert surface(tmp_path, line).base_colour == surface(tmp_path, colour).base_colour
 
 
 @pytest.mark.parametrize("lines", ["d 1\nTr 1", "Tr 1\nd 1"])

@@ -10,6 +10,7 @@ from PIL import Image
 
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.errors import UserError
+from ashe_live.models.gltf.maps import layout_of
 from ashe_live.models.gltf.materials import LEAST_COVER
 from ashe_live.models.gltf.specular import SpecularGlossiness
 from ashe_live.models.loading import load_model_file
@@ -76,6 +77,26 @@ def test_a_map_is_moved_turned_and_scaled(tmp_path: Path) -> None:
     # The picture is turned clockwise: what was at the bottom left is at the top left.
     assert colour_at(material.parts[0].material, (0.2, 0.2)) == BLUE
     assert colour_at(material.parts[0].material, (0.8, 0.2)) == RED
+
+
+def test_a_map_is_scaled_then_turned_then_moved() -> None:
+    """The extension's product of matrices, whose coordinates begin at the top left."""
+    transform = {"offset": [0.3, -0.2], "rotation": 0.7, "scale": [2.0, 0.5]}
+    cosine, sine = math.cos(0.7), math.sin(0.7)
+    placed = np.array([[1, 0, 0.3], [0, 1, -0.2], [0, 0, 1]])
+    turned = np.array([[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]])
+    upside_down = np.array([[1, 0, 0], [0, -1, 1], [0, 0, 1]])
+    expected = upside_down @ placed @ turned @ np.diag((2.0, 0.5, 1.0)) @ upside_down
+    layout = layout_of({"extensions": {"KHR_texture_transform": transform}}, {"wrapS": 33071})
+    np.testing.assert_allclose(np.reshape(layout.matrix, (2, 3)), expected[:2], atol=1e-12)
+    assert layout.repeats == (False, True)
+
+
+def test_what_a_material_does_not_say_is_as_the_format_has_it(tmp_path: Path) -> None:
+    material = quad_of(tmp_path, {"alphaMode": "MASK"}).parts[0].material
+    assert (material.base_colour, material.metallic, material.roughness) == ((1, 1, 1, 1), 1, 1)
+    assert (material.normal_scale, material.occlusion_strength, material.emissive) == (1, 1, (0, 0, 0))
+    assert (material.alpha_cutoff, material.double_sided) == (0.5, False)
 
 
 @pytest.mark.parametrize(
@@ -281,6 +302,16 @@ def test_only_what_its_map_says_is_glass(tmp_path: Path, coloured: bool) -> None
     np.testing.assert_allclose(shares[:, 0], 1)
     np.testing.assert_allclose(shares[:, width - 1], LEAST_COVER, atol=0.01)
     assert tuple(material.base_map[0, 0, :3]) == ((200, 0, 0) if coloured else (255, 255, 255))
+
+
+def test_glass_whose_map_is_laid_out_otherwise_than_its_colours_is_as_clear_as_the_map_on_average(tmp_path) -> None:
+    document = Document()
+    texture = {**document.embedded(png((51, 0, 0))), "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}
+    glass = {"transmissionFactor": 1.0, "transmissionTexture": texture}
+    surface = {"metallicFactor": 0, "baseColorTexture": document.embedded(png((200, 0, 0)))}
+    given = {"extensions": {"KHR_materials_transmission": glass}, "pbrMetallicRoughness": surface}
+    material = quad_of(tmp_path, given, document).parts[0].material
+    assert material.base_colour[3] == pytest.approx(1 - 51 / 255 * (1 - LEAST_COVER))
 
 
 def test_what_is_drawn_without_is_said_once(tmp_path: Path) -> None:

@@ -119,6 +119,19 @@ def test_a_skin_follows_its_joints(tmp_path: Path) -> None:
     np.testing.assert_allclose(places(model), expected([(0, 0, 0), (1, 0, 0), (0, 0, 0), (0, 1, 0)]), atol=1e-5)
 
 
+def test_a_skin_of_one_joint_follows_it(tmp_path: Path) -> None:
+    """Its arrays hold a single item."""
+    document = Document()
+    skinned_quad(document)
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    own["JOINTS_0"] = document.accessor(np.zeros((4, 4), np.uint8))
+    bound = np.eye(4, dtype=np.float32)
+    bound[3, 0] = -1
+    document.json["skins"] = [{"joints": [2], "inverseBindMatrices": document.accessor(bound.reshape(1, 16))}]
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    np.testing.assert_allclose(places(model), expected([(1, -1, 0), (1, 0, 0), (0, 0, 0), (0, -1, 0)]), atol=1e-5)
+
+
 def with_normals(document: Document, normals: np.ndarray) -> None:
     own = document.json["meshes"][0]["primitives"][0]["attributes"]
     own["NORMAL"] = document.accessor(np.float32(normals))
@@ -284,6 +297,22 @@ def test_normals_stay_upright_on_what_is_stretched(tmp_path: Path) -> None:
         edges = vertices[part.triangles[:, 1:]] - vertices[part.triangles[:, :1]]
         np.testing.assert_allclose(np.einsum("tek,tk->te", edges, normals[part.triangles[:, 0]]), 0, atol=1e-5)
         assert (normals @ Y_UP @ (0, -1, 1) > 0).all()  # still on the side that they were on
+
+
+def test_what_is_turned_as_it_is_inside_out_stays_so_while_it_moves(tmp_path: Path) -> None:
+    document = Document()
+    corners = np.float32([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)])  # of a tetrahedron about the origin
+    document.quad(material={"doubleSided": True})
+    document.json["meshes"][0]["primitives"][0] |= {
+        "attributes": {"POSITION": document.accessor(corners), "NORMAL": document.accessor(-corners)},
+        "indices": document.accessor(np.uint16([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]).ravel()),
+    }
+    animated(document, "scale", np.float32([(1, 1, 1), (2, 2, 2)]))
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    assert part.motion is not None
+    for vertices, normals in zip(part.motion.vertices, part.motion.normals, strict=True):
+        assert (np.einsum("ij,ij->i", vertices, normals) > 0.9).all()
+        assert (np.einsum("ij,ij->i", vertices[part.triangles[:, 0]], face_normals(vertices, part.triangles)) > 0).all()
 
 
 def test_a_spline_that_comes_back_to_where_it_began_moves_in_between(tmp_path: Path) -> None:

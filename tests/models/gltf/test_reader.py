@@ -181,15 +181,16 @@ def test_maps_are_laid_out_by_two_sets_of_coordinates_and_no_third(tmp_path: Pat
     assert any("third set" in note for note in model.notes)
 
 
-@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
-def test_normalised_integers_are_shares_of_one(tmp_path: Path, kind: type) -> None:
+@pytest.mark.parametrize(("kind", "is_said"), [(np.uint8, True), (np.uint16, True), (np.uint8, False)])
+def test_normalised_integers_are_shares_of_one(tmp_path: Path, kind: type, is_said: bool) -> None:
+    """Colours are, even where the file does not say so: they can be nothing else."""
     largest = np.iinfo(kind).max
     document = Document()
     colours = np.array([(largest, 0, largest // 5, largest)] * 4, dtype=kind)
     document.quad(
         material={"pbrMetallicRoughness": {"baseColorTexture": document.embedded(png(GREEN))}},
         TEXCOORD_0=document.accessor((UVS * largest).astype(kind), normalised=True),
-        COLOR_0=document.accessor(colours, normalised=True),
+        COLOR_0=document.accessor(colours, normalised=is_said),
     )
     part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
     np.testing.assert_allclose(part.uvs, np.column_stack([UVS[:, 0], 1 - UVS[:, 1]]), atol=1e-6)

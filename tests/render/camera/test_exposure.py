@@ -1,9 +1,17 @@
 """How the drawn exposure follows measurements of it, against a known exposure with noise."""
 
+import cv2
 import numpy as np
 import pytest
 
-from ashe_live.render.camera.exposure import NOISE, followed
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import srgb_from_linear
+from ashe_live.core.transforms import image_from_plane, rigid
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.render.camera.exposure import NOISE, followed, gain_and_slope
+
+CAMERA = Camera.from_hfov((320, 240), 60)
+T_CAM_MARKER = rigid(cv2.Rodrigues(np.array([2.4, 0.3, 0.1]))[0], (0.02, -0.01, 0.5))
 
 
 def _shown(measured: np.ndarray) -> np.ndarray:
@@ -39,3 +47,29 @@ def test_one_channel_that_changes_takes_the_others_along() -> None:
     """White balance and exposure are one measurement: no colours in between are shown."""
     shown, measured = np.zeros(3), np.array([0.2, 0.001, -0.001])
     assert followed(shown, measured) == pytest.approx(measured, rel=0.01)
+
+
+GROUND = np.array((0.2, 0.15, 0.1))
+
+
+@pytest.mark.parametrize("is_covered", [False, True])
+def test_gain_and_sheen_of_the_ground_are_found_also_where_things_lie_on_it(is_covered: bool) -> None:
+    """Painted by both: a dark thing covers a fifth of the ground, and places are looked up that are out of view."""
+    gain, slope = np.array((1.3, 1.2, 1.1)), np.array((0.6, -0.4))
+    columns, rows = np.meshgrid(*map(np.arange, CAMERA.size))
+    pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1)
+    plane = pixels @ np.linalg.inv(image_from_plane(CAMERA, T_CAM_MARKER)).T
+    plane = plane[..., :2] / plane[..., 2:]
+    linear = GROUND * gain * np.exp(plane @ slope)[..., None]
+    if is_covered:
+        linear[:, : CAMERA.size[0] // 5] = 0.01
+    image = np.round(255 * srgb_from_linear(np.clip(linear, 0, 1))).astype(np.uint8)[..., ::-1].copy()
+    marker = MarkerPose(T_CAM_MARKER, np.zeros((4, 2)), 0.08, 0.1, None)
+    places = np.stack(np.meshgrid(*[np.linspace(-0.3, 0.3, 40)] * 2), axis=-1).reshape(-1, 2)
+    before = np.tile(GROUND, (len(places), 1))
+    found = gain_and_slope(TrackedFrame(Frame(image, 0, 0.0), CAMERA, marker), places, before)
+    assert found is not None
+    np.testing.assert_allclose(found[0], gain, rtol=0.02)
+    np.testing.assert_allclose(found[1], slope, atol=0.1)
+    nowhere = places + np.array((0.0, 50.0))
+    assert gain_and_slope(TrackedFrame(Frame(image, 0, 0.0), CAMERA, marker), nowhere, before) is None

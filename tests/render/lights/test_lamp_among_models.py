@@ -162,6 +162,8 @@ def test_groups_are_as_few_as_a_lamp_can_see() -> None:
     assert any({1, 3} <= set(group) for group in groups)  # next to one another
     for group in groups:
         assert view_of(among[0], np.concatenate([bodies[number] for number in group])) is not None
+    for one, group in itertools.product((*far, *among), seen_together(bodies, (*far, *among), 5)):
+        assert view_of(one, np.concatenate([bodies[number] for number in group])) is not None
     assert [0] in seen_together(bodies, inside, 5)
     assert len(seen_together(bodies, among, 1)) == 1
 
@@ -176,6 +178,10 @@ def test_what_too_few_groups_do_not_show_is_left_out_of_as_few_as_possible() -> 
         groups = seen_together(bodies, (lamp,), 2 if unseen == 0 else 3)
         views = [view_of(lamp, np.concatenate([bodies[number] for number in group])) for group in groups]
         assert sum(view is None for view in views) == unseen
+    # Two side by side stay seen where the one across has to share its view with those that hold the lamp.
+    beside = [Placement(shift_m=(0.08, 0.03 * number)) for number in range(2)]
+    places = [*beside, Placement(shift_m=(-0.08, 0.0)), holds, replace(holds, turn_rad=0.5)]
+    assert seen_together([_of_pole(each) for each in places], (lamp,), 2) == [[0, 1], [2, 3, 4]]
     suns = tuple(Light((0.1 * number, 0.0, 1.0)) for number in range(3))
     ring = [_of_pole(Placement(shift_m=(0.08 * math.cos(turn), 0.08 * math.sin(turn)))) for turn in 0.7 * np.arange(9)]
     for lights, beside_real in itertools.product(((_lamp(low, 0.3),), (_lamp(low, 0.3), *suns)), (False, True)):

@@ -51,6 +51,7 @@ def test_it_stays_where_it_is_while_the_marker_is_moved(light: Light) -> None:
     seen = room.now(ELSEWHERE)
     np.testing.assert_allclose(in_room(seen.light, ELSEWHERE), in_room(light, FIRST), atol=1e-9)
     assert angle_between(seen.light.to_light_marker, light.to_light_marker) > 0.1
+    assert room.now(ELSEWHERE) is seen  # or it would be drawn anew for every frame
     # While it is out of view it lies where it lay at last.
     np.testing.assert_allclose(room.now(OUT_OF_VIEW).light.to_light_marker, seen.light.to_light_marker)
     estimate = LightEstimate("proxy", 0, Illumination((light,)))

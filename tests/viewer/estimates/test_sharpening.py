@@ -32,10 +32,10 @@ def test_where_nothing_is_seen_nothing_is_worth_an_estimate():
 
 
 def test_one_estimate_at_a_time_and_not_too_often(fakes):
-    sharpening = asked(orbit(fakes, 2, 2.0))
+    sharpening = asked(orbit(fakes, 2, 2.0), 100.0)
     wider = orbit(fakes, 4, 2.0)
-    assert not sharpening.is_due_for(wider, EVERY_S / 2)
-    assert sharpening.is_due_for(wider, EVERY_S)
+    assert not sharpening.is_due_for(wider, 100.0 + EVERY_S / 2)
+    assert sharpening.is_due_for(wider, 100.0 + 1.01 * EVERY_S)
 
 
 def test_new_views_over_the_same_span_are_worth_it_once_there_are_enough(fakes):

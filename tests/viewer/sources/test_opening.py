@@ -13,6 +13,7 @@ import pytest
 from ashe_live.capture.opening import open_source
 from ashe_live.errors import UserError
 from ashe_live.viewer.hands.requests import Command, Files, Request
+from ashe_live.viewer.sources import opening as opening_module
 from ashe_live.viewer.sources.opening import Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.windows.glfw_window import GlfwWindow
@@ -89,6 +90,39 @@ def test_whatever_a_file_does_to_its_reader_is_one_line():
     opening.begin(Path("strange.mp4"))
     with pytest.raises(UserError, match=r"strange\.mp4"):
         awaited(opening)
+
+
+@pytest.mark.parametrize(("path", "remedy"), [(Path("slow.mp4"), "disk"), (None, "plug it in")])
+def test_a_source_that_gives_no_picture_is_let_go(fakes, monkeypatch, path, remedy):
+    """Else a camera would stay taken."""
+    monkeypatch.setattr(opening_module, "LONGEST_S", 0.05)
+    source, go_on = fakes.Source(), threading.Event()
+    source.hook = lambda _index: go_on.wait(PATIENCE_S)
+
+    def opener(_path):
+        pipeline = Pipeline(source, fakes.Tracker(), True)
+        pipeline.start()
+        return pipeline
+
+    opening = Opening(opener)
+    opening.begin(path)
+    with pytest.raises(UserError, match="given no picture") as error:
+        awaited(opening)
+    assert remedy in error.value.remedy
+    go_on.set()
+    assert source.closed.wait(PATIENCE_S)
+
+
+def test_what_is_abandoned_does_not_come_and_without_an_opener_nothing_does(opening, film):
+    opening.begin(film.path)
+    coming = opening._coming
+    opening.close()
+    coming.exception(PATIENCE_S)
+    nothing = Opening(None)
+    nothing.begin(film.path)
+    for each in (opening, nothing):
+        assert each.progress is None
+        assert each.take() is None
 
 
 def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):

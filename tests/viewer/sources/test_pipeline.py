@@ -239,6 +239,35 @@ def test_the_last_frame_of_a_clip_is_tracked_again_for_another_marker(asked_mean
     await_that(lambda: pipeline.has_ended)
     pipeline.see_by(50.0)  # restarts it
     assert_settles(pipeline, at=2)
+    assert pipeline._source.rewinds == 1
+
+
+def test_a_photo_is_tracked_again_for_another_marker(fakes):
+    second = fakes.Tracker()
+    second.note = "by the second"
+    source = fakes.Source(1, is_photo=True)
+    pipeline = Pipeline(source, fakes.Tracker(), False, lambda _spec, _hfov_deg: second)
+    pipeline.start()
+    try:
+        assert pipeline.frames.take(PATIENCE_S).note is None
+        await_that(lambda: source.reads == 2)  # and no more: it waits
+        pipeline.follow("cube")
+        assert pipeline.frames.take(PATIENCE_S).note == "by the second"
+    finally:
+        pipeline.close()
+
+
+def test_where_nobody_can_seek_seeks_and_steps_change_nothing(run, fakes):
+    source = fakes.Source(10_000)
+    pipeline = run(source)
+    indices(pipeline, until=3)
+    pipeline.step(-1)
+    assert min(indices(pipeline, until=8)) > 3  # it is not paused
+    pipeline.pause(True)
+    while pipeline.frames.take(A_WHILE_S) is not None:
+        pass
+    pipeline.seek(0.0)
+    assert pipeline.frames.take(A_WHILE_S) is None
 
 
 @pytest.fixture
@@ -488,14 +517,17 @@ def test_a_picture_of_another_size_is_an_error_that_names_both(run, fakes):
 
 
 def test_a_source_that_hangs_is_reported_until_it_goes_on(run, fakes, monkeypatch):
-    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.02)
-    source, goes_on = fakes.Source(10_000), threading.Event()
-    source.hook = lambda index: index < 3 or goes_on.wait(PATIENCE_S)
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 2 * PATIENCE_S)
+    source, gate = fakes.Source(10_000), Gate()
+    source.hook = lambda index: index < 3 or gate(index)
     pipeline = run(source)
+    assert gate.reached.wait(PATIENCE_S)
+    assert pipeline.stall is None  # it is waited for, and not yet for long
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.02)
     await_that(lambda: pipeline.stall is not None)
     assert "fake has given no picture" in pipeline.stall
     monkeypatch.undo()
-    goes_on.set()
+    gate.opened.set()
     indices(pipeline, until=5)
     assert pipeline.stall is None
 
@@ -563,6 +595,44 @@ def test_the_tracking_preset_changes_between_frames_and_never_within_one(run, fa
     presets = [preset for _, preset in used]
     assert presets[:2] == [FAST.tracking] * 2
     assert set(map(id, presets[2:])) == {id(ACCURATE.tracking)}
+
+
+def test_another_tracker_goes_on_at_the_quality_that_was_asked_for(fakes):
+    made = []
+
+    def tracker_for(_spec, _hfov_deg):
+        made.append(fakes.Tracker())
+        return made[-1]
+
+    pipeline = Pipeline(fakes.Source(3), fakes.Tracker(), False, tracker_for)
+    for change in (lambda: pipeline.track_with(ACCURATE.tracking), lambda: pipeline.follow("cube")):
+        change()
+        pipeline._capture.step()
+    assert [tracker.preset for tracker in made] == [ACCURATE.tracking]
+
+
+def test_a_frame_that_is_not_due_yet_is_not_shown_once_another_is_sought(fakes):
+    source = fakes.Clip(100, fps=1.0)
+    pipeline = Pipeline(source, fakes.Tracker(), False)
+    shown = []
+    for _ in range(3):
+        pipeline._capture.step()
+        tracked = pipeline.frames.take(0.0)
+        shown.append(None if tracked is None else tracked.frame.index)
+        source.hook = lambda index: pipeline.seek(50.0) if index == 1 else None
+    assert shown == [0, None, 50]
+
+
+def test_a_seek_by_an_amount_begins_where_the_step_before_it_leads(held):
+    """Also while that has not been carried out yet."""
+    pipeline, source, _ = held
+    source.hook = gate = Gate()
+    pipeline.step(1)
+    assert gate.reached.wait(PATIENCE_S)
+    pipeline.step(3)
+    pipeline.seek_by(2 / source.fps)
+    gate.opened.set()
+    assert_settles(pipeline, at=56)
 
 
 def test_of_wishes_that_come_faster_than_frames_none_is_lost(held):
