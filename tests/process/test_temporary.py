@@ -1,6 +1,5 @@
 """Temporary folders: none is left, however what needs one ends."""
 
-import os
 import signal
 import sys
 import tempfile
@@ -33,7 +32,7 @@ def test_a_request_to_end_leaves_none(parent: Path, number: signal.Signals) -> N
     before = signal.signal(number, lambda *_: None)
     try:
         with pytest.raises((KeyboardInterrupt, SystemExit)), temporary_folder():
-            os.kill(os.getpid(), number)
+            signal.raise_signal(number)
     finally:
         signal.signal(number, before)
     assert list(parent.iterdir()) == []
@@ -43,7 +42,7 @@ def test_a_request_to_end_while_it_is_removed_waits_until_it_is(parent: Path, mo
     remove = tempfile.TemporaryDirectory.cleanup
 
     def interrupted(folder: tempfile.TemporaryDirectory[str]) -> None:
-        os.kill(os.getpid(), signal.SIGTERM)
+        signal.raise_signal(signal.SIGTERM)
         remove(folder)
 
     monkeypatch.setattr(tempfile.TemporaryDirectory, "cleanup", interrupted)
