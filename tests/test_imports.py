@@ -71,7 +71,7 @@ ROOMS: dict[str, set[str]] = {
         "light.explanation", "bench", "bench.light",
     },
     "bench.lamps": {"core", "errors", "light.estimators", "light.ground", "light.lamps", "light.pixels", "bench"},
-    "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
+    "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "process", "bench"},
     "bench.cube": {"quality", "core", "errors", "files", "tracking", "light.estimators", "bench.track", "bench"},
     "bench.render": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.explanation", "render", "viewer",

@@ -27,6 +27,7 @@ ANY_METADATA: dict[str, Any] = {"metadata_errors": "replace"} if int(av.__versio
 # Of any picture: no memory is spent on a larger one, be it the first or one that a clip of small ones ends with.
 DECODED = {"max_pixels": str(MAX_PIXELS)}
 ALLOWED = {"protocol_whitelist": "none", "format_whitelist": DEMUXERS}
+JPEG_BEGIN = b"\xff\xd8\xff"
 # A picture of 8K has fewer without compression: whoever reads so much and finds no packet will not find any.
 MOST_BYTES_TO_A_PACKET = 100_000_000
 
@@ -77,8 +78,11 @@ def opened_container(file: Searched) -> InputContainer:
     Raises FFmpegError or OSError when it is not a clip.
     """
     file.seek(0)
+    # JPEGs one after the other: where the first is large, FFmpeg takes it for a photo.
+    demuxer = "mjpeg" if file.read(len(JPEG_BEGIN)) == JPEG_BEGIN else None
+    file.seek(0)
     # The options are asked for twice: FFmpeg decodes the first pictures as it opens a file, by codecs of its own.
-    container: InputContainer = av.open(file, "r", options=DECODED, container_options=ALLOWED, **ANY_METADATA)
+    container: InputContainer = av.open(file, "r", demuxer, options=DECODED, container_options=ALLOWED, **ANY_METADATA)
     for stream in container.streams.video:
         if stream.codec_context is not None:  # whatever the stub says: a codec that FFmpeg does not know
             stream.codec_context.options = DECODED

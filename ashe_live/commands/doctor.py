@@ -7,11 +7,9 @@ import argparse
 import os
 import platform
 import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 
 from ashe_live import __version__
 from ashe_live.commands.flags.options import parsed
@@ -22,6 +20,7 @@ from ashe_live.files.resources import resource
 from ashe_live.process.children import Limits
 from ashe_live.process.isolated import NoAnswerError, isolated_call
 from ashe_live.process.messages import print_answer, printable
+from ashe_live.process.temporary import temporary_folder
 from ashe_live.render.gl.driver import is_software
 
 PACKAGES = (
@@ -147,8 +146,8 @@ def _video() -> str:
     from ashe_live.capture.clips.clip import ClipSource
     from ashe_live.capture.recording.recorder import Recorder
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "doctor.mp4"
+    with temporary_folder() as folder:
+        path = folder / "doctor.mp4"
         with Recorder(path, (64, 48), 30.0) as recorder:
             for index in range(3):
                 recorder.write(np.full((48, 64, 3), 80 * index, np.uint8), index / 30)

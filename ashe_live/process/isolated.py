@@ -9,6 +9,7 @@ from multiprocessing.connection import Connection
 from typing import TypeVar
 
 from ashe_live.errors import UserError
+from ashe_live.process.awake import is_set_within
 from ashe_live.process.children import Limits, started
 from ashe_live.process.pipes import receive_value, send_value
 
@@ -20,23 +21,24 @@ class NoAnswerError(Exception):
 
 
 class _Alarm:
-    """Calls a function, in a thread, if it is not stopped within a time."""
+    """Calls a function, in a thread, if it is not stopped within a time in which this process could run."""
 
     def __init__(self, after_s: float, ring: Callable[[], None]) -> None:
         self.has_rung = False
-        self._ring = ring
-        self._timer = threading.Timer(after_s, self._due)
-        self._timer.daemon = True
-        self._timer.start()
+        self._after_s, self._ring = after_s, ring
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="ashe-live alarm", daemon=True)
+        self._thread.start()
 
     def stop(self) -> None:
         """Returns once it rings no more."""
-        self._timer.cancel()
-        self._timer.join()
+        self._stopped.set()
+        self._thread.join()
 
-    def _due(self) -> None:
-        self.has_rung = True
-        self._ring()
+    def _run(self) -> None:
+        if not is_set_within(self._stopped, self._after_s):
+            self.has_rung = True
+            self._ring()
 
 
 def isolated_call(

@@ -3,6 +3,8 @@
 import threading
 from typing import Generic, TypeVar
 
+from ashe_live.process.awake import LONGEST_STEP_S, AwakeTime
+
 T = TypeVar("T")
 
 
@@ -27,12 +29,14 @@ class LatestMailbox(Generic[T]):
             self._changed.notify_all()
 
     def take(self, timeout_s: float) -> T | None:
-        """The value, or None after `timeout_s` without one.
+        """The value, or None after `timeout_s` (AwakeTime) without one.
 
         A value put before the end is still handed over; then raises Closed, or the error that `close` was given.
         """
         with self._changed:
-            self._changed.wait_for(lambda: self._value is not None or self._end is not None, timeout_s)
+            awake = AwakeTime()
+            while self._value is None and self._end is None and (left_s := timeout_s - awake.passed_s()) > 0:
+                self._changed.wait(min(left_s, LONGEST_STEP_S))
             value, self._value = self._value, None
             if value is None and self._end is not None:
                 raise self._end

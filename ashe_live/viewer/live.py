@@ -199,10 +199,10 @@ class LiveViewer:
         self._keeper.finish(now_s)
         self._source.pipeline.close(0.0)
         self.followed.begin_anew(opened.pipeline)
+        self._session.begin_anew(opened.pipeline.is_photo)  # forgets views, of which the new one may have some by now
         self._take_up(opened.pipeline)
         self._renderer.begin_anew()
         self._source.pipeline.track_with(self._quality.now.tracking)
-        self._session.begin_anew(opened.pipeline.is_photo)
         self._session.take(opened.first, now_s)
         self._window.set_title(f"ashe-live: {opened.name}")
         return True

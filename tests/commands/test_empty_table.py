@@ -10,6 +10,7 @@ import pytest
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.transforms import angle_between, image_from_plane
+from ashe_live.files.resources import resource
 from ashe_live.tracking.families.markers import parse_marker
 from tests.light.painted_scenes import BOX, HFOV_DEG, SIDE_M, Painted, paint
 from tests.light.synthetic_masks import camera_towards
@@ -71,7 +72,8 @@ def test_repeated_estimates_are_over_the_empty_table_as_well(run, photos):
 
 
 def test_a_picture_that_is_no_clean_plate_is_said_in_one_line_with_status_2(run, photos, tmp_path):
-    other_size, blank = tmp_path / "small.png", tmp_path / "blank.png"
+    other_size, blank, notes = tmp_path / "small.png", tmp_path / "blank.png", tmp_path / "notes.txt"
+    notes.write_text("the table was empty")
     empty = cv2.imread(str(photos.empty))
     cv2.imwrite(str(other_size), cv2.resize(empty, (320, 240)))
     cv2.imwrite(str(blank), np.full_like(empty, 128))
@@ -80,6 +82,8 @@ def test_a_picture_that_is_no_clean_plate_is_said_in_one_line_with_status_2(run,
         (other_size, "another size (320x240 and 640x480)"),
         (blank, "no marker"),
         (tmp_path / "none.png", "no file"),
+        (resource("assets", "clips", "table.mp4"), "is a clip, and the empty table is shown by a photo"),
+        (notes, "is not a clip or photo"),
     ):
         outcome = run("estimate", *KNOWN, photos.full, "--empty", path)
         assert outcome.status == 2

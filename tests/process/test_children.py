@@ -7,6 +7,7 @@ import subprocess
 import sys
 import sysconfig
 import time
+from itertools import count
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
@@ -14,7 +15,7 @@ import pytest
 
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
-from ashe_live.process import isolated
+from ashe_live.process import awake, isolated
 from ashe_live.process.children import Limits, safe_module_path, started
 from ashe_live.process.isolated import NoAnswerError, isolated_call
 from tests.checkout import CHECKOUT
@@ -141,6 +142,12 @@ def test_one_that_does_not_answer_is_killed():
     with pytest.raises(NoAnswerError, match=r"within 0\.5 s"):
         isolated_call(time.sleep, (PATIENCE_S,), "test", FREE, 0.5)
     assert not [child for child in multiprocessing.active_children() if child.name == "test"]
+
+
+def test_one_is_not_killed_because_all_was_suspended_for_hours(monkeypatch):
+    hours = count()
+    monkeypatch.setattr(awake, "now_s", lambda: 3600.0 * next(hours))  # at every look another one is over
+    assert isolated_call(os.getpid, (), "test", FREE, PATIENCE_S) != os.getpid()
 
 
 def test_one_that_stops_in_the_middle_of_its_answer_is_killed():

@@ -39,6 +39,7 @@ from ashe_live.viewer.status import guidance
 from ashe_live.viewer.stillness import HELD_AFTER_PICTURES
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.view_options import ShownParts
+from tests.light.painted_scenes import BOX, paint
 from tests.viewer.scripted_window import ScriptedWindow
 
 PATIENCE_S = 20.0
@@ -460,6 +461,16 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
     assert len(list(tmp_path.glob("*.mp4"))) == 1
     assert "saved" in capfd.readouterr().out
     assert stage.dropped.frames.is_closed  # when the viewer ends
+
+
+def test_views_that_a_dropped_clip_has_shown_by_then_stay(stage):
+    stage.put(5)
+    first = paint(BOX).tracked
+    assert stage.dropped.key_views.add(first)
+    stage.dropped.frames.put(first)
+    stage.run(dropped("/far/sun.mp4"), *waited_for(lambda: stage.window.title == "ashe-live: sun.mp4"), None)
+    assert stage.session.watch.key_views is stage.dropped.key_views
+    assert [view.frame.index for view in stage.dropped.key_views.views] == [first.frame.index]
 
 
 def test_what_cannot_be_opened_is_one_line_and_changes_nothing(stage, capfd):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ashe_live.capture.photo import PhotoSource
+from ashe_live.capture.opening import open_source
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.clean_plates import over_empty_table
@@ -22,7 +22,10 @@ class EmptyTable:
     @staticmethod
     def read(path: Path) -> "EmptyTable":
         """Raises UserError if it is no photo."""
-        with PhotoSource(path) as source:
+        with open_source(path) as source:
+            if not source.is_photo:
+                remedy = "take a photo of it from where the other picture is taken from"
+                raise UserError(f"{path} is a clip, and the empty table is shown by a photo", remedy)
             frame = source.read()
         assert frame is not None
         return EmptyTable(path, frame)

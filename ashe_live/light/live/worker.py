@@ -5,7 +5,6 @@ A thread would share the interpreter's lock and its full priority with the loop;
 
 import multiprocessing
 import threading
-import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
@@ -19,13 +18,14 @@ from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.light.live import worker_process
 from ashe_live.light.live.worker_messages import Answer, EstimateRequest, EstimateTask, WorkerFailure
 from ashe_live.process import children
+from ashe_live.process.awake import AwakeTime
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.process.pipes import receive_value, send_value
 
 LIMITS = children.Limits(niceness=0)  # worker_process.py lowers its priority itself
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
 THREAD_TIMEOUT_S = 0.05
-# The paper's estimator takes ten seconds, and several times that on a busy machine.
+# Not while all is suspended. The paper's estimator takes ten seconds, several times that on a busy machine.
 LONGEST_ESTIMATE_S = 120.0
 
 BALANCED_ALONE = EstimateTask(BALANCED)  # nothing drawn, awaited or followed
@@ -47,7 +47,7 @@ class LightWorker:
         self._make = partial(make_estimator, estimator) if isinstance(estimator, str) else estimator
         self.takes_one_frame = isinstance(estimator, str) and estimator in OF_ONE_FRAME
         self._asked_index: int | None = None
-        self._asked_s = 0.0
+        self._waited = AwakeTime()  # since it was asked for
         self._closed = False
         self._process: _Process | None = _Process(self._make)
 
@@ -79,7 +79,7 @@ class LightWorker:
         if self._process is None or self._process.has_ended:
             self._discard()
             self._process = _Process(self._make)
-        self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
+        self._asked_index, self._waited = tracked.frame.index, AwakeTime()
         self._process.send((tracked, *others), doubted, empty, task)
         return True
 
@@ -92,7 +92,7 @@ class LightWorker:
         except EOFError:
             outcome = WorkerFailure(self._asked_index, "the light estimator's process has died")
             self._discard()
-        if outcome is None and time.monotonic() - self._asked_s > LONGEST_ESTIMATE_S:
+        if outcome is None and self._waited.passed_s() > LONGEST_ESTIMATE_S:
             outcome = WorkerFailure(self._asked_index, f"no answer in {LONGEST_ESTIMATE_S:.0f} s")
             self._discard()
         if outcome is not None:

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ashe_live.core.arrays import Float
 from ashe_live.core.contract import SCHEMA, Json, light_by_hand_json
-from ashe_live.core.ranges import SHARE, Range
+from ashe_live.core.ranges import INDEX, SHARE, SHIFT, Range
 from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
@@ -22,6 +25,7 @@ from ashe_live.viewer.view_options import WHOLE, ShownParts
 MOST_LIGHTS = 16  # at once, by hand: more than are drawn
 KINDS = ("directional", "lamp")
 SEATS = range(100)  # places for models at one marker: more than anybody will see
+ANGULAR_SIZE_DEG = Range(0.0, 360.0, "degrees")
 INTENSITY = Range(0.0, 1e6)  # of a lamp over all other light: beyond that, its shadow is black in any picture
 MOST_BYTES = 100_000_000  # of a file: an hour in which something is moved in every frame
 
@@ -115,7 +119,7 @@ def read_as_shown(path: Path, shelf: Shelf) -> AsShown:
             raise ValueError("it is no object in braces")
         if content["schema"] != SCHEMA or not content["shown"]:
             raise ValueError("nothing of this version is in it")
-        return AsShown({int(each["frame"]): _shown(each, shelf) for each in content["shown"]})
+        return AsShown({_index(each): _shown(each, shelf) for each in _objects(content, "shown")})
     except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         said = f"it lacks {error}" if isinstance(error, KeyError) else error
         raise UserError(f"{path} does not say how a recording was shown ({said})", "record again") from error
@@ -143,23 +147,38 @@ def _shown_json(frame: int, shown: Shown) -> Json:
     }
 
 
+def _objects(known: Json, name: str) -> list[Json]:
+    """What is under `name`: a list of objects."""
+    value = known[name]
+    if not (isinstance(value, list) and all(isinstance(each, dict) for each in value)):
+        raise TypeError(f"{name} is no list of objects in braces: {value!r:.40}")
+    return value
+
+
+def _index(known: Json) -> int:
+    """The frame's."""
+    return int(INDEX.checked(known["frame"], "frame"))
+
+
 def _shown(known: Json, shelf: Shelf) -> Shown:
     parts = next((each for each in ShownParts if each.value == known["parts"]), None)
     if parts is None or not known["models"]:
         raise ValueError("a frame shows nothing")
-    if len(known["models"]) > MOST_MODELS:
-        raise ValueError(f"a frame shows {len(known['models'])} models, and {MOST_MODELS} are the most")
+    models = _objects(known, "models")
+    if len(models) > MOST_MODELS:
+        raise ValueError(f"a frame shows {len(models)} models, and {MOST_MODELS} are the most")
     light = known["estimate"]
     if not (light is None or isinstance(light, dict)):
         raise TypeError(f"{light!r:.40} is no light")
     by_hand = None
     if light is not None:
-        if len(light["lights"]) > MOST_LIGHTS:
-            raise ValueError(f"{len(light['lights'])} lights were set by hand, and {MOST_LIGHTS} are the most")
-        lights = tuple(_light(each) for each in light["lights"])
+        by_its_fields = _objects(light, "lights")
+        if len(by_its_fields) > MOST_LIGHTS:
+            raise ValueError(f"{len(by_its_fields)} lights were set by hand, and {MOST_LIGHTS} are the most")
+        lights = tuple(map(_light, by_its_fields))
         by_hand = Illumination(lights, ambient_rgb_ratio=_ratio(light, "ambient_rgb_ratio", SHARE))
-    stands = tuple(_stand(each, shelf) for each in known["models"])
-    frame = 0 if light is None else int(light["frame"])
+    stands = tuple(_stand(each, shelf) for each in models)
+    frame = 0 if light is None else _index(light)
     covers = known["hides_marker"]
     if not (covers is None or isinstance(covers, bool)):
         raise TypeError(f"hides_marker is {covers!r:.40}, not true, false or null")
@@ -167,11 +186,9 @@ def _shown(known: Json, shelf: Shelf) -> Shown:
 
 
 def _stand(known: Json, shelf: Shelf) -> Stand:
-    if len(known["shift_m"]) != 2:
-        raise ValueError("shift_m is not x and y")
     if not isinstance(known["model"], str):
         raise ValueError(f"no model is called {known['model']!r:.40}")
-    x, y = known["shift_m"]
+    x, y = _numbers(known, "shift_m", SHIFT, 2).tolist()
     placement = Placement(known["scale"], known["turn_rad"], (x, y))
     if known["seat"] not in SEATS:
         raise ValueError(f"seat {known['seat']!r:.40} is too far away")
@@ -187,12 +204,14 @@ def _stand(known: Json, shelf: Shelf) -> Stand:
 def _light(known: Json) -> Light:
     if known["kind"] not in KINDS:
         raise ValueError(f"a light by hand is of no kind {known['kind']!r:.40}")
-    place: Any = known["position_marker_m"]
-    if place is not None and not any(place):
+    place = _numbers(known, "position_marker_m", SHIFT, 3) if known["position_marker_m"] is not None else None
+    if place is not None and not place.any():
         raise ValueError("a lamp stands at the marker's centre")
     size_deg = known["angular_size_deg"]
+    if size_deg is not None:
+        ANGULAR_SIZE_DEG.checked(size_deg, "angular_size_deg")
     return Light(
-        known["to_light_marker"],
+        _numbers(known, "to_light_marker", SHIFT, 3),
         angular_size_rad=None if size_deg is None else math.radians(size_deg),
         shadow_rgb_ratio=_ratio(known, "shadow_rgb_ratio", SHARE),
         inverse_distance=0.0 if place is None else 1 / math.hypot(*place),
@@ -203,6 +222,12 @@ def _light(known: Json) -> Light:
 
 def _ratio(known: Json, name: str, allowed: Range) -> Any:
     """The field's values, one for each colour, or null."""
-    for value in known[name] or ():
-        allowed.checked(value, name)
-    return known[name]
+    return None if known[name] is None else _numbers(known, name, allowed, 3)
+
+
+def _numbers(known: Json, name: str, allowed: Range, count: int) -> Float:
+    """The field's values (count,)."""
+    values = known[name]
+    if not (isinstance(values, list) and len(values) == count):
+        raise TypeError(f"{name} is no list of {count} numbers: {values!r:.40}")
+    return np.array([allowed.checked(value, name) for value in values], dtype=np.float64)

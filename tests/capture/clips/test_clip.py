@@ -279,6 +279,24 @@ def _write_packets(
             container.mux(packet)
 
 
+@pytest.mark.parametrize("pictures", [1, 3, 12])
+def test_pictures_in_jpeg_one_after_the_other_are_a_clip_however_large_and_many(tmp_path: Path, pictures: int) -> None:
+    """FFmpeg alone takes what begins with a picture of more bytes than it looks at for that picture."""
+    noise = np.random.default_rng(3).integers(0, 256, (480, 640, 3), np.uint8)
+    jpeg = cv2.imencode(".jpg", noise)[1].tobytes()
+    path = tmp_path / "camera.mjpeg"
+    path.write_bytes(jpeg * pictures)
+    with open_source(path) as source:
+        assert isinstance(source, ClipSource)
+        assert [frame.size for frame in frames_of(source)] == [(640, 480)] * pictures
+    # SOF0: length, precision, height, width.
+    sizes = bytes.fromhex("ffc0001108 01e0 0280"), bytes.fromhex("ffc0001108 3fff 3fff")
+    assert jpeg.count(sizes[0]) == 1
+    path.write_bytes(jpeg.replace(*sizes) * pictures)
+    with pytest.raises(UserError, match="110 million pixels"):
+        open_source(path)
+
+
 def test_pictures_in_jpeg_one_after_the_other_are_a_clip_and_those_of_another_shape_are_said(tmp_path: Path) -> None:
     """As from a recorded call: half the size is the same picture, another shape would bend its angles."""
     bright = cv2.imencode(".jpg", np.full((48, 64, 3), 200, np.uint8))[1].tobytes()

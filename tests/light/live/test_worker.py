@@ -31,6 +31,7 @@ from ashe_live.light.live.worker_messages import (
     WorkerFailure,
 )
 from ashe_live.light.paper.estimator import PaperEstimator, PaperParameters
+from ashe_live.process import awake
 from tests.light.painted_scenes import BOX
 from tests.light.painted_scenes import paint as painted
 from tests.light.synthetic_masks import camera_towards
@@ -176,6 +177,15 @@ def test_one_that_hangs_is_given_up_reported_once_and_replaced(scene, without_ma
         assert worker.wait(0.0) is None
         assert worker.request(without_marker)
         assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
+
+
+def test_one_is_still_awaited_after_all_was_suspended_for_an_hour(scene, monkeypatch):
+    with LightWorker(endless) as worker:
+        worker.request(scene.tracked)
+        now_s = awake.now_s
+        monkeypatch.setattr(awake, "now_s", lambda: now_s() + 3600.0)
+        assert worker.wait(0.0) is None
+        assert worker.busy
 
 
 def test_what_is_given_up_has_no_outcome_and_the_next_request_may_come_at_once(worker, scene, without_marker):

@@ -1,9 +1,13 @@
 """What was done by hand while a clip was recorded comes back frame by frame, through the file that says so."""
 
+import copy
 import json
 import math
+import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,6 +29,9 @@ from tests.checkout import CHECKOUT
 MOVED = Placement(1.5, 0.7, (0.02, -0.04))
 LAMP = Light((0.2, -0.3, 0.7), shadow_rgb_ratio=(0.5, 0.4, 0.3), inverse_distance=2.5, radius_m=0.02)
 SUN = Light((0.2, 0.3, 0.7), angular_size_rad=0.1, shadow_rgb_ratio=(0.5, 0.4, 0.3))
+
+# What its own errors say of values of the wrong kind.
+PYTHONS_OWN = re.compile(r"'\w+' object|iterable|indices|literal|len\(\)|int\(\)|real number, not|has shape")
 
 
 @pytest.fixture
@@ -148,6 +155,36 @@ def test_another_file_is_refused_in_one_line(begun, tmp_path: Path, content: str
         read_as_shown(path, begun().table.shelf)
 
 
+@pytest.mark.parametrize("value", ["x", 5, 0.5, {"a": 1}, [1], [[]], True, "", -1, 1e30, None])
+def test_whatever_stands_in_a_field_is_refused_in_our_own_words(begun, tmp_path: Path, value: object) -> None:
+    window, as_shown, path = begun(), AsShown(), tmp_path / "shown.json"
+    shelf = window.table.shelf
+    window.hand.light = Illumination((replace(SUN, inverse_distance=2.0),), ambient_rgb_ratio=np.full(3, 0.3))
+    as_shown.add(0, shown_now(window))
+    whole = as_shown.to_json()
+
+    def places(content: object, before: tuple[object, ...] = ()) -> Iterator[tuple[object, ...]]:
+        if isinstance(content, dict | list):
+            for key, each in content.items() if isinstance(content, dict) else enumerate(content):
+                yield (*before, key)
+                yield from places(each, (*before, key))
+
+    refused: dict[tuple[object, ...], str] = {}
+    for place in places(whole):
+        content: Any = copy.deepcopy(whole)
+        at = content
+        for key in place[:-1]:
+            at = at[key]
+        at[place[-1]] = value
+        path.write_text(json.dumps(content))
+        try:
+            read_as_shown(path, shelf)
+        except UserError as error:
+            refused[place] = str(error)
+    assert {place: said for place, said in refused.items() if PYTHONS_OWN.search(said)} == {}
+    assert {("shown",), ("shown", 0), ("shown", 0, "models", 0)} <= set(refused)
+
+
 def test_a_file_with_more_models_than_can_stand_there_is_refused(begun, tmp_path: Path) -> None:
     as_shown = AsShown()
     as_shown.add(0, shown_now(begun()))
@@ -168,6 +205,7 @@ def test_a_damaged_light_or_place_is_refused(begun, tmp_path: Path) -> None:
         (("models", 0, "model"), 3),
         (("parts",), "none"),
         (("estimate", "lights", 0, "position_marker_m"), [0, 0, 0]),
+        (("estimate", "lights", 0, "position_marker_m"), [0, 0, 1e30]),
         (("estimate", "lights", 0, "to_light_marker"), [0, 0, 0]),
         (("estimate", "lights", 0, "shadow_rgb_ratio"), [0.5, 1.5, 0.5]),
         (("estimate", "lights", 0, "intensity_rgb_ratio"), [1, -1, 1]),

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import cv2
 import numpy as np
@@ -14,6 +12,7 @@ from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import SIDE_M, SMALL, SPEC, scattered
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
+from ashe_live.process.temporary import temporary_folder
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import TrackingPreset
 
@@ -24,8 +23,8 @@ GAMMAS = 1 / 2.2, 2.2
 
 def hard_print_figures(preset: TrackingPreset, frames: int) -> Iterator[Figure]:
     """What is found of small `image:` prints, and how far off corners are."""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "print.png"
+    with temporary_folder() as folder:
+        path = folder / "print.png"
         cv2.imwrite(str(path), parse_marker(SPEC).bitmap(240))
         for side_px in IMAGE_SIDES_PX:
             take = scattered(f"image {side_px}", side_px, frames)
