@@ -12,7 +12,7 @@ from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.compositing.outlines import OutlineSmoothing
 from ashe_live.render.cover.marker_cover import MarkerCover, SeenCover
-from ashe_live.render.gl.framing import Framing, Rectangle, common, framing, grown, letterbox
+from ashe_live.render.gl.framing import Framing, Rectangle, apart, common, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.layers import LayerContent, LayerPasses
@@ -118,14 +118,21 @@ class ModelsOnVideo:
         if surface.samples:
             self._sample_edges(surface, content, framed)
         elif scene.shows_model:
-            self._smooth_edges(surface, models, framed)
+            self._smooth_edges(surface, models, framed, viewport)
         self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
 
-    def _smooth_edges(self, surface: Surface, models: StandingGroup, framed: Framed) -> None:
-        """Smooths the models' outlines in what was drawn with one sample a pixel."""
-        frame = framed(models.corners)
-        if frame is not None:
-            self._outlines.smooth(surface, grown(frame.region, 1, surface.size), frame.viewport)
+    def _smooth_edges(self, surface: Surface, models: StandingGroup, framed: Framed, viewport: Rectangle) -> None:
+        """Smooths outlines where one sample a pixel was drawn: the models', and the real object's before shadows."""
+        real, places = self.layers.real, []
+        for points in (models.corners, *(() if real is None else (real.points, self.layers.catcher.polygon))):
+            frame = framed(points)
+            places.append((0, 0, 0, 0) if frame is None else grown(frame.region, 1, surface.size))
+        standing, *before_shadows = places
+        if before_shadows:
+            places = apart(standing, common(*before_shadows))
+        for within in places:
+            if min(within[2:]) > 0:
+                self._outlines.smooth(surface, within, viewport)
 
     def _sample_edges(self, surface: Surface, content: LayerContent, framed: Framed) -> None:
         """Draws again with several samples a pixel, which are expensive, where there are edges.

@@ -14,8 +14,7 @@ uniform vec4 sheet_bounds;  // lower x, y and upper x, y of `over_sheet`; metres
 uniform vec3 sheet_shadow;  // by how much a shadow darkens each channel where it darkens brightness by 1
 
 // The alpha of covered pixels in the layer of added light. It differs from the model's 1, so that the model's outline is
-// found in front of the cover as it is in front of bare video. It also scales the added noise: the cover keeps some noise of
-// the frame that it was made from.
+// found in front of the cover as it is in front of bare video.
 const float COVER_ALPHA = 0.45;
 
 vec2 over_sheet_at(vec2 ground) {

@@ -47,7 +47,8 @@ uniform float border_px;  // standard deviation of the real shadow's border beyo
 in vec2 ground;
 in vec2 ground_placed;
 layout(location = 0) out vec4 added_light;  // no light; alpha: where the cover is visible, as in cover.glsl
-layout(location = 1) out vec4 removed;
+layout(location = 1) out vec4 removed;  // alpha: below 0, by which outlines.frag tells the ground from the real object
+const float GROUND = -0.02;
 
 vec3 video_at(vec2 pixel) {
     return linear_from_srgb(texture(video, (pixel - viewport.xy) / viewport.zw).rgb);
@@ -181,5 +182,5 @@ void main() {
 #ifdef COVERS
     added_light.a = COVER_ALPHA * covered;
 #endif
-    removed = vec4(1.0 - ratio, 0.0);
+    removed = vec4(1.0 - ratio, GROUND);
 }

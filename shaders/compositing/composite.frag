@@ -39,6 +39,11 @@ uniform int seed;
 out vec4 encoded;
 
 const int ACROSS = max(REACH, 2);  // rows plus columns from the kernel's middle; the smallest kernel is a full square
+#ifdef COVERS
+// Noise that is added to the cover, over the video's: it keeps 0.25 to 0.57 of the noise of the frame that it was made from,
+// which stands still, so that both together are 0.9 to 1.02 of it.
+const float COVER_NOISE = 0.85;
+#endif
 const float EVEN = 0.006;  // linear difference within a kernel's reach below which blurring changes nothing visible
 
 // Jarzynski, Olano, "Hash functions for GPU rendering", JCGT 2020: PCG.
@@ -162,6 +167,9 @@ void main() {
     vec3 seen = linear_from_srgb(texture(video, at).rgb);
 #ifdef COVERS
     vec4 covering = cover_in(middle);
+    // The model's part of the pixel, beside or in front of the cover.
+    float of_cover = COVER_ALPHA * covering.a;
+    float of_model = clamp((light.a - of_cover) / (1.0 - of_cover), 0.0, 1.0);
     covering.a *= min(light.a / COVER_ALPHA, 1.0);  // as much of it as is visible
     seen = mix(seen, covering.rgb, covering.a);
 #endif
@@ -182,7 +190,16 @@ void main() {
 #endif
     composed += sharpened;
     uvec2 grain = uvec2((gl_FragCoord.xy - viewport.xy) / grain_px);
+#ifdef COVERS
+    // In the model's shadow the cover's noise is darkened with its light, as the video's own is beside it: by sRGB's power of
+    // 1 / 2.4, for which a mean of two roots will do.
+    float root = sqrt(clamp(1.0 - dot(gone, LUMINANCE), 1e-6, 1.0));
+    float darker_by = mix(root, sqrt(root), 1.0 / 3.0);
+    float of_noise = mix(COVER_NOISE * covering.a * darker_by, 1.0, of_model);
+    composed += noise_sigma(luma / mix(darker_by, 1.0, of_model)) * of_noise * noise(grain);
+#else
     composed += noise_sigma(luma) * light.a * noise(grain);
+#endif
 #ifdef CUT_OUT
     // The layer that gives this picture when it is put over the video: as transparent as possible, but opaque where the
     // model or the cover is.

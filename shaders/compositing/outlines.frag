@@ -1,5 +1,5 @@
-// Morphological antialiasing (Reshetov, HPG 2009) of the model's outlines, and of those of its parts before one another, in
-// layers drawn with one sample a pixel. Such an outline is a staircase. From how its steps follow one another it is
+// Morphological antialiasing (Reshetov, HPG 2009) of the model's outlines, of those of its parts before one another, and of
+// the real object's where it ends the model's shadow, in layers drawn with one sample a pixel. Such an outline is a staircase. From how its steps follow one another it is
 // computed what part of each pixel lies beyond the line that they stand for; that part is given what the layers show beyond
 // the step. Three passes: FIND the steps, compute what the layers become there, and PUT_BACK the result.
 #version 330 core
@@ -19,22 +19,29 @@ const float SEEN = 0.35;  // the least difference at a step, as a share of the b
 const float LEAST_SEEN = 0.03;  // and in linear light
 const float OTHER_SURFACE = 0.004;  // difference of the numbers of two surfaces (model.frag): four steps of half precision
 
-// A pixel's brightness, its coverage, and the number of the surface that it shows.
-vec3 seen(ivec2 at) {
+const float ENDS = 0.1;  // the least difference in what is gone of the video's light where the real object ends a shadow
+
+// A pixel's brightness, its coverage, the number of the surface that it shows, and what is gone there of the video's light.
+vec4 seen(ivec2 at) {
     ivec2 within = clamp(at, first, last);
-    vec4 light = texelFetch(added_light, within, 0);
-    return vec3(dot(light.rgb, LUMINANCE), light.a, texelFetch(removed, within, 0).a);
+    vec4 light = texelFetch(added_light, within, 0), gone = texelFetch(removed, within, 0);
+    return vec4(dot(light.rgb, LUMINANCE), light.a, gone.a, dot(gone.rgb, LUMINANCE));
 }
 
 // Whether there is a step between two pixels. Within one surface there is none: its texture has been filtered already.
-float differs(vec3 one, vec3 other) {
+float differs(vec4 one, vec4 other) {
     bool is_seen = abs(one.x - other.x) > max(SEEN * max(one.x, other.x), LEAST_SEEN);
-    return (is_seen && abs(one.z - other.z) > OTHER_SURFACE) || abs(one.y - other.y) > 0.5 ? 1.0 : 0.0;
+    bool is_other = is_seen && abs(one.z - other.z) > OTHER_SURFACE;
+    // Of what no model covers, ground.frag gives the ground a number below 0, and the real object has 0. Rims of leaves, which
+    // are smooth already, have one above 0.
+    bool ground_ends = min(one.z, other.z) < 0.0 && max(one.z, other.z) == 0.0;
+    bool ends = max(one.y, other.y) < 0.5 && ground_ends && abs(one.w - other.w) > ENDS;
+    return is_other || ends || abs(one.y - other.y) > 0.5 ? 1.0 : 0.0;
 }
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec3 own = seen(at);
+    vec4 own = seen(at);
     steps = vec4(
         differs(own, seen(at + ivec2(1, 0))),
         differs(own, seen(at + ivec2(0, 1))),

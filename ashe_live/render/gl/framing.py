@@ -88,6 +88,17 @@ def common(some: Rectangle, other: Rectangle) -> Rectangle:
     return left, bottom, max(0, right - left), max(0, top - bottom)
 
 
+def apart(some: Rectangle, other: Rectangle) -> list[Rectangle]:
+    """The two rectangles, or where they meet the one that spans both: what is done in them is done once anywhere."""
+    if min(other[2:]) <= 0:
+        return [some]
+    if min(common(some, other)[2:]) <= 0:
+        return [some, other]
+    left, bottom = min(some[0], other[0]), min(some[1], other[1])
+    right, top = max(some[0] + some[2], other[0] + other[2]), max(some[1] + some[3], other[1] + other[3])
+    return [(left, bottom, right - left, top - bottom)]
+
+
 def _spanned(clip_from_marker: Float, points: Float, viewport: Rectangle) -> Rectangle:
     """The pixels of `viewport` that the hull of points in front of the camera can touch; empty outside it."""
     clip = np.column_stack([points, np.ones(len(points))]) @ clip_from_marker.T

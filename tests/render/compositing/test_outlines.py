@@ -84,3 +84,31 @@ def test_only_steps_between_surfaces_are_smoothed(smoothed, is_painted: bool) ->
     light, _ = smoothed(added, removed)
     changed = np.abs(light - added.astype(np.float16)).max(axis=2) > 0.01
     assert changed.any() != is_painted
+
+
+@pytest.mark.parametrize("slope", [0.13, 0.3, -0.9])
+def test_where_the_real_object_ends_a_shadow_pixels_are_shaded_as_far_as_they_show_the_ground(smoothed, slope) -> None:
+    """As ground.frag numbers the ground, and the real object has nothing in either layer."""
+    ground = _below_line(slope, 1)
+    true = _below_line(slope, FINE).reshape(SIDE, FINE, SIDE, FINE).mean(axis=(1, 3))
+    removed = np.where(ground[..., None], np.append(np.full(3, SHADED), -0.02), 0.0)
+    _, gone = smoothed(np.zeros((SIDE, SIDE, 4)), removed)
+    well_within = slice(14, SIDE - 14)
+    on_line = ((true > 0) & (true < 1))[well_within, well_within]
+    before, after = ((each - true)[well_within, well_within][on_line] for each in (ground, gone[..., 0] / SHADED))
+    assert math.sqrt(np.square(after).mean()) < max(0.6 * math.sqrt(np.square(before).mean()), 0.05)
+
+
+def test_the_border_of_a_shadow_on_the_ground_is_no_outline(smoothed) -> None:
+    shaded = _below_line(0.3, 1)
+    removed = np.where(shaded[..., None], np.append(np.full(3, SHADED), -0.02), (0.01, 0.01, 0.01, -0.02))
+    _, gone = smoothed(np.zeros((SIDE, SIDE, 4)), removed)
+    np.testing.assert_allclose(gone, removed, atol=1e-3)
+
+
+def test_a_leafs_rim_before_shaded_ground_is_smooth_already(smoothed) -> None:
+    rim = _below_line(0.3, 1)
+    removed = np.where(rim[..., None], np.append(np.full(3, 0.3), 0.29), (0.01, 0.01, 0.01, -0.02))
+    added = np.where(rim[..., None], np.append(0.02 * GREEN, 0.3), 0.0)
+    _, gone = smoothed(added, removed)
+    np.testing.assert_allclose(gone, removed, atol=1e-3)

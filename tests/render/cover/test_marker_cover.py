@@ -511,3 +511,32 @@ def test_on_white_ground_only_the_square_is_covered() -> None:
     mask = sheet_mask(lit, np.ones((size, size), bool), side_px)
     assert mask[away < 0.5].all()
     assert not mask[away > LEAST_HALF_SIDES + 0.12].any()
+
+
+def test_cover_has_the_videos_noise_from_frame_to_frame_also_in_the_models_shadow(make_renderer, stage) -> None:
+    """The noise of the frame that it was made from stands still: a calm rectangle would be seen in a noisy video."""
+    renderer, light = make_renderer(FAST.render), stage.light(180, 25, RATIO)
+    plate = box((0.01, 0.06, 0.08))
+    model = stage.placed(replace(plate, vertices=plate.vertices + np.array((-0.075, 0.0, 0.0), np.float32)))
+    frames = [_view(stage, noise=3.0, index=index) for index in range(12)]
+    pictures = []
+    for tracked in frames:
+        renderer.render(Scene(tracked, model, Illumination((light,)), covers_marker=True))
+        pictures.append(renderer.read_bgr().mean(axis=2))
+    boiling = np.std(pictures, axis=0, ddof=1)
+    rows, columns = np.mgrid[0:360, 0:480]
+    pixels = np.column_stack([columns.ravel(), rows.ravel()]).astype(float)
+    x, y, _ = raycast_to_plane(frames[0].camera, frames[0].marker.T_cam_marker, pixels).T.reshape(3, 360, 480)
+    shade_end = -0.07 + 0.08 / np.tan(np.radians(25))
+
+    def noise_at(left: float, right: float, low: float, high: float) -> float:
+        here = (x > left) & (x < right) & (y > low) & (y < high)
+        assert here.sum() > 200
+        return float(boiling[here].mean())
+
+    on_lit_cover, on_lit_ground = noise_at(-0.04, 0.04, -0.047, -0.036), noise_at(-0.04, 0.04, -0.1, -0.065)
+    in_shade_on_cover = noise_at(-0.03, 0.04, -0.025, 0.025)
+    in_shade_on_ground = noise_at(PAPER_HALF + 0.012, shade_end - 0.005, -0.025, 0.025)
+    assert on_lit_cover == pytest.approx(on_lit_ground, rel=0.2)
+    assert in_shade_on_cover == pytest.approx(in_shade_on_ground, rel=0.2)
+    assert in_shade_on_ground < 0.8 * on_lit_ground

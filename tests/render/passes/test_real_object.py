@@ -263,3 +263,29 @@ def test_a_joint_of_the_ground_goes_on_where_both_shadows_meet(make_renderer, st
     rows = np.round(project(stage.camera(), pose, places)[:, 1]).astype(int)
     joint = LINEAR_FROM_SRGB_8BIT[picture[rows, column, ::-1]] / LINEAR_FROM_SRGB_8BIT[90] / RATIO
     np.testing.assert_allclose(joint, 1, atol=0.3)
+
+
+def test_the_object_ends_a_shadow_behind_it_on_a_smooth_line_also_with_one_sample_a_pixel(make_renderer, stage) -> None:
+    """As with several samples: as a staircase these pixels would be off by 0.29 of the step."""
+    tracked = stage.tracked(GREY, stage.pose(-80, 35, 0.5))
+    model = stage.placed(box((0.03, 0.03, 0.08)))
+    cone = Proxy("cone", np.array([(-0.1, -0.03, 0.0, 0.015, 0.0), (-0.1, -0.03, 0.09, 0.03, 0.0)]))
+    light = Illumination((stage.light(0, 30, RATIO),), real_object=cone)
+    pictures = []
+    for samples in (0, 4):
+        renderer = make_renderer(replace(FAST.render.with_samples(samples), matches_noise=False, matches_blur=False))
+        renderer.render(Scene(tracked, model, light))
+        pictures.append(renderer.read_bgr()[..., 1].astype(float))
+    rough, fine = pictures
+    sides = project(
+        tracked.camera,
+        tracked.marker.T_cam_marker,
+        [(-0.1 + side * (0.015 + 0.015 * up), -0.03, 0.09 * up) for side in (-1, 1) for up in (0.1, 0.6)],
+    )
+    near = np.zeros(fine.shape, np.uint8)
+    for low, high in (sides[:2], sides[2:]):
+        cv2.line(near, np.round(low).astype(int).tolist(), np.round(high).astype(int).tolist(), 1, 5)
+    step = GREY - fine[near > 0].min()
+    mixed = (near > 0) & (fine > GREY - 0.9 * step) & (fine < GREY - 0.1 * step)
+    assert mixed.sum() > 20
+    assert np.abs(rough - fine)[mixed].mean() < 0.15 * step
