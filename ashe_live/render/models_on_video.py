@@ -12,7 +12,7 @@ from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.compositing.outlines import OutlineSmoothing
 from ashe_live.render.cover.marker_cover import MarkerCover, SeenCover
-from ashe_live.render.gl.framing import Framing, Rectangle, apart, common, framing, grown, letterbox
+from ashe_live.render.gl.framing import EMPTY, Framing, Rectangle, common, disjoint, framing, grown, letterbox
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.layers import LayerContent, LayerPasses
@@ -123,14 +123,16 @@ class ModelsOnVideo:
 
     def _smooth_edges(self, surface: Surface, models: StandingGroup, framed: Framed, viewport: Rectangle) -> None:
         """Smooths outlines where one sample a pixel was drawn: the models', and the real object's before shadows."""
-        real, places = self.layers.real, []
-        for points in (models.corners, *(() if real is None else (real.points, self.layers.catcher.polygon))):
+
+        def around(points: Float) -> Rectangle:
             frame = framed(points)
-            places.append((0, 0, 0, 0) if frame is None else grown(frame.region, 1, surface.size))
-        standing, *before_shadows = places
-        if before_shadows:
-            places = apart(standing, common(*before_shadows))
-        for within in places:
+            return EMPTY if frame is None else grown(frame.region, 1, surface.size)
+
+        real = self.layers.real
+        before_shadows = EMPTY
+        if real is not None:
+            before_shadows = common(around(real.points), around(self.layers.catcher.polygon))
+        for within in disjoint(around(models.corners), before_shadows):
             if min(within[2:]) > 0:
                 self._outlines.smooth(surface, within, viewport)
 

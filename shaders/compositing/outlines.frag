@@ -1,7 +1,8 @@
 // Morphological antialiasing (Reshetov, HPG 2009) of the model's outlines, of those of its parts before one another, and of
-// the real object's where it ends the model's shadow, in layers drawn with one sample a pixel. Such an outline is a staircase. From how its steps follow one another it is
-// computed what part of each pixel lies beyond the line that they stand for; that part is given what the layers show beyond
-// the step. Three passes: FIND the steps, compute what the layers become there, and PUT_BACK the result.
+// the real object's where it ends the model's shadow, in layers drawn with one sample a pixel. Such an outline is a
+// staircase. From how its steps follow one another it is computed what part of each pixel lies beyond the line that they
+// stand for; that part is given what the layers show beyond the step. Three passes: FIND the steps, compute what the layers
+// become there, and PUT_BACK the result.
 #version 330 core
 
 uniform sampler2D added_light;

@@ -11,6 +11,7 @@ from ashe_live.core.camera import Camera, Size
 from ashe_live.core.transforms import T_gl_cam, camera_centre, gl_projection, transform_points
 
 Rectangle = tuple[int, int, int, int]  # left, bottom, width, height in pixels of the framebuffer
+EMPTY: Rectangle = (0, 0, 0, 0)
 
 # A depth buffer of 24 bits resolves a thousandth of the nearest distance well beyond this ratio.
 MAX_FAR_OVER_NEAR = 1000.0
@@ -88,8 +89,11 @@ def common(some: Rectangle, other: Rectangle) -> Rectangle:
     return left, bottom, max(0, right - left), max(0, top - bottom)
 
 
-def apart(some: Rectangle, other: Rectangle) -> list[Rectangle]:
-    """The two rectangles, or where they meet the one that spans both: what is done in them is done once anywhere."""
+def disjoint(some: Rectangle, other: Rectangle) -> list[Rectangle]:
+    """Rectangles that hold both and share no pixel: the two, or, if they overlap, the one that spans both.
+
+    `other` is left out if it is empty.
+    """
     if min(other[2:]) <= 0:
         return [some]
     if min(common(some, other)[2:]) <= 0:

@@ -84,7 +84,7 @@ class ContactPatch:
     def smoothed(self, distances: Float) -> NDArray[np.float16]:
         """(PATCH_SIZE, PATCH_SIZE, 4) what the patch is to hold, once every direction of the sky has been added.
 
-        `distances`: as `distances` gives them.
+        `distances`: (PATCH_SIZE, PATCH_SIZE) metres from each place to the model.
         """
         halves = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE, 4)
         occlusion = halves.astype(np.float32)
@@ -117,13 +117,14 @@ class ContactPatch:
         size = self.bounds[1] - self.bounds[0]
         per_area = POINTS / max(sum(float(mesh.areas.sum()) for mesh in meshes), LEAST_AREA)
         points = np.concatenate([samples_on(mesh, per_area).places_and_normals()[0] for mesh in meshes])
-        columns, rows = (np.clip((points[:, :2] - self.bounds[0]) / size, 0, 0.9999) * PATCH_SIZE).astype(int).T
+        texels = (points[:, :2] - self.bounds[0]) / size * PATCH_SIZE
+        columns, rows = texels.clip(0, PATCH_SIZE - 1).astype(int).T
         squared = np.full((PATCH_SIZE, PATCH_SIZE), np.inf)
         np.minimum.at(squared, (rows, columns), np.square(points[:, 2].astype(np.float64)))
         # The least over a row's places, then over a column's: squares of distances along both axes add up.
-        apart = np.square(np.subtract.outer(np.arange(PATCH_SIZE), np.arange(PATCH_SIZE)) / PATCH_SIZE)
-        for metres in size:
-            squared = np.array([(metres**2 * apart + line).min(axis=1) for line in squared]).T
+        between = np.square(np.subtract.outer(np.arange(PATCH_SIZE), np.arange(PATCH_SIZE)) / PATCH_SIZE)
+        for side_m in size:
+            squared = np.array([(side_m**2 * between + line).min(axis=1) for line in squared]).T
         return np.asarray(np.sqrt(squared))
 
     def fill(self, smooth: NDArray[np.float16]) -> None:

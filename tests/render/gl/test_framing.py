@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, transform_points
-from ashe_live.render.gl.framing import apart, box_corners, framing, letterbox
+from ashe_live.render.gl.framing import box_corners, disjoint, framing, letterbox
 
 SIDES = st.integers(1, 4000)
 BOX = np.array([(-0.04, -0.04, 0.0), (0.04, 0.04, 0.1)])
@@ -88,6 +88,6 @@ def test_nothing_is_framed_behind_the_camera_or_beside_the_picture(stage) -> Non
 
 def test_rectangles_that_meet_become_the_one_that_spans_both() -> None:
     some = (10, 20, 30, 40)
-    assert apart(some, (0, 0, 0, 5)) == [some]
-    assert apart(some, (40, 20, 5, 5)) == [some, (40, 20, 5, 5)]
-    assert apart(some, (39, 10, 11, 15)) == [(10, 10, 40, 50)]
+    assert disjoint(some, (0, 0, 0, 5)) == [some]
+    assert disjoint(some, (40, 20, 5, 5)) == [some, (40, 20, 5, 5)]
+    assert disjoint(some, (39, 10, 11, 15)) == [(10, 10, 40, 50)]
