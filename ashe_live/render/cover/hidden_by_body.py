@@ -18,6 +18,7 @@ from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 # A cover is kept while the camera turns by less than TURNED_RAD; it is made to reach far enough for MARGIN_RAD.
 TURNED_RAD = math.radians(8.0)
 MARGIN_RAD = math.radians(10.0)
+WAYS = 8  # in which it may turn
 NEARER = 0.65  # share of the camera's distance at which the cover still hides the body
 LOWEST_RAD = math.radians(15.0)  # least elevation of the camera: from lower, the body hides ground without end
 MOST_HALF_SIDES = 6.0  # limit of half of the side of the square of ground that is examined, in sides of the marker
@@ -27,7 +28,7 @@ FOOT_SIDES = 0.5  # width of the ground around the body's foot that is darkened,
 
 def half_of_square(marker: MarkerPose, body: Proxy, illumination: Illumination) -> float:
     """Metres from the marker's centre: half of a square that holds all that the body hides or shades, and some more."""
-    corners = np.concatenate([_hidden(body, eye) for eye in _eyes(marker, MARGIN_RAD)] + _shaded(body, illumination))
+    corners = np.concatenate([_hidden(body, _eyes(marker, MARGIN_RAD)), *_shaded(body, illumination)])
     most = float(np.abs(corners).max()) + AROUND_SIDES * marker.side_m
     return min(most, MOST_HALF_SIDES * marker.side_m)
 
@@ -42,26 +43,31 @@ def hidden_and_shaded(
     foot = body.points_marker()[:, :2]
     beside_m = FOOT_SIDES * marker.side_m
     grown = np.concatenate([foot + offset for offset in beside_m * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])])
-    shaded = [*_shaded(body, illumination), grown]
-    unknown = _painted([_hidden(body, eye) for eye in _eyes(marker, 0.0)] + shaded, half_m, size)
-    return unknown, _painted([_hidden(body, eye) for eye in _eyes(marker, MARGIN_RAD)], half_m, size) | unknown
+    hidden, may_be = (_hidden(body, _eyes(marker, turned_rad)) for turned_rad in (0.0, MARGIN_RAD))
+    unknown = _painted([hidden, *_shaded(body, illumination), grown], half_m, size)
+    return unknown, _painted([may_be], half_m, size) | unknown
 
 
 def _eyes(marker: MarkerPose, turned_rad: float) -> list[Float]:
-    """(3,) places of the camera, marker frame, metres: where it is, or where it may turn to."""
+    """(3,) places of the camera, marker frame, metres: where it is, or all around there where it may turn to."""
     eye = camera_centre(marker.T_cam_marker)
-    azimuth, elevation = angles_from_direction(eye)
-    distance = float(np.linalg.norm(eye))
+    distance, (azimuth, elevation) = float(np.linalg.norm(eye)), angles_from_direction(eye)
+    towards = direction_from_angles(azimuth, max(elevation, LOWEST_RAD))
     if turned_rad == 0:
-        return [distance * direction_from_angles(azimuth, max(elevation, LOWEST_RAD))]
-    elevations = [max(elevation - turned_rad, LOWEST_RAD), min(max(elevation, LOWEST_RAD) + turned_rad, math.pi / 2)]
-    places = [(azimuth + aside, above) for aside in (-turned_rad, 0.0, turned_rad) for above in elevations]
-    return [part * distance * direction_from_angles(*place) for place in places for part in (1.0, NEARER)]
+        return [distance * towards]
+    # Not by azimuth and elevation: the higher the camera, the less an azimuth turns it.
+    aside = direction_from_angles(azimuth + math.pi / 2, 0.0)
+    above = np.cross(towards, aside)
+    ways = [math.cos(way) * aside + math.sin(way) * above for way in math.tau / WAYS * np.arange(WAYS)]
+    places = [angles_from_direction(math.cos(turned_rad) * towards + math.sin(turned_rad) * way) for way in ways]
+    directions = [direction_from_angles(around, max(high, LOWEST_RAD)) for around, high in places]
+    return [part * distance * direction for direction in directions for part in (1.0, NEARER)]
 
 
-def _hidden(body: Proxy, eye: Float) -> Float:
-    """(n, 2) convex, metres: the ground that the body hides from an eye, which is its shadow in a lamp there."""
-    return shadow_hull_of_point(body.points_marker(), np.append(eye, 1.0))
+def _hidden(body: Proxy, eyes: list[Float]) -> Float:
+    """(n, 2) corners, metres: the ground that the body hides from eyes, and from between them, is their convex hull."""
+    # What is hidden from an eye is the body's shadow in a lamp there.
+    return np.concatenate([shadow_hull_of_point(body.points_marker(), np.append(eye, 1.0)) for eye in eyes])
 
 
 def _shaded(body: Proxy, illumination: Illumination) -> list[Float]:
@@ -70,9 +76,9 @@ def _shaded(body: Proxy, illumination: Illumination) -> list[Float]:
     return [shadow_hull_of_point(body.points_marker(), each.homogeneous) for each in lights]
 
 
-def _painted(hulls: list[Float], half_m: float, size: int) -> Mask:
-    """(n, n) of a square of the plane, first row at the largest y: the insides of polygons (m, 2)."""
+def _painted(polygons: list[Float], half_m: float, size: int) -> Mask:
+    """(n, n) of a square of the plane, first row at the largest y: what is in the convex hulls of points (m, 2)."""
     mask = np.zeros((size, size), np.uint8)
-    for hull in hulls:
-        cv2.fillConvexPoly(mask, cv2.convexHull(in_square(hull, half_m, size)), 1, shift=FRACTION_BITS)
+    for corners in polygons:
+        cv2.fillConvexPoly(mask, cv2.convexHull(in_square(corners, half_m, size)), 1, shift=FRACTION_BITS)
     return mask > 0

@@ -8,11 +8,12 @@ import pytest
 
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import direction_from_angles, project
+from ashe_live.core.transforms import camera_centre, direction_from_angles, project
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import FAST
-from ashe_live.render.cover.hidden_by_body import TURNED_RAD
+from ashe_live.render.cover.cover_maker import NEARER
+from ashe_live.render.cover.hidden_by_body import TURNED_RAD, half_of_square, hidden_and_shaded
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.cube.faces import CORNERS
 from ashe_live.viewer.display import cut_out
@@ -69,6 +70,29 @@ def test_cube_and_shadow_are_covered_also_while_the_camera_moves(make_renderer, 
     assert off[there].mean() < 3
     assert np.percentile(off[there], 99) < 8
     assert differences(tracked.frame.image_bgr, table)[there].mean() > 20
+
+
+@pytest.mark.parametrize("tilt_deg", [5, 20, 40])
+@pytest.mark.parametrize("distance_m", [0.25, 0.8])
+def test_the_cover_reaches_as_far_as_the_cube_hides_ground_wherever_the_camera_turns(
+    tilt_deg: float, distance_m: float
+) -> None:
+    """The higher the camera, the farther its azimuth goes around for the same turn."""
+    T = looking(distance_m, tilt_deg, 30)
+    marker = MarkerPose(T, np.zeros((4, 2)), EDGE_M, 0.0, None, body=BODY)
+    half_m = half_of_square(marker, BODY, LIT_BY)
+    _, covered = hidden_and_shaded(marker, BODY, LIT_BY, half_m, size := 300)
+    away_m = float(np.linalg.norm(camera_centre(T)))
+    towards = camera_centre(T) / away_m
+    aside = np.cross(towards, (0, 0, 1)) / np.linalg.norm(np.cross(towards, (0, 0, 1)))
+    for way in np.radians(np.arange(0, 360, 15)):
+        turned = np.cos(way) * aside + np.sin(way) * np.cross(aside, towards)
+        direction = np.cos(TURNED_RAD) * towards + np.sin(TURNED_RAD) * turned
+        for eye in (away_m * direction, away_m / NEARER * direction):
+            rays = EDGE_M * CORNERS - eye
+            hidden = eye - rays * (eye[2] / rays[:, 2])[:, None]
+            column, row = ((hidden[:, :2] * (1, -1) / half_m + 1) * size / 2).astype(int).T
+            assert covered[row, column].all()
 
 
 def test_what_is_covered_is_no_real_object() -> None:
