@@ -31,6 +31,7 @@ class HeldLook:
     def __init__(self, preset: RenderPreset) -> None:
         self._preset = preset
         self._look = UNSEEN
+        self._seen: TrackedFrame | None = None  # last
         self._exposed_in: Frame | None = None
         self._light: LightOnPrint | None = None  # by which the exposure was measured in it
         self._measured_in: dict[_Part, TrackedFrame] = {}
@@ -42,9 +43,8 @@ class HeldLook:
         After a cut, which the first frame is as well, all of it is measured in that frame. Otherwise it is one part a
         call at most beside the exposure, as all together take a third of a picture's time.
         """
-        if any(_is_cut(seen, tracked) for seen in self._measured_in.values()):
-            self._measured_in.clear()
-        is_cut = not self._measured_in
+        is_cut = self._seen is None or _is_cut(self._seen, tracked)
+        self._seen = tracked
         self._expose(tracked, lighting, real_object, is_cut)
         if is_cut:
             for part in _Part:
