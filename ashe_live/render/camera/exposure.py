@@ -44,18 +44,15 @@ def gain_and_slope(tracked: TrackedFrame, places: Float, before_rgb: Float) -> t
     assert tracked.marker is not None
     T = tracked.marker.T_cam_marker
     points = np.column_stack([places, np.zeros(len(places))])
-    ahead = points @ T[2, :3] + T[2, 3] > 1e-6
-    if ahead.sum() < FEWEST_POINTS:
-        return None
-    at = project_distorted(tracked.camera, T, points[ahead])
+    at = project_distorted(tracked.camera, T, points)
     inside = ((at > 1) & (at < np.array(tracked.frame.size) - 2)).all(axis=1)
     if inside.sum() < FEWEST_POINTS:
         return None
     x, y = at[inside].astype(np.float32).T
     seen = cv2.remap(tracked.frame.image_bgr, x, y, cv2.INTER_LINEAR).reshape(-1, 3)
-    now, then = LINEAR_FROM_SRGB_8BIT[seen[:, ::-1]], before_rgb[ahead][inside]
+    now, then = LINEAR_FROM_SRGB_8BIT[seen[:, ::-1]], before_rgb[inside]
     logs = np.log(now.sum(axis=1) + 1e-3) - np.log(then.sum(axis=1) + 1e-3)
-    seen_at, slope = places[ahead][inside], np.zeros(2)
+    seen_at, slope = places[inside], np.zeros(2)
     ridge = RIDGE * np.square(places).sum(axis=1).mean() * np.eye(2)
     same = _near_middle(logs)
     for _ in range(ROUNDS):

@@ -52,6 +52,11 @@ def test_one_channel_that_changes_takes_the_others_along() -> None:
 GROUND = np.array((0.2, 0.15, 0.1))
 
 
+def _pattern(places: np.ndarray) -> np.ndarray:
+    """(..., 1) how much brighter than `GROUND` it is at places (..., 2): broad waves."""
+    return 1 + 0.3 * np.sin(30 * places).sum(axis=-1, keepdims=True)
+
+
 @pytest.mark.parametrize("is_covered", [False, True])
 def test_gain_and_sheen_of_the_ground_are_found_also_where_things_lie_on_it(is_covered: bool) -> None:
     """Painted by both: a dark thing covers a fifth of the ground, and places are looked up that are out of view."""
@@ -60,13 +65,13 @@ def test_gain_and_sheen_of_the_ground_are_found_also_where_things_lie_on_it(is_c
     pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1)
     plane = pixels @ np.linalg.inv(image_from_plane(CAMERA, T_CAM_MARKER)).T
     plane = plane[..., :2] / plane[..., 2:]
-    linear = GROUND * gain * np.exp(plane @ slope)[..., None]
+    linear = GROUND * _pattern(plane) * gain * np.exp(plane @ slope)[..., None]
     if is_covered:
         linear[:, : CAMERA.size[0] // 5] = 0.01
     image = np.round(255 * srgb_from_linear(np.clip(linear, 0, 1))).astype(np.uint8)[..., ::-1].copy()
     marker = MarkerPose(T_CAM_MARKER, np.zeros((4, 2)), 0.08, 0.1, None)
     places = np.stack(np.meshgrid(*[np.linspace(-0.3, 0.3, 40)] * 2), axis=-1).reshape(-1, 2)
-    before = np.tile(GROUND, (len(places), 1))
+    before = GROUND * _pattern(places)
     found = gain_and_slope(TrackedFrame(Frame(image, 0, 0.0), CAMERA, marker), places, before)
     assert found is not None
     np.testing.assert_allclose(found[0], gain, rtol=0.02)
