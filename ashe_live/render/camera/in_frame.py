@@ -7,7 +7,6 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 
-ALONG_BORDER = 9  # places along each side of the picture at which the widest ray is looked for
 # Of the iteration that inverts OpenCV's distortion: after its default of five rounds corners are half a pixel off.
 CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-9)
 
@@ -35,9 +34,6 @@ def tangents_of_pixels(camera: Camera, pixels: Float) -> Float:
 
 
 def _widest_tangent(camera: Camera) -> float:
-    """The tangent of the largest angle between the optical axis and what the picture shows."""
-    width, height = camera.size
-    along = np.linspace(0.0, 1.0, ALONG_BORDER)
-    sides = [(share, end) for share in along for end in (0.0, 1.0)]
-    border = np.array([*sides, *(side[::-1] for side in sides)]) * (width, height) - 0.5
-    return float(np.linalg.norm(tangents_of_pixels(camera, border), axis=1).max())
+    """The tangent of the largest angle between the optical axis and what the picture shows: that of a corner."""
+    corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) * camera.size - 0.5
+    return float(np.linalg.norm(tangents_of_pixels(camera, corners), axis=1).max())

@@ -141,7 +141,7 @@ def line_weights(variance: float, taps: int) -> Float:
     As a Gaussian that is cut off has too little, its own is raised.
     """
     at = np.arange(-taps, taps + 1)
-    if taps == 0 or variance <= 0:
+    if variance <= 0:
         return np.where(at[taps:] == 0, 1.0, 0.0)
     low, high = variance / 40, 40.0 * variance
     for _ in range(40):
