@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Light
-from ashe_live.render.camera.paper_gloss import mirrored_by_paper
+from ashe_live.render.camera.paper_gloss import MIRRORED, ROUGHNESS, mirrored_by_paper
 from ashe_live.render.camera.white import INK_RATIO, PAPER_ALBEDO, light_on_print, white_of
 from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, Lighting, ShadingLight, lighting_of
 from tests.render.camera.test_video_look import _sheet
@@ -48,6 +48,19 @@ def test_paper_mirrors_as_much_with_eye_and_light_exchanged() -> None:
     )
     assert there > 0
     assert there == pytest.approx(back)
+
+
+@pytest.mark.parametrize("elevation_deg", [8.0, 15.0, 30.0, 89.9])
+def test_the_lower_light_and_eye_the_more_is_mirrored_as_by_fresnels_equations(elevation_deg: float) -> None:
+    """Opposite each other, where all facets that mirror are level; of a refractive index of 1.5."""
+    light, eye = _sun(0.0, elevation_deg), _direction(180.0, elevation_deg)
+    sine, cosine = math.sin(math.radians(elevation_deg)), math.cos(math.radians(elevation_deg))
+    steep = math.sqrt(1 - (cosine / 1.5) ** 2)
+    polarised = (sine - 1.5 * steep) / (sine + 1.5 * steep), (steep - 1.5 * sine) / (steep + 1.5 * sine)
+    a2 = ROUGHNESS**4
+    level_facets = 0.25 / (a2 * sine * math.sqrt(sine**2 * (1 - a2) + a2))
+    radiance = float(mirrored_by_paper((light,), eye, ORIGIN)[0]) / (light.irradiance[0] * sine)
+    assert (radiance + MIRRORED) / level_facets == pytest.approx(np.square(polarised).mean(), abs=0.03)
 
 
 def test_a_lamp_twice_as_near_is_mirrored_four_times_as_brightly() -> None:

@@ -27,13 +27,18 @@ def _bent(camera: Camera, T_cam_marker: np.ndarray, points: np.ndarray) -> np.nd
     return cv2.projectPoints(points, rvec, T_cam_marker[:3, 3], camera.K, camera.dist)[0].reshape(-1, 2)
 
 
+@pytest.mark.parametrize("off_centre_px", [(0.0, 0.0), (40.0, -25.0)])
 @pytest.mark.parametrize("lens", [*LENSES, WIDE_LENS])
-def test_grid_undoes_the_lens(stage, lens: tuple[float, ...]) -> None:
-    camera = _camera(stage, lens)
+def test_grid_undoes_the_lens(stage, lens: tuple[float, ...], off_centre_px: tuple[float, float]) -> None:
+    K = stage.camera().K.copy()
+    K[:2, 2] += off_centre_px
+    camera = Camera((480, 360), K, np.array(lens), "file")
     pinhole = wide_pinhole(camera)
     grid = straight_from_bent(camera, pinhole)
     assert grid.min() > -1e-6
     assert grid.max() < 1 + 1e-6
+    if lens[0] < 0:  # a barrel's corners are seen at the border: the pinhole camera is no wider than it must be
+        assert max(grid.max(), 1 - grid.min()) == pytest.approx(1)
     pixels = np.stack([grid[..., 0] * 480 - 0.5, (1 - grid[..., 1]) * 360 - 0.5], axis=-1).reshape(-1, 2)
     rays = np.column_stack([pixels, np.ones(len(pixels))]) @ np.linalg.inv(pinhole.K).T
     back = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), camera.K, camera.dist)[0].reshape(grid.shape)
