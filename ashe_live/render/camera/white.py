@@ -197,10 +197,7 @@ def _ring(sides: tuple[float, float]) -> Float:
 
 def _linear_at(tracked: TrackedFrame, places: Float, light: LightOnPrint | None) -> Float:
     """(m, 3) linear RGB of those places (n, 2) of the print in view, as it would be in full light."""
-    pixels = print_pixels(tracked, places)
-    if not np.isfinite(pixels).all():
-        return np.zeros((0, 3))
-    column, row = np.round(pixels).T
+    column, row = np.round(print_pixels(tracked, places)).T
     width, height = tracked.frame.size
     seen = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     bgr = tracked.frame.image_bgr[row[seen].astype(int), column[seen].astype(int)]

@@ -60,7 +60,7 @@ def _pattern(places: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("is_covered", [False, True])
 def test_gain_and_sheen_of_the_ground_are_found_also_where_things_lie_on_it(is_covered: bool) -> None:
     """Painted by both: a dark thing covers a fifth of the ground, and places are looked up that are out of view."""
-    gain, slope = np.array((1.3, 1.2, 1.1)), np.array((0.6, -0.4))
+    gain, slope = np.array((1.3, 1.2, 1.1)), np.array((0.9, -0.6))
     columns, rows = np.meshgrid(*map(np.arange, CAMERA.size))
     pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1)
     plane = pixels @ np.linalg.inv(image_from_plane(CAMERA, T_CAM_MARKER)).T
