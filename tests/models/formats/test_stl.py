@@ -67,6 +67,12 @@ def test_a_binary_file_that_speaks_of_facets_is_counted_as_binary(monkeypatch: p
         limits.check_text(Path("a.stl"), content)
 
 
+def test_a_binary_file_may_be_named_as_text_begins(tmp_path: Path) -> None:
+    """As of a solid, which some programs write before its name, and of what is faceted."""
+    assert colours(tmp_path, b"solid faceted vase", [MARK | RED_LAST, MARK]) is not None
+    assert len(load_model_file(tmp_path / "a.stl", "z").parts[0].triangles) == 2
+
+
 @pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("name", ["vertex cover", "a solid vertex 1 2 3", ""])
 def test_a_solid_may_have_any_name(tmp_path: Path, name: str, line_end: str) -> None:
