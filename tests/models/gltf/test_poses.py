@@ -215,9 +215,43 @@ def test_a_vertex_of_no_joint_is_said(tmp_path: Path) -> None:
     document = Document()
     skinned_quad(document)
     own = document.json["meshes"][0]["primitives"][0]["attributes"]
-    own["JOINTS_0"] = document.accessor(np.uint8([(7, 0, 0, 0)] * 4))
-    with pytest.raises(UserError, match="a vertex follows joint 7 of 2"):
+    own["JOINTS_0"] = document.accessor(np.uint8([(2, 0, 0, 0)] * 4))
+    with pytest.raises(UserError, match="a vertex follows joint 2 of 2"):
         load_model_file(document.save(tmp_path / "a.glb"))
+
+
+@pytest.mark.parametrize("shape", [(1, 16), (2, 4)])
+def test_a_skin_has_a_matrix_for_each_joint(tmp_path: Path, shape: tuple[int, int]) -> None:
+    document = Document()
+    skinned_quad(document)
+    document.json["skins"][0]["inverseBindMatrices"] = document.accessor(np.zeros(shape, np.float32))
+    with pytest.raises(UserError, match="fewer inverse bind matrices than joints"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
+def test_a_skin_without_matrices_is_bound_where_its_joints_frames_are_the_scenes(tmp_path: Path) -> None:
+    """3.7.3.1: then they are identities. Normals turn with the joint of their vertex."""
+    document = Document()
+    skinned_quad(document)
+    with_normals(document, [(0, 0, 1)] * 4)
+    del document.json["skins"][0]["inverseBindMatrices"]
+    half = math.sqrt(0.5)
+    document.json["nodes"][1:] = [{"rotation": [half, 0, 0, half], "children": [2]}, {"translation": [0, 5, 0]}]
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    # About x by 90 degrees: y becomes z, z becomes -y; the second joint is 5 above.
+    assert_there(part.vertices, [(0, 0, 0), (1, 0, 5), (1, 0, 6), (0, 0, 1)])
+    np.testing.assert_allclose(part.normals @ Y_UP, [(0, -1, 0)] * 4, atol=1e-6)
+
+
+def test_morph_targets_turn_normals(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    with_normals(document, [(0, 0, 1)] * 4)
+    targets = [{"NORMAL": document.accessor(np.float32([turn] * 4))} for turn in ((4, 0, 0), (0, 9, 0))]
+    document.json["meshes"][0]["primitives"][0]["targets"] = targets
+    document.json["meshes"][0]["weights"] = [0.25, 0]
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    np.testing.assert_allclose(part.normals @ Y_UP, [(math.sqrt(0.5), 0, math.sqrt(0.5))] * 4, atol=1e-6)
 
 
 def animated(
@@ -421,6 +455,37 @@ def test_animations_of_different_things_are_played_together_and_of_the_same_only
     assert_there(motion.vertices[-1], 2 * CORNERS + (8, 0, 0))
 
 
+def test_an_animation_begins_with_its_first_keyframe(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]), times=(3, 5))
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    motion = model.parts[0].motion
+    assert model.duration_s == 2
+    assert_there(motion.vertices[0], CORNERS + np.float32((0, 0, 5)))
+    assert_there(motion.vertices[-1], CORNERS + np.float32((9, 9, 9)))
+
+
+def test_what_stands_on_what_stands_on_what_moves_moves(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    document.json["nodes"] += [{"children": [0]}, {"children": [1]}]
+    document.json["scenes"][0]["nodes"] = [2]
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
+    document.json["animations"][0]["channels"][0]["target"]["node"] = 2
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    assert_there(part.motion.vertices[-1], CORNERS + np.float32((9, 9, 9)))
+
+
+def test_a_channel_of_no_keyframes_is_said(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
+    document.json["animations"][0]["channels"][0]["sampler"] = 1
+    with pytest.raises(UserError, match="a channel names sampler 1 of 1"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
 def test_an_animation_of_what_is_not_drawn_plays_nothing(tmp_path: Path) -> None:
     document = Document()
     bare_quad(document)
@@ -446,11 +511,13 @@ def test_a_mesh_is_drawn_wherever_its_node_says(tmp_path: Path) -> None:
     document = Document()
     bare_quad(document)
     moves, sizes = np.float32([(0, 0, 0), (10, 0, 0)]), np.float32([(1, 1, 1), (2, 2, 2)])
+    turns = np.int16([(0, 0, 0, 32767), (0, 0, 32767, 0)])
     own = {"TRANSLATION": document.accessor(moves), "SCALE": document.accessor(sizes)}
+    own["ROTATION"] = document.accessor(turns, normalised=True)
     document.json["nodes"][0]["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": own}}
     document.json["extensionsRequired"] = ["EXT_mesh_gpu_instancing"]
     model = load_model_file(document.save(tmp_path / "a.glb"))
-    both = np.concatenate([CORNERS, CORNERS * 2 + np.float32((10, 0, 0))])
+    both = np.concatenate([CORNERS, CORNERS * (-2, -2, 2) + (10, 0, 0)])
     np.testing.assert_allclose(places(model), expected(both), atol=1e-5)
 
 
