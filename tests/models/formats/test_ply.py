@@ -112,7 +112,7 @@ def test_where_triangles_have_something_of_their_own_vertices_keep_the_rest(tmp_
     rows = [f"{x} {y} {z} {x / 2} 0 0" for x, y, z in PLACES]
     head = header("ascii", 1, vertex=colours, face="property list uchar float texcoord\n")
     (tmp_path / "a.ply").write_text(
-        head.replace("by hand", "TextureFile a.png") + "\n".join([*rows, "6 0 0 1 0 1 1 3 0 1 2", ""])
+        head.replace("by hand", "TextureFile a.png") + "\n".join([*rows, "6 0 0 1 0 1 1 3 1 2 4", ""])
     )
     (part,) = load_model_file(tmp_path / "a.ply", up="z").parts
     np.testing.assert_allclose(part.colours[:, 0], part.vertices[:, 0] / 2)
