@@ -322,6 +322,16 @@ def test_comments_may_stand_behind_numbers(tmp_path: Path) -> None:
     np.testing.assert_array_equal(plain.parts[0].uvs, commented.parts[0].uvs)
 
 
+def test_words_may_be_parted_by_any_space(tmp_path: Path) -> None:
+    """Lines may be indented as well; and in a name # begins no comment."""
+    lines = f"mtllib a.mtl\nusemtl a #1\n{TRIANGLE}p 1\n".replace(" ", "\t").replace("a\t#1", "a #1")
+    text = "".join(f" \t{line} \n" for line in lines.splitlines())
+    model = read(tmp_path, text, a="newmtl a #1\nKd 1 0 0\n")
+    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
+    assert area(model) == 0.5
+    assert model.notes == ("points and lines are left out",)
+
+
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_a_comment_that_ends_in_a_backslash_is_one_line(tmp_path: Path, end: str) -> None:
     """As a path of Windows does. A number that goes on in the next line does so whatever ends lines."""

@@ -459,11 +459,15 @@ def test_an_animation_begins_with_its_first_keyframe(tmp_path: Path) -> None:
     document = Document()
     bare_quad(document)
     animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]), times=(3, 5))
+    (first,) = document.json["animations"]
+    animated(document, "scale", np.float32([(2, 2, 2), (3, 3, 3)]), times=(4, 4.5))
+    document.json["animations"].insert(0, first)
     model = load_model_file(document.save(tmp_path / "a.glb"))
     motion = model.parts[0].motion
     assert model.duration_s == 2
-    assert_there(motion.vertices[0], CORNERS + np.float32((0, 0, 5)))
-    assert_there(motion.vertices[-1], CORNERS + np.float32((9, 9, 9)))
+    # The other animation has its first value before it begins, and its last one after its end.
+    assert_there(motion.vertices[0], 2 * CORNERS + np.float32((0, 0, 5)))
+    assert_there(motion.vertices[-1], 3 * CORNERS + np.float32((9, 9, 9)))
 
 
 def test_what_stands_on_what_stands_on_what_moves_moves(tmp_path: Path) -> None:
@@ -587,12 +591,40 @@ def test_points_and_lines_are_left_out_and_said(tmp_path: Path) -> None:
     assert model.notes == ("points and lines are left out",)
 
 
-@pytest.mark.parametrize("times", [(0, np.nan), (1, 0), (0, 0)])
-def test_a_damaged_animation_is_said_to_be_left_out(tmp_path: Path, times: tuple[float, float]) -> None:
+@pytest.mark.parametrize(
+    ("times", "values"),
+    [
+        *(((0, last), [(0, 0, 5), (9, 9, 9)]) for last in (np.nan, np.inf, -1, 0)),
+        ((0, 1), [(0, 0, 5), (9, np.nan, 9)]),
+        ((0, 1), [(0, 0, 5)]),
+        ((0, 1), [(0, 0, 5, 1), (9, 9, 9, 1)]),
+    ],
+)
+def test_a_damaged_animation_is_said_to_be_left_out(tmp_path: Path, times: tuple, values: list) -> None:
+    """Times that do not increase, values that are none, and fewer or other ones than the path has."""
     document = Document()
     bare_quad(document)
-    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
-    document.json["animations"][0]["samplers"][0]["input"] = document.accessor(np.float32(times))
+    animated(document, "translation", np.float32(values), times=times)
     model = load_model_file(document.save(tmp_path / "a.glb"))
     assert model.duration_s == 0
     assert model.notes == ("what of its animation is damaged is left out",)
+    np.testing.assert_allclose(places(model), expected(CORNERS), atol=1e-5)
+
+
+@pytest.mark.parametrize("target", [{"path": "translation"}, {"node": 0, "path": "colour"}])
+def test_what_an_animation_does_to_other_things_is_left_out(tmp_path: Path, target: dict) -> None:
+    """3.11: "When node isn't defined, channel SHOULD be ignored"; extensions define paths of their own."""
+    document = Document()
+    bare_quad(document)
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
+    document.json["animations"][0]["channels"][0]["target"] = target
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    assert (model.duration_s, model.notes) == (0, ())
+
+
+def test_what_grows_for_too_long_to_be_kept_stands_at_rest(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "scale", np.float32([(0, 0, 0), (9, 9, 9)]), times=(0, 1e6))
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    np.testing.assert_allclose(places(model), expected(CORNERS), atol=1e-5)
