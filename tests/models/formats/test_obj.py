@@ -194,7 +194,7 @@ def test_negative_numbers_count_back_from_the_face(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "face",
-    ["f 0 1 2", "f 1 2 4", "f -4 1 2", "f 1/2 2/2 3/2", "f 1//2 2//2 3//2", "f a b c", "f 1.5 2 3", "f 1e300 2 3"],
+    ["f 0 1 2", "f 1 2 4", "f -4 1 2", "f 1/2 2/2 3/2", "f 1//2 2//2 3//2", "f a b c", "f 1.5 2 3", "f 1e300 2 3", "f"],
 )
 def test_a_face_of_what_is_not_there_is_said(tmp_path: Path, face: str) -> None:
     for values in ("", "vt 0 0\nvn 0 0 1\n"):
@@ -211,6 +211,15 @@ def test_a_word_that_is_no_number_is_said(tmp_path: Path, word: str) -> None:
 def test_colours_behind_the_places_are_of_srgb(tmp_path: Path) -> None:
     part = read(tmp_path, "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n").parts[0]
     np.testing.assert_allclose(part.colours, [(1, 0, 0, 1)] * 3)
+
+
+def test_colours_stand_last_and_behind_all_places_or_are_none(tmp_path: Path) -> None:
+    """Of seven numbers the fourth is a weight, and more than full intensity is full."""
+    part = read(tmp_path, "v 0 0 0 1 0 2 0\nv 1 0 0 1 0 2 0\nv 0 1 0 1 0 2 0\nf 1 2 3\n").parts[0]
+    np.testing.assert_allclose(part.colours, [(0, 1, 0, 1)] * 3)
+    model = read(tmp_path, "v 0 0 0 1 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n")
+    assert model.parts[0].colours is None
+    assert area(model) == 3
 
 
 def test_colours_are_linear_where_blender_has_written_them(tmp_path: Path) -> None:

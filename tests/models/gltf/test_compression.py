@@ -306,6 +306,18 @@ def test_two_parts_may_name_other_attributes_of_the_same_draco_data(tmp_path: Pa
     assert normals == {(0, -1, 0), (1, 0, 0)}
 
 
+def test_what_is_not_in_draco_data_lies_beside_it(tmp_path: Path) -> None:
+    """The extension names some of the primitive's attributes; what it names and is not there is said."""
+    document = of_draco()
+    (primitive,) = document.json["meshes"][0]["primitives"]
+    primitive["attributes"]["COLOR_0"] = document.accessor(np.uint8([(255, 0, 51, 255)] * 4), normalised=True)
+    part = load_model_file(document.save(tmp_path / "a.glb")).parts[0]
+    np.testing.assert_allclose(part.colours, [(1, 0, 0.2, 1)] * 4, atol=1e-6)
+    primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"]["COLOR_0"] = 99
+    with pytest.raises(UserError, match="Draco data holds no COLOR_0"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
 @pytest.mark.parametrize("content", [b"DRACO" + bytes(40), b"", bytes(100)])
 def test_draco_data_that_is_none_is_said(tmp_path: Path, content: bytes) -> None:
     with pytest.raises(UserError, match="Draco data cannot be decoded"):

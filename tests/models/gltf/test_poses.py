@@ -50,8 +50,12 @@ def test_a_sparse_accessor_replaces_some_items(tmp_path: Path, has_base: bool) -
     moved = np.float32([(2, 3, 4), (5, 6, 7)])
     accessor["sparse"] = {
         "count": 2,
-        "indices": {"bufferView": document.view(np.uint16([1, 2]).tobytes()), "componentType": 5123},
-        "values": {"bufferView": document.view(moved.tobytes())},
+        "indices": {
+            "bufferView": document.view(np.uint16([9, 9, 1, 2]).tobytes()),
+            "byteOffset": 4,
+            "componentType": 5123,
+        },
+        "values": {"bufferView": document.view(b"head" + moved.tobytes()), "byteOffset": 4},
     }
     base = CORNERS.copy()
     if not has_base:
@@ -68,10 +72,10 @@ def test_a_sparse_accessor_names_what_is_there(tmp_path: Path) -> None:
     bare_quad(document)
     document.json["accessors"][0]["sparse"] = {
         "count": 1,
-        "indices": {"bufferView": document.view(np.uint16([9]).tobytes()), "componentType": 5123},
+        "indices": {"bufferView": document.view(np.uint16([4]).tobytes()), "componentType": 5123},
         "values": {"bufferView": document.view(np.zeros(3, np.float32).tobytes())},
     }
-    with pytest.raises(UserError, match="replaces item 9 of 4"):
+    with pytest.raises(UserError, match="replaces item 4 of 4"):
         load_model_file(document.save(tmp_path / "a.glb"))
     document.json["accessors"][0]["sparse"]["count"] = 5
     with pytest.raises(UserError, match=r"accessors\[0\].sparse.count is 5 of 4 items"):
@@ -206,6 +210,20 @@ def test_weights_count_by_their_share(tmp_path: Path) -> None:
     own = document.json["meshes"][0]["primitives"][0]["attributes"]
     own["JOINTS_0"] = document.accessor(np.uint8([(0, 1, 0, 0)] * 4))
     own["WEIGHTS_0"] = document.accessor(np.uint8([(51, 51, 0, 0)] * 4), normalised=True)
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    turned = np.column_stack([1 - CORNERS[:, 1], CORNERS[:, 0] - 1, 0 * CORNERS[:, 0]])
+    np.testing.assert_allclose(places(model), expected((CORNERS + turned) / 2), atol=1e-5)
+
+
+@pytest.mark.parametrize("is_said", [True, False])
+def test_a_vertex_may_follow_more_than_four_joints(tmp_path: Path, is_said: bool) -> None:
+    """Half of the weight in the first set, half in the second; integers can be nothing but shares."""
+    document = Document()
+    skinned_quad(document)
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    for number, weights in enumerate((np.uint8([(128, 0, 0, 0)] * 4), np.float32([(128 / 255, 0, 0, 0)] * 4))):
+        own[f"JOINTS_{number}"] = document.accessor(np.uint8([(number, 0, 0, 0)] * 4))
+        own[f"WEIGHTS_{number}"] = document.accessor(weights, normalised=is_said and number == 0)
     model = load_model_file(document.save(tmp_path / "a.glb"))
     turned = np.column_stack([1 - CORNERS[:, 1], CORNERS[:, 0] - 1, 0 * CORNERS[:, 0]])
     np.testing.assert_allclose(places(model), expected((CORNERS + turned) / 2), atol=1e-5)
@@ -547,6 +565,7 @@ def test_quantised_places_are_placed_by_their_node(tmp_path: Path) -> None:
     document.quad({"scale": [0.01] * 3})
     own = document.json["meshes"][0]["primitives"][0]["attributes"]
     own["POSITION"] = document.accessor(np.int16(CORNERS * 100))
+    del document.json["accessors"][own["POSITION"]]["normalized"]
     own["NORMAL"] = document.accessor(np.int8([(0, 0, 127)] * 4), normalised=True)
     document.json["extensionsRequired"] = ["KHR_mesh_quantization"]
     model = load_model_file(document.save(tmp_path / "a.glb"))
