@@ -254,6 +254,16 @@ def test_without_scenes_every_node_is_drawn_once(tmp_path: Path) -> None:
     np.testing.assert_allclose(model.bounds, [(3, 0, 2), (4, 0, 3)], atol=1e-6)
 
 
+def test_the_scene_that_the_file_names_is_shown(tmp_path: Path) -> None:
+    document = Document()
+    document.quad()
+    document.quad({"scale": [5, 5, 5]})
+    document.json["scenes"], document.json["scene"] = [{"nodes": [0]}, {"nodes": [1]}], 1
+    model = load_model_file(document.save(tmp_path / "quad.glb"))
+    np.testing.assert_allclose(np.ptp(model.bounds, axis=0), (5, 0, 5))
+    assert model.notes == ("one of its 2 scenes is shown",)
+
+
 def test_nodes_are_placed_turned_and_scaled_one_within_another(tmp_path: Path) -> None:
     document = Document()
     document.quad(node={"scale": [2, 3, 1], "rotation": [0, 0, np.sqrt(0.5), np.sqrt(0.5)]})
