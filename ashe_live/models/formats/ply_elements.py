@@ -154,14 +154,6 @@ def _fill_from_bytes(element: Element, content: bytes, begin: int, order: str) -
     """Returns where the next element begins."""
     if not element.properties:
         return begin
-    if all(length is None for *_, length in element.properties):
-        row = np.dtype([(name, order + element.kinds[name]) for name, *_ in element.properties])
-        end = begin + element.count * row.itemsize
-        if end > len(content):
-            raise _ended(element)
-        table = np.frombuffer(content, row, element.count, begin)
-        element.numbers = {name: table[name].astype(np.float64) for name, *_ in element.properties}
-        return end
     if (after := _fill_alike(element, content, begin, order)) is not None:
         return after
     places, counts, end = _walk(element, content, begin, order)
@@ -224,6 +216,8 @@ def _walk(
                 counts.append(count)
             places.append(at)
             at += count * width
+            if at > size and read is None:
+                raise _ended(element)
             if at > size:
                 raise MalformedError(f"a list {name} reaches beyond the end of the file")
     found = {name: np.array(places, np.int64) for places, _, _, _, name in steps}

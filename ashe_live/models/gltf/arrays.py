@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.models.gltf.amounts import compression_of, item_bytes
 from ashe_live.models.gltf.container import Buffers
 from ashe_live.models.gltf.layouts import COMPONENT_TYPES, COMPONENTS
-from ashe_live.models.gltf.meshopt import decompressed
+from ashe_live.models.gltf.meshopt.views import decompressed
 from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 

@@ -23,7 +23,7 @@ from ashe_live.models.parsing.json_kinds import (
 )
 from ashe_live.models.parsing.malformed import MalformedError
 
-# Properties of views whose content is compressed; the second is the first's successor and reads the same.
+# Properties of views whose content is compressed; the second is the first's successor, and has the same fields.
 COMPRESSED_VIEWS = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 TEXTURE_SOURCES = ("EXT_texture_webp", "KHR_texture_basisu")
 REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE = WRAPS = 10497, 33648, 33071
@@ -116,7 +116,7 @@ _COMPRESSED = object_of(
         "byteStride": Required(integer_from(1)),
         "count": Required(integer_from(0)),
         "mode": Required(one_of(("ATTRIBUTES", "TRIANGLES", "INDICES"))),
-        "filter": one_of(("NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL")),
+        "filter": one_of(("NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR")),
     }
 )
 _SPARSE = object_of(

@@ -61,8 +61,14 @@ def check_text(path: Path, content: bytes) -> None:
 
 
 def is_text_stl(content: bytes) -> bool:
-    """Binary files may begin with "solid" as well; only text goes on with its first facet."""
-    return content[:STL_FIRST_BYTES].lstrip()[:5].lower() == b"solid" and b"facet" in content[:STL_FIRST_BYTES].lower()
+    """Binary files may begin with "solid" and name facets as well; they have as many triangles as they say.
+
+    The same four bytes of text, taken for a number, are of more triangles than any file has.
+    """
+    first = content[:STL_FIRST_BYTES].lower()
+    triangles = int.from_bytes(content[STL_HEADER_BYTES - 4 : STL_HEADER_BYTES], "little")
+    is_long_enough = len(content) >= STL_HEADER_BYTES + triangles * STL_TRIANGLE_BYTES
+    return first.lstrip()[:5] == b"solid" and b"facet" in first and not is_long_enough
 
 
 def _obj_triangles(content: bytes) -> int:

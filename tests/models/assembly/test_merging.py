@@ -10,6 +10,7 @@ from ashe_live.errors import UserError
 from ashe_live.models.assembly.merging import merged
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import Alpha, Material
+from ashe_live.models.mesh import Motion
 from ashe_live.models.parsing import limits
 from ashe_live.models.primitives import box
 from tests.models.gltf_files import UVS, Document, png
@@ -27,6 +28,28 @@ def test_parts_of_one_look_become_one_and_keep_every_corner() -> None:
     np.testing.assert_array_equal(first.vertices[first.triangles], expected)
     expected = np.concatenate([part.normals[part.triangles] for part in (parts[0], parts[2])])
     np.testing.assert_array_equal(first.normals[first.triangles], expected)
+
+
+def test_every_vertex_keeps_what_is_its_own() -> None:
+    """Colours, both sets of texture coordinates, and places and normals while it moves."""
+    parts = []
+    for number in range(3):
+        part = box((1, 1, 1)).moved(1.0, np.array((number, 0.0, 0.0)))
+        count = len(part.vertices)
+        numbers = number + np.arange(count) / count
+        motion = Motion(np.stack([part.vertices, 2 * part.vertices]), np.stack([part.normals, -part.normals]), 3.0)
+        own = {"uvs": np.stack([numbers, -numbers], 1), "more_uvs": np.stack([numbers, 9 * numbers], 1)}
+        colours = np.column_stack([numbers / 9] * 3 + [np.ones(count)])
+        parts.append(replace(part, colours=colours, motion=motion, faces_inwards=True, **own))
+    (one,) = merged(parts)
+    assert one.faces_inwards
+    assert one.motion.duration_s == 3
+    for name in ("colours", "uvs", "more_uvs"):
+        expected = np.concatenate([getattr(part, name)[part.triangles] for part in parts])
+        np.testing.assert_array_equal(getattr(one, name)[one.triangles], expected)
+    for name in ("vertices", "normals"):
+        expected = np.concatenate([getattr(part.motion, name)[:, part.triangles] for part in parts], axis=1)
+        np.testing.assert_array_equal(getattr(one.motion, name)[:, one.triangles], expected)
 
 
 def test_parts_that_let_light_through_stay_apart() -> None:

@@ -194,7 +194,7 @@ def test_negative_numbers_count_back_from_the_face(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "face",
-    ["f 0 1 2", "f 1 2 4", "f -4 1 2", "f 1/2 2/2 3/2", "f 1//2 2//2 3//2", "f a b c", "f 1.5 2 3", "f 1e300 2 3"],
+    ["f 0 1 2", "f 1 2 4", "f -4 1 2", "f 1/2 2/2 3/2", "f 1//2 2//2 3//2", "f a b c", "f 1.5 2 3", "f 1e300 2 3", "f"],
 )
 def test_a_face_of_what_is_not_there_is_said(tmp_path: Path, face: str) -> None:
     for values in ("", "vt 0 0\nvn 0 0 1\n"):
@@ -211,6 +211,15 @@ def test_a_word_that_is_no_number_is_said(tmp_path: Path, word: str) -> None:
 def test_colours_behind_the_places_are_of_srgb(tmp_path: Path) -> None:
     part = read(tmp_path, "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n").parts[0]
     np.testing.assert_allclose(part.colours, [(1, 0, 0, 1)] * 3)
+
+
+def test_colours_stand_last_and_behind_all_places_or_are_none(tmp_path: Path) -> None:
+    """Of seven numbers the fourth is a weight, and more than full intensity is full."""
+    part = read(tmp_path, "v 0 0 0 1 0 2 0\nv 1 0 0 1 0 2 0\nv 0 1 0 1 0 2 0\nf 1 2 3\n").parts[0]
+    np.testing.assert_allclose(part.colours, [(0, 1, 0, 1)] * 3)
+    model = read(tmp_path, "v 0 0 0 1 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n")
+    assert model.parts[0].colours is None
+    assert area(model) == 3
 
 
 def test_colours_are_linear_where_blender_has_written_them(tmp_path: Path) -> None:
@@ -320,6 +329,16 @@ def test_comments_may_stand_behind_numbers(tmp_path: Path) -> None:
     commented = read(tmp_path, "".join(f"{line} # {line}\n" for line in TRIANGLE.splitlines()))
     np.testing.assert_array_equal(plain.parts[0].vertices, commented.parts[0].vertices)
     np.testing.assert_array_equal(plain.parts[0].uvs, commented.parts[0].uvs)
+
+
+def test_words_may_be_parted_by_any_space(tmp_path: Path) -> None:
+    """Lines may be indented as well; and in a name # begins no comment."""
+    lines = f"mtllib a.mtl\nusemtl a #1\n{TRIANGLE}p 1\n".replace(" ", "\t").replace("a\t#1", "a #1")
+    text = "".join(f" \t{line} \n" for line in lines.splitlines())
+    model = read(tmp_path, text, a="newmtl a #1\nKd 1 0 0\n")
+    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
+    assert area(model) == 0.5
+    assert model.notes == ("points and lines are left out",)
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])

@@ -72,14 +72,14 @@ def test_trimesh_reads_the_same_of_what_it_writes(tmp_path: Path, encoding: str)
 
 
 def test_colours_may_be_fractions_or_bytes_with_an_alpha(tmp_path: Path) -> None:
-    for kind, whole in (("uchar", 255), ("float", 1.0), ("ushort", 65535)):
-        names = "".join(f"property {kind} {name}\n" for name in ("red", "green", "blue", "alpha"))
-        given = [value * whole for value in (1.0, 0.0, 0.2, 1.0)]
+    for kind, whole, alpha in (("uchar", 255, "alpha"), ("float", 1.0, "a"), ("ushort", 65535, "alpha")):
+        names = "".join(f"property {kind} {name}\n" for name in ("red", "green", "blue", alpha))
+        given = [value * whole for value in (1.0, 0.0, 0.2, 0.6)]
         rows = "".join(f"{x} {y} {z} {' '.join(f'{value:g}' for value in given)}\n" for x, y, z in PLACES)
         (tmp_path / "a.ply").write_text(header("ascii", 1, vertex=names) + rows + "3 0 1 2\n")
         (part,) = load_model_file(tmp_path / "a.ply").parts
         assert part.colours is not None
-        np.testing.assert_allclose(part.colours[0], (1, 0, linear_from_srgb(np.array(0.2)), 1), atol=1e-4)
+        np.testing.assert_allclose(part.colours[0], (1, 0, linear_from_srgb(np.array(0.2)), 0.6), atol=1e-4)
 
 
 def test_corners_may_have_texture_coordinates_of_their_own(tmp_path: Path) -> None:
@@ -93,6 +93,36 @@ def test_corners_may_have_texture_coordinates_of_their_own(tmp_path: Path) -> No
     assert part.uvs is not None
     found = {(*place[:2], *uv) for place, uv in zip(part.vertices.tolist(), part.uvs.tolist(), strict=True)}
     assert found == {(0, 0, 0, 0), (2, 0, 1, 0), (2, 1, 1, 1), (0, 0, 0.5, 0.5), (2, 1, 0.25, 0.5), (0, 1, 0, 0.75)}
+
+
+def test_where_triangles_have_something_of_their_own_vertices_keep_the_rest(tmp_path: Path) -> None:
+    """Colours of faces beside texture coordinates of vertices, and the other way round; normals with both."""
+    PIL.Image.fromarray(np.full((2, 2, 3), 80, np.uint8)).save(tmp_path / "a.png")
+    of_vertices = "".join(f"property float {name}\n" for name in ("nx", "ny", "nz", "s", "t"))
+    colours = "".join(f"property float {name}\n" for name in ("red", "green", "blue"))
+    normals = [(0.6, 0, 0.8) if x else (0, 0.6, 0.8) for x, _, _ in PLACES]
+    rows = [f"{x} {y} {z} {a} {b} {c} {x / 4} {y / 4}" for (x, y, z), (a, b, c) in zip(PLACES, normals, strict=True)]
+    head = header("ascii", 1, vertex=of_vertices, face=colours).replace("by hand", "TextureFile a.png")
+    (tmp_path / "a.ply").write_text(head + "\n".join([*rows, "1 0 0 3 0 1 2", ""]))
+    (part,) = load_model_file(tmp_path / "a.ply", up="z").parts
+    np.testing.assert_allclose(part.uvs, part.vertices[:, :2] / 4)
+    np.testing.assert_allclose(part.normals, [(0.6, 0, 0.8) if x else (0, 0.6, 0.8) for x, _, _ in part.vertices])
+    np.testing.assert_allclose(part.colours, [(1, 0, 0, 1)] * 3)
+
+    rows = [f"{x} {y} {z} {x / 2} 0 0" for x, y, z in PLACES]
+    head = header("ascii", 1, vertex=colours, face="property list uchar float texcoord\n")
+    (tmp_path / "a.ply").write_text(
+        head.replace("by hand", "TextureFile a.png") + "\n".join([*rows, "6 0 0 1 0 1 1 3 1 2 4", ""])
+    )
+    (part,) = load_model_file(tmp_path / "a.ply", up="z").parts
+    np.testing.assert_allclose(part.colours[:, 0], part.vertices[:, 0] / 2)
+
+
+def test_without_its_texture_it_is_drawn_plain(tmp_path: Path) -> None:
+    rows = "".join(f"{x} {y} {z}\n" for x, y, z in PLACES)
+    (tmp_path / "a.ply").write_text(header("ascii", 1).replace("by hand", "TextureFile gone.png") + rows + "3 0 1 2\n")
+    model = load_model_file(tmp_path / "a.ply")
+    assert model.notes == ("its picture gone.png is not beside it, and is left out",)
 
 
 def test_texture_coordinates_that_nothing_uses_may_be_no_numbers(tmp_path: Path) -> None:

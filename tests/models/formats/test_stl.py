@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ashe_live.core.colour import linear_from_srgb
 from ashe_live.errors import UserError
 from ashe_live.models.formats.stl import TRIANGLE
 from ashe_live.models.loading import load_model_file
@@ -35,8 +36,9 @@ def test_a_marked_triangle_has_a_colour_with_red_last(tmp_path: Path) -> None:
 
 
 def test_with_a_colour_of_all_it_is_the_other_way_round(tmp_path: Path) -> None:
-    header = b"COLOR=" + bytes((0, 255, 0, 255))
-    np.testing.assert_allclose(colours(tmp_path, header, [RED_FIRST, MARK]), [(1, 0, 0, 1), (0, 1, 0, 1)])
+    header = b"COLOR=" + bytes((0, 51, 0, 255))
+    green = linear_from_srgb(np.array(0.2))
+    np.testing.assert_allclose(colours(tmp_path, header, [RED_FIRST, MARK]), [(1, 0, 0, 1), (0, green, 0, 1)])
 
 
 @pytest.mark.parametrize("attributes", [[0, 0], [MARK, 7]])
@@ -65,6 +67,12 @@ def test_a_binary_file_that_speaks_of_facets_is_counted_as_binary(monkeypatch: p
     content = b"solid".ljust(84) + bytes(50 * 40) + b"facet".ljust(50)
     with pytest.raises(UserError, match="41 triangles"):
         limits.check_text(Path("a.stl"), content)
+
+
+def test_a_binary_file_may_be_named_as_text_begins(tmp_path: Path) -> None:
+    """As of a solid, which some programs write before its name, and of what is faceted."""
+    assert colours(tmp_path, b"solid faceted vase", [MARK | RED_LAST, MARK]) is not None
+    assert len(load_model_file(tmp_path / "a.stl", "z").parts[0].triangles) == 2
 
 
 @pytest.mark.parametrize("line_end", ["\n", "\r\n", "\r"])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ashe_live.errors import UserError
-from ashe_live.models.gltf.meshopt import decompressed
+from ashe_live.models.gltf.meshopt.views import decompressed
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.parsing.malformed import MalformedError
 from tests.models.gltf_files import CORNERS, NORMALS, TRIANGLES, UVS, Document
@@ -23,6 +23,14 @@ GRID_POINTS = base64.b64decode(
 GRID_TRIANGLES = base64.b64decode(
     "4f7+/v7+/v7+///////////////+/v7+/v7+/v7+/v7+DwzyAvIC8gJ/BH8CfwJ/An8HDH8JDH8JDH8JDH8HDH8JDH8JDH8JDP8vDAHyBwzxCQwf"
     "CXAaGBdQFhYWUBYWFgB2h1ZneKmGZYlomAFpAAA="
+)
+# By the same encoder in the second version: what `elements` gives, in channels of bytes, shorts and turned words.
+ELEMENTS = base64.b64decode(
+    "oe136nhlFSZmZmZmZmZmZmYAAAACBgoOEhYaHiImKi4yNjpIQkZKTlJWZF5iZmp4cnZ6iIKGipiSlqQASkpKSkpKSkpKSkpKSkpKSkpKSkpKSkpKSkpK"
+    "SkpKSkpKSkpKSkpKAFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWFhYWBUqqqqqqqqqqqqqAAAAtiKO+mbSPqoWgu5axjKeCnbiTrom"
+    "kv5q1kKuGobyXso2og565lK+DgAjRnms3v//EBETFBYXGBobHR4fISIkJScoKSv/ACwuLzEyMzU2APoGAQP++gYBA/76BgED/voGAQP++gYBA/76BgED"
+    "/voGAQP++gYBAwECEAEDAAAAgIBAwKAgEFDQEMhoKAiElLTkpHSyomKq+pKymoqCQcVN2Un9VQYPj0LiYTHxMeQc/8THBMQHAw8DEQAHAQAQEdnZ2RER"
+    "2dnZ2REA2dkAEBECBAIREQQCBAQRAAIEFQCAgICAgICAgIAAAAAABwAAAGDqAAAAAAAAAAAAAAAAAAEiMgA="
 )
 # By the same encoder: bodies whose triangles each share an edge with one of those before, as in nearly all models.
 STRIP = [(i, i + 1, i + 2) if i % 2 == 0 else (i, i + 2, i + 1) for i in range(8)]
@@ -54,6 +62,29 @@ def test_what_meshoptimizer_wrote_is_read() -> None:
     read = np.frombuffer(decompressed(GRID_POINTS, attributes(25, 8)), np.uint16).reshape(-1, 4)
     np.testing.assert_array_equal(read[:, :3], points)
     assert lowest_first(read_triangles(GRID_TRIANGLES, len(triangles))) == lowest_first(triangles)
+
+
+def elements() -> np.ndarray:
+    """(40, 20) bytes, as the stream above has them."""
+    i = np.arange(40)
+    singles = np.stack([i % 2, i * i % 251, np.full(40, 7), 37 * i], 1).astype(np.uint8)
+    shorts = np.stack([300 * i, 60000 + 91 * i * i], 1).astype(np.uint16)
+    floats = np.stack([i % 5 / 4, i * i / 64], 1).astype(np.float32)
+    words = (i // 4 * 0x01000193).astype(np.uint32)[:, None]
+    return np.hstack([each.view(np.uint8) for each in (singles, shorts, floats, words)])
+
+
+def test_what_meshoptimizer_writes_today_is_read() -> None:
+    """KHR_meshopt_compression's second version: widths by control modes, deltas of bytes, shorts and turned words."""
+    read = np.frombuffer(decompressed(ELEMENTS, attributes(40, 20)), np.uint8).reshape(-1, 20)
+    np.testing.assert_array_equal(read, elements())
+
+
+@pytest.mark.parametrize("mode", [0x03, 0x11, 0x20])
+def test_a_channel_of_no_mode_is_said(mode: int) -> None:
+    stream = ELEMENTS[:-1] + bytes([mode])
+    with pytest.raises(MalformedError, match=f"a channel is of mode 0x{mode:02x}"):
+        decompressed(stream, attributes(40, 20))
 
 
 def test_triangles_beside_those_before_are_read() -> None:
@@ -136,6 +167,21 @@ def test_filters_give_directions_turns_and_floats() -> None:
     assert read.tolist() == [1.25, -56.0]
 
 
+@pytest.mark.parametrize(("kind", "bits"), [(np.uint8, 8), (np.uint8, 6), (np.uint16, 12)])
+def test_a_filter_gives_colours(kind: type, bits: int) -> None:
+    """Appendix B: luma and two chrominances of so many bits, alpha of one less below a bit that tells how many."""
+    most = (1 << bits) - 1
+    rgb = np.array([(0, 0, 0), (60, 20, 40), (0, 0, 60), (0, 60, 0), (60, 0, 0)])
+    alpha = np.array([0, most, most // 2 & ~3, 3, most])  # its last two bits are alike, as one of them is not stored
+    red, green, blue = rgb.T
+    luma, orange, greenish = (red + 2 * green + blue) // 4, (red - blue) // 2, (2 * green - red - blue) // 4
+    packed = np.stack([luma, orange, greenish, 1 << bits - 1 | alpha >> 1], axis=1).astype(kind)
+    stride = packed[0].nbytes
+    read = np.frombuffer(decompressed(stored(packed), attributes(5, stride, "COLOR")), kind).reshape(-1, 4)
+    largest = np.iinfo(kind).max
+    np.testing.assert_allclose(read / largest, np.column_stack([rgb, alpha]) / most, atol=0.6 / largest)
+
+
 def of_meshopt(cut: int = 0) -> Document:
     document = Document()
     points = document.view(GRID_POINTS[: len(GRID_POINTS) - cut])
@@ -163,6 +209,22 @@ def test_a_file_of_compressed_views_is_drawn(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.ptp(model.bounds, axis=0), (4000, 592, 4000))
 
 
+def test_a_file_of_the_successor_has_its_colours(tmp_path: Path) -> None:
+    document = of_meshopt()
+    magenta = stored(np.tile(np.array([30, 0, -30, 63], np.int8), (25, 1)))
+    view = document.view(magenta)
+    own = document.json["bufferViews"][view]
+    packed = {**own, "byteStride": 4, "count": 25, "mode": "ATTRIBUTES", "filter": "COLOR"}
+    own |= {"buffer": 1, "byteOffset": 0, "byteLength": 100, "extensions": {"EXT_meshopt_compression": packed}}
+    document.json["accessors"].append(
+        {"bufferView": view, "componentType": 5121, "count": 25, "type": "VEC4", "normalized": True}
+    )
+    document.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = 2
+    document.json = json.loads(json.dumps(document.json).replace("EXT_meshopt", "KHR_meshopt"))
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    np.testing.assert_allclose(part.colours, [(60 / 63, 0, 60 / 63, 1)] * len(part.colours), atol=0.003)
+
+
 @pytest.mark.parametrize("cut", [100, 120, 148])
 def test_compressed_views_that_are_torn_are_said(tmp_path: Path, cut: int) -> None:
     document = of_meshopt(cut)
@@ -177,7 +239,7 @@ def test_a_compression_of_another_size_than_its_view_is_said(tmp_path: Path) -> 
         load_model_file(document.save(tmp_path / "a.glb"))
 
 
-@pytest.mark.parametrize("stream", [b"\xe1" + bytes(60), b"\xa0", b"", b"\xa1" + bytes(60)])
+@pytest.mark.parametrize("stream", [b"\xe1" + bytes(60), b"\xa0", b"", b"\xa2" + bytes(60), b"\xa1" + bytes(23)])
 def test_another_stream_is_refused(stream: bytes) -> None:
     with pytest.raises((MalformedError, IndexError)):
         decompressed(stream, attributes(4, 8))
@@ -190,6 +252,7 @@ def test_another_stream_is_refused(stream: bytes) -> None:
         (GRID_POINTS, attributes(25, 260), "elements of 260 bytes"),
         (GRID_POINTS, attributes(25, 12, "OCTAHEDRAL"), "OCTAHEDRAL elements of 12 bytes"),
         (GRID_POINTS, attributes(25, 4, "QUATERNION"), "QUATERNION elements of 4 bytes"),
+        (GRID_POINTS, attributes(25, 12, "COLOR"), "COLOR elements of 12 bytes"),
         (GRID_TRIANGLES, {"count": 96, "byteStride": 8, "mode": "TRIANGLES"}, "indices of 8 bytes"),
         (GRID_TRIANGLES, {"count": 95, "byteStride": 2, "mode": "TRIANGLES"}, "95 indices are no triangles"),
         (GRID_TRIANGLES, {"count": 96, "byteStride": 2, "mode": "INDICES"}, "0xe1 and not 0xd1"),
@@ -241,6 +304,18 @@ def test_two_parts_may_name_other_attributes_of_the_same_draco_data(tmp_path: Pa
     model = load_model_file(document.save(tmp_path / "a.glb"))
     normals = {tuple(normal) for part in model.parts for normal in part.normals.round(2)}
     assert normals == {(0, -1, 0), (1, 0, 0)}
+
+
+def test_what_is_not_in_draco_data_lies_beside_it(tmp_path: Path) -> None:
+    """The extension names some of the primitive's attributes; what it names and is not there is said."""
+    document = of_draco()
+    (primitive,) = document.json["meshes"][0]["primitives"]
+    primitive["attributes"]["COLOR_0"] = document.accessor(np.uint8([(255, 0, 51, 255)] * 4), normalised=True)
+    part = load_model_file(document.save(tmp_path / "a.glb")).parts[0]
+    np.testing.assert_allclose(part.colours, [(1, 0, 0.2, 1)] * 4, atol=1e-6)
+    primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"]["COLOR_0"] = 99
+    with pytest.raises(UserError, match="Draco data holds no COLOR_0"):
+        load_model_file(document.save(tmp_path / "a.glb"))
 
 
 @pytest.mark.parametrize("content", [b"DRACO" + bytes(40), b"", bytes(100)])

@@ -50,8 +50,12 @@ def test_a_sparse_accessor_replaces_some_items(tmp_path: Path, has_base: bool) -
     moved = np.float32([(2, 3, 4), (5, 6, 7)])
     accessor["sparse"] = {
         "count": 2,
-        "indices": {"bufferView": document.view(np.uint16([1, 2]).tobytes()), "componentType": 5123},
-        "values": {"bufferView": document.view(moved.tobytes())},
+        "indices": {
+            "bufferView": document.view(np.uint16([9, 9, 1, 2]).tobytes()),
+            "byteOffset": 4,
+            "componentType": 5123,
+        },
+        "values": {"bufferView": document.view(b"head" + moved.tobytes()), "byteOffset": 4},
     }
     base = CORNERS.copy()
     if not has_base:
@@ -68,10 +72,10 @@ def test_a_sparse_accessor_names_what_is_there(tmp_path: Path) -> None:
     bare_quad(document)
     document.json["accessors"][0]["sparse"] = {
         "count": 1,
-        "indices": {"bufferView": document.view(np.uint16([9]).tobytes()), "componentType": 5123},
+        "indices": {"bufferView": document.view(np.uint16([4]).tobytes()), "componentType": 5123},
         "values": {"bufferView": document.view(np.zeros(3, np.float32).tobytes())},
     }
-    with pytest.raises(UserError, match="replaces item 9 of 4"):
+    with pytest.raises(UserError, match="replaces item 4 of 4"):
         load_model_file(document.save(tmp_path / "a.glb"))
     document.json["accessors"][0]["sparse"]["count"] = 5
     with pytest.raises(UserError, match=r"accessors\[0\].sparse.count is 5 of 4 items"):
@@ -211,13 +215,61 @@ def test_weights_count_by_their_share(tmp_path: Path) -> None:
     np.testing.assert_allclose(places(model), expected((CORNERS + turned) / 2), atol=1e-5)
 
 
+@pytest.mark.parametrize("is_said", [True, False])
+def test_a_vertex_may_follow_more_than_four_joints(tmp_path: Path, is_said: bool) -> None:
+    """Half of the weight in the first set, half in the second; integers can be nothing but shares."""
+    document = Document()
+    skinned_quad(document)
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    for number, weights in enumerate((np.uint8([(128, 0, 0, 0)] * 4), np.float32([(128 / 255, 0, 0, 0)] * 4))):
+        own[f"JOINTS_{number}"] = document.accessor(np.uint8([(number, 0, 0, 0)] * 4))
+        own[f"WEIGHTS_{number}"] = document.accessor(weights, normalised=is_said and number == 0)
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    turned = np.column_stack([1 - CORNERS[:, 1], CORNERS[:, 0] - 1, 0 * CORNERS[:, 0]])
+    np.testing.assert_allclose(places(model), expected((CORNERS + turned) / 2), atol=1e-5)
+
+
 def test_a_vertex_of_no_joint_is_said(tmp_path: Path) -> None:
     document = Document()
     skinned_quad(document)
     own = document.json["meshes"][0]["primitives"][0]["attributes"]
-    own["JOINTS_0"] = document.accessor(np.uint8([(7, 0, 0, 0)] * 4))
-    with pytest.raises(UserError, match="a vertex follows joint 7 of 2"):
+    own["JOINTS_0"] = document.accessor(np.uint8([(2, 0, 0, 0)] * 4))
+    with pytest.raises(UserError, match="a vertex follows joint 2 of 2"):
         load_model_file(document.save(tmp_path / "a.glb"))
+
+
+@pytest.mark.parametrize("shape", [(1, 16), (2, 4)])
+def test_a_skin_has_a_matrix_for_each_joint(tmp_path: Path, shape: tuple[int, int]) -> None:
+    document = Document()
+    skinned_quad(document)
+    document.json["skins"][0]["inverseBindMatrices"] = document.accessor(np.zeros(shape, np.float32))
+    with pytest.raises(UserError, match="fewer inverse bind matrices than joints"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
+def test_a_skin_without_matrices_is_bound_where_its_joints_frames_are_the_scenes(tmp_path: Path) -> None:
+    """3.7.3.1: then they are identities. Normals turn with the joint of their vertex."""
+    document = Document()
+    skinned_quad(document)
+    with_normals(document, [(0, 0, 1)] * 4)
+    del document.json["skins"][0]["inverseBindMatrices"]
+    half = math.sqrt(0.5)
+    document.json["nodes"][1:] = [{"rotation": [half, 0, 0, half], "children": [2]}, {"translation": [0, 5, 0]}]
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    # About x by 90 degrees: y becomes z, z becomes -y; the second joint is 5 above.
+    assert_there(part.vertices, [(0, 0, 0), (1, 0, 5), (1, 0, 6), (0, 0, 1)])
+    np.testing.assert_allclose(part.normals @ Y_UP, [(0, -1, 0)] * 4, atol=1e-6)
+
+
+def test_morph_targets_turn_normals(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    with_normals(document, [(0, 0, 1)] * 4)
+    targets = [{"NORMAL": document.accessor(np.float32([turn] * 4))} for turn in ((4, 0, 0), (0, 9, 0))]
+    document.json["meshes"][0]["primitives"][0]["targets"] = targets
+    document.json["meshes"][0]["weights"] = [0.25, 0]
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    np.testing.assert_allclose(part.normals @ Y_UP, [(math.sqrt(0.5), 0, math.sqrt(0.5))] * 4, atol=1e-6)
 
 
 def animated(
@@ -421,6 +473,41 @@ def test_animations_of_different_things_are_played_together_and_of_the_same_only
     assert_there(motion.vertices[-1], 2 * CORNERS + (8, 0, 0))
 
 
+def test_an_animation_begins_with_its_first_keyframe(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]), times=(3, 5))
+    (first,) = document.json["animations"]
+    animated(document, "scale", np.float32([(2, 2, 2), (3, 3, 3)]), times=(4, 4.5))
+    document.json["animations"].insert(0, first)
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    motion = model.parts[0].motion
+    assert model.duration_s == 2
+    # The other animation has its first value before it begins, and its last one after its end.
+    assert_there(motion.vertices[0], 2 * CORNERS + np.float32((0, 0, 5)))
+    assert_there(motion.vertices[-1], 3 * CORNERS + np.float32((9, 9, 9)))
+
+
+def test_what_stands_on_what_stands_on_what_moves_moves(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    document.json["nodes"] += [{"children": [0]}, {"children": [1]}]
+    document.json["scenes"][0]["nodes"] = [2]
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
+    document.json["animations"][0]["channels"][0]["target"]["node"] = 2
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    assert_there(part.motion.vertices[-1], CORNERS + np.float32((9, 9, 9)))
+
+
+def test_a_channel_of_no_keyframes_is_said(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
+    document.json["animations"][0]["channels"][0]["sampler"] = 1
+    with pytest.raises(UserError, match="a channel names sampler 1 of 1"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
 def test_an_animation_of_what_is_not_drawn_plays_nothing(tmp_path: Path) -> None:
     document = Document()
     bare_quad(document)
@@ -446,11 +533,13 @@ def test_a_mesh_is_drawn_wherever_its_node_says(tmp_path: Path) -> None:
     document = Document()
     bare_quad(document)
     moves, sizes = np.float32([(0, 0, 0), (10, 0, 0)]), np.float32([(1, 1, 1), (2, 2, 2)])
+    turns = np.int16([(0, 0, 0, 32767), (0, 0, 32767, 0)])
     own = {"TRANSLATION": document.accessor(moves), "SCALE": document.accessor(sizes)}
+    own["ROTATION"] = document.accessor(turns, normalised=True)
     document.json["nodes"][0]["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": own}}
     document.json["extensionsRequired"] = ["EXT_mesh_gpu_instancing"]
     model = load_model_file(document.save(tmp_path / "a.glb"))
-    both = np.concatenate([CORNERS, CORNERS * 2 + np.float32((10, 0, 0))])
+    both = np.concatenate([CORNERS, CORNERS * (-2, -2, 2) + (10, 0, 0)])
     np.testing.assert_allclose(places(model), expected(both), atol=1e-5)
 
 
@@ -476,6 +565,7 @@ def test_quantised_places_are_placed_by_their_node(tmp_path: Path) -> None:
     document.quad({"scale": [0.01] * 3})
     own = document.json["meshes"][0]["primitives"][0]["attributes"]
     own["POSITION"] = document.accessor(np.int16(CORNERS * 100))
+    del document.json["accessors"][own["POSITION"]]["normalized"]
     own["NORMAL"] = document.accessor(np.int8([(0, 0, 127)] * 4), normalised=True)
     document.json["extensionsRequired"] = ["KHR_mesh_quantization"]
     model = load_model_file(document.save(tmp_path / "a.glb"))
@@ -520,12 +610,40 @@ def test_points_and_lines_are_left_out_and_said(tmp_path: Path) -> None:
     assert model.notes == ("points and lines are left out",)
 
 
-@pytest.mark.parametrize("times", [(0, np.nan), (1, 0), (0, 0)])
-def test_a_damaged_animation_is_said_to_be_left_out(tmp_path: Path, times: tuple[float, float]) -> None:
+@pytest.mark.parametrize(
+    ("times", "values"),
+    [
+        *(((0, last), [(0, 0, 5), (9, 9, 9)]) for last in (np.nan, np.inf, -1, 0)),
+        ((0, 1), [(0, 0, 5), (9, np.nan, 9)]),
+        ((0, 1), [(0, 0, 5)]),
+        ((0, 1), [(0, 0, 5, 1), (9, 9, 9, 1)]),
+    ],
+)
+def test_a_damaged_animation_is_said_to_be_left_out(tmp_path: Path, times: tuple, values: list) -> None:
+    """Times that do not increase, values that are none, and fewer or other ones than the path has."""
     document = Document()
     bare_quad(document)
-    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
-    document.json["animations"][0]["samplers"][0]["input"] = document.accessor(np.float32(times))
+    animated(document, "translation", np.float32(values), times=times)
     model = load_model_file(document.save(tmp_path / "a.glb"))
     assert model.duration_s == 0
     assert model.notes == ("what of its animation is damaged is left out",)
+    np.testing.assert_allclose(places(model), expected(CORNERS), atol=1e-5)
+
+
+@pytest.mark.parametrize("target", [{"path": "translation"}, {"node": 0, "path": "colour"}])
+def test_what_an_animation_does_to_other_things_is_left_out(tmp_path: Path, target: dict) -> None:
+    """3.11: "When node isn't defined, channel SHOULD be ignored"; extensions define paths of their own."""
+    document = Document()
+    bare_quad(document)
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
+    document.json["animations"][0]["channels"][0]["target"] = target
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    assert (model.duration_s, model.notes) == (0, ())
+
+
+def test_what_grows_for_too_long_to_be_kept_stands_at_rest(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "scale", np.float32([(0, 0, 0), (9, 9, 9)]), times=(0, 1e6))
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    np.testing.assert_allclose(places(model), expected(CORNERS), atol=1e-5)

@@ -197,6 +197,31 @@ def test_normalised_integers_are_shares_of_one(tmp_path: Path, kind: type, is_sa
     np.testing.assert_allclose(part.colours, [(1, 0, 0.2, 1)] * 4, atol=1e-4)  # linear in glTF
 
 
+def test_attributes_may_be_interleaved(tmp_path: Path) -> None:
+    """2.6.1 and 3.6.2: each begins at its accessor's offset, and goes on by its view's stride; -128 counts as -127."""
+    fields = [("place", "<i1", 3), ("gap", "<i1"), ("colour", "<u2", 4), ("normal", "<i1", 3), ("end", "<i1")]
+    rows = np.zeros(4, np.dtype(fields))
+    rows["place"], rows["colour"], rows["normal"] = -128 * CORNERS, (65535, 0, 13107, 65535), (0, 0, 127)
+    document = Document()
+    document.quad({"scale": [-2, -2, 1]})
+    view = document.view(b"head" + rows.tobytes())
+    document.json["bufferViews"][view]["byteStride"] = rows.itemsize
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    for name, kind, shape, offset in (
+        ("POSITION", 5120, "VEC3", 0),
+        ("COLOR_0", 5123, "VEC4", 4),
+        ("NORMAL", 5120, "VEC3", 12),
+    ):
+        own[name] = len(document.json["accessors"])
+        accessor = {"bufferView": view, "byteOffset": 4 + offset, "componentType": kind, "count": 4, "type": shape}
+        document.json["accessors"].append({**accessor, "normalized": True})
+    part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
+    corners = {tuple(place) for place in part.vertices.round(6).tolist()}
+    assert corners == {(0, 0, 0), (2, 0, 0), (2, 0, 2), (0, 0, 2)}
+    np.testing.assert_allclose(part.colours, [(1, 0, 0.2, 1)] * 4, atol=1e-6)
+    np.testing.assert_allclose(part.normals, [(0, -1, 0)] * 4, atol=1e-6)
+
+
 def test_vertex_colours_without_alpha_are_opaque(tmp_path: Path) -> None:
     document = Document()
     document.quad(COLOR_0=document.accessor(np.float32([(0.1, 0.2, 0.3)] * 4)))
@@ -227,6 +252,16 @@ def test_without_scenes_every_node_is_drawn_once(tmp_path: Path) -> None:
     model = load_model_file(document.save(tmp_path / "library.glb"))
     assert model.triangle_count == 2
     np.testing.assert_allclose(model.bounds, [(3, 0, 2), (4, 0, 3)], atol=1e-6)
+
+
+def test_the_scene_that_the_file_names_is_shown(tmp_path: Path) -> None:
+    document = Document()
+    document.quad()
+    document.quad({"scale": [5, 5, 5]})
+    document.json["scenes"], document.json["scene"] = [{"nodes": [0]}, {"nodes": [1]}], 1
+    model = load_model_file(document.save(tmp_path / "quad.glb"))
+    np.testing.assert_allclose(np.ptp(model.bounds, axis=0), (5, 0, 5))
+    assert model.notes == ("one of its 2 scenes is shown",)
 
 
 def test_nodes_are_placed_turned_and_scaled_one_within_another(tmp_path: Path) -> None:
