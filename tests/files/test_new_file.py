@@ -108,6 +108,43 @@ def test_what_appears_meanwhile_stays(tmp_path: Path, beside: bool) -> None:
     assert len(list(tmp_path.iterdir())) == 1 + beside
 
 
+@pytest.mark.skipif(not new_file.NUMBERED_FILES.is_dir(), reason="the system does not tell where an open file is")
+@pytest.mark.parametrize("is_recoverable", [False, True])
+def test_a_folder_that_is_renamed_takes_the_file_along(tmp_path: Path, is_recoverable: bool) -> None:
+    before, after = tmp_path / "before", tmp_path / "after"
+    before.mkdir()
+    with (
+        NewFile(before / "a.txt", is_recoverable=is_recoverable) as dropped,
+        NewFile(before / "a.txt", is_recoverable=is_recoverable) as file,
+    ):
+        file.stream.write(b"whole")
+        before.rename(after)
+        assert file.publish() == after / "a.txt"
+        dropped.discard()
+    assert (after / "a.txt").read_bytes() == b"whole"
+    assert list(tmp_path.rglob("*")) == [after, after / "a.txt"]
+
+
+def test_in_a_folder_that_was_write_protected_meanwhile_a_hidden_file_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept, other = (NewFile(tmp_path / "a.txt", is_recoverable=True) for _ in range(2))
+    kept.stream.write(b"worth keeping")
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError("write-protected")
+
+    monkeypatch.setattr(os, "link", refuse)
+    monkeypatch.setattr(Path, "replace", refuse)
+    monkeypatch.setattr(Path, "unlink", refuse)
+    path = kept.publish_or_keep()
+    kept.discard()
+    other.discard()  # cannot be removed, which ends nothing
+    monkeypatch.undo()
+    assert path.read_bytes() == b"worth keeping"
+    assert path.name.startswith(".a.")
+
+
 def test_a_name_that_was_only_reserved_is_free_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As where the disk goes while the file is given its name."""
     monkeypatch.setattr(new_file, "UNNAMED", 0)

@@ -54,7 +54,6 @@ class Recorder:
         self._ticks_per_frame = max(1, round(TICKS_PER_S / fps))
         self._last_pts = -1
         self._start_s: float | None = None  # the first frame's time
-        self._overwrite = overwrite
         self._written: WrittenContainer | None = None
         self._fragments = NewFile(self.path, overwrite, is_recoverable=True)
         try:
@@ -107,7 +106,7 @@ class Recorder:
                     self._written.container.mux(self._stream.encode(None))
                 self._release()
                 if self.frame_count:
-                    self.path = published(self._fragments, self.path, self._overwrite, self.frame_count)
+                    self.path = published(self._fragments, self.frame_count)
             except (OSError, av.error.FFmpegError) as error:
                 self._save_and_raise(error)
             self._fragments.discard()
@@ -146,7 +145,7 @@ class Recorder:
         failure = cannot_write(self.path, error)
         with suppress(OSError):
             if made_playable(self._fragments.stream):
-                self.path = self._fragments.publish(beside=True)
+                self.path = self._fragments.publish_or_keep()
                 saved = f"{failure.message}; the first part of the recording is saved as {self.path}"
                 failure = UserError(saved, failure.remedy)
         self._fragments.discard()

@@ -1,6 +1,7 @@
 """What goes into a Recorder comes out of a ClipSource; what goes wrong leaves no broken file under the final name."""
 
 import itertools
+import os
 import resource
 import struct
 from collections.abc import Callable, Iterator
@@ -246,6 +247,35 @@ def test_what_appears_under_its_name_meanwhile_stays(tmp_path: Path, picture: Dr
         assert [kind for _, kind in boxes(clip.read_bytes())][:2] == [b"ftyp", b"moov"]
         assert IN_THE_MAKING.encode() not in clip.read_bytes()
     assert {path.name for path in tmp_path.iterdir()} == {"a.mp4", "a-2.mp4", "a-3.mp4"}
+
+
+def test_a_folder_that_is_renamed_takes_its_recording_along(tmp_path: Path, picture: Draw) -> None:
+    before, after = tmp_path / "before", tmp_path / "after"
+    before.mkdir()
+    with Recorder(before / "a.mp4", (96, 64), 30) as recorder:
+        recorder.write(picture(0), 0.0)
+        before.rename(after)
+    assert recorder.path == after / "a.mp4"
+    assert len(frames_of(recorder.path)) == 1
+    assert list(tmp_path.rglob("*")) == [after, after / "a.mp4"]
+
+
+def test_where_the_folder_was_write_protected_meanwhile_it_is_said_where_the_recording_is(
+    tmp_path: Path, picture: Draw, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recorder = Recorder(tmp_path / "a.mp4", (96, 64), 30)
+    recorder.write(picture(0), 0.0)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    for owner, name in ((os, "link"), (Path, "replace"), (Path, "unlink")):
+        monkeypatch.setattr(owner, name, refuse)
+    with pytest.raises(UserError, match=r"Permission denied.*saved as") as raised:
+        recorder.close()
+    monkeypatch.undo()
+    assert str(recorder.path) in raised.value.message
+    assert len(frames_of(recorder.path)) == 1
 
 
 def test_a_long_name_is_no_obstacle(tmp_path: Path, picture: Draw) -> None:
