@@ -112,6 +112,6 @@ def unused_name(folder: Path, stem: str, suffix: str, at: datetime) -> Path:
 def unused(wanted: Path) -> Path:
     """`wanted`, with -2, -3... behind its stem where that exists already."""
     path, numbers = wanted, count(2)
-    while path.exists() or path.is_symlink():
+    while os.path.lexists(path):  # which raises nothing where the folder does not answer: writing will say that
         path = wanted.with_stem(f"{wanted.stem}-{next(numbers)}")
     return path

@@ -17,6 +17,7 @@ from ashe_live.files.writing import (
     check_folder,
     check_outputs,
     make_folder,
+    unused,
     unused_name,
     write_json,
     written_whole,
@@ -366,3 +367,11 @@ def test_a_killed_program_leaves_nothing(tmp_path: Path) -> None:
         assert process.stdout.readline() == b"writing\n"
         process.kill()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_that_the_system_refuses_is_refused_in_writing_and_not_in_looking_for_it(tmp_path: Path) -> None:
+    """As of a recording whose name is as long as one may be, with a longer suffix."""
+    longer = tmp_path / ("x" * 251 + ".json")
+    assert unused(longer) == longer
+    with pytest.raises(UserError, match="cannot write"):
+        write_json(unused(longer), {})
