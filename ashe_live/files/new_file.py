@@ -88,16 +88,14 @@ class NewFile:
         if self.partial is not None:
             with contextlib.suppress(OSError):
                 self.partial.unlink()
-            self.partial = None
 
     def follow_folder(self) -> None:
         """Puts right `path` and the hidden name if the folder was renamed meanwhile, where the system tells."""
         with contextlib.suppress(OSError, ValueError):  # of a file that is closed
             if not (self.partial or self.path.parent).exists():
                 folder = (NUMBERED_FILES / str(self.stream.fileno())).readlink().parent
-                if folder.is_dir():
-                    self.path = folder / self.path.name
-                    self.partial = None if self.partial is None else folder / self.partial.name
+                self.path = folder / self.path.name
+                self.partial = None if self.partial is None else folder / self.partial.name
 
     def __enter__(self) -> Self:
         return self

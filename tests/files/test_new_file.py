@@ -3,6 +3,7 @@
 import json
 import os
 import resource
+import shutil
 import subprocess
 import sys
 from datetime import datetime
@@ -114,16 +115,47 @@ def test_what_appears_meanwhile_stays(tmp_path: Path, beside: bool) -> None:
 def test_a_folder_that_is_renamed_takes_the_file_along(tmp_path: Path, is_recoverable: bool) -> None:
     before, after = tmp_path / "before", tmp_path / "after"
     before.mkdir()
-    with (
-        NewFile(before / "a.txt", is_recoverable=is_recoverable) as dropped,
-        NewFile(before / "a.txt", is_recoverable=is_recoverable) as file,
-    ):
-        file.stream.write(b"whole")
-        before.rename(after)
-        assert file.publish() == after / "a.txt"
-        dropped.discard()
+    file, dropped = (NewFile(before / "a.txt", is_recoverable=is_recoverable) for _ in range(2))
+    file.stream.write(b"whole")
+    before.rename(after)
+    assert file.publish() == after / "a.txt"
+    dropped.discard()
     assert (after / "a.txt").read_bytes() == b"whole"
     assert list(tmp_path.rglob("*")) == [after, after / "a.txt"]
+    after.rename(before)
+    file.discard()
+    assert (before / "a.txt").read_bytes() == b"whole"
+
+
+@pytest.mark.skipif(not new_file.NUMBERED_FILES.is_dir(), reason="the system does not tell where an open file is")
+def test_a_hidden_file_stays_in_its_folder_though_there_is_another_of_that_name(tmp_path: Path) -> None:
+    before, after = tmp_path / "before", tmp_path / "after"
+    before.mkdir()
+    with NewFile(before / "a.txt", is_recoverable=True) as file:
+        before.rename(after)
+        before.mkdir()
+        assert file.publish() == after / "a.txt"
+    assert list(before.iterdir()) == []
+
+
+def test_a_file_system_without_locks_is_no_obstacle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError("no locks here")
+
+    monkeypatch.setattr(new_file.fcntl, "flock", refuse)
+    assert write(tmp_path / "a.txt", "whole").read_text() == "whole"
+
+
+def test_what_is_worth_keeping_is_put_beside_what_has_appeared_or_it_is_said_that_it_has_gone(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    file, gone = (NewFile(folder / "a.txt", is_recoverable=True) for _ in range(2))
+    file.path.write_text("theirs")
+    assert file.publish_or_keep() == folder / "a-2.txt"
+    shutil.rmtree(folder)
+    with pytest.raises(OSError, match="No such file"):
+        gone.publish_or_keep()
+    gone.discard()
 
 
 def test_in_a_folder_that_was_write_protected_meanwhile_a_hidden_file_is_kept(
