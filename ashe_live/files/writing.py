@@ -72,7 +72,7 @@ def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None],
 def _names_of(path: Path) -> set[object]:
     """What two paths to one file have in common, also by hard links and where capitals do not matter."""
     names: set[object] = {os.path.realpath(path)}
-    with contextlib.suppress(OSError, ValueError):
+    with contextlib.suppress(OSError):
         status = path.stat()
         names.add((status.st_dev, status.st_ino))
     return names

@@ -51,7 +51,6 @@ class Recorder:
         if self.path.suffix.lower() != ".mp4":
             raise UserError(f"{self.path} is not named as an MP4 file", "let its name end in .mp4")
         fps = min(fps, MAX_FPS)
-        self._ticks_per_frame = max(1, round(TICKS_PER_S / fps))
         self._last_pts = -1
         self._start_s: float | None = None  # the first frame's time
         self._written: WrittenContainer | None = None
@@ -82,7 +81,7 @@ class Recorder:
         width, height = self._even_size
         whole = np.ascontiguousarray(image_bgr[:height, :width])
         picture = converted(VideoFrame.from_numpy_buffer(whole, "bgr24"), PIXELS)
-        picture.pts, picture.duration = pts, self._ticks_per_frame
+        picture.pts = pts
         picture.time_base = Fraction(1, TICKS_PER_S)
         try:
             with signals_held():

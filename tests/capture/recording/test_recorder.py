@@ -47,6 +47,15 @@ def test_times_of_the_caller_are_kept_from_the_first_frame_on(tmp_path: Path, pi
     assert (np.diff(read) > 0).all()
 
 
+@pytest.mark.parametrize("fps", [2.0, 25.0])
+def test_the_last_frame_is_shown_for_as_long_as_one_is(tmp_path: Path, picture: Draw, fps: float) -> None:
+    with Recorder(tmp_path / "a.mp4", (96, 64), fps) as recorder:
+        recorder.write(picture(0), 0.0)
+        recorder.write(picture(1), 0.3)
+    with av.open(str(tmp_path / "a.mp4")) as clip:
+        assert clip.duration / av.time_base == pytest.approx(0.3 + 1 / fps, abs=1e-3)
+
+
 def test_a_time_before_the_last_is_shown_right_after_it(tmp_path: Path, picture: Draw) -> None:
     """As of streams whose clock jumps back: the picture is not lost, and the clip's times ascend."""
     with Recorder(tmp_path / "a.mp4", (96, 64), 60) as recorder:
@@ -231,6 +240,13 @@ def test_a_copy_that_is_not_whole_is_not_trusted(
             recorder.write(picture(i), i / 30)
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
     assert len(frames_of(tmp_path / "a.mp4")) == 70
+
+
+@pytest.mark.parametrize("fps", [0.0, -25.0, float("inf"), float("nan")])
+def test_a_rate_that_no_clip_has_is_refused_before_there_is_a_file(tmp_path: Path, fps: float) -> None:
+    with pytest.raises(ValueError, match="frames a second"):
+        Recorder(tmp_path / "a.mp4", (96, 64), fps)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_appears_under_its_name_meanwhile_stays(tmp_path: Path, picture: Draw) -> None:
