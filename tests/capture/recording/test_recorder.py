@@ -16,6 +16,7 @@ from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording import fragments as fragments_module
 from ashe_live.capture.recording.fragments import IN_THE_MAKING, made_playable
 from ashe_live.capture.recording.recorder import Recorder
+from ashe_live.capture.recording.transparent import TransparentRecorder
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -64,6 +65,20 @@ def test_a_time_before_the_last_is_shown_right_after_it(tmp_path: Path, picture:
     times = [frame.time_s for frame in frames_of(tmp_path / "a.mp4")]
     np.testing.assert_allclose(times, [0.0, 0.1, 0.1, 0.2], atol=2e-5)
     assert (np.diff(times) > 0).all()
+
+
+@pytest.mark.parametrize("fps", [0.2, 10.0, 25.0])
+def test_every_two_seconds_begins_a_part_that_can_be_decoded_by_itself(
+    tmp_path: Path, picture: Draw, fps: float
+) -> None:
+    """So much is lost at most of a recording that breaks off, and passed to seek in it."""
+    times = np.arange(0, 7 if fps > 1 else 20, 1 / fps)
+    with Recorder(tmp_path / "a.mp4", (96, 64), fps) as recorder:
+        for time_s in times:
+            recorder.write(picture(0), float(time_s))
+    with av.open(str(tmp_path / "a.mp4")) as clip:
+        begins = [float(each.pts * each.time_base) for each in clip.demux(video=0) if each.size and each.is_keyframe]
+    assert begins == pytest.approx([time_s for time_s in times if fps < 1 or time_s % 2 < 1e-6], abs=1e-3)
 
 
 def test_colours_survive(tmp_path: Path) -> None:
@@ -240,6 +255,31 @@ def test_a_copy_that_is_not_whole_is_not_trusted(
             recorder.write(picture(i), i / 30)
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
     assert len(frames_of(tmp_path / "a.mp4")) == 70
+
+
+@pytest.mark.parametrize("kind", [Recorder, TransparentRecorder])
+@pytest.mark.parametrize(
+    ("error", "raised"),
+    [
+        (OSError(28, "No space left on device"), UserError),
+        (av.error.InvalidDataError(1, "x"), UserError),
+        (KeyboardInterrupt(), KeyboardInterrupt),
+    ],
+)
+def test_what_cannot_even_begin_leaves_nothing(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    kind: type[Recorder | TransparentRecorder],
+    error: BaseException,
+    raised: type[BaseException],
+) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(kind, "_begin", fail)
+    with pytest.raises(raised):
+        kind(tmp_path / ("a.mp4" if kind is Recorder else "a.mov"), (96, 64), 25.0)
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("fps", [0.0, -25.0, float("inf"), float("nan")])
