@@ -25,7 +25,7 @@ def rescue_recordings(folder: Path) -> list[Path]:
     """
     rescued = []
     for partial in _hidden_in(folder):
-        with contextlib.suppress(OSError, UserError, av.error.FFmpegError, IndexError):
+        with contextlib.suppress(OSError, UserError, av.error.FFmpegError):
             path = _rescued(partial)
             if path is not None:
                 rescued.append(path)

@@ -3,6 +3,7 @@
 import itertools
 import os
 import resource
+import shutil
 import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -314,6 +315,17 @@ def test_a_folder_that_is_renamed_takes_its_recording_along(tmp_path: Path, pict
     assert recorder.path == after / "a.mp4"
     assert len(frames_of(recorder.path)) == 1
     assert list(tmp_path.rglob("*")) == [after, after / "a.mp4"]
+
+
+def test_that_the_folder_has_been_removed_is_said(tmp_path: Path, picture: Draw) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    recorder = Recorder(folder / "a.mp4", (96, 64), 30)
+    recorder.write(picture(0), 0.0)
+    shutil.rmtree(folder)
+    with pytest.raises(UserError, match="cannot write"):
+        recorder.close()
+    recorder.close()
 
 
 def test_where_the_folder_was_write_protected_meanwhile_it_is_said_where_the_recording_is(

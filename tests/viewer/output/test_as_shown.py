@@ -4,7 +4,7 @@ import copy
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -134,6 +134,42 @@ def test_what_a_command_shows_anyhow_is_plain(begun) -> None:
     assert as_shown.is_plain
     window.hand.placement = Placement(turn_rad=math.radians(5))
     as_shown.add(2, shown_now(window))
+    assert not as_shown.is_plain
+
+
+def moved(window: Session) -> None:
+    window.hand.placement = MOVED
+
+
+def lit_by_hand(window: Session) -> None:
+    window.hand.light = Illumination((SUN,))
+
+
+def covered(window: Session) -> None:
+    window.view.wants_cover = True
+
+
+def in_parts(window: Session) -> None:
+    window.view.parts = ShownParts.MODEL_ALONE
+
+
+@pytest.mark.parametrize("change", [moved, lit_by_hand, covered, in_parts])
+def test_whatever_is_done_by_hand_is_a_change_and_not_plain(begun, change: Callable[[Session], None]) -> None:
+    window, as_shown = begun(), AsShown()
+    as_shown.add(0, shown_now(window))
+    change(window)
+    as_shown.add(1, shown_now(window))
+    assert [each["frame"] for each in as_shown.to_json()["shown"]] == [0, 1]
+    from_the_start = AsShown()
+    from_the_start.add(0, shown_now(window))
+    assert not from_the_start.is_plain
+
+
+def test_one_model_after_another_is_not_plain(begun) -> None:
+    """A command names one."""
+    as_shown = AsShown()
+    for frame, model in enumerate(("cube", "mug")):
+        as_shown.add(frame, shown_now(begun(model)))
     assert not as_shown.is_plain
 
 
