@@ -127,6 +127,20 @@ def test_a_light_by_hand_shines_on_what_was_estimated(begun, fakes, tmp_path: Pa
     np.testing.assert_allclose(session.shown.light.to_light_marker, SUN.to_light_marker)
 
 
+def test_after_a_light_by_hand_the_estimated_one_is_shown_again(begun, fakes) -> None:
+    window, as_shown = begun(), AsShown()
+    window.hand.light = Illumination((SUN,))
+    as_shown.add(0, shown_now(window))
+    window.hand.light = None
+    as_shown.add(1, shown_now(window))
+    session = begun()
+    for frame in range(2):
+        session.take(fakes.tracked(frame), 0.0)
+        as_shown.set_up(session)
+    assert session.hand.light is None
+    assert session.shown.lights == ()
+
+
 def test_what_a_command_shows_anyhow_is_plain(begun) -> None:
     window, as_shown = begun(), AsShown()
     as_shown.add(0, shown_now(window))
