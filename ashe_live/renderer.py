@@ -14,6 +14,7 @@ from ashe_live.core.camera import Size
 from ashe_live.core.ranges import DRAWN, TIME
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.errors import ModelWarning
+from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS
 from ashe_live.models.placement import PlacedModel, Placement, seat_beside
 from ashe_live.models.reading import read_model
@@ -46,7 +47,7 @@ class Renderer:
         self._context = offscreen_context()
         with self._context:
             self._renderer = SceneRenderer(self._context, preset, size)
-        self._placed: dict[tuple[str, float], PlacedModel] = {}
+        self._placed: dict[tuple[str, float, str | None], PlacedModel] = {}
 
     def render(
         self,
@@ -56,8 +57,12 @@ class Renderer:
         shows_light: bool = False,
         time_s: float = 0.0,
         is_cut_out: bool = False,
+        up: str | None = None,
     ) -> Image:
         """(h, w, 3) uint8 BGR: the picture with a lit model on its marker, and the shadow that the model casts.
+
+        `up`: which axis of the first model's file is up: "y", "z", "x", "-y", "-z" or "-x". None: as the file says, or
+        a guess where it does not say.
 
         `time_s`: of a model that moves, since its motion began; it is looped. `is_cut_out`: model and shadow alone,
         (h, w, 4) uint8 BGRA with straight alpha, so that they give the same picture when put over the frame.
@@ -80,11 +85,13 @@ class Renderer:
         standing = _standings(model)
         if illumination is not None:
             arguments.instance(illumination, Illumination, "illumination")
+        if up is not None:
+            arguments.one_of(up, UPS, "up")
         placed: list[tuple[PlacedModel, Placement]] = []
         if tracked.marker is not None:
             side_m = tracked.marker.side_m
             for seat, (name, placement) in enumerate(standing):
-                placed.append((self._model(name, side_m), placement or seat_beside(seat, side_m)))
+                placed.append((self._model(name, side_m, None if seat else up), placement or seat_beside(seat, side_m)))
         time_s = TIME.checked(time_s, "time_s")
         lit_by = illumination or Illumination()
         scene = Scene(tracked, None, lit_by, shows_light, time_s=time_s, is_cut_out=is_cut_out)
@@ -117,13 +124,13 @@ class Renderer:
         if self._maker != (os.getpid(), threading.get_ident()):
             raise ValueError("a renderer is for the process and thread that made it: make one there")
 
-    def _model(self, name: str, side_m: float) -> PlacedModel:
+    def _model(self, name: str, side_m: float, up: str | None) -> PlacedModel:
         """The same object again for the same name: it is uploaded once."""
-        if (name, side_m) not in self._placed:
-            placed = self._placed[name, side_m] = read_model(name, side_m)
+        if (name, side_m, up) not in self._placed:
+            placed = self._placed[name, side_m, up] = read_model(name, side_m, up)
             for note in placed.model.notes:
                 warnings.warn(f"{name}: {note}", ModelWarning, stacklevel=3)
-        return self._placed[name, side_m]
+        return self._placed[name, side_m, up]
 
 
 def _standings(model: Standing | Sequence[Standing]) -> list[tuple[str, Placement | None]]:

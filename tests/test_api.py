@@ -124,6 +124,23 @@ def test_a_file_is_named_by_a_path_as_by_text(ran, tmp_path):
         al.make_estimator(caster=tmp_path / "none.obj")
 
 
+def test_the_first_model_stands_on_the_side_that_is_asked_for(ran, tmp_path):
+    """A slab in a file with y up, and the same in one with z up."""
+    corners = [(x, y, z) for x in (0, 4) for y in (0, 3) for z in (0, 1)]
+    faces = ("1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4")
+    y_up, z_up = tmp_path / "y.obj", tmp_path / "z.obj"
+    for file, points in ((y_up, corners), (z_up, [(x, -z, y) for x, y, z in corners])):
+        file.write_text("".join([f"v {x} {y} {z}\n" for x, y, z in points] + [f"f {face}\n" for face in faces]))
+    tracked = ran["tracked"]
+    with al.Renderer(tracked.frame.size) as renderer:
+        upright = renderer.render(tracked, y_up, is_cut_out=True, up="y")
+        np.testing.assert_array_equal(renderer.render(tracked, z_up, is_cut_out=True, up="z"), upright)
+        lying = renderer.render(tracked, y_up, is_cut_out=True, up="z")
+        assert np.count_nonzero(lying != upright) > 1000
+        second = renderer.render(tracked, ["cube", y_up], up="y")
+        np.testing.assert_array_equal(renderer.render(tracked, ["cube", y_up]), second)
+
+
 def test_what_is_cut_out_is_nothing_where_nothing_is_drawn_and_can_be_saved(ran, tmp_path):
     tracked = ran["tracked"]
     with al.Renderer(tracked.frame.size) as renderer:
@@ -228,6 +245,7 @@ def test_wrong_use_names_the_argument(argument, function, tmp_path, monkeypatch)
         ("model", (None, 7, "a\0b", [], ["cube"] * 10, ["cube", 7], ("cube", None), ("cube", "mug"), [("cube",)])),
         ("illumination", ("a", A_LIGHT)),
         ("time_s", ("a", float("nan"))),
+        ("up", ("a", "", "Z", 1)),
     ],
 )
 def test_wrong_use_of_a_renderer_names_the_argument(argument, values):

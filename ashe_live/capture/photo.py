@@ -11,7 +11,6 @@ import cv2
 import numpy as np
 import PIL.ExifTags
 import PIL.Image
-from PIL import ImageOps
 from PIL.TiffImagePlugin import TiffImageFile
 
 from ashe_live.capture.isolated_photo import HEIF, is_heif, read_isolated
@@ -27,6 +26,16 @@ FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 LEAST_FILM_MM, MOST_FILM_MM = 8.0, 600.0
 LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
 NEW_SUBFILE_TYPE = 254
+# How the stored picture is to be changed for EXIF's orientations (tag 0x112); 1 is upright.
+UPRIGHT = {
+    2: PIL.Image.Transpose.FLIP_LEFT_RIGHT,
+    3: PIL.Image.Transpose.ROTATE_180,
+    4: PIL.Image.Transpose.FLIP_TOP_BOTTOM,
+    5: PIL.Image.Transpose.TRANSPOSE,
+    6: PIL.Image.Transpose.ROTATE_270,
+    7: PIL.Image.Transpose.TRANSVERSE,
+    8: PIL.Image.Transpose.ROTATE_90,
+}
 # As the largest picture has without compression, with transparency.
 MOST_FILE_BYTES = 4 * MAX_PIXELS
 # More than a camera's JPEGs and HEICs have. Larger ones are read apart, and known by what they begin with.
@@ -152,8 +161,17 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> tuple[Image, float | None]
             "develop it to JPEG, or let the camera save JPEG as well",
         )
     focal_px = _focal_px(picture)
-    ImageOps.exif_transpose(picture, in_place=True)
-    return np.asarray(cv2.cvtColor(_rgb_8bit(picture), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
+    return np.asarray(cv2.cvtColor(_rgb_8bit(_upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
+
+
+def _upright(picture: PIL.Image.Image) -> PIL.Image.Image:
+    """As its EXIF data say. Pillow's own function also writes these anew, which fails where any of them is damaged."""
+    picture.load()  # where a TIFF is turned already, and no longer says how
+    try:
+        turn = UPRIGHT.get(picture.getexif().get(PIL.ExifTags.Base.Orientation, 1))
+    except Exception:  # as in _focal_px
+        return picture
+    return picture if turn is None else picture.transpose(turn)
 
 
 def _focal_px(picture: PIL.Image.Image) -> float | None:

@@ -40,7 +40,7 @@ class NewFile:
         if not (beside and os.path.lexists(path)):
             _check_name(path, overwrite)
         self.path = path  # the final path; after `publish` the one that it really has
-        self._overwrite = overwrite
+        self.overwrite = overwrite
         try:
             self.partial, number = _created(path, is_recoverable)
         except OSError as error:
@@ -54,11 +54,12 @@ class NewFile:
         A file that has appeared there meanwhile is replaced only with `overwrite`. Otherwise this one is put `beside`
         it, under the next free name, or UserError is raised.
         """
+        self.follow_folder()
         self.stream.flush()
         if fcntl is None:
             self.stream.close()
         wanted, numbers = self.path, count(2)
-        while not self._put(self.path, self._overwrite and self.path == wanted, beside):
+        while not self._put(self.path, self.overwrite and self.path == wanted, beside):
             if not beside:
                 raise _is_there(wanted)
             self.path = wanted.with_stem(f"{wanted.stem}-{next(numbers)}")
@@ -66,13 +67,35 @@ class NewFile:
         self.stream.close()
         return self.path
 
+    def publish_or_keep(self) -> Path:
+        """As `publish`, beside what is there. Where nothing can be added to the folder, the hidden name stays.
+
+        For a file that is worth keeping. Raises OSError when it has no name.
+        """
+        try:
+            return self.publish(beside=True)
+        except OSError:
+            if self.partial is None or not self.partial.exists():
+                raise
+            kept, self.partial = self.partial, None
+            return kept
+
     def discard(self) -> None:
-        """Removes all traces of an unpublished file; may be called twice, and after `publish`."""
+        """Removes all traces of an unpublished file that can be removed; may be called twice, and after `publish`."""
+        self.follow_folder()
         with contextlib.suppress(OSError):
             self.stream.close()
         if self.partial is not None:
-            self.partial.unlink(missing_ok=True)
-            self.partial = None
+            with contextlib.suppress(OSError):
+                self.partial.unlink()
+
+    def follow_folder(self) -> None:
+        """Puts right `path` and the hidden name if the folder was renamed meanwhile, where the system tells."""
+        with contextlib.suppress(OSError, ValueError):  # of a file that is closed
+            if not (self.partial or self.path.parent).exists():
+                folder = (NUMBERED_FILES / str(self.stream.fileno())).readlink().parent
+                self.path = folder / self.path.name
+                self.partial = None if self.partial is None else folder / self.partial.name
 
     def __enter__(self) -> Self:
         return self

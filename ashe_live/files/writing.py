@@ -72,7 +72,7 @@ def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None],
 def _names_of(path: Path) -> set[object]:
     """What two paths to one file have in common, also by hard links and where capitals do not matter."""
     names: set[object] = {os.path.realpath(path)}
-    with contextlib.suppress(OSError, ValueError):
+    with contextlib.suppress(OSError):
         status = path.stat()
         names.add((status.st_dev, status.st_ino))
     return names
@@ -112,6 +112,6 @@ def unused_name(folder: Path, stem: str, suffix: str, at: datetime) -> Path:
 def unused(wanted: Path) -> Path:
     """`wanted`, with -2, -3... behind its stem where that exists already."""
     path, numbers = wanted, count(2)
-    while path.exists() or path.is_symlink():
+    while os.path.lexists(path):  # which raises nothing where the folder does not answer: writing will say that
         path = wanted.with_stem(f"{wanted.stem}-{next(numbers)}")
     return path

@@ -21,6 +21,7 @@ from multiprocessing.context import SpawnProcess
 from typing import Any
 
 from ashe_live.process.module_path import safe_module_path, safe_search_paths
+from ashe_live.process.signals import ctrl_c_blocked
 
 CONTEXT = multiprocessing.get_context("spawn")
 # Read by the child's interpreter as it starts, and by its NumPy as it loads, whose threads would otherwise take the
@@ -118,17 +119,12 @@ def _environment() -> Iterator[None]:
 @contextmanager
 def _without_ctrl_c() -> Iterator[None]:
     """Blocks Ctrl-C, which a child inherits until `_begin`, so that none is interrupted in its imports."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    from multiprocessing import resource_tracker
+    if hasattr(signal, "pthread_sigmask"):
+        from multiprocessing import resource_tracker
 
-    resource_tracker.ensure_running()  # started later, it would unblock the signal
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
+        resource_tracker.ensure_running()  # started later, it would unblock the signal
+    with ctrl_c_blocked():
         yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin(limits: Limits, target: Callable[..., None], far_end: Connection, *arguments: object) -> None:

@@ -64,6 +64,19 @@ def _is_in_callback(stack: FrameType | None) -> bool:
 
 
 @contextmanager
+def ctrl_c_blocked() -> Iterator[None]:
+    """Within this, Ctrl-C waits: for the thread that calls it, and for good in processes that it starts meanwhile."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
 def signals_held() -> Iterator[None]:
     """Within this, signals whose handler may raise wait: for C code that calls Python and ignores its exceptions."""
     waiting: list[int] = []

@@ -101,7 +101,7 @@ class Display:
         if not self._name or session.table.is_drawn:
             self._name = session.table.in_hand_text
         # Also while they are hidden: the wait for a model counts from when it was first asked about.
-        status = status_lines(session, fps, readings.quality, now_s, marker, self._name)
+        status = status_lines(session, fps, readings.quality, marker, self._name)
         text = HudText(tuple(status), tuple(source_lines(session, readings.source_status, now_s)))
         return text if session.view.shows_hud else HudText()
 

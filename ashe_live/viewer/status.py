@@ -41,15 +41,12 @@ NONE_IN_FILE = (
 )
 
 
-def light_line(session: Session, now_s: float | None = None) -> str:
-    """The state of the light; an estimate under way does not hide the last answer.
-
-    `now_s`: with it, an estimate that takes its time says for how long it has been made.
-    """
+def light_line(session: Session) -> str:
+    """The state of the light; an estimate under way does not hide the last answer, and says for how long it takes."""
     light, estimate = session.lit_by.light, session.estimate
     if light is None and estimate is None:
         if session.watch.is_estimating:
-            return f"light: {_estimating(session, now_s)}"
+            return f"light: {_estimating(session)}"
         return f"light: {AWAITED if session.first.awaits_steady or session.automatic else FIRST_STEP}"
     if light is None:
         assert estimate is not None
@@ -63,11 +60,11 @@ def light_line(session: Session, now_s: float | None = None) -> str:
         if session.true_to_light_marker is not None:
             error = angle_between(light.to_light_marker, session.true_to_light_marker)
             text += f" ({math.degrees(error):.1f}° from the truth)"
-    return f"{text}, {_estimating(session, now_s)}" if session.watch.is_awaited else text
+    return f"{text}, {_estimating(session)}" if session.watch.is_awaited else text
 
 
-def _estimating(session: Session, now_s: float | None) -> str:
-    since_s = 0 if now_s is None else int(now_s - session.watch.asked_s)
+def _estimating(session: Session) -> str:
+    since_s = int(session.watch.waited_s)
     return f"estimating, {since_s} s" if since_s > 0 else "estimating…"
 
 
@@ -118,11 +115,10 @@ def status_lines(
     session: Session,
     fps: float | None,
     quality: str,
-    now_s: float | None = None,
     measured: TrackedFrame | None = None,
     model_name: str | None = None,
 ) -> list[str]:
-    """The lines at the top left; `fps` is None where there is no display. `now_s`: as for `light_line`.
+    """The lines at the top left; `fps` is None where there is no display.
 
     The marker's numbers are those of `measured`, or else of the current frame; `model_name` is that of the model in the
     picture, which may not be the chosen one yet.
@@ -138,7 +134,7 @@ def status_lines(
     )
     if _awaits_marker(session):  # of which the lines at the bottom speak: camera and light follow from it
         return [first, marker]
-    return [first, marker, *([] if camera is None else [camera]), light_line(session, now_s)]
+    return [first, marker, *([] if camera is None else [camera]), light_line(session)]
 
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:

@@ -2,6 +2,8 @@
 
 import errno
 import io
+import os
+import signal
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from pathlib import Path
@@ -20,6 +22,7 @@ from ashe_live.capture.container import (
     stated_length,
     video_in,
 )
+from ashe_live.process.signals import ended_by_signals
 
 MOST_BYTES = 100
 FRAMES, FPS = 12, 25
@@ -163,3 +166,25 @@ def test_a_file_is_written_past_its_buffer_and_stays_open(tmp_path: Path) -> Non
         assert written.seek(2) == written.tell() == 2
         written.close()
         assert not file.closed
+
+
+@pytest.mark.parametrize("called", ["read", "seek"])
+def test_a_request_to_end_while_ffmpeg_reads_waits_and_costs_nothing_of_the_clip(clip: Path, called: str) -> None:
+    """FFmpeg would take what is raised there for the end of a damaged file."""
+
+    class Interrupting(io.BytesIO):
+        def read(self, most_bytes: int | None = -1) -> bytes:
+            return self._ask("read") or super().read(most_bytes)
+
+        def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+            return self._ask("seek") or super().seek(offset, whence)
+
+        def _ask(self, what: str) -> None:
+            if what == called:
+                signal.raise_signal(signal.SIGTERM)
+
+    with ended_by_signals() as end_if_asked:
+        with opened_container(Searched(Interrupting(clip.read_bytes()))) as container:
+            assert sum(1 for _ in container.decode(video=0)) == 60
+        with pytest.raises(SystemExit):
+            end_if_asked()

@@ -50,6 +50,20 @@ def test_gives_one_frame_then_the_end_and_again_after_rewinding(tmp_path: Path, 
             source.rewind()
 
 
+def test_a_damaged_tag_says_nothing_against_the_picture(tmp_path: Path, rgb: Image) -> None:
+    """A name where the width should be: Pillow cannot write that again, which nobody asks for."""
+    exif = PIL.Image.Exif()
+    exif[PIL.ExifTags.Base.Make], exif[PIL.ExifTags.Base.Orientation] = "Camera", 6
+    damaged = exif.tobytes().replace(b"\x01\x0f", b"\x01\x00")
+    path = tmp_path / "a.jpg"
+    PIL.Image.fromarray(rgb).save(path, exif=damaged, quality=95, subsampling=0)
+    frame = PhotoSource(path).read()
+    assert frame is not None
+    upright = np.rot90(rgb, -1)[:, :, ::-1]
+    assert frame.image_bgr.shape == upright.shape
+    assert np.abs(frame.image_bgr.astype(int) - upright).mean() < 3
+
+
 @pytest.mark.parametrize("orientation", range(1, 9))
 def test_exif_orientation_is_respected(tmp_path: Path, rgb: Image, orientation: int) -> None:
     """How the stored picture is to be changed for each of EXIF's orientations (tag 0x112)."""

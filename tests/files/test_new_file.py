@@ -3,6 +3,7 @@
 import json
 import os
 import resource
+import shutil
 import subprocess
 import sys
 from datetime import datetime
@@ -17,6 +18,7 @@ from ashe_live.files.writing import (
     check_folder,
     check_outputs,
     make_folder,
+    unused,
     unused_name,
     write_json,
     written_whole,
@@ -106,6 +108,74 @@ def test_what_appears_meanwhile_stays(tmp_path: Path, beside: bool) -> None:
     file.discard()
     assert path.read_text() == "theirs"
     assert len(list(tmp_path.iterdir())) == 1 + beside
+
+
+@pytest.mark.skipif(not new_file.NUMBERED_FILES.is_dir(), reason="the system does not tell where an open file is")
+@pytest.mark.parametrize("is_recoverable", [False, True])
+def test_a_folder_that_is_renamed_takes_the_file_along(tmp_path: Path, is_recoverable: bool) -> None:
+    before, after = tmp_path / "before", tmp_path / "after"
+    before.mkdir()
+    file, dropped = (NewFile(before / "a.txt", is_recoverable=is_recoverable) for _ in range(2))
+    file.stream.write(b"whole")
+    before.rename(after)
+    assert file.publish() == after / "a.txt"
+    dropped.discard()
+    assert (after / "a.txt").read_bytes() == b"whole"
+    assert list(tmp_path.rglob("*")) == [after, after / "a.txt"]
+    after.rename(before)
+    file.discard()
+    assert (before / "a.txt").read_bytes() == b"whole"
+
+
+@pytest.mark.skipif(not new_file.NUMBERED_FILES.is_dir(), reason="the system does not tell where an open file is")
+def test_a_hidden_file_stays_in_its_folder_though_there_is_another_of_that_name(tmp_path: Path) -> None:
+    before, after = tmp_path / "before", tmp_path / "after"
+    before.mkdir()
+    with NewFile(before / "a.txt", is_recoverable=True) as file:
+        before.rename(after)
+        before.mkdir()
+        assert file.publish() == after / "a.txt"
+    assert list(before.iterdir()) == []
+
+
+def test_a_file_system_without_locks_is_no_obstacle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError("no locks here")
+
+    monkeypatch.setattr(new_file.fcntl, "flock", refuse)
+    assert write(tmp_path / "a.txt", "whole").read_text() == "whole"
+
+
+def test_what_is_worth_keeping_is_put_beside_what_has_appeared_or_it_is_said_that_it_has_gone(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    file, gone = (NewFile(folder / "a.txt", is_recoverable=True) for _ in range(2))
+    file.path.write_text("theirs")
+    assert file.publish_or_keep() == folder / "a-2.txt"
+    shutil.rmtree(folder)
+    with pytest.raises(OSError, match="No such file"):
+        gone.publish_or_keep()
+    gone.discard()
+
+
+def test_in_a_folder_that_was_write_protected_meanwhile_a_hidden_file_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept, other = (NewFile(tmp_path / "a.txt", is_recoverable=True) for _ in range(2))
+    kept.stream.write(b"worth keeping")
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError("write-protected")
+
+    monkeypatch.setattr(os, "link", refuse)
+    monkeypatch.setattr(Path, "replace", refuse)
+    monkeypatch.setattr(Path, "unlink", refuse)
+    path = kept.publish_or_keep()
+    kept.discard()
+    other.discard()  # cannot be removed, which ends nothing
+    monkeypatch.undo()
+    assert path.read_bytes() == b"worth keeping"
+    assert path.name.startswith(".a.")
 
 
 def test_a_name_that_was_only_reserved_is_free_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -329,3 +399,11 @@ def test_a_killed_program_leaves_nothing(tmp_path: Path) -> None:
         assert process.stdout.readline() == b"writing\n"
         process.kill()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_that_the_system_refuses_is_refused_in_writing_and_not_in_looking_for_it(tmp_path: Path) -> None:
+    """As of a recording whose name is as long as one may be, with a longer suffix."""
+    longer = tmp_path / ("x" * 251 + ".json")
+    assert unused(longer) == longer
+    with pytest.raises(UserError, match="cannot write"):
+        write_json(unused(longer), {})

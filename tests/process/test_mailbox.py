@@ -4,6 +4,7 @@ import threading
 
 import pytest
 
+from ashe_live.process import mailbox
 from ashe_live.process.mailbox import Closed, LatestMailbox
 
 
@@ -15,14 +16,33 @@ def test_the_latest_value_replaces_the_earlier() -> None:
     assert box.take(0) is None
 
 
-def test_a_waiting_taker_is_woken() -> None:
-    box = LatestMailbox[str]()
-    taken: list[str | None] = []
-    taker = threading.Thread(target=lambda: taken.append(box.take(10)))
+@pytest.mark.parametrize("closes", [False, True])
+def test_a_waiting_taker_is_woken(monkeypatch: pytest.MonkeyPatch, closes: bool) -> None:
+    """At once, and not when it next looks at the clock."""
+    monkeypatch.setattr(mailbox, "LONGEST_STEP_S", 60.0)
+    box, waits, taken = LatestMailbox[str](), threading.Event(), list[str | None]()
+    wait = box._changed.wait
+
+    def noted(timeout_s: float) -> bool:
+        waits.set()
+        return wait(timeout_s)
+
+    def take() -> None:
+        try:
+            taken.append(box.take(60))
+        except Closed:
+            taken.append("closed")
+
+    monkeypatch.setattr(box._changed, "wait", noted)
+    taker = threading.Thread(target=take, daemon=True)
     taker.start()
-    box.put("frame")
+    assert waits.wait(10)
+    if closes:
+        box.close()
+    else:
+        box.put("frame")
     taker.join(10)
-    assert taken == ["frame"]
+    assert taken == ["closed" if closes else "frame"]
 
 
 def test_the_last_value_comes_before_the_end() -> None:
@@ -42,22 +62,6 @@ def test_an_error_crosses_to_the_other_side_and_the_first_counts() -> None:
     box.close(RuntimeError("later"))
     with pytest.raises(RuntimeError, match="unplugged"):
         box.take(0)
-
-
-def test_closing_wakes_everybody() -> None:
-    box = LatestMailbox[int]()
-    ended = threading.Event()
-
-    def take() -> None:
-        with pytest.raises(Closed):
-            box.take(10)
-        ended.set()
-
-    taker = threading.Thread(target=take)
-    taker.start()
-    box.close()
-    assert ended.wait(10)
-    taker.join(10)
 
 
 def test_what_is_dropped_is_not_taken_but_what_comes_after_it_is() -> None:

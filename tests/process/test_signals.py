@@ -54,6 +54,21 @@ def test_impatience_does_not_cut_short_what_ends():
         signal.raise_signal(signal.SIGINT)
 
 
+def test_afterwards_every_handler_is_as_it_was():
+    before = {number: signal.getsignal(number) for number in signal.valid_signals()}
+    with ended_by_signals():
+        assert signal.getsignal(signal.SIGTERM) is not before[signal.SIGTERM]
+    assert {number: signal.getsignal(number) for number in signal.valid_signals()} == before
+
+
+def test_what_is_ignored_stays_ignored():
+    """As under nohup."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    with ended_by_signals() as end_if_asked:
+        signal.raise_signal(signal.SIGTERM)
+        end_if_asked()
+
+
 def test_nobody_asked_and_nothing_ends():
     with ended_by_signals() as end_if_asked:
         end_if_asked()

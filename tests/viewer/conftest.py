@@ -126,6 +126,7 @@ class FakeWorker:
         self.follows = False  # what is known is answered with `answer`
         self.shows_empty_table = self.is_over_empty_table = False  # what the next estimates say
         self.busy = self.draws = self.takes_one_frame = False
+        self.waited_s = 0.0
 
     def request(
         self,

@@ -25,7 +25,7 @@ def rescue_recordings(folder: Path) -> list[Path]:
     """
     rescued = []
     for partial in _hidden_in(folder):
-        with contextlib.suppress(OSError, UserError, av.error.FFmpegError, IndexError):
+        with contextlib.suppress(OSError, UserError, av.error.FFmpegError):
             path = _rescued(partial)
             if path is not None:
                 rescued.append(path)
@@ -48,11 +48,10 @@ def _rescued(partial: Path) -> Path | None:
         is_own = not hasattr(os, "geteuid") or status.st_uid == os.geteuid()
         if not (stat.S_ISREG(status.st_mode) and is_own and lock(stream) and is_in_the_making(stream)):
             return None
-        path = _name_for(partial)
-        with NewFile(path) as fragments:
+        with NewFile(_name_for(partial)) as fragments:
             copy_whole_fragments(stream, fragments.stream)
             pictures = picture_count(fragments.stream)
-            rescued = published(fragments, path, False, pictures) if pictures else None
+            rescued = published(fragments, pictures) if pictures else None
         # Another file that has been put in its place meanwhile stays.
         if os.path.samestat(status, partial.lstat()):
             partial.unlink()

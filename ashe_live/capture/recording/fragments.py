@@ -51,13 +51,17 @@ def with_index_first(fragments: BinaryIO, clip: BinaryIO, pictures: int) -> None
             target.check()
 
 
-def published(fragments: NewFile, path: Path, overwrite: bool, pictures: int) -> Path:
-    """Gives the name `path` to a copy with its index in front, or to the fragments where there is no room for one.
+def published(fragments: NewFile, pictures: int) -> Path:
+    """Gives the final path to a copy with its index in front, or to the fragments where there is no room for one.
 
-    Both are read again before, as a disk that is full is not always told. What has appeared at `path` meanwhile stays
-    unless `overwrite`; where the clip is then is returned. Raises OSError when it has not all `pictures`.
+    Both are read again before, as a disk that is full is not always told. What has appeared there meanwhile stays
+    unless it is to be overwritten; where the clip is then is returned. Raises OSError when it has not all `pictures`.
     """
-    with suppress(OSError, av.error.FFmpegError, UserError), NewFile(path, overwrite, beside=True) as clip:
+    fragments.follow_folder()
+    with (
+        suppress(OSError, av.error.FFmpegError, UserError),
+        NewFile(fragments.path, fragments.overwrite, beside=True) as clip,
+    ):
         with_index_first(fragments.stream, clip.stream, pictures)
         if picture_count(clip.stream) == pictures:
             return clip.publish(beside=True)

@@ -51,10 +51,8 @@ class Recorder:
         if self.path.suffix.lower() != ".mp4":
             raise UserError(f"{self.path} is not named as an MP4 file", "let its name end in .mp4")
         fps = min(fps, MAX_FPS)
-        self._ticks_per_frame = max(1, round(TICKS_PER_S / fps))
         self._last_pts = -1
         self._start_s: float | None = None  # the first frame's time
-        self._overwrite = overwrite
         self._written: WrittenContainer | None = None
         self._fragments = NewFile(self.path, overwrite, is_recoverable=True)
         try:
@@ -83,7 +81,7 @@ class Recorder:
         width, height = self._even_size
         whole = np.ascontiguousarray(image_bgr[:height, :width])
         picture = converted(VideoFrame.from_numpy_buffer(whole, "bgr24"), PIXELS)
-        picture.pts, picture.duration = pts, self._ticks_per_frame
+        picture.pts = pts
         picture.time_base = Fraction(1, TICKS_PER_S)
         try:
             with signals_held():
@@ -107,7 +105,7 @@ class Recorder:
                     self._written.container.mux(self._stream.encode(None))
                 self._release()
                 if self.frame_count:
-                    self.path = published(self._fragments, self.path, self._overwrite, self.frame_count)
+                    self.path = published(self._fragments, self.frame_count)
             except (OSError, av.error.FFmpegError) as error:
                 self._save_and_raise(error)
             self._fragments.discard()
@@ -146,7 +144,7 @@ class Recorder:
         failure = cannot_write(self.path, error)
         with suppress(OSError):
             if made_playable(self._fragments.stream):
-                self.path = self._fragments.publish(beside=True)
+                self.path = self._fragments.publish_or_keep()
                 saved = f"{failure.message}; the first part of the recording is saved as {self.path}"
                 failure = UserError(saved, failure.remedy)
         self._fragments.discard()

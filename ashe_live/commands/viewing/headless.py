@@ -134,7 +134,9 @@ def _layers(scene: Scene, wanted: str | None) -> Scene:
 
 
 def _report_where(wanted: Path, path: Path) -> None:
-    if path != wanted:
+    if path.parent != wanted.parent:
+        print_message(f"the folder {wanted.parent} was renamed meanwhile: see {path}")
+    elif path != wanted:
         print_message(f"{wanted} has appeared meanwhile and stays as it is: see {path}")
 
 

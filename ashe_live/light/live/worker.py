@@ -56,6 +56,11 @@ class LightWorker:
         """Whether there is a request whose outcome has not been collected yet."""
         return self._asked_index is not None
 
+    @property
+    def waited_s(self) -> float:
+        """AwakeTime since the last request."""
+        return self._waited.passed_s()
+
     def request(
         self,
         tracked: TrackedFrame,
@@ -92,7 +97,7 @@ class LightWorker:
         except EOFError:
             outcome = WorkerFailure(self._asked_index, "the light estimator's process has died")
             self._discard()
-        if outcome is None and self._waited.passed_s() > LONGEST_ESTIMATE_S:
+        if outcome is None and self.waited_s > LONGEST_ESTIMATE_S:
             outcome = WorkerFailure(self._asked_index, f"no answer in {LONGEST_ESTIMATE_S:.0f} s")
             self._discard()
         if outcome is not None:

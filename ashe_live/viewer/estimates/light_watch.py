@@ -68,9 +68,9 @@ class LightWatch:
         return "it is being estimated" if self.is_estimating else "Space estimates it"
 
     @property
-    def asked_s(self) -> float:
-        """When the estimate in progress was asked for."""
-        return self._asked_s
+    def waited_s(self) -> float:
+        """How long the estimate in progress has taken, without the time in which this process was suspended."""
+        return self._worker.waited_s
 
     @property
     def may_show_empty_table(self) -> bool:

@@ -21,7 +21,7 @@ class FollowedMarker:
         session: Session,
         renderer: SceneRenderer,
         announce: Callable[[str, float], None],
-        takes_any_marker: bool = False,
+        takes_any_marker: bool,
     ) -> None:
         """`announce` shows a line in the window, at a time in seconds, and prints it.
 
@@ -109,7 +109,7 @@ class FollowedMarker:
         if not others:
             self._session.say("no other marker is in view", now_s)
             return
-        later = [spec for spec in others if present is not None and spec > present]
+        later = [spec for spec in others if spec > present]
         self._follow((later or others)[0], now_s)
 
     def _follow(self, spec: str, now_s: float) -> None:

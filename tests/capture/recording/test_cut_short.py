@@ -6,10 +6,12 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import BinaryIO
 
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.recording import cut_short
 from ashe_live.capture.recording.cut_short import rescue_recordings
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
@@ -126,6 +128,29 @@ def test_files_and_links_of_others_are_left_alone(abandoned: Path, tmp_path: Pat
     assert rescue_recordings(folder) == []
     assert contents(folder) == before
     assert abandoned.exists()
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="the system does not tell whose a file is")
+def test_those_of_other_users_are_left_alone(abandoned: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a folder that is shared."""
+    user = os.geteuid()
+    monkeypatch.setattr(os, "geteuid", lambda: user + 1)
+    assert rescue_recordings(abandoned.parent) == []
+    assert list(abandoned.parent.iterdir()) == [abandoned]
+
+
+def test_what_takes_its_place_while_it_is_copied_stays(abandoned: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    copy = cut_short.copy_whole_fragments
+
+    def copy_and_replace(broken: BinaryIO, whole: BinaryIO) -> None:
+        copy(broken, whole)
+        abandoned.unlink()
+        abandoned.write_text("precious")
+
+    monkeypatch.setattr(cut_short, "copy_whole_fragments", copy_and_replace)
+    (found,) = rescue_recordings(abandoned.parent)
+    assert frames_in(found) >= 40
+    assert abandoned.read_text() == "precious"
 
 
 def test_a_folder_that_is_not_there_holds_none(tmp_path: Path) -> None:

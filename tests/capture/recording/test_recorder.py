@@ -1,7 +1,9 @@
 """What goes into a Recorder comes out of a ClipSource; what goes wrong leaves no broken file under the final name."""
 
 import itertools
+import os
 import resource
+import shutil
 import struct
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,6 +17,7 @@ from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording import fragments as fragments_module
 from ashe_live.capture.recording.fragments import IN_THE_MAKING, made_playable
 from ashe_live.capture.recording.recorder import Recorder
+from ashe_live.capture.recording.transparent import TransparentRecorder
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -46,6 +49,15 @@ def test_times_of_the_caller_are_kept_from_the_first_frame_on(tmp_path: Path, pi
     assert (np.diff(read) > 0).all()
 
 
+@pytest.mark.parametrize("fps", [2.0, 25.0])
+def test_the_last_frame_is_shown_for_as_long_as_one_is(tmp_path: Path, picture: Draw, fps: float) -> None:
+    with Recorder(tmp_path / "a.mp4", (96, 64), fps) as recorder:
+        recorder.write(picture(0), 0.0)
+        recorder.write(picture(1), 0.3)
+    with av.open(str(tmp_path / "a.mp4")) as clip:
+        assert clip.duration / av.time_base == pytest.approx(0.3 + 1 / fps, abs=1e-3)
+
+
 def test_a_time_before_the_last_is_shown_right_after_it(tmp_path: Path, picture: Draw) -> None:
     """As of streams whose clock jumps back: the picture is not lost, and the clip's times ascend."""
     with Recorder(tmp_path / "a.mp4", (96, 64), 60) as recorder:
@@ -54,6 +66,20 @@ def test_a_time_before_the_last_is_shown_right_after_it(tmp_path: Path, picture:
     times = [frame.time_s for frame in frames_of(tmp_path / "a.mp4")]
     np.testing.assert_allclose(times, [0.0, 0.1, 0.1, 0.2], atol=2e-5)
     assert (np.diff(times) > 0).all()
+
+
+@pytest.mark.parametrize("fps", [0.2, 10.0, 25.0])
+def test_every_two_seconds_begins_a_part_that_can_be_decoded_by_itself(
+    tmp_path: Path, picture: Draw, fps: float
+) -> None:
+    """So much is lost at most of a recording that breaks off, and passed to seek in it."""
+    times = np.arange(0, 7 if fps > 1 else 20, 1 / fps)
+    with Recorder(tmp_path / "a.mp4", (96, 64), fps) as recorder:
+        for time_s in times:
+            recorder.write(picture(0), float(time_s))
+    with av.open(str(tmp_path / "a.mp4")) as clip:
+        begins = [float(each.pts * each.time_base) for each in clip.demux(video=0) if each.size and each.is_keyframe]
+    assert begins == pytest.approx([time_s for time_s in times if fps < 1 or time_s % 2 < 1e-6], abs=1e-3)
 
 
 def test_colours_survive(tmp_path: Path) -> None:
@@ -232,6 +258,38 @@ def test_a_copy_that_is_not_whole_is_not_trusted(
     assert len(frames_of(tmp_path / "a.mp4")) == 70
 
 
+@pytest.mark.parametrize("kind", [Recorder, TransparentRecorder])
+@pytest.mark.parametrize(
+    ("error", "raised"),
+    [
+        (OSError(28, "No space left on device"), UserError),
+        (av.error.InvalidDataError(1, "x"), UserError),
+        (KeyboardInterrupt(), KeyboardInterrupt),
+    ],
+)
+def test_what_cannot_even_begin_leaves_nothing(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    kind: type[Recorder | TransparentRecorder],
+    error: BaseException,
+    raised: type[BaseException],
+) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(kind, "_begin", fail)
+    with pytest.raises(raised):
+        kind(tmp_path / ("a.mp4" if kind is Recorder else "a.mov"), (96, 64), 25.0)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("fps", [0.0, -25.0, float("inf"), float("nan")])
+def test_a_rate_that_no_clip_has_is_refused_before_there_is_a_file(tmp_path: Path, fps: float) -> None:
+    with pytest.raises(ValueError, match="frames a second"):
+        Recorder(tmp_path / "a.mp4", (96, 64), fps)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_what_appears_under_its_name_meanwhile_stays(tmp_path: Path, picture: Draw) -> None:
     wanted = tmp_path / "a.mp4"
     with Recorder(wanted, (96, 64), 30) as recorder, Recorder(wanted, (96, 64), 30) as other:
@@ -246,6 +304,46 @@ def test_what_appears_under_its_name_meanwhile_stays(tmp_path: Path, picture: Dr
         assert [kind for _, kind in boxes(clip.read_bytes())][:2] == [b"ftyp", b"moov"]
         assert IN_THE_MAKING.encode() not in clip.read_bytes()
     assert {path.name for path in tmp_path.iterdir()} == {"a.mp4", "a-2.mp4", "a-3.mp4"}
+
+
+def test_a_folder_that_is_renamed_takes_its_recording_along(tmp_path: Path, picture: Draw) -> None:
+    before, after = tmp_path / "before", tmp_path / "after"
+    before.mkdir()
+    with Recorder(before / "a.mp4", (96, 64), 30) as recorder:
+        recorder.write(picture(0), 0.0)
+        before.rename(after)
+    assert recorder.path == after / "a.mp4"
+    assert len(frames_of(recorder.path)) == 1
+    assert list(tmp_path.rglob("*")) == [after, after / "a.mp4"]
+
+
+def test_that_the_folder_has_been_removed_is_said(tmp_path: Path, picture: Draw) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    recorder = Recorder(folder / "a.mp4", (96, 64), 30)
+    recorder.write(picture(0), 0.0)
+    shutil.rmtree(folder)
+    with pytest.raises(UserError, match="cannot write"):
+        recorder.close()
+    recorder.close()
+
+
+def test_where_the_folder_was_write_protected_meanwhile_it_is_said_where_the_recording_is(
+    tmp_path: Path, picture: Draw, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recorder = Recorder(tmp_path / "a.mp4", (96, 64), 30)
+    recorder.write(picture(0), 0.0)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    for owner, name in ((os, "link"), (Path, "replace"), (Path, "unlink")):
+        monkeypatch.setattr(owner, name, refuse)
+    with pytest.raises(UserError, match=r"Permission denied.*saved as") as raised:
+        recorder.close()
+    monkeypatch.undo()
+    assert str(recorder.path) in raised.value.message
+    assert len(frames_of(recorder.path)) == 1
 
 
 def test_a_long_name_is_no_obstacle(tmp_path: Path, picture: Draw) -> None:

@@ -1,5 +1,6 @@
 """Clips with transparency, as another program reads them."""
 
+import shutil
 from pathlib import Path
 
 import av
@@ -72,6 +73,34 @@ def test_nothing_is_replaced_and_nothing_left_of_what_has_no_picture(tmp_path: P
     with pytest.raises(UserError, match="1x48 cannot be recorded"):
         TransparentRecorder(tmp_path / "c.mov", (1, 48), 25.0)
     assert [path.name for path in tmp_path.iterdir()] == ["a.mov"]
+
+
+def test_what_appears_under_its_name_meanwhile_stays(tmp_path: Path) -> None:
+    wanted = tmp_path / "a.mov"
+    with TransparentRecorder(wanted, SIZE, 25.0) as recorder:
+        recorder.write(picture(), 0.0)
+        wanted.write_bytes(b"mine")
+    assert wanted.read_bytes() == b"mine"
+    assert recorder.path == tmp_path / "a-2.mov"
+    assert len(decoded(recorder.path)) == 1
+
+
+@pytest.mark.parametrize("suffix", [".mov", ".webm"])
+def test_a_time_that_does_not_ascend_costs_no_picture(tmp_path: Path, suffix: str) -> None:
+    with TransparentRecorder(tmp_path / f"a{suffix}", SIZE, 25.0) as recorder:
+        for time_s in (0.0, 0.2, 0.1, 0.2):
+            recorder.write(picture(), time_s)
+    assert [time_s for time_s, _ in decoded(recorder.path)] == pytest.approx([0.0, 0.2, 0.2, 0.2], abs=3e-3)
+
+
+def test_where_it_can_be_given_no_name_that_is_said(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    recorder = TransparentRecorder(folder / "a.mov", SIZE, 25.0)
+    recorder.write(picture(), 0.0)
+    shutil.rmtree(folder)
+    with pytest.raises(UserError, match="cannot write"):
+        recorder.close()
 
 
 def test_a_full_disk_is_said_and_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

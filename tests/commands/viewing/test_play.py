@@ -454,6 +454,29 @@ def test_a_play_that_is_asked_to_end_keeps_its_report(play, tmp_path, monkeypatc
     assert any("r.json (3 frames)" in line for line in outcome.err)
 
 
+@pytest.mark.parametrize("is_renamed", [False, True])
+def test_it_is_said_where_a_recording_is_whose_name_was_taken_or_whose_folder_was_renamed(
+    play, tmp_path, monkeypatch, is_renamed
+):
+    before, after, add = tmp_path / "before", tmp_path / "after", Report.add_frame
+    before.mkdir()
+
+    def add_and_come_between(self, *args) -> None:
+        add(self, *args)
+        if is_renamed:
+            before.rename(after)
+        else:
+            (before / "o.mp4").write_text("precious")
+
+    monkeypatch.setattr(Report, "add_frame", add_and_come_between)
+    outcome = play("--size", "200x150", "--frames", 1, "--out", before / "o.mp4")
+    assert outcome.status == 0
+    (line,) = outcome.err
+    recorded = after / "o.mp4" if is_renamed else before / "o-2.mp4"
+    assert line.endswith(f"was renamed meanwhile: see {recorded}" if is_renamed else f"stays as it is: see {recorded}")
+    assert len(frames_of(recorded)) == 1
+
+
 @pytest.mark.parametrize("flags", [("o.mp4",), ("o.mov", "--layers", "both")])
 def test_what_was_recorded_until_its_clip_was_gone_is_kept(run, film, tmp_path, monkeypatch, flags):
     """As with a camera that is unplugged: an hour of poses, and of pictures, was lost with it."""

@@ -186,6 +186,7 @@ def test_one_is_still_awaited_after_all_was_suspended_for_an_hour(scene, monkeyp
         monkeypatch.setattr(awake, "now_s", lambda: now_s() + 3600.0)
         assert worker.wait(0.0) is None
         assert worker.busy
+        assert worker.waited_s < 1800.0
 
 
 def test_what_is_given_up_has_no_outcome_and_the_next_request_may_come_at_once(worker, scene, without_marker):

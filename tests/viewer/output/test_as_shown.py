@@ -4,7 +4,7 @@ import copy
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -127,6 +127,20 @@ def test_a_light_by_hand_shines_on_what_was_estimated(begun, fakes, tmp_path: Pa
     np.testing.assert_allclose(session.shown.light.to_light_marker, SUN.to_light_marker)
 
 
+def test_after_a_light_by_hand_the_estimated_one_is_shown_again(begun, fakes) -> None:
+    window, as_shown = begun(), AsShown()
+    window.hand.light = Illumination((SUN,))
+    as_shown.add(0, shown_now(window))
+    window.hand.light = None
+    as_shown.add(1, shown_now(window))
+    session = begun()
+    for frame in range(2):
+        session.take(fakes.tracked(frame), 0.0)
+        as_shown.set_up(session)
+    assert session.hand.light is None
+    assert session.shown.lights == ()
+
+
 def test_what_a_command_shows_anyhow_is_plain(begun) -> None:
     window, as_shown = begun(), AsShown()
     as_shown.add(0, shown_now(window))
@@ -134,6 +148,42 @@ def test_what_a_command_shows_anyhow_is_plain(begun) -> None:
     assert as_shown.is_plain
     window.hand.placement = Placement(turn_rad=math.radians(5))
     as_shown.add(2, shown_now(window))
+    assert not as_shown.is_plain
+
+
+def moved(window: Session) -> None:
+    window.hand.placement = MOVED
+
+
+def lit_by_hand(window: Session) -> None:
+    window.hand.light = Illumination((SUN,))
+
+
+def covered(window: Session) -> None:
+    window.view.wants_cover = True
+
+
+def in_parts(window: Session) -> None:
+    window.view.parts = ShownParts.MODEL_ALONE
+
+
+@pytest.mark.parametrize("change", [moved, lit_by_hand, covered, in_parts])
+def test_whatever_is_done_by_hand_is_a_change_and_not_plain(begun, change: Callable[[Session], None]) -> None:
+    window, as_shown = begun(), AsShown()
+    as_shown.add(0, shown_now(window))
+    change(window)
+    as_shown.add(1, shown_now(window))
+    assert [each["frame"] for each in as_shown.to_json()["shown"]] == [0, 1]
+    from_the_start = AsShown()
+    from_the_start.add(0, shown_now(window))
+    assert not from_the_start.is_plain
+
+
+def test_one_model_after_another_is_not_plain(begun) -> None:
+    """A command names one."""
+    as_shown = AsShown()
+    for frame, model in enumerate(("cube", "mug")):
+        as_shown.add(frame, shown_now(begun(model)))
     assert not as_shown.is_plain
 
 

@@ -54,6 +54,15 @@ def test_it_writes_what_it_says(report, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["report.json"]
 
 
+def test_what_has_appeared_under_its_name_stays_unless_it_may_be_replaced(report, tmp_path):
+    path = tmp_path / "report.json"
+    path.write_text("precious")
+    assert report.write(path) == tmp_path / "report-2.json"
+    assert path.read_text() == "precious"
+    assert report.write(path, overwrite=True) == path
+    assert json.loads(path.read_text()) == report.to_json()
+
+
 def test_where_it_cannot_write_it_says_so(report, tmp_path):
     with pytest.raises(UserError, match="there is no folder"):
         report.write(tmp_path / "missing" / "report.json")
