@@ -38,6 +38,7 @@ class GlfwWindow:
             (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
             (glfw.OPENGL_FORWARD_COMPAT, True),
             (glfw.SCALE_TO_MONITOR, True),
+            (glfw.VISIBLE, False),  # until it has its size
         ):
             glfw.window_hint(hint, value)
         self._window: Any = glfw.create_window(*_fitting(size), printable(title), None, None)
@@ -45,6 +46,11 @@ class GlfwWindow:
             message = _last_error()
             glfw.terminate()
             raise UserError(f"cannot open a window with OpenGL 3.3 ({message})", "update the graphics driver")
+        # Where windows are measured in pixels (X11, Windows), a high-density display's is larger than was asked for.
+        magnified = glfw.get_window_size(self._window)
+        if (fitting := _fitting(magnified)) != magnified:
+            glfw.set_window_size(self._window, *fitting)
+        glfw.show_window(self._window)
         self._windowed = (*glfw.get_window_pos(self._window), *glfw.get_window_size(self._window))
         self._requests: list[Request] = []
         self._mouse: list[MouseEvent] = []
