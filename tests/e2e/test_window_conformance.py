@@ -15,6 +15,7 @@ import pytest
 
 from ashe_live.bench.soak.offscreen_window import OffscreenWindow
 from ashe_live.render.gl.offscreen import Framebuffer, offscreen_context
+from ashe_live.viewer.windows.glfw_library import variant
 from ashe_live.viewer.windows.glfw_window import GlfwWindow
 from ashe_live.viewer.windows.window import Window
 from tests.checkout import CHECKOUT
@@ -105,15 +106,35 @@ def test_a_window_conforms(name: str, request: pytest.FixtureRequest) -> None:
 
 
 @pytest.mark.window
+def test_a_display_of_x11_is_used_also_from_a_session_of_wayland(screen: Screen) -> None:
+    """As these tests themselves do there. pyGLFW goes by the session's type."""
+    run_on(screen, "try_out('glfw')", XDG_SESSION_TYPE="wayland")
+
+
+@pytest.mark.parametrize(
+    ("displays", "only"),
+    [
+        ({}, None),
+        ({"DISPLAY": "", "WAYLAND_DISPLAY": ""}, None),
+        ({"DISPLAY": ":0"}, "x11"),
+        ({"DISPLAY": "", "WAYLAND_DISPLAY": "wayland-0"}, "wayland"),
+        ({"DISPLAY": ":0", "WAYLAND_DISPLAY": "wayland-0"}, None),
+    ],
+)
+def test_glfws_library_is_that_of_the_only_display(displays: dict[str, str], only: str | None) -> None:
+    assert variant(displays) == only
+
+
+@pytest.mark.window
 def test_a_window_fits_the_screen_where_that_magnifies(screen: Screen) -> None:
     """A clip of 1280x720 had a window of 2560x1440 on a laptop's screen of 200 %."""
     run_on(screen, "try_density()")
 
 
-def run_on(screen: Screen, call: str) -> None:
+def run_on(screen: Screen, call: str, **environment: str) -> None:
     """In a process of its own, whose display is ours."""
     code = f"from tests.e2e import test_window_conformance as these; these.{call}"
-    environment = {**screen.environment, "PYTHONPATH": str(CHECKOUT)}
+    environment = {**screen.environment, "PYTHONPATH": str(CHECKOUT), **environment}
     done = subprocess.run(
         [sys.executable, "-c", code], env=environment, cwd=CHECKOUT, capture_output=True, text=True, timeout=PATIENCE_S
     )

@@ -5,8 +5,6 @@ from dataclasses import replace
 from types import TracebackType
 from typing import Any, Self
 
-import glfw
-
 from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
 from ashe_live.process.messages import printable
@@ -14,6 +12,7 @@ from ashe_live.render.gl.offscreen import window_context
 from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import COMMAND_BY_GESTURE, HELD, REPEATED, REQUEST_BY_KEY, request_for
 from ashe_live.viewer.hands.requests import Files, Gesture, MouseAction, MouseEvent, Request
+from ashe_live.viewer.windows.glfw_library import glfw
 from ashe_live.viewer.windows.window import Presentable
 
 BOUND_NAMES = {key.rpartition("+")[2] for key in REQUEST_BY_KEY}
