@@ -161,13 +161,18 @@ def partial_path(path: Path) -> Path:
 def lock(stream: BinaryIO) -> bool:
     """Locks a file while it is open; False if another process holds the lock, or if its file system has no locks."""
     try:
-        if fcntl is None:
-            _lock_on_windows(stream.fileno())
-        else:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock_number(stream.fileno())
     except OSError:
         return False
     return True
+
+
+def lock_number(number: int) -> None:
+    """As `lock`, of a file or folder by its descriptor. Raises BlockingIOError if another process holds the lock."""
+    if fcntl is None:
+        _lock_on_windows(number)
+    else:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def _lock_on_windows(number: int) -> None:
