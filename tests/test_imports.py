@@ -51,7 +51,7 @@ ROOMS: dict[str, set[str]] = {
         "light.views", "light.hull", "light.lamps", "light.known_body", "light.paper",
     },
     "light.live": {"core", "errors", "light.pixels", "light.estimators", "light.views", "process"},
-    "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},
+    "drawing": {"core", "files", "light.pixels", "light.ground", "light.shape", "light.estimators"},
     "render": {"core", "errors", "files", "models", "process"},
     "quality": {"core", "tracking", "light.estimators", "render"},
     "viewer": {

@@ -16,6 +16,7 @@ from ashe_live.tracking.families.printing import write_marker_sheet
 
 USUAL_MM = 80.0
 SHOWN_PX = 960  # divisible by the usual numbers of cells, and larger than most windows show the marker
+ON_PAPER = "give --out marker.pdf instead, and print it"
 
 
 def run(options: argparse.Namespace) -> int:
@@ -41,10 +42,13 @@ def run(options: argparse.Namespace) -> int:
         from ashe_live.viewer.windows.marker_window import show_marker
 
         if not has_display():
-            raise UserError("there is no display to show a marker on", "give --out marker.pdf instead, and print it")
+            raise UserError("there is no display to show a marker on", ON_PAPER)
         if isinstance(marker, Layout):
             raise UserError("a grid of markers is for printing", "name one marker with --marker, or give --out")
-        show_marker(marker.spec, marker.bitmap(SHOWN_PX), flags)
+        try:
+            show_marker(marker.spec, marker.bitmap(SHOWN_PX), flags)
+        except UserError as error:  # which advises the viewer's --headless
+            raise UserError(error.message, ON_PAPER) from error
         return ExitStatus.ANSWERED
     check_outputs([options.out], marker_files(options), options.overwrite)
     size_mm = USUAL_MM if options.size_mm is None else options.size_mm

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import PIL.Image
-from PIL import ImageDraw, ImageFont
+from PIL import ImageDraw
 
 from ashe_live.core.arrays import Image
 from ashe_live.drawing.colours import INK_BGR, PAPER_BGR
+from ashe_live.files.fonts import lettering
 
 GAP_PX = 8
 LABEL_HEIGHT_PX, INDENT_PX = 24, 2
@@ -26,8 +27,7 @@ def contact_sheet(
     if not images_bgr or len(images_bgr) != len(labels) or columns < 1:
         raise ValueError(f"{len(images_bgr)} images with {len(labels)} labels make no sheet of {columns} columns")
     thumbnails = [_thumbnail(image, thumbnail_width_px) for image in images_bgr]
-    font = ImageFont.load_default(FONT_SIZE_PX)
-    wrapped = [_wrapped(label, font, thumbnail_width_px - 2 * INDENT_PX) for label in labels]
+    wrapped = [_wrapped(label, thumbnail_width_px - 2 * INDENT_PX) for label in labels]
     label_height = LABEL_HEIGHT_PX * max(map(len, wrapped))
     columns = min(columns, len(thumbnails))
     rows = -(-len(thumbnails) // columns)
@@ -41,16 +41,18 @@ def contact_sheet(
         sheet.paste(thumbnail, (left, top))
         for below, line in enumerate(lines):
             middle = top + thumbnail.height + LABEL_HEIGHT_PX * (below + 0.5)
-            draw.text((left + INDENT_PX, middle), line, INK_BGR, font, anchor="lm")
+            text, font = lettering(line, FONT_SIZE_PX)
+            draw.text((left + INDENT_PX, middle), text, INK_BGR, font, anchor="lm")
     return np.array(sheet)
 
 
-def _wrapped(label: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, width_px: int) -> list[str]:
+def _wrapped(label: str, width_px: int) -> list[str]:
     """The lines of a label, one at least, each no wider than `width_px` unless a single word is."""
     lines = [""]
     for word in label.split():
         longer = f"{lines[-1]} {word}".lstrip()
-        if lines[-1] and font.getlength(longer) > width_px:
+        text, font = lettering(longer, FONT_SIZE_PX)
+        if lines[-1] and font.getlength(text) > width_px:
             lines.append(word)
         else:
             lines[-1] = longer

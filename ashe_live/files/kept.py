@@ -1,15 +1,21 @@
 """What is kept between runs, in the user's configuration folder."""
 
-from collections.abc import Mapping
+import contextlib
+import os
+import time
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import platformdirs
 
 from ashe_live.errors import UserError
+from ashe_live.files.new_file import lock_number
 from ashe_live.files.reading import read_json
 from ashe_live.files.writing import write_json
 
+# How long one window waits for another, which needs a few milliseconds; the person's picture stands meanwhile.
+LONGEST_WAIT_S, LOOK_EVERY_S = 2.0, 0.005
 # Where nothing is found and nothing can be written.
 NOWHERE = Path("/dev/null/ashe-live")
 
@@ -39,9 +45,37 @@ class KeptObject:
             return {}
         return content if isinstance(content, dict) else {}
 
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[None]:
+        """Within this, what is read may be written with a change: others of `alone` wait, so that no change is lost.
+
+        Where the system cannot lock a folder, or another program holds the lock for too long, all goes on without.
+        """
+        with contextlib.ExitStack() as held:
+            with contextlib.suppress(OSError):
+                number = os.open(self._path.parent, os.O_RDONLY)
+                held.callback(os.close, number)
+                until_s = time.monotonic() + LONGEST_WAIT_S
+                while _is_locked(number) and time.monotonic() < until_s:
+                    wait()
+            yield
+
     def write(self, content: Mapping[str, Any]) -> None:
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             write_json(self._path, content, overwrite=True)
         except (OSError, UserError):
             return
+
+
+def _is_locked(number: int) -> bool:
+    """By another; else it is locked now, or OSError is raised, as where nothing can be."""
+    try:
+        lock_number(number)
+    except BlockingIOError:
+        return True
+    return False
+
+
+def wait() -> None:
+    time.sleep(LOOK_EVERY_S)

@@ -8,10 +8,11 @@ import contextlib
 import os
 import secrets
 import stat
+from importlib import import_module
 from itertools import count
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO, Self
+from typing import Any, BinaryIO, Self
 
 from ashe_live.errors import UserError
 
@@ -27,6 +28,7 @@ KEPT_STEM = 40
 NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 UNNAMED = getattr(os, "O_TMPFILE", 0)
 NUMBERED_FILES = Path("/proc/self/fd")
+LOCKED_BYTE = 2**31 - 2  # on Windows, where nobody else can read what is locked: the last of which `msvcrt` knows
 
 
 class NewFile:
@@ -181,13 +183,30 @@ def partial_path(path: Path) -> Path:
 
 def lock(stream: BinaryIO) -> bool:
     """Locks a file while it is open; False if another process holds the lock, or if its file system has no locks."""
-    if fcntl is None:  # Windows lets nobody else remove an open file
-        return True
     try:
-        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock_number(stream.fileno())
     except OSError:
         return False
     return True
+
+
+def lock_number(number: int) -> None:
+    """As `lock`, of a file or folder by its descriptor. Raises BlockingIOError if another process holds the lock."""
+    if fcntl is None:
+        _lock_on_windows(number)
+    else:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _lock_on_windows(number: int) -> None:
+    """Locks a byte, which need not be there, from where the file stands. Raises OSError where it is locked."""
+    msvcrt: Any = import_module("msvcrt")
+    place = os.lseek(number, 0, os.SEEK_CUR)
+    os.lseek(number, LOCKED_BYTE, os.SEEK_SET)
+    try:
+        msvcrt.locking(number, msvcrt.LK_NBLCK, 1)
+    finally:
+        os.lseek(number, place, os.SEEK_SET)
 
 
 def _created(path: Path, is_recoverable: bool) -> tuple[Path | None, int]:

@@ -26,7 +26,8 @@ class ModelMemory:
         return up if isinstance(up, str) and up in UPS else None
 
     def keep_up(self, model: str, up: str) -> None:
-        self._keep(model, {**self._entry(model), "up": up})
+        with self._kept.alone():
+            self._keep(model, {**self._entry(model), "up": up})
 
     def placement(self, model: str, where: str, side_m: float) -> Placement | None:
         """How the model was left on that place of a marker of `side_m`; None where it was never moved."""
@@ -40,18 +41,21 @@ class ModelMemory:
 
     def keep_placement(self, model: str, where: str, placement: Placement, side_m: float) -> None:
         """Keeps where a model was left on a marker of `side_m`; forgets one that is not moved."""
-        entry = self._entry(model)
-        places = dict(entry["places"]) if isinstance(entry.get("places"), dict) else {}
-        before = dict(places)
-        places.pop(where, None)
-        if placement != UNMOVED:
-            places[where] = {
-                "scale": placement.scale,
-                "turn_deg": math.degrees(placement.turn_rad),
-                "shift_sides": [shift / side_m for shift in placement.shift_m],
-            }
-        if self._has_places and places != before:
-            self._keep(model, {**entry, "places": places})
+        if not self._has_places:
+            return
+        with self._kept.alone():
+            entry = self._entry(model)
+            places = dict(entry["places"]) if isinstance(entry.get("places"), dict) else {}
+            before = dict(places)
+            places.pop(where, None)
+            if placement != UNMOVED:
+                places[where] = {
+                    "scale": placement.scale,
+                    "turn_deg": math.degrees(placement.turn_rad),
+                    "shift_sides": [shift / side_m for shift in placement.shift_m],
+                }
+            if places != before:
+                self._keep(model, {**entry, "places": places})
 
     def _entry(self, model: str) -> dict[str, Any]:
         entry = self._kept.read().get(_key(model))

@@ -11,10 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 from PIL import Image as PillowImage
-from PIL import ImageDraw, ImageFont
+from PIL import ImageDraw
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
+from ashe_live.files.fonts import lettering
 from ashe_live.process.messages import printable
 from ashe_live.render.scene import Overlay
 from ashe_live.render.screen import Screen
@@ -156,15 +157,11 @@ def _overlay(block: _Block, screen: Screen) -> Overlay:
     return Overlay(plate, left, top)
 
 
-@lru_cache(maxsize=4)
-def _font(font_px: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(size=font_px)
-
-
 @lru_cache(maxsize=512)
 def text_width(text: str, font_px: float) -> int:
     """The text's width in pixels. Kept, as most lines stay when a number in one of them changes."""
-    return round(_font(FINER * font_px).getlength(text) / FINER)
+    text, font = lettering(text, FINER * font_px)
+    return round(font.getlength(text) / FINER)
 
 
 @lru_cache(maxsize=128)
@@ -173,7 +170,8 @@ def text_ink(text: str, font_px: float, line: int) -> PillowImage.Image:
     bleed = bleed_px(font_px)
     fine = PillowImage.new("L", (FINER * (text_width(text, font_px) + 2 * bleed), FINER * line))
     at = FINER * bleed, 0.5 * FINER * line
-    ImageDraw.Draw(fine).text(at, text, fill=255, font=_font(FINER * font_px), anchor="lm")
+    text, font = lettering(text, FINER * font_px)
+    ImageDraw.Draw(fine).text(at, text, fill=255, font=font, anchor="lm")
     return fine.reduce(FINER)
 
 

@@ -68,14 +68,15 @@ float noise_sigma(float brightness) {
 
 // Reads a layer a whole number of pixels from `middle`, which lies between pixels if the lens distorts. What the video's
 // border cuts off goes on beyond it as it is there.
+vec4 read(sampler2D layer, vec2 middle, int column, int row) {
 #ifdef BENDS
-#define READ(layer, middle, column, row) \
-    textureLod(layer, clamp(middle + vec2(column, row), viewport.xy + 0.5, viewport.xy + viewport.zw - 0.5) / \
-        vec2(textureSize(layer, 0)), 0.0)
+    vec2 at = clamp(middle + vec2(column, row), viewport.xy + 0.5, viewport.xy + viewport.zw - 0.5);
+    return textureLod(layer, at / vec2(textureSize(layer, 0)), 0.0);
 #else
-#define READ(layer, middle, column, row) \
-    texelFetch(layer, clamp(ivec2(middle) + ivec2(column, row), ivec2(viewport.xy), ivec2(viewport.xy + viewport.zw) - 1), 0)
+    ivec2 lower = ivec2(viewport.xy), upper = ivec2(viewport.xy + viewport.zw) - 1;
+    return texelFetch(layer, clamp(ivec2(middle) + ivec2(column, row), lower, upper), 0);
 #endif
+}
 
 // What is left of the video's light.
 vec3 left_of(vec3 seen, vec3 gone) {
@@ -128,8 +129,8 @@ void main() {
     vec4 coarse_added = textureLod(coarse_light, in_coarse(middle, coarse_light), 0.0);
 #endif
     float as_it_is = is_even ? 1.0 : 0.0;
-    vec4 light = as_it_is * READ(added_light, middle, 0, 0);
-    vec3 gone = as_it_is * READ(removed, middle, 0, 0).rgb;
+    vec4 light = as_it_is * read(added_light, middle, 0, 0);
+    vec3 gone = as_it_is * read(removed, middle, 0, 0).rgb;
 #ifdef WIDE
     vec4 wide_light = light;
     vec3 wide_gone = gone;
@@ -145,8 +146,8 @@ void main() {
 #endif
         for (int column = -columns; column <= columns; ++column) {
             float weight = row_weight * weights[abs(column)];
-            vec4 light_there = READ(added_light, middle, column, row);
-            vec3 gone_there = READ(removed, middle, column, row).rgb;
+            vec4 light_there = read(added_light, middle, column, row);
+            vec3 gone_there = read(removed, middle, column, row).rgb;
             light += weight * light_there;
             gone += weight * gone_there;
 #ifdef WIDE

@@ -119,13 +119,17 @@ def test_a_marker_that_cannot_be_is_one_line(run, tmp_path, monkeypatch, argumen
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only X11 and Wayland name their display")
-def test_without_a_display_there_is_no_marker_on_it(run, monkeypatch):
+@pytest.mark.parametrize("display", [None, "no display"])
+def test_without_a_display_there_is_no_marker_on_it(run, monkeypatch, display):
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
+    if display is not None:
+        monkeypatch.setenv("DISPLAY", display)
     outcome = run("marker", "--show")
     assert outcome.status == 2
     (line,) = outcome.err
     assert "--out marker.pdf" in line
+    assert "--headless" not in line, "no flag of this command"
 
 
 @pytest.mark.parametrize("spec", ["aruco:4x4_50:0", "apriltag:36h11:7"])

@@ -1,11 +1,14 @@
 """What is kept between runs: it is read back, and nothing that is wrong with its file stops the program."""
 
+import errno
+import threading
 from pathlib import Path
 
 import pytest
 
 from ashe_live import cli
 from ashe_live.commands import doctor
+from ashe_live.files import kept as kept_module
 from ashe_live.files.kept import KeptObject, configuration_file
 
 
@@ -16,6 +19,57 @@ def test_what_was_written_is_read_back_and_replaced(tmp_path: Path) -> None:
         kept.write(content)
         assert kept.read() == content
     assert [path.name for path in (tmp_path / "new" / "folder").iterdir()] == ["a.json"]
+
+
+def test_of_two_windows_that_change_it_at_once_both_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """When both are closed by one signal, for example."""
+    pytest.importorskip("fcntl", reason="folders are not locked here")
+    goes_on = threading.Event()  # the other waits, or has not waited and is done
+    look = kept_module.wait
+    monkeypatch.setattr(kept_module, "wait", lambda: (goes_on.set(), look()))
+
+    def change(name: str) -> None:
+        kept = KeptObject(tmp_path / "a.json")
+        with kept.alone():
+            kept.write({**kept.read(), name: 1})
+        goes_on.set()
+
+    kept, other = KeptObject(tmp_path / "a.json"), threading.Thread(target=change, args=("other",))
+    with kept.alone():
+        content = kept.read()
+        other.start()
+        assert goes_on.wait(60)
+        kept.write({**content, "own": 1})
+    other.join()
+    assert kept.read() == {"own": 1, "other": 1}
+    assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
+
+
+def test_who_keeps_the_lock_too_long_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kept_module, "LONGEST_WAIT_S", 0.0)
+    one, other = KeptObject(tmp_path / "a.json"), KeptObject(tmp_path / "a.json")
+    with one.alone(), other.alone():
+        other.write({"a": 1})
+    assert one.read() == {"a": 1}
+
+
+def test_nobody_waits_where_the_file_system_has_no_locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOLCK, "no locks available")
+
+    monkeypatch.setattr(pytest.importorskip("fcntl"), "flock", refuse)
+    monkeypatch.setattr(kept_module, "wait", lambda: pytest.fail("waited"))
+    kept = KeptObject(tmp_path / "a.json")
+    with kept.alone():
+        kept.write({"a": 1})
+    assert kept.read() == {"a": 1}
+
+
+def test_without_its_folder_yet_it_is_written_too(tmp_path: Path) -> None:
+    kept = KeptObject(tmp_path / "new" / "a.json")
+    with kept.alone():
+        kept.write({"a": 1})
+    assert kept.read() == {"a": 1}
 
 
 @pytest.mark.parametrize("content", ["", "[1, 2]", "{", "null", '{"a": NaN}', "\xff"])

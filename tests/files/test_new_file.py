@@ -24,13 +24,16 @@ from ashe_live.files.writing import (
     written_whole,
 )
 from tests.checkout import CHECKOUT
+from tests.windows_files import as_on_windows
 
 
-@pytest.fixture(params=["unnamed", "named", "without hard links"])
+@pytest.fixture(params=["unnamed", "named", "without hard links", "as on Windows"])
 def a_system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Which can do more or less."""
     if request.param != "unnamed":
         monkeypatch.setattr(new_file, "UNNAMED", 0)
+    if request.param == "as on Windows":
+        as_on_windows(monkeypatch)
     if request.param == "without hard links":
 
         def refuse(*_: object, **__: object) -> None:
@@ -202,7 +205,7 @@ def test_an_unnamed_file_that_cannot_be_given_a_name_is_said_and_gone(
 
     monkeypatch.setattr(os, "link", refuse)
     monkeypatch.setattr(new_file, "UNNAMED", getattr(os, "O_TMPFILE", 0))
-    if not new_file.UNNAMED:
+    if not new_file.UNNAMED or new_file.fcntl is None:
         pytest.skip("files cannot be without a name on this system")
     with pytest.raises(UserError, match="cannot write"):
         write(tmp_path / "a.txt", "whole")

@@ -54,7 +54,11 @@ def _rescued(partial: Path) -> Path | None:
             rescued = published(fragments, pictures) if pictures else None
         # Another file that has been put in its place meanwhile stays.
         if os.path.samestat(status, partial.lstat()):
-            partial.unlink()
+            try:
+                partial.unlink()
+            except PermissionError:  # Windows removes no file that is open; elsewhere nobody else takes it until then
+                stream.close()
+                partial.unlink()
         return rescued
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import PIL.ImageDraw
-import PIL.ImageFont
 
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
+from ashe_live.files.fonts import lettering
 from ashe_live.files.new_file import check_output
 from ashe_live.files.writing import written_whole
 from ashe_live.process.messages import printable
@@ -78,8 +78,8 @@ class PrintedPage:
         draw = PIL.ImageDraw.Draw(self.image)
         room = self.image.width - 2 * self.px(PRINTER_EDGE_MM) if room_mm is None else self.px(room_mm)
         size = float(self.px(height_mm))
-        size *= min(1.0, room / max(1.0, draw.textlength(words, PIL.ImageFont.load_default(size))))
-        font = PIL.ImageFont.load_default(size)
+        words, font = lettering(words, size)
+        words, font = lettering(words, size * min(1.0, room / max(1.0, draw.textlength(words, font))))
         draw.text((self.px(centre_mm[0]), self.px(centre_mm[1])), words, fill=ink, font=font, anchor="mm")
 
     def ruler(self, start_mm: Millimetres, upright: bool = False) -> None:

@@ -30,15 +30,17 @@ class FocalMemory:
 
     def keep(self, estimate: FocalEstimate) -> None:
         """Replaces what was known, unless that was surer."""
-        known = self.recall(estimate.size)
-        if known is not None and known.relative_sigma <= estimate.relative_sigma:
-            return
-        entry = {"focal_px": estimate.focal_px, "sigma_px": estimate.sigma_px, "views": estimate.views}
-        self._kept.write({**self._kept.read(), self._key(estimate.size): entry})
+        with self._kept.alone():
+            known = self.recall(estimate.size)
+            if known is not None and known.relative_sigma <= estimate.relative_sigma:
+                return
+            entry = {"focal_px": estimate.focal_px, "sigma_px": estimate.sigma_px, "views": estimate.views}
+            self._kept.write({**self._kept.read(), self._key(estimate.size): entry})
 
     def forget(self, size: Size) -> None:
         """What was kept for pictures of `size` is wrong."""
-        self._kept.write({key: entry for key, entry in self._kept.read().items() if key != self._key(size)})
+        with self._kept.alone():
+            self._kept.write({key: entry for key, entry in self._kept.read().items() if key != self._key(size)})
 
     def _key(self, size: Size) -> str:
         return f"{self._name}, {size[0]}x{size[1]}"

@@ -13,6 +13,7 @@ from ashe_live.render.gl.offscreen import window_context
 from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import COMMAND_BY_GESTURE, HELD, REPEATED, REQUEST_BY_KEY, request_for
 from ashe_live.viewer.hands.requests import Files, Gesture, MouseAction, MouseEvent, Request
+from ashe_live.viewer.windows.glfw_library import glfw
 from ashe_live.viewer.windows.window import Presentable
 
 with ctrl_c_blocked():  # it starts a process to look for its library, which would answer with a traceback
@@ -40,6 +41,7 @@ class GlfwWindow:
             (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
             (glfw.OPENGL_FORWARD_COMPAT, True),
             (glfw.SCALE_TO_MONITOR, True),
+            (glfw.VISIBLE, False),  # until it has its size
         ):
             glfw.window_hint(hint, value)
         self._window: Any = glfw.create_window(*_fitting(size), printable(title), None, None)
@@ -47,6 +49,11 @@ class GlfwWindow:
             message = _last_error()
             glfw.terminate()
             raise UserError(f"cannot open a window with OpenGL 3.3 ({message})", "update the graphics driver")
+        # Where windows are measured in pixels (X11, Windows), a high-density display's is larger than was asked for.
+        magnified = glfw.get_window_size(self._window)
+        if (fitting := _fitting(magnified)) != magnified:
+            glfw.set_window_size(self._window, *fitting)
+        glfw.show_window(self._window)
         self._windowed = (*glfw.get_window_pos(self._window), *glfw.get_window_size(self._window))
         self._requests: list[Request] = []
         self._mouse: list[MouseEvent] = []

@@ -17,6 +17,7 @@ from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
 from ashe_live.files.new_file import partial_path
 from tests.checkout import CHECKOUT
+from tests.windows_files import as_on_windows
 
 Draw = Callable[[int], Image]
 
@@ -50,6 +51,15 @@ def killed_recording(path: Path, frames: int) -> Path:
 @pytest.fixture(scope="module")
 def nine_seconds(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return killed_recording(tmp_path_factory.mktemp("killed") / "walk.mp4", 90)
+
+
+@pytest.fixture(params=["here", "as on Windows"])
+def a_system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    if request.param != "here":
+        as_on_windows(monkeypatch)
+
+
+pytestmark = pytest.mark.usefixtures("a_system")
 
 
 @pytest.fixture
@@ -98,6 +108,7 @@ def test_what_is_being_recorded_is_left_alone_however_long_it_rests(tmp_path: Pa
         (partial,) = tmp_path.iterdir()
         os.utime(partial, (0, 0))
         assert rescue_recordings(tmp_path) == []
+        assert list(tmp_path.iterdir()) == [partial]
     assert frames_in(tmp_path / "walk.mp4") == 60
 
 

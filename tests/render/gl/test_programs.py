@@ -1,5 +1,6 @@
 import math
 import re
+import string
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,6 +16,7 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.light_view import MOST_MAPS
 from tests.render.uniform_audit import UniformError
 
+ALLOWED = string.ascii_letters + string.digits + "_.+-/*%<>[](){}^|&~=!:;,?#" + " \t\n"
 LEAST_UNITS = 16  # that OpenGL 3.3 has for fragment shaders
 LEAST_VECTORS = 256  # of four numbers, for their uniforms
 SHADERS = {path.relative_to(resource("shaders")).as_posix() for path in resource("shaders").rglob("*.*")}
@@ -25,6 +27,14 @@ def test_every_shader_is_used() -> None:
     of_passes = {name for each in PASSES for name in shaders_of(each)}
     texts = "".join(resource("shaders", name).read_text(encoding="utf-8") for name in of_passes)
     assert of_passes | set(re.findall(r'#include "(.*)"', texts)) == SHADERS
+
+
+@pytest.mark.parametrize("name", sorted(SHADERS))
+def test_shaders_have_the_characters_of_core_3_3_alone(name: str) -> None:
+    r"""GLSL 3.30, 3.1. A line that goes on behind \ is one of 4.20: Mesa takes it, and macOS has no more than 4.10."""
+    text = resource("shaders", name).read_bytes().decode("ascii")  # comments too: not every compiler skips the others
+    code = re.sub(r"//.*", "", text)
+    assert re.sub(r'#include "[a-z_./]+"', "", code).translate(dict.fromkeys(map(ord, ALLOWED))) == ""
 
 
 @pytest.mark.parametrize("name", PASSES)
