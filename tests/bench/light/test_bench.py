@@ -47,7 +47,7 @@ def test_results_are_not_overwritten_unasked(plain_scenes, tmp_path):
         bench.run(tmp_path)
     assert (tmp_path / "results.json").read_text() == "precious"
     bench.run(tmp_path, overwrite=True)
-    assert json.loads((tmp_path / "results.json").read_text())["schema"] == 4
+    assert json.loads((tmp_path / "results.json").read_text())["schema"] == 5
 
 
 def test_several_folders_are_one_set_and_the_limit_holds_for_each(plain_scenes):
