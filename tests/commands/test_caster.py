@@ -30,10 +30,7 @@ def test_it_reaches_the_estimator_with_the_other_choices():
 
 @pytest.mark.parametrize("spec", WRONG)
 def test_what_is_no_body_is_one_line_and_status_2(run, files, spec):
-    outcome = run("estimate", files["photo"], "--caster", spec)
-    assert outcome.status == 2
-    assert outcome.out == []
-    assert len(outcome.err) == 1
+    assert run("estimate", files["photo"], "--caster", spec).refusal
 
 
 def test_a_model_that_is_damaged_is_one_line(run, files):
