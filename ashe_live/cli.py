@@ -1,6 +1,7 @@
 """The process of the command line: what it needs around a command, the command, and an orderly end."""
 
 import argparse
+import io
 import os
 import signal
 import sys
@@ -13,7 +14,6 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.ending import end_process
 from ashe_live.process.messages import print_message
 from ashe_live.process.module_path import safe_module_path, safe_search_paths
-from ashe_live.process.streams import flushed, open_streams
 from ashe_live.process.unexpected_errors import outer_cause
 
 # Read by libraries as they load, here and in child processes.
@@ -31,7 +31,7 @@ ENVIRONMENT = {
 def main() -> None:
     """Runs the command that the arguments name, and ends the process with its exit status."""
     sys.path[:] = safe_module_path()  # `python -m` has the current folder first
-    open_streams()
+    _open_streams()
     for name, value in ENVIRONMENT.items():
         os.environ.setdefault(name, value)
     os.environ.update(safe_search_paths())  # before OpenCV appends to it
@@ -45,7 +45,20 @@ def main() -> None:
     except SystemExit as end:  # argparse, after --help and wrong use
         status = end.code if isinstance(end.code, int) else ExitStatus.ANSWERED
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done: the interpreter takes itself apart
-    end_process(flushed(status))
+    end_process(status)
+
+
+def _open_streams() -> None:
+    """Opens closed standard streams: else a file could get their numbers, and C libraries would write into it."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number
+            setattr(sys, name, open(number, "r" if number == 0 else "w", encoding="utf-8", closefd=False))  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # an encoding as poor as ASCII must not end the program
 
 
 def _warnings_of_flags() -> list[str]:

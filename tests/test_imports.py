@@ -63,16 +63,15 @@ ROOMS: dict[str, set[str]] = {
     "": {"core", "errors", "models", "capture", "render", "api", "renderer"},  # `import ashe_live` itself
     "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer", "process"},
     "bench.light": {
-        "quality", "core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit",
-        "bench",
+        "quality", "core", "errors", "capture", "tracking", "light.estimators", "light.outline_fit", "bench",
     },
     "bench.judge": {
         "quality", "core", "errors", "files", "light.pixels", "light.ground", "light.shape", "light.estimators",
         "light.explanation", "bench", "bench.light",
     },
     "bench.lamps": {"core", "errors", "light.estimators", "light.ground", "light.lamps", "light.pixels", "bench"},
-    "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "process", "bench"},
-    "bench.cube": {"quality", "core", "errors", "files", "tracking", "light.estimators", "bench.track", "bench"},
+    "bench.track": {"quality", "core", "errors", "capture", "tracking", "process", "bench"},
+    "bench.cube": {"quality", "core", "errors", "tracking", "light.estimators", "bench.track", "bench"},
     "bench.render": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.explanation", "render", "viewer",
         "bench",

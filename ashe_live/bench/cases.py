@@ -1,6 +1,7 @@
 """Pictures with a known light: rendered scenes and photos, read from a folder's ground_truth.json."""
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -90,14 +91,23 @@ def decoded(path: Path, flags: int) -> Image | None:
     return None if picture is None else np.asarray(picture, dtype=np.uint8)
 
 
+@contextmanager
+def ground_truth(folder: Path, what: str, needs: str, file: str = GROUND_TRUTH) -> Iterator[Any]:
+    """The content of a folder's ground_truth.json, or of another `file` there, in which a list of `what` is read.
+
+    Raises UserError if it cannot be read, or if it is no such list, for which it `needs` something.
+    """
+    path = folder / file
+    try:
+        yield read_json(path, MOST_TRUTH_BYTES)
+    except (ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
+        raise UserError(f"{path} is no list of {what} ({error})", f"it needs {needs}") from error
+
+
 def read_cases(folder: Path) -> list[Case]:
     """The cases of a folder whose ground_truth.json lists `scenes` or `photos`; raises UserError if it has none."""
-    path = folder / GROUND_TRUTH
-    try:
-        content = read_json(path, MOST_TRUTH_BYTES)
+    with ground_truth(folder, "scenes", "`scenes` or `photos`") as content:
         return [*_scenes(folder, content.get("scenes", [])), *_photos(folder, content)]
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UserError(f"{path} is no list of scenes ({error})", "it needs `scenes` or `photos`") from error
 
 
 def cases_of(folders: Iterable[Path], limit: int | None = None, every: int = 1) -> list[Case]:

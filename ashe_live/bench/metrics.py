@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from itertools import permutations
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,19 +13,6 @@ from ashe_live.core.transforms import angle_between, normalised, tangent_basis
 def angular_error_deg(answer: ArrayLike, truth: ArrayLike) -> float:
     """Degrees between two directions (3,)."""
     return math.degrees(angle_between(answer, truth))
-
-
-def worst_assigned_deg(answers: Sequence[ArrayLike], truths: Sequence[ArrayLike]) -> float:
-    """The bottleneck assignment: the largest error when answers (3,) are matched to truths (3,) so that it is smallest.
-
-    Raises ValueError when there are none, or their numbers differ.
-    """
-    if len(answers) != len(truths) or not len(answers):
-        raise ValueError(f"{len(answers)} answers cannot be assigned to {len(truths)} truths")
-    return min(
-        max(angular_error_deg(answer, truth) for answer, truth in zip(answers, order, strict=True))
-        for order in permutations(truths)
-    )
 
 
 def squared_sigmas(answer: Float, covariance_rad2: Float, truth: Float) -> float:

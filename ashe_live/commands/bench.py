@@ -6,8 +6,6 @@ from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.errors import ExitStatus
 from ashe_live.quality import QUALITIES
 
-LEAST_MEMORY_FRAMES = 10  # the end is compared with a fifth of the way
-
 
 def run(options: argparse.Namespace) -> int:
     benches = {
@@ -50,8 +48,7 @@ def _render(options: argparse.Namespace) -> None:
     if options.budget is not None:
         BudgetBench(options.budget).run(options.out, options.overwrite)
         return
-    memory_frames = max(LEAST_MEMORY_FRAMES, options.memory_frames)
-    RenderBench(shipped_clip(), options.frames, memory_frames, options.pairs).run(options.out, options.overwrite)
+    RenderBench(shipped_clip(), options.frames, options.pairs).run(options.out, options.overwrite)
 
 
 def _light(options: argparse.Namespace) -> None:

@@ -19,7 +19,6 @@ from ashe_live.bench.metrics import (
     rms_deg,
     share,
     squared_sigmas,
-    worst_assigned_deg,
 )
 from ashe_live.core.transforms import ELLIPSE_95, direction_from_angles, tangent_basis
 
@@ -28,15 +27,6 @@ def test_the_error_is_the_angle_whatever_the_lengths():
     assert angular_error_deg((1, 0, 0), (0, 2, 0)) == pytest.approx(90)
     assert angular_error_deg((0, 0, 3), (0, 0, 1)) == 0
     assert angular_error_deg((1, 0, 0), (-1, 0, 0)) == pytest.approx(180)
-
-
-def test_two_lights_are_right_in_either_order():
-    low, high = direction_from_angles(0.3, 0.4), direction_from_angles(2.0, 1.2)
-    off = direction_from_angles(0.3, 0.4 + math.radians(7))
-    assert worst_assigned_deg([low, high], [high, low]) == pytest.approx(0, abs=1e-9)
-    assert worst_assigned_deg([high, off], [low, high]) == pytest.approx(7)
-    with pytest.raises(ValueError, match="assigned"):
-        worst_assigned_deg([low], [low, high])
 
 
 def test_a_long_ellipse_forgives_along_its_length_only():

@@ -3,9 +3,11 @@
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import cv2
+import jsonschema
 import numpy as np
 import pytest
 
@@ -58,6 +60,11 @@ class InstantWorker:
     def __exit__(self, *_error: object) -> None: ...
 
 
+@cache
+def contract() -> dict:
+    return json.loads((CHECKOUT / "docs" / "contract.schema.json").read_text())
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What a command left behind."""
@@ -68,7 +75,18 @@ class Outcome:
 
     @property
     def records(self) -> list[dict]:
-        return [json.loads(line) for line in self.out]
+        """The answers in JSON, which keep to the contract."""
+        records = [json.loads(line) for line in self.out]
+        for record in records:
+            jsonschema.validate(record, contract())
+        return records
+
+    @property
+    def refusal(self) -> str:
+        """All that a command said that was asked for what cannot be: one line."""
+        assert self.status == 2
+        (line,) = self.out + self.err
+        return line
 
 
 @pytest.fixture
@@ -99,11 +117,6 @@ def go_dark(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
     return lambda: monkeypatch.setitem(
         estimator.ESTIMATORS, DEFAULT_ESTIMATOR, lambda _preset: InstantEstimator(has_light=False)
     )
-
-
-@pytest.fixture(scope="session")
-def schema() -> dict:
-    return json.loads((CHECKOUT / "docs" / "contract.schema.json").read_text())
 
 
 @pytest.fixture(scope="session")

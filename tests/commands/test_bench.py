@@ -20,8 +20,8 @@ GIVEN: dict[str, tuple[str, dict[str, Any]]] = {
     "viewer": ("ViewerBench", {"frames": 600, "size": None, "quality": QUALITIES["fast"], "estimator": "proxy"}),
     "soak --frames 7 --quality balanced": ("SoakBench", {"frames": 7, "quality": QUALITIES["balanced"]}),
     "soak": ("SoakBench", {"frames": 100_000, "quality": QUALITIES["fast"]}),
-    "render --frames 7 --memory-frames 20 --pairs a": ("RenderBench", {"frames": 7, "memory_frames": 20, "pairs": A}),
-    "render --memory-frames 3": ("RenderBench", {"frames": 100, "memory_frames": 10, "pairs": None}),
+    "render --frames 7 --pairs a": ("RenderBench", {"frames": 7, "pairs": A}),
+    "render": ("RenderBench", {"frames": 100, "pairs": None}),
     "render --budget a": ("BudgetBench", {"pairs": A}),
     "light --scenes a b --limit 5 --casters --tracked --empty b": (
         "LightBench",

@@ -1,7 +1,6 @@
 """`--caster`: what it may be, what it reaches, and what is said where it cannot be."""
 
 import cv2
-import jsonschema
 import pytest
 
 from ashe_live.commands import webcam
@@ -31,17 +30,11 @@ def test_it_reaches_the_estimator_with_the_other_choices():
 
 @pytest.mark.parametrize("spec", WRONG)
 def test_what_is_no_body_is_one_line_and_status_2(run, files, spec):
-    outcome = run("estimate", files["photo"], "--caster", spec)
-    assert outcome.status == 2
-    assert outcome.out == []
-    assert len(outcome.err) == 1
+    assert run("estimate", files["photo"], "--caster", spec).refusal
 
 
 def test_a_model_that_is_damaged_is_one_line(run, files):
-    outcome = run("estimate", files["photo"], "--caster", files["broken_model"])
-    assert outcome.status == 2
-    assert len(outcome.err) == 1
-    assert "broken.glb" in outcome.err[0]
+    assert "broken.glb" in run("estimate", files["photo"], "--caster", files["broken_model"]).refusal
 
 
 def test_the_paper_cube_needs_none(run, files):
@@ -74,17 +67,14 @@ def test_the_papers_method_has_no_use_for_it(run, files):
     assert (outcome.status, len(outcome.err)) == (2, 1)
 
 
-def test_the_answer_says_which_body_it_is(run, film, schema):
+def test_the_answer_says_which_body_it_is(run, film):
     (record,) = run(
         "estimate", "--json", "--camera-file", film.camera_file, "--caster", "box:0.05x0.05x0.08", film.path
     ).records
-    jsonschema.validate(record, schema)
     assert record["light"]["kind"] != "none"
     assert record["caster"]["family"] == "box"
     assert max(spheroid[2] for spheroid in record["caster"]["spheroids_marker"]) == pytest.approx(0.08)
 
 
 def test_a_wrong_one_is_reported_also_before_a_clip_is_played(run, film):
-    outcome = run("play", film.path, "--headless", "--caster", "box:1x1", "--hfov", "55")
-    assert outcome.status == 2
-    assert "box:WxDxH" in outcome.err[-1]
+    assert "box:WxDxH" in run("play", film.path, "--headless", "--caster", "box:1x1", "--hfov", "55").refusal

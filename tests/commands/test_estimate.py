@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import cv2
-import jsonschema
 import numpy as np
 import pytest
 
@@ -26,10 +25,9 @@ KNOWN = ("--hfov", "55")
 BASE64 = re.compile(r"data:image/jpeg;base64,([^\"]+)")
 
 
-def test_a_photo_is_answered(run, files, schema):
+def test_a_photo_is_answered(run, files):
     outcome = run("estimate", "--json", *KNOWN, files["photo"])
     (record,) = outcome.records
-    jsonschema.validate(record, schema)
     assert outcome.status == 0
     assert outcome.err == []
     assert record["marker"]["found"]
@@ -51,9 +49,7 @@ def test_the_pose_is_the_true_one(run, files, film):
 def test_a_model_is_not_taken_for_a_damaged_clip(run, tmp_path):
     model = tmp_path / "ball.STL"
     model.write_bytes(b"solid ball")
-    outcome = run("estimate", *KNOWN, model)
-    assert outcome.status == 2
-    assert "ball.STL is a model" in outcome.out[0]
+    assert "ball.STL is a model" in run("estimate", *KNOWN, model).refusal
 
 
 def test_files_of_a_folder_in_which_there_is_no_marker_share_a_line(run, files, tmp_path):
@@ -104,11 +100,10 @@ def test_every_light_is_named(run, files, monkeypatch):
     assert all(light_text(light, decimals=1) in line for light in lights)
 
 
-def test_without_a_light_the_status_is_4(run, files, schema, go_dark):
+def test_without_a_light_the_status_is_4(run, files, go_dark):
     go_dark()
     outcome = run("estimate", "--json", *KNOWN, files["photo"])
     (record,) = outcome.records
-    jsonschema.validate(record, schema)
     assert outcome.status == 4
     assert record["light"]["kind"] == "none"
     assert record["light"]["reason"] == "no shadow found beside the object"
@@ -116,10 +111,9 @@ def test_without_a_light_the_status_is_4(run, files, schema, go_dark):
     assert "no directional light (no shadow" in run("estimate", *KNOWN, files["photo"]).out[0]
 
 
-def test_without_a_marker_the_status_is_3(run, files, schema):
+def test_without_a_marker_the_status_is_3(run, files):
     outcome = run("estimate", "--json", *KNOWN, files["empty_table"])
     (record,) = outcome.records
-    jsonschema.validate(record, schema)
     assert outcome.status == 3
     assert record["error"] is None
     assert not record["marker"]["found"]
@@ -130,13 +124,12 @@ NAMES = {"missing": "no.mp4", "pattern": "*.jpg", "folder": "folder", "empty": "
 
 
 @pytest.mark.parametrize("name", ["garbage", *NAMES])
-def test_an_unreadable_file_is_a_line_too_and_status_2(run, tmp_path, files, schema, name):
+def test_an_unreadable_file_is_a_line_too_and_status_2(run, tmp_path, files, name):
     (tmp_path / "empty.mp4").touch()
     (tmp_path / "folder").mkdir()
     path = files["garbage"] if name == "garbage" else tmp_path / NAMES[name]
     outcome = run("estimate", "--json", *KNOWN, path)
     (record,) = outcome.records
-    jsonschema.validate(record, schema)
     assert outcome.status == 2
     assert record["file"] == str(path)
     assert record["error"]
@@ -163,10 +156,8 @@ def test_an_address_is_named_once_and_as_it_was_given(run):
         (("empty_table", "garbage"), 2),
     ],
 )
-def test_of_several_files_the_worst_counts(run, files, schema, names, status):
+def test_of_several_files_the_worst_counts(run, files, names, status):
     outcome = run("estimate", "--json", *KNOWN, *(files[name] for name in names))
-    for record in outcome.records:
-        jsonschema.validate(record, schema)
     assert [record["file"] for record in outcome.records] == [str(files[name]) for name in names]
     assert outcome.status == status
 
@@ -207,13 +198,11 @@ def folder(files, tmp_path):
     return tmp_path
 
 
-def test_a_fault_on_one_picture_is_its_line_and_status_1_and_the_others_are_answered(run, folder, fail_on_dark, schema):
+def test_a_fault_on_one_picture_is_its_line_and_status_1_and_the_others_are_answered(run, folder, fail_on_dark):
     fail_on_dark(IndexError("index 3\x1b[31m is out of bounds\nand more"))
     sheet = folder / "sheet.html"
     outcome = run("estimate", "--json", *KNOWN, folder, "--sheet", sheet)
     assert outcome.status == 1
-    for record in outcome.records:
-        jsonschema.validate(record, schema)
     a, b, c, d = (record["error"] for record in outcome.records)
     assert a is None
     assert d is None
@@ -254,30 +243,23 @@ def test_of_a_clip_the_first_steady_frame_is_used_or_the_asked_one(run, film):
 
 
 def test_a_frame_that_the_clip_does_not_have_is_refused(run, film):
-    outcome = run("estimate", *KNOWN, "--estimate-at", 500, film.path)
-    assert outcome.status == 2
-    assert f"from 0 to {film.frame_count - 1}" in outcome.out[0]
+    assert f"from 0 to {film.frame_count - 1}" in run("estimate", *KNOWN, "--estimate-at", 500, film.path).refusal
 
 
 @pytest.mark.parametrize(("frames", "at"), [("0:0", 5), ("3:6", 2), ("3:6", 7)])
 def test_a_frame_beyond_those_to_look_at_is_refused(run, film, frames, at):
     outcome = run("estimate", *KNOWN, "--frames", frames, "--estimate-at", at, film.path)
-    assert outcome.status == 2
-    assert f"--estimate-at {at} is not within --frames" in outcome.err[0]
+    assert f"--estimate-at {at} is not within --frames" in outcome.refusal
 
 
-def test_a_truncated_clip_is_used_as_far_as_it_goes_or_refused_in_one_line(run, files, schema):
+def test_a_truncated_clip_is_used_as_far_as_it_goes_or_refused_in_one_line(run, files):
     outcome = run("estimate", "--json", *KNOWN, files["truncated"])
     (record,) = outcome.records
-    jsonschema.validate(record, schema)
     assert outcome.status == (2 if record["error"] else 0)
 
 
 def test_a_calibration_of_another_shape_is_refused(run, files):
-    outcome = run("estimate", "--camera-file", files["tall_camera"], files["photo"])
-    assert outcome.status == 2
-    assert "aspect ratio" in outcome.out[0]
-    assert len(outcome.out) == 1
+    assert "aspect ratio" in run("estimate", "--camera-file", files["tall_camera"], files["photo"]).refusal
 
 
 def test_a_calibration_of_the_same_shape_is_rescaled(run, files, tmp_path):
@@ -357,10 +339,7 @@ def test_an_answer_is_given_though_its_steps_find_no_room(run, files, tmp_path):
 
 
 def test_steps_that_cannot_be_kept_are_refused_before_anything_is_estimated(run, files):
-    outcome = run("estimate", *KNOWN, "--debug", files["photo"], files["photo"])
-    assert outcome.status == 2
-    assert outcome.out == []
-    assert "is a file, not a folder" in outcome.err[0]
+    assert "is a file, not a folder" in run("estimate", *KNOWN, "--debug", files["photo"], files["photo"]).refusal
 
 
 def test_no_folder_for_steps_is_made_where_there_are_none(run, files, tmp_path):
@@ -456,8 +435,7 @@ def test_what_a_flag_reads_is_not_replaced_by_the_sheet(run, files, tmp_path, fl
     for sheet in (path, other):
         named = (flag.format(path) for flag in flags)
         outcome = run("estimate", *KNOWN, files["photo"], *named, "--sheet", sheet, "--overwrite")
-        assert outcome.status == 2
-        assert "is also read" in outcome.err[0]
+        assert "is also read" in outcome.refusal
     assert path.read_bytes() == other.read_bytes() == b"precious"
 
 
@@ -488,19 +466,14 @@ def test_a_batch_that_is_asked_to_end_leaves_a_sheet_too(run, folder, monkeypatc
 
 @pytest.mark.parametrize("name", ["sheet.pdf", "sheet.png", "sheet"])
 def test_a_sheet_that_is_not_named_as_a_page_is_refused(run, files, tmp_path, name):
-    outcome = run("estimate", *KNOWN, "--sheet", tmp_path / name, files["photo"])
-    assert outcome.status == 2
-    assert outcome.out == []
-    assert "let its name end in .html" in outcome.err[-1]
+    assert "let its name end in .html" in run("estimate", *KNOWN, "--sheet", tmp_path / name, files["photo"]).refusal
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_sheet_is_not_overwritten_unasked(run, files, tmp_path):
     sheet = tmp_path / "sheet.html"
     sheet.write_text("mine")
-    outcome = run("estimate", *KNOWN, "--sheet", sheet, files["photo"])
-    assert outcome.status == 2
-    assert outcome.out == []
+    assert "--overwrite" in run("estimate", *KNOWN, "--sheet", sheet, files["photo"]).refusal
     assert sheet.read_text() == "mine"
     assert run("estimate", *KNOWN, "--sheet", sheet, "--overwrite", files["photo"]).status == 0
     assert "<figure>" in sheet.read_text(encoding="utf-8")

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
-import jsonschema
 import numpy as np
 import pytest
 
@@ -67,10 +66,9 @@ def test_a_photo_that_the_estimator_does_not_use_is_said(run, table, monkeypatch
     assert not [line for line in run("estimate", *KNOWN, "--together", *table).err if "not used" in line]
 
 
-def test_a_clip_is_answered_from_several_of_its_frames(run, film, schema):
+def test_a_clip_is_answered_from_several_of_its_frames(run, film):
     outcome = run("estimate", "--json", "--camera-file", film.camera_file, film.path)
     (record,) = outcome.records
-    jsonschema.validate(record, schema)
     assert outcome.status == 0
     frames = record["views"]["frames"]
     assert frames[0] == record["frame"]
@@ -124,26 +122,19 @@ def test_views_are_chosen_from_the_frames_that_are_named(run, film):
     ],
 )
 def test_what_cannot_be_is_said_in_one_line_with_status_2(run, film, flags, said):
-    outcome = run("estimate", *KNOWN, film.path, *flags)
-    assert outcome.status == 2
-    (line,) = outcome.out + outcome.err
-    assert said in line
+    assert said in run("estimate", *KNOWN, film.path, *flags).refusal
 
 
 def test_a_photo_is_not_spoken_of_as_frames(run, table):
     (line,) = run("estimate", *KNOWN, table[0]).out
     assert "frame" not in line
     for flags in (("--estimate-at", 3), ("--frames", "3:")):
-        outcome = run("estimate", *KNOWN, table[0], *flags)
-        assert outcome.status == 2
-        (line,) = outcome.out + outcome.err
-        assert f"it is a photo: leave {flags[0]} out" in line
+        assert f"it is a photo: leave {flags[0]} out" in run("estimate", *KNOWN, table[0], *flags).refusal
 
 
-def test_photos_taken_together_have_one_answer(run, table, schema):
+def test_photos_taken_together_have_one_answer(run, table):
     outcome = run("estimate", "--json", *KNOWN, "--together", *table)
     (record,) = outcome.records
-    jsonschema.validate(record, schema)
     assert outcome.status == 0
     assert record["file"] == str(table[0])
     assert record["views"]["files"] == [str(path) for path in table]
@@ -160,10 +151,8 @@ def test_a_clip_and_photos_may_be_taken_together_and_each_view_says_where_it_is_
     assert record["views"]["files"][:2] == [str(table[0]), str(table[1])]
 
 
-def test_what_is_of_no_use_together_has_its_own_line_and_the_rest_is_answered(run, table, files, tmp_path, schema):
+def test_what_is_of_no_use_together_has_its_own_line_and_the_rest_is_answered(run, table, files, tmp_path):
     outcome = run("estimate", "--json", *KNOWN, "--together", table[0], files["garbage"], tmp_path / "no.png", table[1])
-    for record in outcome.records:
-        jsonschema.validate(record, schema)
     assert outcome.status == 2
     assert [bool(record["error"]) for record in outcome.records] == [True, True, False]
     assert outcome.records[-1]["views"]["files"] == [str(table[0]), str(table[1])]

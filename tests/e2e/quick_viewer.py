@@ -10,6 +10,5 @@ worker.make_estimator = quick
 if __name__ == "__main__":
     from ashe_live.cli import run
     from ashe_live.process.ending import end_process
-    from ashe_live.process.streams import flushed
 
-    end_process(flushed(run(sys.argv[1:])))
+    end_process(run(sys.argv[1:]))

@@ -20,6 +20,9 @@ from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.viewer.estimates.first_estimate import FirstEstimate
+from tests.viewer.scripted_session import ScriptedSession
 
 SIZE = (64, 48)
 SIDE_M = 0.08
@@ -319,3 +322,26 @@ class Fakes:
 @pytest.fixture(scope="session")
 def fakes() -> type[Fakes]:
     return Fakes
+
+
+@pytest.fixture
+def make(fakes) -> Callable[..., ScriptedSession]:
+    """A session with fakes behind it: `when` its first estimate is made, and after how many frames it is steady."""
+
+    def make(truth=None, automatic=False, steady_frames=3, **when) -> ScriptedSession:
+        first = FirstEstimate(Steadiness(steady_frames), **when)
+        return ScriptedSession(fakes, first, true_to_light_marker=truth, automatic=automatic)
+
+    return make
+
+
+@pytest.fixture
+def shown(make) -> Callable[..., ScriptedSession]:
+    """The same, which shows a frame with a marker."""
+
+    def shown(**how) -> ScriptedSession:
+        session = make(**how)
+        session.take(tracked(), 0.0)
+        return session
+
+    return shown

@@ -11,19 +11,17 @@ from ashe_live.viewer.display import Display, Readings, bare_scene
 from ashe_live.viewer.drawn.estimate_inset import BORDER_PX
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
-from ashe_live.viewer.session import Session
 from ashe_live.viewer.view_options import ShownParts
+from tests.viewer.scripted_session import ScriptedSession
 
 SCREEN = Screen((640, 480))
 
 
 @pytest.fixture
-def session(fakes) -> Session:
-    session = Session(fakes.Shelf(), fakes.Worker(), FirstEstimate())
+def session(fakes) -> ScriptedSession:
+    session = ScriptedSession(fakes, FirstEstimate())
     session.take(fakes.tracked(), 0.0)
-    session.request_estimate(0.0)
-    session.watch._worker.answer = fakes.estimate()
-    session.poll(0.0)
+    session.estimated(fakes.estimate())
     return session
 
 
@@ -125,7 +123,7 @@ def test_the_masks_are_shown_over_the_frozen_frame(session):
 
 
 def test_without_an_estimate_there_are_no_masks(fakes):
-    session = Session(fakes.Shelf(), fakes.Worker(), FirstEstimate())
+    session = ScriptedSession(fakes, FirstEstimate())
     session.view.shows_steps = True
     assert len(Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays) == 1
 

@@ -40,6 +40,7 @@ from ashe_live.viewer.stillness import HELD_AFTER_PICTURES
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.view_options import ShownParts
 from tests.light.painted_scenes import BOX, paint
+from tests.viewer.scripted_session import ScriptedSession
 from tests.viewer.scripted_window import ScriptedWindow
 
 PATIENCE_S = 20.0
@@ -84,7 +85,7 @@ class Stage:
     def __init__(self, fakes) -> None:
         self.fakes = fakes
         self.pipeline, self.dropped = ScriptedPipeline(), ScriptedPipeline()
-        self.session = Session(fakes.Shelf(), fakes.Worker(), FirstEstimate())
+        self.session = ScriptedSession(fakes, FirstEstimate())
         self.renderer = fakes.Renderer()
 
     def opener(self, path):
@@ -155,7 +156,7 @@ def test_the_estimate_is_printed(stage, capfd):
     stage.put(0)
 
     def answer() -> None:
-        stage.session.watch._worker.answer = stage.fakes.estimate()
+        stage.session.worker.answer = stage.fakes.estimate()
 
     stage.run(Command.ESTIMATE, answer, None)
     assert capfd.readouterr().out == "light: azimuth 0°, elevation 45° ± 2.9°\n"
@@ -440,7 +441,7 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
     stage.dropped.frames.put(stage.fakes.tracked(0))
 
     def answer() -> None:
-        stage.session.watch._worker.answer = stage.fakes.estimate()
+        stage.session.worker.answer = stage.fakes.estimate()
 
     def is_there() -> bool:
         return stage.window.title == "ashe-live: sun.mp4"
@@ -663,7 +664,7 @@ def test_that_no_other_marker_is_in_view_is_said(stage, others):
 
 def test_the_light_is_saved_for_other_programs(stage, tmp_path):
     stage.put(0)
-    stage.session.watch._worker.answer = stage.fakes.estimate()
+    stage.session.worker.answer = stage.fakes.estimate()
     stage.run(None, Command.KEEP_LIGHT, Command.ESTIMATE, None, Command.KEEP_LIGHT, None)
     (sky,), (record,) = tmp_path.glob("*.hdr"), tmp_path.glob("*.json")
     assert sky.read_bytes().startswith(b"#?RADIANCE")
@@ -676,7 +677,7 @@ def test_the_light_is_saved_whatever_else_has_its_name(stage, tmp_path, monkeypa
     (tmp_path / "a.json").write_text("mine")
     monkeypatch.setattr(keeping, "unused_name", lambda *_: tmp_path / "a.hdr")
     stage.put(0)
-    stage.session.watch._worker.answer = stage.fakes.estimate()
+    stage.session.worker.answer = stage.fakes.estimate()
     stage.run(None, Command.ESTIMATE, None, Command.KEEP_LIGHT, None)
     assert (tmp_path / "a.json").read_text() == "mine"
     assert "estimate" in json.loads((tmp_path / "a-2.json").read_text())

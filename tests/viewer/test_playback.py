@@ -7,7 +7,7 @@ from ashe_live.viewer.drawn.time_bar import bar_at
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
 from ashe_live.viewer.playback import BAR_SHOWN_S, SPEEDS, Playback
-from ashe_live.viewer.session import Session
+from tests.viewer.scripted_session import ScriptedSession
 
 SCREEN = Screen((640, 480))
 OF_TIME = (Command.PAUSE, Command.RESTART, Command.STEP, Command.SEEK, Command.SPEED, Command.LOOP)
@@ -28,7 +28,7 @@ class NotingPipeline:
 class Stage:
     def __init__(self, fakes, **kind: bool) -> None:
         self.pipeline = NotingPipeline(**kind)
-        self.session = Session(fakes.Shelf(), fakes.Worker(), FirstEstimate())
+        self.session = ScriptedSession(fakes, FirstEstimate())
         self.playback = Playback(self.pipeline, self.session)
         self.shown = fakes.tracked(30)
         self.bar = bar_at(SCREEN)

@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from ashe_live.bench.cases import EXACT_PX, GROUND_TRUTH, MOST_TRUTH_BYTES, decoded
+from ashe_live.bench.cases import EXACT_PX, decoded, ground_truth
 from ashe_live.bench.cube.ambient import NORMALS, painted_sky
 from ashe_live.bench.cube.painted_scene import CubeScene
 from ashe_live.bench.cube.painter import painted
@@ -18,7 +18,6 @@ from ashe_live.core.arrays import Float, Image, directions_on_spiral
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.errors import UserError
-from ashe_live.files.reading import read_json
 from ashe_live.tracking.cube.faces import CUBE
 
 
@@ -63,15 +62,9 @@ def traced_pictures(folders: Sequence[Path]) -> dict[str, list[tuple[Path, Mappi
     """
     found: dict[str, list[tuple[Path, Mapping[str, Any]]]] = {}
     for folder in folders:
-        path = folder / GROUND_TRUTH
-        try:
-            content = read_json(path, MOST_TRUTH_BYTES)
+        with ground_truth(folder, "scenes", "`scenes`") as content:
             entries = [*content.get("scenes", []), *content.get("marker_not_found", [])]
             cubes = [(each["category"], each) for each in entries if each["marker"].get("dictionary") == CUBE]
-        except OSError as error:
-            raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise UserError(f"{path} is no list of scenes ({error})", "it needs `scenes`") from error
         if not cubes:
             raise UserError(f"{folder} has no pictures of a paper cube", "ashe-live bench light measures on others")
         for category, each in cubes:

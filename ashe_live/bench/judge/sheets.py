@@ -9,7 +9,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 from rich.progress import track
@@ -51,8 +50,6 @@ class SeenSheet:
 @dataclass(frozen=True, slots=True)
 class SheetsBench(Bench):
     """Fits the concentration to the folders `scenes`, and to all grounds but each, by which that one is judged."""
-
-    SCHEMA: ClassVar[int] = 1
 
     scenes: Sequence[Path]
     limit: int | None = None  # number of pictures of each folder, the first ones; None: all

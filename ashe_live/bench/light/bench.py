@@ -14,7 +14,7 @@ from ashe_live.bench.cases import Case, over_empty_tables, read_cases
 from ashe_live.bench.light.clips import ClipResult, estimate_clip, frames_of, read_clips
 from ashe_live.bench.light.known_casters import print_known_casters, with_known_casters
 from ashe_live.bench.light.preset_tables import print_preset
-from ashe_live.bench.light.results import CaseResult, Summary, case_result, grouped, stage_times, summarise
+from ashe_live.bench.light.results import CaseResult, case_result, grouped, stage_times, summarise
 from ashe_live.bench.light.set_tables import (
     print_clips,
     print_lamp_takes,
@@ -24,7 +24,6 @@ from ashe_live.bench.light.set_tables import (
     print_takes,
 )
 from ashe_live.bench.light.takes import Take, TakeResult, read_takes, take_results
-from ashe_live.bench.light.targets import Verdict, verdicts
 from ashe_live.bench.light.trade import COST, print_trade, sweep
 from ashe_live.bench.light.truth import error_on_true_labels_deg, mask_overlaps
 from ashe_live.bench.machine import measured_with
@@ -48,7 +47,7 @@ FROM_LABELS = {"proxy": LIGHT_PRESETS}
 class LightBench(Bench):
     """The bench of `presets` of `estimator` on the folders `scenes`, which are pooled into one set."""
 
-    SCHEMA: ClassVar[int] = 4
+    SCHEMA: ClassVar[int] = 5
 
     scenes: Sequence[Path]
     estimator: str = "proxy"
@@ -85,13 +84,15 @@ class LightBench(Bench):
         presets: dict[str, Json] = {}
         for preset in estimators:
             of_preset = [result for result in results if result.preset == preset]
-            clips_of_preset = [clip for clip in clips if clip.preset == preset]
             summaries = {group: summarise(members) for group, members in grouped(of_preset).items()}
             stages = stage_times(of_preset)
-            met = verdicts(preset, summaries, clips_of_preset)
             if of_preset:
-                print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, of_preset, met)
-            presets[preset] = _preset_json(summaries, stages, clips_of_preset, met)
+                print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, of_preset)
+            presets[preset] = {
+                "summaries": {group: asdict(summary) for group, summary in summaries.items()},
+                "stages_ms": stages,
+                "clips": [asdict(clip) for clip in clips if clip.preset == preset],
+            }
         if results:
             print_risk(self.console, results)
             print_lamps(self.console, results)
@@ -208,17 +209,3 @@ def _note(record: Json) -> str:
 
 def _known(cases: Sequence[Case]) -> list[Case]:
     return [case for case in cases if case.to_lights_marker is not None]
-
-
-def _preset_json(
-    summaries: Mapping[str, Summary],
-    stages: Mapping[str, Mapping[str, float]],
-    clips: Sequence[ClipResult],
-    met: Sequence[Verdict],
-) -> Json:
-    return {
-        "summaries": {group: asdict(summary) for group, summary in summaries.items()},
-        "stages_ms": stages,
-        "clips": [asdict(clip) for clip in clips],
-        "targets": [{**asdict(verdict), "met": verdict.is_met, "missed_by": verdict.missed_by} for verdict in met],
-    }

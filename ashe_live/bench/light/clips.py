@@ -7,21 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES
+from ashe_live.bench.cases import ground_truth
 from ashe_live.bench.metrics import angular_error_deg, rms_deg
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import KnownClip, read_known_clip
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import normalised
 from ashe_live.core.types import TrackedFrame
-from ashe_live.errors import UserError
-from ashe_live.files.reading import read_json
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
 
 EVERY = 10  # frames
+NEEDS = "`marker` and `clips`, and a clip's own JSON file a camera, a marker and a light"
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,13 +42,8 @@ def read_clips(folder: Path) -> list[KnownClip]:
 
     Raises UserError when a file cannot be read or a description is not valid.
     """
-    try:
-        content = read_json(folder / GROUND_TRUTH, MOST_TRUTH_BYTES)
+    with ground_truth(folder, "clips", NEEDS) as content:
         return [*_listed(folder, content), *_described(folder)]
-    except OSError as error:
-        raise UserError(f"cannot read {folder / GROUND_TRUTH}", error.strerror or str(error)) from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UserError(f"{folder} has a clip without a proper description ({error})", "mend its JSON") from error
 
 
 def frames_of(clip: KnownClip, limit: int | None = None) -> list[TrackedFrame]:

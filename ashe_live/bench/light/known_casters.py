@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES, Case
+from ashe_live.bench.cases import GROUND_TRUTH, Case, ground_truth
 from ashe_live.bench.light.cells import degrees, percent
 from ashe_live.bench.light.results import CaseResult, summarise
 from ashe_live.bench.metrics import median
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.caster import Caster, parsed_caster
-from ashe_live.errors import UserError
-from ashe_live.files.reading import read_json
 
 SPECIFICATIONS = "specifications.json"  # beside the truth in the generator's own sets
 # A box's sides follow from its bounding box and its yaw, except near 45 degrees: the least |cos 2 yaw| for that.
@@ -37,14 +35,10 @@ def caster_specs(folder: Path) -> dict[str, str]:
 
     Raises UserError where the folder's files cannot be read or are not a set of scenes.
     """
-    try:
-        if (folder / SPECIFICATIONS).exists():
-            return dict(_as_specified(read_json(folder / SPECIFICATIONS, MOST_TRUTH_BYTES)))
-        return dict(_as_bounded(read_json(folder / GROUND_TRUTH, MOST_TRUTH_BYTES)))
-    except OSError as error:
-        raise UserError(f"cannot read the scenes in {folder}", error.strerror or str(error)) from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UserError(f"the casters in {folder} cannot be read ({error})", "write the set anew") from error
+    is_generated = (folder / SPECIFICATIONS).exists()
+    file = SPECIFICATIONS if is_generated else GROUND_TRUTH
+    with ground_truth(folder, "scenes", "`scenes` with their objects", file) as content:
+        return dict(_as_specified(content) if is_generated else _as_bounded(content))
 
 
 def print_known_casters(console: Console, free: Sequence[CaseResult], known: Sequence[CaseResult]) -> None:

@@ -1,15 +1,13 @@
 """The tables of `ashe-live bench light` for one preset."""
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 from ashe_live.bench.light.cells import degrees, fraction, percent
 from ashe_live.bench.light.results import ALL, GOOD_DEG, CaseResult, Summary
-from ashe_live.bench.light.targets import DEG, MS, Verdict
 from ashe_live.bench.tables import figures_table
 
 WORST = 10
@@ -21,7 +19,6 @@ def print_preset(
     summaries: Mapping[str, Summary],
     stages: Mapping[str, Mapping[str, float]],
     results: Sequence[CaseResult],
-    verdicts: Iterable[Verdict],
 ) -> None:
     """Prints all tables of one preset."""
     console.print(_errors(name, summaries))
@@ -30,7 +27,6 @@ def print_preset(
     console.print(_times(name, stages, summaries[ALL]))
     console.print(_worst(name, results))
     _print_reasons(console, results)
-    console.print(_targets(name, verdicts))
 
 
 def _errors(name: str, summaries: Mapping[str, Summary]) -> Table:
@@ -79,20 +75,6 @@ def _times(name: str, stages: Mapping[str, Mapping[str, float]], everything: Sum
     return table
 
 
-def _targets(name: str, verdicts: Iterable[Verdict]) -> Table:
-    """The figures beside their targets, with the responsible stage for each miss."""
-    table = figures_table(
-        f"{name}: targets", ("data", "figure"), "measured", "target", "from true labels", "", "missed by"
-    )
-    for verdict in verdicts:
-        measured = "-" if verdict.value is None else _value(verdict.value, verdict.unit)
-        alone = "" if verdict.on_true_labels is None else _value(verdict.on_true_labels, verdict.unit)
-        mark = Text("met", "green") if verdict.is_met else Text("missed", "red")
-        by = verdict.missed_by or ""
-        table.add_row(verdict.group, verdict.figure, measured, _bounds(verdict), alone, mark, by)
-    return table
-
-
 def _worst(name: str, results: Sequence[CaseResult]) -> Table:
     """The cases with the largest errors."""
     columns = ("error", "σ", "confidence", "from true labels", "IoU object", "IoU shadow")
@@ -111,14 +93,3 @@ def _print_reasons(console: Console, results: Sequence[CaseResult]) -> None:
     reasons = Counter(result.reason for result in results if result.is_lit and not result.is_answered)
     for reason, count in reasons.most_common():
         console.print(f"{count:4d} x {reason}", highlight=False)
-
-
-def _bounds(verdict: Verdict) -> str:
-    least, most = (_value(bound, verdict.unit) for bound in (verdict.least, verdict.most))
-    if verdict.least <= 0:
-        return f"≤ {most}"
-    return f"≥ {least}" if verdict.most >= 1 else f"{least} to {most}"
-
-
-def _value(value: float, unit: str) -> str:
-    return {DEG: f"{value:.1f}°", MS: f"{value:.0f} ms"}.get(unit, f"{value:.0%}")

@@ -16,7 +16,6 @@ from ashe_live.bench.metrics import (
     percentile,
     share,
     squared_sigmas,
-    worst_assigned_deg,
 )
 from ashe_live.core.contract import light_json
 from ashe_live.core.light_estimate import LightEstimate
@@ -25,8 +24,7 @@ from ashe_live.core.transforms import ELLIPSE_95
 GOOD_DEG = 5.0
 CONFIDENT_DEG = 10.0  # a confidence is the probability of an error below this, `judge.GOOD_RAD`
 BAD_DEG, BAD_CONFIDENCE = 15.0, 0.5  # error and confidence beyond which an answer is sure and wrong
-UPRIGHT_CONVEX = ("box", "cylinder", "cone", "cup", "bottle", "sphere")
-UPRIGHT, ALL_LIT, ALL = "clean, upright convex", "all lit", "all"
+ALL_LIT, ALL = "all lit", "all"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +40,6 @@ class CaseResult:
     lights: tuple[Mapping[str, object], ...]  # in the format of the contract
     reason: str | None
     error_deg: float | None  # of the strongest light answered, to the nearest true light
-    worst_deg: float | None  # the largest error over all lights, if their number is right
     sigma_deg: float | None
     squared_sigmas: float | None  # squared Mahalanobis distance of the error under the stated covariance
     confidence: float | None
@@ -86,14 +83,12 @@ def case_result(
     if truths is None:
         raise ValueError(f"nobody knows the light of {case.id}")
     light = estimate.light
-    error = off = worst = None
+    error = off = None
     if light is not None and len(truths):
         nearest = min(truths, key=lambda truth: angular_error_deg(light.to_light_marker, truth))
         error = angular_error_deg(light.to_light_marker, nearest)
         if light.covariance_rad2 is not None:
             off = squared_sigmas(light.to_light_marker, light.covariance_rad2, nearest)
-        if len(estimate.lights) == len(truths):
-            worst = worst_assigned_deg([light.to_light_marker for light in estimate.lights], list(truths))
     return CaseResult(
         preset,
         case.folder,
@@ -104,7 +99,6 @@ def case_result(
         tuple(light_json(light) for light in estimate.lights),
         estimate.reason,
         error,
-        worst,
         None if light is None or light.sigma_rad is None else float(np.degrees(light.sigma_rad)),
         off,
         None if light is None else light.confidence,
@@ -128,7 +122,6 @@ class Summary:
     max_deg: float | None
     good_share: float | None  # fraction of the lit cases answered with an error below GOOD_DEG
     right_count_share: float | None  # fraction of all cases with the right number of lights
-    worst_median_deg: float | None  # median of `worst_deg` over the lit ones of these
     within_1_sigma: float | None
     within_2_sigma: float | None
     within_ellipse_95: float | None
@@ -163,7 +156,6 @@ def summarise(results: Sequence[CaseResult]) -> Summary:
         max_deg=largest(errors),
         good_share=share([error is not None and error < GOOD_DEG for error in errors]),
         right_count_share=share([len(result.lights) == result.true_lights for result in results]),
-        worst_median_deg=median(result.worst_deg for result in lit),
         within_1_sigma=share([error <= sigma for error, sigma in sigmas]),
         within_2_sigma=share([error <= 2 * sigma for error, sigma in sigmas]),
         within_ellipse_95=share([squared <= ELLIPSE_95 for squared in ellipses]),
@@ -182,14 +174,12 @@ def summarise(results: Sequence[CaseResult]) -> Summary:
 
 
 def grouped(results: Sequence[CaseResult]) -> dict[str, list[CaseResult]]:
-    """The results by category, in order of first appearance; then the groups with targets of their own, and pools."""
+    """The results by category, in order of first appearance; then those that are lit, and all."""
     groups: dict[str, list[CaseResult]] = {}
     for result in results:
         groups.setdefault(result.category, []).append(result)
-    upright = [result for result in groups.get("clean", []) if result.caster in UPRIGHT_CONVEX]
-    lit = [result for result in results if result.is_lit]
-    extra = {UPRIGHT: upright, ALL_LIT: lit, ALL: list(results)}
-    return {**groups, **{name: group for name, group in extra.items() if group}}
+    pools = {ALL_LIT: [result for result in results if result.is_lit], ALL: list(results)}
+    return {**groups, **{name: pool for name, pool in pools.items() if pool}}
 
 
 def stage_times(results: Sequence[CaseResult]) -> dict[str, dict[str, float]]:

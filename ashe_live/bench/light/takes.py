@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from ashe_live.bench.cases import (
-    GROUND_TRUTH,
-    MOST_TRUTH_BYTES,
     Case,
+    ground_truth,
     lamp_and_foot,
     marker_spec_of,
     rendering_camera,
@@ -25,7 +24,6 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.files.reading import read_json
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
@@ -92,12 +90,8 @@ def read_takes(folder: Path) -> list[Take]:
 
     Raises UserError when there is no such file, or it is no such list.
     """
-    path = folder / GROUND_TRUTH
-    try:
-        content = read_json(path, MOST_TRUTH_BYTES)
+    with ground_truth(folder, "takes", "`takes` with `frames`") as content:
         takes = [found for take in content.get("takes", ()) if (found := _take(folder, take)) is not None]
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UserError(f"{path} is no list of takes ({error})", "it needs `takes` with `frames`") from error
     return [take for take in takes if take.case.to_lights_marker is not None]
 
 

@@ -47,6 +47,7 @@ from ashe_live.viewer.cores import leave_cores_to_renderer
 LOOP_SIZES: tuple[Size, ...] = ((640, 480), (1280, 720))
 SWEEP_SIZE: Size = (1280, 720)
 LARGE_SIZE: Size = (1920, 1080)
+MEMORY_FRAMES = 1000  # with changes of the model, during which memory is watched
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,6 @@ class RenderBench(Bench):
 
     clip: KnownClip
     frames: int  # of each loop
-    memory_frames: int
     pairs: Path | None = None  # folder of path-traced pairs, which assets/sources/scenes/pairs.py makes
 
     def parts(self) -> Iterator[Json]:
@@ -113,8 +113,8 @@ class RenderBench(Bench):
     def _memory(self, ctx: Context) -> Json:
         models = [placed_on_marker(load_model(name), self.clip.marker_side_m) for name in model_names()]
         views = orbit((320, 240), None, lights_around(1))
-        growth = memory_growth(ctx, FAST.render, models, lambda number: views[number % len(views)], self.memory_frames)
-        return {"frames": self.memory_frames, **growth}
+        growth = memory_growth(ctx, FAST.render, models, lambda number: views[number % len(views)], MEMORY_FRAMES)
+        return {"frames": MEMORY_FRAMES, **growth}
 
 
 def _large(ctx: Context, frames: int) -> Json:

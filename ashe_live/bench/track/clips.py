@@ -8,15 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES
+from ashe_live.bench.cases import ground_truth
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, project
 from ashe_live.core.types import MarkerPose
-from ashe_live.errors import UserError
-from ashe_live.files.reading import read_json
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
@@ -38,18 +36,12 @@ class ClipFigures:
 
 def follow_clips(folder: Path, preset: TrackingPreset) -> list[ClipFigures]:
     """The figures of the clips listed in the folder's ground_truth.json. Raises UserError when that cannot be read."""
-    path = folder / GROUND_TRUTH
-    try:
-        content = read_json(path, MOST_TRUTH_BYTES)
+    with ground_truth(folder, "clips", "`marker` and `clips`") as content:
         marker, clips = content["marker"], content["clips"]
         return [
             _followed(folder / name, folder / marker["pattern_file"], marker["side_units"], clip["f_px"], preset)
             for name, clip in clips.items()
         ]
-    except OSError as error:
-        raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UserError(f"{path} is no list of clips ({error})", "it needs `marker` and `clips`") from error
 
 
 def jitter_in_motion_px(poses: Sequence[Float | None], camera: Camera, side_m: float) -> float:

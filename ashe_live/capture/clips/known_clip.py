@@ -1,6 +1,5 @@
 """Clips with a known camera and marker: the one that ships with the program, and others like it."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,6 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, set_given_frozen
 from ashe_live.core.camera import Camera
+from ashe_live.files.reading import read_json
 from ashe_live.files.resources import resource
 
 
@@ -26,8 +26,8 @@ class KnownClip:
 
 
 def read_known_clip(truth_path: Path) -> KnownClip:
-    """The clip beside the JSON file `truth_path`, of the same name."""
-    truth = json.loads(truth_path.read_text(encoding="utf-8"))
+    """The clip beside the JSON file `truth_path`, of the same name. Raises UserError where that cannot be read."""
+    truth = read_json(truth_path)
     width, height = truth["size"]
     marker = truth["marker"]
     family = marker["dictionary"].removeprefix("DICT_").lower()

@@ -6,7 +6,6 @@ from ashe_live.commands.flags import values
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR, ESTIMATOR_HELP, QUALITIES, add_command
 
 SCENES_HELP = "folders of pictures with known lights, each with a ground_truth.json"
-MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
 
 
 def add_benches(bench: argparse.ArgumentParser) -> None:
@@ -38,7 +37,6 @@ def _add_render(render: argparse.ArgumentParser) -> None:
     render.add_argument(
         "--frames", type=values.count, default=100, metavar="N", help="frames of each measurement (default 100)"
     )
-    render.add_argument("--memory-frames", type=values.count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
     render.add_argument(
         "--pairs", type=values.path, metavar="DIR", help="also against photos of scenes with a model in them"
     )

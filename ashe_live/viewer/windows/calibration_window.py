@@ -6,7 +6,7 @@ from typing import Self
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Image
+from ashe_live.core.arrays import FRACTION_BITS, Image, fixed_point
 from ashe_live.core.camera import Size
 from ashe_live.core.types import Frame
 from ashe_live.render.hud import HudText
@@ -62,8 +62,8 @@ def guidance_picture(image_bgr: Image, view: BoardView | None, guide: Calibratio
     line_px = max(1, round(height / 480))
     for kept in guide.kept:
         hull = cv2.convexHull(kept.view.corners_px.astype(np.float32))
-        cv2.polylines(picture, [np.round(hull * 16).astype(np.int32)], True, KEPT_BGR, line_px, cv2.LINE_AA, 4)
+        cv2.polylines(picture, [fixed_point(hull)], True, KEPT_BGR, line_px, cv2.LINE_AA, FRACTION_BITS)
     for corner in view.corners_px if view is not None else ():
-        x, y = np.round(corner * 16).astype(int)
-        cv2.circle(picture, (int(x), int(y)), 16 * 3 * line_px, CORNER_BGR, line_px, cv2.LINE_AA, 4)
+        radius = 3 * line_px << FRACTION_BITS
+        cv2.circle(picture, fixed_point(corner).tolist(), radius, CORNER_BGR, line_px, cv2.LINE_AA, FRACTION_BITS)
     return picture

@@ -40,16 +40,6 @@ def test_abstentions_are_counted_and_written_by_preset(plain_scenes, tmp_path, c
     assert "diffuse" in capsys.readouterr().out
 
 
-def test_results_are_not_overwritten_unasked(plain_scenes, tmp_path):
-    (tmp_path / "results.json").write_text("precious")
-    bench = LightBench([plain_scenes], presets=("balanced",))
-    with pytest.raises(UserError, match="--overwrite"):
-        bench.run(tmp_path)
-    assert (tmp_path / "results.json").read_text() == "precious"
-    bench.run(tmp_path, overwrite=True)
-    assert json.loads((tmp_path / "results.json").read_text())["schema"] == 4
-
-
 def test_several_folders_are_one_set_and_the_limit_holds_for_each(plain_scenes):
     folders = [plain_scenes, plain_scenes]
     assert len(LightBench(folders).cases()) == 4

@@ -159,7 +159,7 @@ def test_spans_are_compared_by_ratio() -> None:
 def test_confidence_that_falls_for_a_right_answer_is_counted() -> None:
     def result(views: int, confidence: float | None, error_deg: float | None) -> TakeResult:
         answer = CaseResult(
-            "fast", "set", "take", "clean", None, 1, ({},) if confidence else (), None, error_deg, None, None, None,
+            "fast", "set", "take", "clean", None, 1, ({},) if confidence else (), None, error_deg, None, None,
             confidence, None, None, None, {"total": 1.0}, 1.0, None,
         )  # fmt: skip
         return TakeResult(6.0, views, views, answer)

@@ -80,5 +80,5 @@ def test_nothing_that_it_writes_is_overwritten_unasked(tmp_path, name: str) -> N
     kept = tmp_path / name
     kept.write_bytes(b"mine")
     with pytest.raises(UserError, match=name):
-        RenderBench(shipped_clip(), 2, 10).run(tmp_path)
+        RenderBench(shipped_clip(), 2).run(tmp_path)
     assert kept.read_bytes() == b"mine"

@@ -18,7 +18,6 @@ from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Camera
 from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.types import Illumination
-from ashe_live.errors import UserError
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
 
@@ -70,14 +69,6 @@ def test_interrupted_it_reports_the_frames_so_far(clip, monkeypatch):
     record = SoakBench(clip, FAST, BlindEstimator, FRAMES).run()
     assert (record["frames"], record["soak"]["frames"]) == (FRAMES, 10)
     assert record["soak"]["left_running"] == []
-
-
-def test_an_existing_file_is_refused_before_anything_is_measured(clip, tmp_path):
-    out = tmp_path / "results.json"
-    out.write_text("precious")
-    with pytest.raises(UserError, match="--overwrite"):
-        SoakBench(clip, FAST, BlindEstimator, FRAMES).run(tmp_path)
-    assert out.read_text() == "precious"
 
 
 @pytest.mark.parametrize("number", [0, 1, 0b1010101010101010, 2**BITS - 1, 2**BITS + 5])

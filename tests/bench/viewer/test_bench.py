@@ -18,7 +18,6 @@ from ashe_live.core.light_estimate import LightEstimate
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Illumination
-from ashe_live.errors import UserError
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
 from ashe_live.tracking.families.markers import parse_marker
@@ -90,14 +89,6 @@ def test_the_record_is_whole_and_adds_up(clip, tmp_path, capsys):
     assert 0 < record["key_views"]["mean_ms"] <= record["key_views"]["p99"]
     assert 0 < record["key_views"]["mib"] < 40
     assert f"{record['unpaced']['fps']:.0f} fps" in capsys.readouterr().out
-
-
-def test_an_existing_file_is_refused_before_anything_is_measured(clip, tmp_path):
-    out = tmp_path / "results.json"
-    out.write_text("precious")
-    with pytest.raises(UserError, match="--overwrite"):
-        ViewerBench(clip, FAST, BlindEstimator, FRAMES).run(tmp_path)
-    assert out.read_text() == "precious"
 
 
 def test_a_start_that_hangs_has_no_time_and_costs_no_other_figure(clip, monkeypatch):

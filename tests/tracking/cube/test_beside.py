@@ -69,6 +69,16 @@ def followed() -> tuple[MarkerTracker, list[TrackedFrame]]:
     return tracker, [tracker.track(frame_at(index)) for index in range(PLACED_AFTER + 4)]
 
 
+@pytest.fixture
+def knowing() -> tuple[MarkerTracker, int]:
+    """A tracker that knows where the marker lies, and how many frames it has seen."""
+    tracker = MarkerTracker(parse_target(f"cube+{FLAT}"), CAMERA, EDGE_M, BALANCED.tracking)
+    count = PLACED_AFTER + 2
+    for index in range(count):
+        tracker.track(frame_at(index))
+    return tracker, count
+
+
 def test_where_it_lies_is_learned(followed: tuple[MarkerTracker, list[TrackedFrame]]) -> None:
     *_, last = followed[1]
     assert followed[1][0].others == ()
@@ -98,11 +108,8 @@ def test_its_sheet_is_no_ground(followed: tuple[MarkerTracker, list[TrackedFrame
     assert not view.is_ground[y - 3 : y + 4, x - 3 : x + 4].any()
 
 
-def test_while_the_cube_is_covered_it_determines_the_pose_alone() -> None:
-    tracker = MarkerTracker(parse_target(f"cube+{FLAT}"), CAMERA, EDGE_M, BALANCED.tracking)
-    count = PLACED_AFTER + 2
-    for index in range(count):
-        tracker.track(frame_at(index))
+def test_while_the_cube_is_covered_it_determines_the_pose_alone(knowing: tuple[MarkerTracker, int]) -> None:
+    tracker, count = knowing
     for index in range(count, count + 8):
         marker = tracker.track(without_cube(frame_at(index), view_of(index))).marker
         assert marker is not None
@@ -111,11 +118,8 @@ def test_while_the_cube_is_covered_it_determines_the_pose_alone() -> None:
         assert marker.measured_T_cam_marker[:3, 3] == pytest.approx(view_of(index)[:3, 3], abs=3e-3)
 
 
-def test_one_that_is_moved_is_learned_anew_and_does_not_pull_the_cube_along() -> None:
-    tracker = MarkerTracker(parse_target(f"cube+{FLAT}"), CAMERA, EDGE_M, BALANCED.tracking)
-    count = PLACED_AFTER + 2
-    for index in range(count):
-        tracker.track(frame_at(index))
+def test_one_that_is_moved_is_learned_anew_and_does_not_pull_the_cube_along(knowing: tuple[MarkerTracker, int]) -> None:
+    tracker, count = knowing
     for index in range(count, count + 2 * PLACED_AFTER + 4):
         tracked = tracker.track(frame_at(index, is_moved=True))
         assert tracked.marker is not None
@@ -124,11 +128,10 @@ def test_one_that_is_moved_is_learned_anew_and_does_not_pull_the_cube_along() ->
     assert lying.centre_m == pytest.approx(ELSEWHERE.centre_m, abs=1e-3)
 
 
-def test_a_frame_that_no_pose_explains_leaves_the_cube_to_be_found_in_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
-    tracker = MarkerTracker(parse_target(f"cube+{FLAT}"), CAMERA, EDGE_M, BALANCED.tracking)
-    count = PLACED_AFTER + 2
-    for index in range(count):
-        tracker.track(frame_at(index))
+def test_a_frame_that_no_pose_explains_leaves_the_cube_to_be_found_in_the_next(
+    knowing: tuple[MarkerTracker, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tracker, count = knowing
     with monkeypatch.context() as patched:
         patched.setattr("ashe_live.tracking.members.pose_of_squares", lambda *_, **__: None)
         assert tracker.track(frame_at(count)).marker is None

@@ -1,0 +1,242 @@
+"""The text of the heads-up display: the state of light, marker and camera, and what helps."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import direction_from_angles
+from ashe_live.core.types import Illumination, Light
+from ashe_live.models.mesh import Model
+from ashe_live.models.placement import Placement, placed_on_marker
+from ashe_live.models.primitives import box
+from ashe_live.viewer.hands.requests import Command
+from ashe_live.viewer.status import (
+    LAMP_AMONG_MANY,
+    LAMP_BELOW,
+    LAMP_INSIDE,
+    OUT_OF_PICTURE,
+    camera_line,
+    guidance,
+    light_line,
+    marker_line,
+    source_lines,
+    status_lines,
+)
+
+
+def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move_the_camera(shown, fakes):
+    session = shown()
+    session.estimated(fakes.estimate())
+    assert "move" not in light_line(session)  # a clip moves by itself
+    session.watch.camera_may_move = True
+    assert light_line(session) == "light: azimuth 0°, elevation 45° ± 2.9°, move the camera a little"
+    session.estimated(fakes.estimate(sigma_rad=0.01), 1.0)
+    assert "move" not in light_line(session)
+
+
+def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
+    session = make()
+    session.take(fakes.tracked(has_marker=False), 0.0)
+    assert len(status_lines(session, None, "fast")) == 2, "what follows from a marker is nothing to read yet"
+    assert any("name it with --marker" in line for line in guidance(session)), "a file shows what it shows"
+    session.arrangement.followed = "image:logo.png"
+    assert guidance(session)[0].startswith("the marker image:logo.png is not found")
+    session.arrangement.followed = "cube"
+    assert guidance(session)[0].startswith("the paper cube is not found")
+    session.has_named_marker = False
+    assert guidance(session)[0].startswith("no marker is found here"), "nobody has heard of the one by default"
+    assert not any("cube" in line for line in guidance(session))
+    session.watch.camera_may_move = True
+    assert any("marker --show" in line for line in guidance(session))
+    session.take(fakes.tracked(), 0.0)
+    session.take(fakes.tracked(has_marker=False), 0.0)
+    assert guidance(session) == ()
+
+
+def test_after_no_light_it_says_what_to_change(shown, fakes):
+    session = shown()
+    session.estimated(fakes.estimate(with_light=False))
+    line, by_hand = guidance(session)
+    assert line.startswith("what helps")
+    assert "by hand" in by_hand
+    session.request_estimate(0.0)
+    assert guidance(session) == ()
+
+
+def test_the_light_line_names_every_state(shown, fakes):
+    session = shown(truth=direction_from_angles(0.0, np.radians(45)))
+    lines = [light_line(session)]
+    session.request_estimate(0.0)
+    lines.append(light_line(session))
+    session.answered(fakes.estimate(), 0.0)
+    lines.append(light_line(session))
+    session.request_estimate(0.0)
+    lines.append(light_line(session))
+    session.answered(fakes.estimate(with_light=False), 0.0)
+    lines.append(light_line(session))
+    assert "Space" in lines[0]
+    assert lines[1] == "light: estimating…"
+    assert lines[2] == "light: azimuth 0°, elevation 45° ± 2.9° (0.0° from the truth)"
+    assert lines[3] == lines[2] + ", estimating…"
+    assert lines[4] == "no clear light: no shadow found beside the object"
+
+
+def test_an_estimate_that_takes_long_says_for_how_long(shown, fakes):
+    session = shown()
+    session.request_estimate(10.0)
+    session.worker.waited_s = 0.9
+    assert light_line(session) == "light: estimating…"
+    session.worker.waited_s = 2.6
+    assert light_line(session) == "light: estimating, 2 s"
+    session.answered(fakes.estimate(), 12.6)
+    # One that nobody waits for is silent.
+    session.watch.ask_in_background(fakes.tracked(1), 20.0)
+    answer = light_line(session)
+    assert "estimating" not in answer
+    session.request_estimate(30.0)
+    assert light_line(session) == f"{answer}, estimating, 2 s"
+
+
+def test_while_it_waits_for_a_steady_marker_it_does_not_ask_for_a_key(make):
+    assert "Space" not in light_line(make(on_first_steady=True))
+
+
+def test_the_marker_line_distinguishes_found_from_lost(fakes):
+    lines = {marker_line(None), marker_line(fakes.tracked()), marker_line(fakes.tracked(has_marker=False))}
+    assert len(lines) == 3
+    assert "marker: in view" in lines
+
+
+def test_of_a_marker_only_what_is_wrong_is_said(fakes):
+    seen = fakes.tracked()
+    bent = dataclasses.replace(seen, marker=dataclasses.replace(seen.marker, reprojection_rms_px=2.4))
+    line = marker_line(bent)
+    assert line == "marker: in view, but bent: lay it flat, or measure the lens by `ashe-live calibrate`"
+    by_file = dataclasses.replace(bent.camera, source="file")
+    assert marker_line(dataclasses.replace(bent, camera=by_file)) == "marker: in view, but bent: lay it flat"
+
+
+def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):
+    given = fakes.tracked()
+    size = given.frame.size
+    assert camera_line(None) is None
+    assert camera_line(given) is None
+    assumed = dataclasses.replace(given, camera=Camera.from_hfov(size, 60, "assumed"))
+    assert "assumed" in camera_line(assumed)
+    focal_px = Camera.from_hfov(size, 61.3).K[0, 0]
+    estimated = dataclasses.replace(given, camera=Camera.from_focal(size, focal_px, "estimated", 0.01 * focal_px))
+    shorter = Camera.from_focal(size, 0.99 * focal_px)
+    assert camera_line(estimated) == f"camera: 61.3° ± {shorter.hfov_deg - 61.3:.1f}° wide, estimated from the marker"
+    vague = dataclasses.replace(given, camera=Camera.from_focal(size, focal_px, "estimated", 0.08 * focal_px))
+    assert "few views" in camera_line(vague)
+
+
+def test_no_status_line_is_empty(make):
+    session = make()
+    assert all(status_lines(session, None, "fast"))
+    assert status_lines(session, 59.6, "fast")[0] == "60 fps   model: cube   fast   H: keys"
+    assert source_lines(session, None, 0.0) == []
+    session.say("saved", 0.0)
+    assert source_lines(session, "end of the clip", 0.0) == ["end of the clip", "saved"]
+
+
+def test_what_is_left_out_is_said_for_as_long_as_it_is_so(shown):
+    """Not only for the few seconds of a notice: snapshots and recordings are made so too."""
+    session = shown()
+    for is_whole in (False, False, False, False, True, False):
+        session.press(Command.BEFORE_AFTER, now_s=1.0)
+        soon, late = (source_lines(session, None, now_s) for now_s in (1.0, 100.0))
+        assert soon == [f"{session.view.parts.value}: B goes on"]
+        assert late == ([] if is_whole else soon)
+    session.press(Command.RESET, now_s=100.0)
+    assert session.view.parts.value not in " ".join(source_lines(session, None, 100.0))
+
+
+def test_a_model_that_was_moved_out_of_the_picture_is_reported(make, fakes):
+    session = make()
+    model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
+    session.table.shelf.shown = model
+    session.take(fakes.tracked(), 0.0)
+    for shift_m, said in (((0.0, 0.0), ()), ((0.01, 0.0), ()), ((90.0, 0.0), (OUT_OF_PICTURE,))):
+        session.hand.placement = Placement(shift_m=shift_m)
+        assert guidance(session) == said
+    session.press(Command.RESET)
+    assert guidance(session) == ()
+
+
+@pytest.mark.parametrize(
+    ("place", "said"),
+    [
+        ((0.0, 0.0, 0.02), LAMP_INSIDE),
+        ((0.3, 0.0, -0.2), LAMP_BELOW),
+        ((0.3, 0.2, 0.4), None),
+        ((0.1, 0.0, 0.05), None),
+    ],
+)
+def test_a_lamp_where_no_light_can_come_from_is_reported(make, fakes, place, said):
+    session = make()
+    model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
+    session.table.shelf.shown = model
+    session.take(fakes.tracked(), 0.0)
+    lamp = Light(place, inverse_distance=1 / np.linalg.norm(place))
+    session.hand.light = Illumination((lamp,))
+    assert guidance(session) == (() if said is None else (said,))
+    assert f"lamp, {100 * np.linalg.norm(place):.0f} cm, azimuth" in light_line(session)
+
+
+def test_a_lamp_among_models_casts_their_shadows_and_is_not_reported(make, fakes):
+    session = make()
+    session.table.shelf.shown = placed_on_marker(Model("box", (box((0.25, 0.25, 1)),)), 0.08)
+    session.take(fakes.tracked(), 0.0)
+    session.press(Command.ADD_MODEL)
+    session.poll(0.0)
+    (_, _, here), (_, _, there) = session.arrangement.models(session.tracked)
+    between = (np.array(here.shift_m) + there.shift_m) / 2
+    for place, said in (((*between, 0.04), ()), ((*between, 0.6), ()), ((*there.shift_m, 0.02), (LAMP_INSIDE,))):
+        session.hand.light = Illumination((Light(place, inverse_distance=1 / np.linalg.norm(place)),))
+        assert guidance(session) == said
+
+
+def test_models_around_a_lamp_that_no_views_of_it_show_are_reported(make, fakes, monkeypatch):
+    """Nine, for which depth maps do not suffice beside four lights and a real object; without that they do."""
+    session = make()
+    model = placed_on_marker(Model("box", (box((0.3, 0.3, 1)),)), 0.06)
+    ring = 0.08 * np.array([(np.cos(turn), np.sin(turn)) for turn in 0.7 * np.arange(9)])
+    session.table.shelf.shown = model
+    session.take(fakes.tracked(), 0.0)
+    around = tuple((None, model, Placement(shift_m=tuple(place))) for place in ring)
+    monkeypatch.setattr(type(session.arrangement), "models", lambda *_: around)
+    lamp, cup = Light((0.0, 0.0, 1.0), inverse_distance=1 / 0.03), Proxy("cup", np.array([(0.3, 0.3, 0.05, 0.02, 0)]))
+    suns = tuple(Light((0.1 * number, 0.0, 1.0)) for number in range(3))
+    for lit, said in (
+        (Illumination((lamp,), real_object=cup), ()),
+        (Illumination((lamp, *suns)), ()),
+        (Illumination((lamp, *suns), real_object=cup), (LAMP_AMONG_MANY,)),
+    ):
+        session.hand.light = lit
+        assert guidance(session) == said
+
+
+def test_an_answer_over_the_empty_table_says_so(shown, fakes):
+    session = shown()
+    session.request_estimate(0.0)
+    session.worker.answer, session.worker.is_over_empty_table = fakes.estimate(), True
+    session.poll(0.0)
+    assert "over the empty table" in light_line(session)
+
+
+def test_a_light_that_is_followed_is_still_over_the_empty_table(make, fakes):
+    session = make(automatic=True)
+    worker = session.worker
+    session.take(fakes.tracked(), 0.0)
+    session.request_estimate(0.0)
+    worker.answer, worker.is_over_empty_table = fakes.estimate(), True
+    session.poll(0.0)
+    session.watch._is_awaited, worker.known, worker.follows = False, [session.estimate], True
+    worker.busy, worker.others, worker.answer = True, (fakes.tracked(),), fakes.estimate(towards=(1.0, 0.2, 1.0))
+    session.poll(1.0)
+    assert session.estimate.light.to_light_marker[1] > 0
+    assert "over the empty table" in light_line(session)
