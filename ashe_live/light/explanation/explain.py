@@ -22,7 +22,7 @@ from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.labels.two_lights import are_two_shadows
-from ashe_live.light.outline_fit.fit import FitFailure, Masks, fit_bodies
+from ashe_live.light.outline_fit.fit import Masks, fit_bodies
 from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents
 from ashe_live.light.shape.body import LitBody
@@ -84,7 +84,7 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
     masks = [_masks(proposal) for proposal in proposals]
     fits = fit_bodies(masks, preset)
     fitted = [
-        None if isinstance(fit, FitFailure) else FittedProposal(one, fit.bodies, fit.sight)
+        None if fit is None else FittedProposal(one, fit.bodies, fit.sight)
         for one, fit in zip(proposals, fits, strict=True)
     ]
     return for_known(aligned_explanations, fitted)
@@ -96,7 +96,7 @@ def refitted_bodies(explanation: Explanation, preset: FitPreset) -> list[LitBody
     nearness = float(nearness_of(start)[0])
     proposal = Proposal(explanation.region, explanation.materials, explanation.split, start, nearness=nearness)
     (fit,) = fit_bodies([_masks(proposal)], preset)
-    return [] if isinstance(fit, FitFailure) else fit.bodies
+    return [] if fit is None else fit.bodies
 
 
 def aligned_explanations(several: Sequence[FittedProposal]) -> list[Explanation | None]:
@@ -141,7 +141,7 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     outlines = observe_outlines(
         split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.undecided
     )
-    if isinstance(outlines, str):
+    if outlines is None:
         return explanation
     body = alignment.placed.lit.body
     spheroids = body.spheroids if relative_misfit(alignment) < 1 else None

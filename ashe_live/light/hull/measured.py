@@ -47,7 +47,7 @@ def shape_and_shadow(
         body, shadow = _relabelled(view, seen)
         outlines = observe_outlines(body, [shadow], view.unreliable, DIRECTIONS, EDGE_SIGMA_PX)
         depth_m = float(view.P[2, :3] @ middle + view.P[2, 3])
-        if isinstance(outlines, str) or depth_m <= 0:
+        if outlines is None or depth_m <= 0:
             continue
         body_tangents, shadow_tangents = _body_tangents(view, outlines), _shadow_tangents(view, outlines)
         planes.append(planes_of_lines(view.P, body_tangents.lines, body_tangents.sigma_px, depth_m))

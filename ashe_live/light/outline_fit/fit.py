@@ -35,13 +35,6 @@ SUFFICIENT_SHARE = 0.005
 HIGHEST_NEARNESS = 0.7  # of a lamp, times the guessed height of the body below it
 
 
-@dataclass(frozen=True, slots=True)
-class FitFailure:
-    """Why no light direction follows from these masks."""
-
-    reason: str  # a message for the user
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Masks:
     """An object that stands on the marker plane and the shadows that it casts, as a camera sees them.
@@ -75,12 +68,12 @@ class FittedBodies:
     sight: Sight  # in which they were fitted, about the object's centre
 
 
-def fit_bodies(several: Sequence[Masks], preset: FitPreset) -> list[FittedBodies | FitFailure]:
-    """For each scene the best body of every family with its lights, or why there is none; one batch, for speed.
+def fit_bodies(several: Sequence[Masks], preset: FitPreset) -> list[FittedBodies | None]:
+    """For each scene the best body of every family with its lights, None where there is none; one batch, for speed.
 
     Raises ValueError if the preset names a family without the one that it grows from.
     """
-    return [scene.fitted() if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
+    return [None if scene is None else scene.fitted() for scene in _solved(several, preset)]
 
 
 @dataclass(slots=True, eq=False)
@@ -130,25 +123,25 @@ class _Scene:
         return min((solution.cost for solution in self.solutions.values()), default=math.inf)
 
 
-def _solved(several: Sequence[Masks], preset: FitPreset) -> "list[_Scene | FitFailure]":
-    """Each scene with its solutions, or why it has none."""
+def _solved(several: Sequence[Masks], preset: FitPreset) -> list[_Scene | None]:
+    """Each scene with its solutions; None where it has none."""
     found = [_scene(masks, preset) for masks in several]
-    scenes = [scene for scene in found if isinstance(scene, _Scene)]
+    scenes = [scene for scene in found if scene is not None]
     for lights in {len(scene.outlines.shadows) for scene in scenes}:
         _try_families([scene for scene in scenes if len(scene.outlines.shadows) == lights], preset)
     return found
 
 
-def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
+def _scene(masks: Masks, preset: FitPreset) -> _Scene | None:
     outlines = observe_outlines(
         masks.body, masks.shadows, masks.unreliable, preset.directions, masks.edge_sigma_px, masks.undecided
     )
-    if isinstance(outlines, str):
-        return FitFailure(outlines)
+    if outlines is None:
+        return None
     sight = replace(masks.sight, centre_px=outlines.centre_px)
     guess = guess_scene(sight, outlines, preset.caster)
-    if isinstance(guess, str):
-        return FitFailure(guess)
+    if guess is None:
+        return None
     nearness = np.zeros(len(guess.lights))
     nearness[0] = min(masks.nearness * guess.frame.unit_m, HIGHEST_NEARNESS / guess.height)
     starts = [held_near(guess.lights, nearness, guess.height)]

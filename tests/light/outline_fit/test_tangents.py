@@ -29,7 +29,7 @@ def floating_scene(light: Float = LIGHT) -> MaskedScene:
 
 def seen(scene: MaskedScene) -> tuple[Float, Outlines]:
     outlines = observe_outlines(scene.body, scene.shadows, None, 48)
-    assert isinstance(outlines, Outlines)
+    assert outlines is not None
     x, y = outlines.centre_px
     return np.array([[1, 0, -x], [0, 1, -y], [0, 0, 1]]) @ scene.camera.K @ scene.T_cam_marker[:3], outlines
 

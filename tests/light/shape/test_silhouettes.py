@@ -18,7 +18,7 @@ def disc(x: float, y: float, radius: float, shape: tuple[int, int] = (120, 160))
 
 def outlines_of(body: Mask, shadow: Mask, unreliable: Mask | None = None, undecided: Mask | None = None) -> Outlines:
     outlines = observe_outlines(body, [shadow], unreliable, 32, undecided=undecided)
-    assert isinstance(outlines, Outlines)
+    assert outlines is not None
     return outlines
 
 

@@ -59,8 +59,8 @@ def observe_outlines(
     direction_count: int,
     edge_sigma_px: float = 0.0,
     undecided: Mask | None = None,
-) -> Outlines | str:
-    """Silhouettes from masks (h, w), bool or probabilities 0..1, whose level set at 0.5 is used; or why there are none.
+) -> Outlines | None:
+    """Silhouettes from masks (h, w), with what they leave open; None where too little of an outline can be seen.
 
     shadows: one mask for each light. unreliable: (h, w) pixels without information, such as the marker's or other
     objects'. direction_count: evenly spaced directions; the normals of long straight edges are added. edge_sigma_px:
@@ -69,11 +69,9 @@ def observe_outlines(
     in docs/maths, "What masks bound".
     """
     body_contour = contour_of(body)
-    if body_contour is None:
-        return "no object"
     shadow_contours = [contour for contour in map(contour_of, shadows) if contour is not None]
-    if len(shadow_contours) < len(shadows):
-        return "no shadow"
+    if body_contour is None or len(shadow_contours) < len(shadows):
+        return None
     whole_contour, really_unreliable = None, unreliable
     if undecided is not None and undecided.any():
         whole_contour = contour_of(np.logical_or.reduce([body > 0.5, undecided, *(shadow > 0.5 for shadow in shadows)]))
@@ -100,11 +98,8 @@ def observe_outlines(
     silhouettes = tuple(one.silhouette for one in of_shadows)
     outlines = Outlines(directions, centre, size, of_body.silhouette, silhouettes, least, most)
     seen = outlines.seen.sum(axis=1)
-    if seen[0] + seen[-1] < LEAST_SEEN_OF_BODY:
-        return "too little of the object's outline can be seen"
-    if (seen[1:-1] + seen[-1]).min() < LEAST_SEEN_OF_SHADOW:
-        return "too little of the shadow's outline can be seen"
-    return outlines
+    is_enough = seen[0] + seen[-1] >= LEAST_SEEN_OF_BODY and (seen[1:-1] + seen[-1]).min() >= LEAST_SEEN_OF_SHADOW
+    return outlines if is_enough else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
