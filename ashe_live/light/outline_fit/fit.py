@@ -5,8 +5,9 @@ for together with the lights, and families are ranked by the Bayesian informatio
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -21,7 +22,6 @@ from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.known import family_of, resized_family_of
 from ashe_live.light.shape.layout import ParameterLayout
 from ashe_live.light.shape.light_points import held_near
-from ashe_live.light.shape.outlines.contours import AnyMask
 from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
 from ashe_live.light.shape.sight import Sight
 
@@ -39,25 +39,17 @@ HIGHEST_NEARNESS = 0.7  # of a lamp, times the guessed height of the body below 
 class Masks:
     """An object that stands on the marker plane and the shadows that it casts, as a camera sees them.
 
-    Masks: (h, w) of the camera's size, bool, or float probabilities whose 0.5 level is the outline; of undistorted
-    pixels. Raises ValueError when shapes differ or there is no shadow.
+    Masks: (h, w) of the camera's size, of undistorted pixels.
     """
 
-    body: AnyMask
-    shadows: Sequence[AnyMask]  # one for each light
+    body: Mask
+    shadows: Sequence[Mask]  # one for each light
     sight: Sight
     unreliable: Mask | None = None  # pixels that are neither object, shadow nor ground (the marker, other objects)
     edge_sigma_px: float = 0.5  # standard deviation of the masks' edges from the truth; 0.2 for perfect masks
     undecided: Mask | None = None  # pixels outside the masks that belong to the object or to a shadow
     start: Float | None = None  # (l, 4) lights, marker frame, as a further start
     nearness: float = 0.0  # 1/m, w / z at which the first light is held: 0 for one at infinity
-
-    def __post_init__(self) -> None:
-        shape = self.sight.camera.size[::-1]
-        masks = [mask for mask in (self.body, *self.shadows, self.unreliable, self.undecided) if mask is not None]
-        if not self.shadows or any(mask.shape != shape for mask in masks):
-            shapes = [mask.shape for mask in masks]
-            raise ValueError(f"a fit needs an object and shadows of shape {shape}, not {shapes}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,11 +61,12 @@ class FittedBodies:
 
 
 def fit_bodies(several: Sequence[Masks], preset: FitPreset) -> list[FittedBodies | None]:
-    """For each scene the best body of every family with its lights, None where there is none; one batch, for speed.
-
-    Raises ValueError if the preset names a family without the one that it grows from.
-    """
-    return [None if scene is None else scene.fitted() for scene in _solved(several, preset)]
+    """For each scene the best body of every family with its lights, None where there is none; one batch, for speed."""
+    scenes = [_scene(masks, preset) for masks in several]
+    known = [scene for scene in scenes if scene is not None]
+    for lights in {len(scene.outlines.shadows) for scene in known}:
+        _try_families([scene for scene in known if len(scene.outlines.shadows) == lights], preset)
+    return [None if scene is None else scene.fitted() for scene in scenes]
 
 
 @dataclass(slots=True, eq=False)
@@ -108,12 +101,9 @@ class _Scene:
             number, family, np.repeat(lights, len(shapes), axis=0), np.tile(shapes, (len(lights), 1)), self.nearness
         )
 
-    def ranked(self) -> list[str]:
-        """The names of the families tried, by rising information criterion."""
-        return sorted(self.solutions, key=lambda name: _information_criterion(self.solutions[name], self.edge_sigma_px))
-
     def fitted(self) -> FittedBodies:
-        ranked = (self.solutions[name] for name in self.ranked())
+        """The solutions, by rising information criterion."""
+        ranked = sorted(self.solutions.values(), key=partial(_information_criterion, edge_sigma_px=self.edge_sigma_px))
         frame = self.guess.frame
         bodies = [LitBody(Body(frame, one.family, one.shape), frame.lights_marker(one.lights)) for one in ranked]
         return FittedBodies(bodies, self.sight)
@@ -121,15 +111,6 @@ class _Scene:
     @property
     def least_cost(self) -> float:
         return min((solution.cost for solution in self.solutions.values()), default=math.inf)
-
-
-def _solved(several: Sequence[Masks], preset: FitPreset) -> list[_Scene | None]:
-    """Each scene with its solutions; None where it has none."""
-    found = [_scene(masks, preset) for masks in several]
-    scenes = [scene for scene in found if scene is not None]
-    for lights in {len(scene.outlines.shadows) for scene in scenes}:
-        _try_families([scene for scene in scenes if len(scene.outlines.shadows) == lights], preset)
-    return found
 
 
 def _scene(masks: Masks, preset: FitPreset) -> _Scene | None:
@@ -173,24 +154,15 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
             scenes[problem.scene].solutions[problem.family.name] = solution
 
 
-def _generations(preset: FitPreset) -> Iterator[list[Family]]:
-    """Lists of families, each list holding those whose parents are in the lists before.
-
-    Raises ValueError where a parent is not among them.
-    """
-    remaining = [FAMILIES[name] for name in preset.families]
+def _generations(preset: FitPreset) -> list[list[Family]]:
+    """The families that grow from the first guess, then those that grow from one of these."""
     if preset.caster is not None:
-        remaining = [(resized_family_of if preset.resizes else family_of)(preset.caster)]
-    tried: set[str | None] = {None}
-    while remaining:
-        ready = [family for family in remaining if family.grows_from in tried]
-        if not ready:
-            raise ValueError(
-                f"{remaining[0].name} grows from {remaining[0].grows_from}, which is not among the families tried"
-            )
-        yield ready
-        tried |= {family.name for family in ready}
-        remaining = [family for family in remaining if family not in ready]
+        return [[(resized_family_of if preset.resizes else family_of)(preset.caster)]]
+    families = [FAMILIES[name] for name in preset.families]
+    return [
+        [family for family in families if family.grows_from is None],
+        [family for family in families if family.grows_from is not None],
+    ]
 
 
 def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:

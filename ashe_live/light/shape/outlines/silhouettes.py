@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.outlines.contours import AnyMask, Contour, are_beside, contour_of, truncation_mask, values_at
+from ashe_live.light.shape.outlines.contours import Contour, are_beside, contour_of, truncation_mask, values_at
 
 EDGE_SIGMA_PX = 0.7  # standard deviation of edges of masks from the truth
 # A shadow's outline this near to the object may continue behind it.
@@ -53,8 +53,8 @@ class Outlines:
 
 
 def observe_outlines(
-    body: AnyMask,
-    shadows: Sequence[AnyMask],
+    body: Mask,
+    shadows: Sequence[Mask],
     unreliable: Mask | None,
     direction_count: int,
     edge_sigma_px: float = 0.0,
@@ -74,7 +74,7 @@ def observe_outlines(
         return None
     whole_contour, really_unreliable = None, unreliable
     if undecided is not None and undecided.any():
-        whole_contour = contour_of(np.logical_or.reduce([body > 0.5, undecided, *(shadow > 0.5 for shadow in shadows)]))
+        whole_contour = contour_of(np.logical_or.reduce([body, undecided, *shadows]))
         unreliable = undecided if unreliable is None else unreliable | undecided
     size = math.sqrt(max(cv2.contourArea(body_contour.hull_px.astype(np.float32)), 1.0))
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
