@@ -28,7 +28,7 @@ from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import fitted_lights, information_on_displacement
 from ashe_live.light.shape.layout import nearness_of
-from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, observe_outlines
+from ashe_live.light.shape.outlines.silhouettes import observe_outlines
 from ashe_live.light.shape.predicted import predicted_of
 from ashe_live.light.shape.sight import Sight
 
@@ -138,9 +138,7 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     if len(explanation.lights) > 1 or alignment.ends_in_view[0] < END_IN_VIEW:
         return explanation
     view, unreliable = explanation.region.view, explanation.region.unreliable
-    outlines = observe_outlines(
-        split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.undecided
-    )
+    outlines = observe_outlines(split.object_mask, split.shadows, unreliable, DIRECTIONS, split.undecided)
     if outlines is None:
         return explanation
     body = alignment.placed.lit.body
@@ -150,7 +148,7 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     (light,) = explanation.lights
     in_body_frame = body.frame.lights(light.light[None])
     lights, covariance = lights_refined_by_tangents(
-        P, outlines, in_body_frame, information_on_displacement(light), EDGE_SIGMA_PX, spheroids
+        P, outlines, in_body_frame, information_on_displacement(light), spheroids
     )
     (refined_light,) = fitted_lights(body.frame.lights_marker(lights), covariance)
     return replace(explanation, lights=(replace(refined_light, unseen_end=light.unseen_end),))
@@ -196,7 +194,6 @@ def _masks(proposal: Proposal) -> Masks:
         split.shadows,
         Sight.of(region.view),
         unreliable=region.unreliable,
-        edge_sigma_px=EDGE_SIGMA_PX,
         undecided=split.undecided,
         start=proposal.start,
         nearness=proposal.nearness,

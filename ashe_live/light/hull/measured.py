@@ -12,7 +12,7 @@ from ashe_live.light.edges.steps import steps_across
 from ashe_live.light.hull.labelled import Labelled
 from ashe_live.light.hull.supports import Planes, ShadowLines, SupportFunction, planes_of_lines, shadow_lines
 from ashe_live.light.pixels.areas import areas_by_size, grown, majority, shrunk
-from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, Outlines, observe_outlines
+from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
 from ashe_live.light.shape.predicted import Predicted
 from ashe_live.light.views.joint.aligned import views_per_sample
 
@@ -45,7 +45,7 @@ def shape_and_shadow(
     shared = math.sqrt(views_per_sample(len(views)))  # as where a body is aligned in several views
     for view, seen in zip(views, masks, strict=True):
         body, shadow = _relabelled(view, seen)
-        outlines = observe_outlines(body, [shadow], view.unreliable, DIRECTIONS, EDGE_SIGMA_PX)
+        outlines = observe_outlines(body, [shadow], view.unreliable, DIRECTIONS)
         depth_m = float(view.P[2, :3] @ middle + view.P[2, 3])
         if outlines is None or depth_m <= 0:
             continue

@@ -7,7 +7,6 @@ for together with the lights, and families are ranked by the Bayesian informatio
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.known import family_of, resized_family_of
 from ashe_live.light.shape.layout import ParameterLayout
 from ashe_live.light.shape.light_points import held_near
-from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
+from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, Outlines, observe_outlines
 from ashe_live.light.shape.sight import Sight
 
 # The number of directions over the effective sample size, as errors in neighbouring directions are correlated.
@@ -46,7 +45,6 @@ class Masks:
     shadows: Sequence[Mask]  # one for each light
     sight: Sight
     unreliable: Mask | None = None  # pixels that are neither object, shadow nor ground (the marker, other objects)
-    edge_sigma_px: float = 0.5  # standard deviation of the masks' edges from the truth; 0.2 for perfect masks
     undecided: Mask | None = None  # pixels outside the masks that belong to the object or to a shadow
     start: Float | None = None  # (l, 4) lights, marker frame, as a further start
     nearness: float = 0.0  # 1/m, w / z at which the first light is held: 0 for one at infinity
@@ -78,7 +76,6 @@ class _Scene:
     guess: FirstGuess
     starts: list[Float]  # (l, 4) each, lights to start from, in the frame of the guess
     nearness: Float  # (l,) at which each light is held, in that frame
-    edge_sigma_px: float
     solutions: dict[str, Solution] = field(default_factory=dict)  # by family
 
     @property
@@ -87,7 +84,7 @@ class _Scene:
 
     def is_explained(self, sufficient_rms: float) -> bool:
         least = min((solution.mean_square for solution in self.solutions.values()), default=math.inf)
-        return math.sqrt(least) < min(sufficient_rms * self.edge_sigma_px, SUFFICIENT_SHARE * self.outlines.size_px)
+        return math.sqrt(least) < min(sufficient_rms * EDGE_SIGMA_PX, SUFFICIENT_SHARE * self.outlines.size_px)
 
     def problem(self, number: int, family: Family) -> Problem:
         """The search among a family's members; number: this scene's index in the observations."""
@@ -103,7 +100,7 @@ class _Scene:
 
     def fitted(self) -> FittedBodies:
         """The solutions, by rising information criterion."""
-        ranked = sorted(self.solutions.values(), key=partial(_information_criterion, edge_sigma_px=self.edge_sigma_px))
+        ranked = sorted(self.solutions.values(), key=_information_criterion)
         frame = self.guess.frame
         bodies = [LitBody(Body(frame, one.family, one.shape), frame.lights_marker(one.lights)) for one in ranked]
         return FittedBodies(bodies, self.sight)
@@ -114,9 +111,7 @@ class _Scene:
 
 
 def _scene(masks: Masks, preset: FitPreset) -> _Scene | None:
-    outlines = observe_outlines(
-        masks.body, masks.shadows, masks.unreliable, preset.directions, masks.edge_sigma_px, masks.undecided
-    )
+    outlines = observe_outlines(masks.body, masks.shadows, masks.unreliable, preset.directions, masks.undecided)
     if outlines is None:
         return None
     sight = replace(masks.sight, centre_px=outlines.centre_px)
@@ -128,7 +123,7 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | None:
     starts = [held_near(guess.lights, nearness, guess.height)]
     if masks.start is not None:
         starts.append(held_near(guess.frame.lights(masks.start), nearness, 0.5 * guess.height))
-    return _Scene(outlines, sight, guess, starts, nearness, masks.edge_sigma_px)
+    return _Scene(outlines, sight, guess, starts, nearness)
 
 
 def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
@@ -165,9 +160,9 @@ def _generations(preset: FitPreset) -> list[list[Family]]:
     ]
 
 
-def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:
+def _information_criterion(solution: Solution) -> float:
     """The Bayesian information criterion with the effective sample size for n; lower is better."""
     parameters = ParameterLayout(len(solution.lights)).split + solution.shape.size
     measurements = max(solution.count / DIRECTIONS_PER_SAMPLE, parameters + 1.0)
-    error = solution.mean_square + edge_sigma_px**2
+    error = solution.mean_square + EDGE_SIGMA_PX**2
     return measurements * math.log(error) + parameters * math.log(measurements)

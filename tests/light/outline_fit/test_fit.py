@@ -51,7 +51,7 @@ def best_of(masks: Masks, preset: FitPreset = BALANCED) -> LitBody | None:
 
 
 def fitted(scene: MaskedScene, preset: FitPreset = BALANCED) -> LitBody:
-    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, scene.T_cam_marker), None, 0.2), preset)
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, scene.T_cam_marker)), preset)
     assert fit is not None
     return fit
 
@@ -135,8 +135,8 @@ def test_what_is_unreliable_is_not_measured() -> None:
     hidden[:, int(np.quantile(xs, 0.8)) :] = True
     shadow = scene.shadows[0] & ~hidden
     body = scene.body & ~hidden
-    known = best_of(Masks(body, [shadow], Sight(scene.camera, VIEW), hidden, 0.2))
-    unknown = best_of(Masks(body, [shadow], Sight(scene.camera, VIEW), None, 0.2))
+    known = best_of(Masks(body, [shadow], Sight(scene.camera, VIEW), hidden))
+    unknown = best_of(Masks(body, [shadow], Sight(scene.camera, VIEW)))
     assert known is not None
     assert unknown is not None
     assert error_deg(known, LIGHT) < error_deg(unknown, LIGHT)
@@ -157,19 +157,19 @@ def test_what_may_be_either_is_known_by_the_outline_of_the_whole(name: str, whos
     body, shadow = scene.body, scene.shadows[0]
     undecided = nearest_part(body, shadow, share) if whose == "the object's" else nearest_part(shadow, body, share)
     sure = body & ~undecided, shadow & ~undecided
-    fit = best_of(Masks(sure[0], [sure[1]], Sight(scene.camera, VIEW), None, 0.2, undecided=undecided))
+    fit = best_of(Masks(sure[0], [sure[1]], Sight(scene.camera, VIEW), undecided=undecided))
     assert fit is not None
     assert error_deg(fit, LIGHT) < 2.0
     # Given to the wrong one, they mislead.
     wrong = (sure[0], shadow | undecided) if whose == "the object's" else (body | undecided, sure[1])
-    misled = best_of(Masks(wrong[0], [wrong[1]], Sight(scene.camera, VIEW), None, 0.2))
+    misled = best_of(Masks(wrong[0], [wrong[1]], Sight(scene.camera, VIEW)))
     assert misled is None or error_deg(misled, LIGHT) > error_deg(fit, LIGHT)
 
 
 def test_nothing_that_may_be_either_changes_nothing() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     nothing = np.zeros_like(scene.body)
-    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2, undecided=nothing))
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), undecided=nothing))
     assert fit is not None
     assert fit.to_lights_marker[0].tobytes() == fitted(scene).to_lights_marker[0].tobytes()
 
@@ -178,7 +178,7 @@ def test_nothing_that_may_be_either_changes_nothing() -> None:
 def test_a_wrong_start_beside_the_guess_does_no_harm(near: tuple[float, float]) -> None:
     scene = render(BODIES["cylinder"](), [LIGHT], VIEW)
     start = np.array([[*near, 1.0, 0.0]])
-    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2, start=start))
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), start=start))
     assert fit is not None
     assert error_deg(fit, LIGHT) < 1.5
 
@@ -189,7 +189,7 @@ def test_a_lamps_direction_is_found_where_its_nearness_is_known(name: str, azimu
     """The lamp stands less than four times as high as the bodies: for a sun its shadow is that of another body."""
     lamp_m = 0.4 * direction(azimuth_deg, 55.0)
     scene = render(BODIES[name](), [np.append(lamp_m, 1.0)], VIEW)
-    masks = Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2)
+    masks = Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW))
     as_sun, as_lamp = best_of(masks), best_of(replace(masks, nearness=1 / lamp_m[2]))
     assert as_sun is not None
     assert as_lamp is not None
@@ -206,7 +206,7 @@ def test_a_lamps_direction_is_found_where_its_nearness_is_known(name: str, azimu
 def test_high_lights_are_found_as_long_as_there_is_a_shadow(name: str, elevation_deg: float) -> None:
     light = direction(160.0, elevation_deg)
     scene = render(BODIES[name](), [light], VIEW)
-    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2))
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW)))
     if scene.shadows[0].sum() < 10:
         assert fit is None
         return
@@ -264,9 +264,8 @@ def test_no_masks_and_no_pose_break_it() -> None:
     for _ in range(300):
         view = camera_towards((0.0, 0.0), float(rng.uniform(0.05, 2)), float(rng.uniform(-5, 90)), rng.uniform(0, 360))
         masks = [random_mask(rng, (45, 60)) for _ in range(3)]
-        sigma_px, undecided = float(rng.choice([0.0, 0.2, 2.0])), random_mask(rng, (45, 60))
-        undecided = undecided if rng.integers(2) else None
-        fit = best_of(Masks(masks[0], masks[1:2], Sight(camera, view), masks[2], sigma_px, undecided=undecided), FAST)
+        undecided = random_mask(rng, (45, 60)) if rng.integers(2) else None
+        fit = best_of(Masks(masks[0], masks[1:2], Sight(camera, view), masks[2], undecided=undecided), FAST)
         if fit is None:
             continue
         answered += 1
@@ -292,7 +291,7 @@ def test_the_papers_scenes_are_solved() -> None:
     errors = []
     for case in read_cases(shared_folder("paper_scenes")):
         masks = [cv2.imread(str(case.mask_paths[name]), cv2.IMREAD_GRAYSCALE) > 127 for name in ("object", "shadow")]
-        fit = best_of(Masks(masks[0], masks[1:], Sight(case.camera, case.marker.T_cam_marker), None, 0.2))
+        fit = best_of(Masks(masks[0], masks[1:], Sight(case.camera, case.marker.T_cam_marker)))
         assert fit is not None
         assert case.to_lights_marker is not None
         errors.append(error_deg(fit, case.to_lights_marker[0]))
@@ -307,7 +306,7 @@ def test_shipped_scenes_are_solved(name: str) -> None:
     assert body is not None
     assert shadow is not None
     assert case.to_lights_marker is not None
-    fit = best_of(Masks(body, [shadow], Sight(case.camera, case.marker.T_cam_marker), None, 0.2))
+    fit = best_of(Masks(body, [shadow], Sight(case.camera, case.marker.T_cam_marker)))
     assert fit is not None
     assert error_deg(fit, case.to_lights_marker[0]) < 2
 

@@ -12,7 +12,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.shape.outlines.contours import Contour, are_beside, contour_of, truncation_mask, values_at
 
 EDGE_SIGMA_PX = 0.7  # standard deviation of edges of masks from the truth
-# A shadow's outline this near to the object may continue behind it.
+# A shadow's outline this near to the object may continue behind it: edges that are off may leave a gap between them.
 CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0
 # Points whose reach is within this of the farthest may be the true end of the outline.
 TIE_PX = 0.5
@@ -57,16 +57,14 @@ def observe_outlines(
     shadows: Sequence[Mask],
     unreliable: Mask | None,
     direction_count: int,
-    edge_sigma_px: float = 0.0,
     undecided: Mask | None = None,
 ) -> Outlines | None:
     """Silhouettes from masks (h, w), with what they leave open; None where too little of an outline can be seen.
 
     shadows: one mask for each light. unreliable: (h, w) pixels without information, such as the marker's or other
-    objects'. direction_count: evenly spaced directions; the normals of long straight edges are added. edge_sigma_px:
-    standard deviation of the masks' edges from the truth, which may leave a gap between the object and its shadow.
-    undecided: (h, w) pixels that belong to the object or to a shadow, without it being known to which. The method is
-    in docs/maths, "What masks bound".
+    objects'. direction_count: evenly spaced directions; the normals of long straight edges are added. undecided: (h, w)
+    pixels that belong to the object or to a shadow, without it being known to which. The method is in docs/maths, "What
+    masks bound".
     """
     body_contour = contour_of(body)
     shadow_contours = [contour for contour in map(contour_of, shadows) if contour is not None]
@@ -78,7 +76,7 @@ def observe_outlines(
         unreliable = undecided if unreliable is None else unreliable | undecided
     size = math.sqrt(max(cv2.contourArea(body_contour.hull_px.astype(np.float32)), 1.0))
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
-    margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * edge_sigma_px
+    margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * EDGE_SIGMA_PX
 
     doubt = _Doubt(truncation_mask(body.shape, unreliable), body_contour, margin)
     directions, owner = _directions(direction_count, body_contour, shadow_contours, doubt, size)
