@@ -10,14 +10,14 @@ from functools import partial
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, distinct
 from ashe_live.core.batches import for_known
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.light_covariance import lights_of, relative_misfit
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import Split, distinct
+from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, object_cost
 from ashe_live.light.labels.relabel import relabelled
