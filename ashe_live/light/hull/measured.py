@@ -49,7 +49,10 @@ def shape_and_shadow(
         depth_m = float(view.P[2, :3] @ middle + view.P[2, 3])
         if outlines is None or depth_m <= 0:
             continue
-        body_tangents, shadow_tangents = _body_tangents(view, outlines), _shadow_tangents(view, outlines)
+        body_tangents = _tangents(view, outlines, 0, outlines.seen[0], math.nan)
+        # Beyond the object: elsewhere it hides more of the shadow, or labels take some of that for it.
+        beyond = outlines.seen[1] & (outlines.least_px[1] > outlines.most_px[0])
+        shadow_tangents = _tangents(view, outlines, 1, beyond, -view.shift)
         planes.append(planes_of_lines(view.P, body_tangents.lines, body_tangents.sigma_px, depth_m))
         shadows.append(shadow_lines(view.P, shadow_tangents.lines, shared * shadow_tangents.sigma_px, depth_m))
         sizes_m.append(outlines.size_px * depth_m / view.focal_px)
@@ -74,16 +77,6 @@ def _relabelled(view: Labelled, seen: Predicted) -> tuple[Mask, Mask]:
 
 def _largest(mask: Mask) -> Mask:
     return next(iter(areas_by_size(mask, 1)), mask)
-
-
-def _body_tangents(view: Labelled, outlines: Outlines) -> _Tangents:
-    return _tangents(view, outlines, 0, outlines.seen[0], math.nan)
-
-
-def _shadow_tangents(view: Labelled, outlines: Outlines) -> _Tangents:
-    """Those beyond the object: elsewhere it hides more of the shadow, or labels take some of that for it."""
-    beyond = outlines.seen[1] & (outlines.least_px[1] > outlines.most_px[0])
-    return _tangents(view, outlines, 1, beyond, -view.shift)
 
 
 def _tangents(view: Labelled, outlines: Outlines, row: int, chosen: Mask, rise: float) -> _Tangents:
