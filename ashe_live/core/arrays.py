@@ -79,6 +79,20 @@ def without(items: Iterable[Item], gone: Collection[Item]) -> list[Item]:
     return [item for item in items if not any(item is other for other in gone)]
 
 
+def distinct(items: Iterable[Item], are_alike: Callable[[Item, Item], bool], most: int | None = None) -> list[Item]:
+    """The items in order, without those that are like an earlier one; `most` of them at most.
+
+    are_alike: of an item and one that was kept before it.
+    """
+    kept: list[Item] = []
+    for item in items:
+        if len(kept) == most:
+            break
+        if not any(are_alike(item, other) for other in kept):
+            kept.append(item)
+    return kept
+
+
 def cached_by_array(method: Callable[[Owner, Float], Result]) -> Callable[[Owner, Float], Result]:
     """Makes a method of one array compute each result once for its object: `functools.cache` takes no arrays.
 

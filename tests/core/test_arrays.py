@@ -8,6 +8,7 @@ from ashe_live.core.arrays import (
     cached_by_array,
     cross_2d,
     directions_on_spiral,
+    distinct,
     fixed_point,
     frozen_floats,
     frozen_view,
@@ -144,3 +145,13 @@ def test_a_method_computes_once_for_equal_arrays_and_once_for_each_object():
     assert one.doubled(np.arange(6.0)[::2]).tolist() == [0, 4, 8]
     assert other.doubled(np.arange(3.0)).tolist() == first.tolist()
     assert (len(one.asked), len(other.asked)) == (2, 1)
+
+
+def test_of_what_is_alike_the_first_one_is_kept() -> None:
+    def same_ten(one: int, other: int) -> bool:
+        return one // 10 == other // 10
+
+    assert distinct([31, 12, 35, 18, 54], same_ten) == [31, 12, 54]
+    assert distinct(iter([31, 12, 35, 18, 54]), same_ten, 2) == [31, 12]
+    assert distinct([31, 12], same_ten, 0) == []
+    assert distinct([], same_ten) == []

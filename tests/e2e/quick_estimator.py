@@ -6,7 +6,7 @@ On a painted picture, whose noise is all that differs within an area, GrabCut's 
 from ashe_live.light.estimators.estimator import Estimator, make_estimator
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.live import worker_process
-from ashe_live.light.paper.estimator import PaperEstimator, PaperParameters
+from ashe_live.light.paper.estimator import PaperEstimator
 
 # At the lowest priority a crowded machine lets an estimate wait for minutes. The light worker's process imports this
 # file, as it unpickles `quick`.
@@ -17,4 +17,4 @@ def quick(name: str, preset: ProxyPreset) -> Estimator:
     """As `make_estimator`, but for the paper's."""
     if name != "paper":
         return make_estimator(name, preset)
-    return PaperEstimator(PaperParameters(size=(160, 120), grabcut_iterations=2))
+    return PaperEstimator(size=(160, 120), grabcut_iterations=2)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE
 from ashe_live.light.outline_fit.search import offset_of_lights
 from ashe_live.light.shape.layout import ParameterLayout
 
@@ -32,13 +33,12 @@ class NearnessBySteps:
         return NearnessBySteps(self.offset, self.information / points_per_sample)
 
 
-def without_offset(normal: Float, gradient: Float, points_per_sample: float) -> tuple[Float, Float]:
+def without_offset(normal: Float, gradient: Float) -> tuple[Float, Float]:
     """Normal matrices (n, t, t) and gradients (n, t) of n bodies, the last parameter marginalised out.
 
-    That parameter is the steps' common offset in pixels. points_per_sample: the number of points over their effective
-    sample size.
+    That parameter is the steps' common offset in pixels.
     """
-    stiff, coupled = normal[:, -1, -1] + points_per_sample / OFFSET_PX**2, normal[:, :-1, -1]
+    stiff, coupled = normal[:, -1, -1] + BORDERS_PER_SAMPLE / OFFSET_PX**2, normal[:, :-1, -1]
     share = coupled / stiff[:, None]
     of_rest = normal[:, :-1, :-1] - share[:, :, None] * coupled[:, None]
     return np.asarray(of_rest), np.asarray(gradient[:, :-1] - share * gradient[:, -1:])

@@ -112,7 +112,7 @@ class _Seen:
         equations = [view.equations(loss_factor, with_nearness, offset) for view in self.views]
         normal, gradient = (np.sum(each, axis=0) for each in zip(*equations, strict=True))
         if offset:
-            normal, gradient = without_offset(normal, gradient, BORDERS_PER_SAMPLE)
+            normal, gradient = without_offset(normal, gradient)
         bodies, diagonal = self.views[0].bodies, np.arange(normal.shape[1])
         layout = ParameterLayout(len(bodies[0].lights), with_nearness)
         normal[:, diagonal, diagonal] += padded([prior_information(one.body.family, layout) for one in bodies])

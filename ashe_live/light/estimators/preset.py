@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from ashe_live.core.caster import Caster
-from ashe_live.light.ground.preset import GroundPreset
+from ashe_live.light.ground.preset import COARSE, GroundPreset
 from ashe_live.light.lamps.kinds import AUTO, KINDS
 from ashe_live.light.outline_fit import preset as fitting
 from ashe_live.light.outline_fit.preset import FitPreset
@@ -65,7 +65,7 @@ FAST = ProxyPreset(
     shifts=5,
     tried=6,
     refined=2,
-    ground=GroundPreset(12, 8, 1),
+    ground=COARSE,
     fine_fit=fitting.FAST,
     views=4,
     companions=0,

@@ -6,7 +6,7 @@ from itertools import permutations
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, distinct
 from ashe_live.light.explanation.explain import Proposal
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
@@ -16,7 +16,6 @@ from ashe_live.light.labels.associate import (
     Split,
     are_like_areas,
     areas_of_one_colour,
-    distinct,
     flat_areas,
     shadow_like,
     splits,

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, distinct
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.estimators.looking import Look
 from ashe_live.light.estimators.preset import FIRST_FIT, ProxyPreset
@@ -22,7 +22,6 @@ from ashe_live.light.explanation.penumbra import size_of
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb
 from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_of_known_shadow
-from ashe_live.light.labels.associate import distinct
 from ashe_live.light.lamps.hypotheses import is_held_near
 from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.lamps.lamp import PictureContext, stated

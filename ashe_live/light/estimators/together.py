@@ -13,8 +13,7 @@ from ashe_live.light.explanation.judgement.context import Context, are_apart
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, Judge
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.sharpen import Sharpener
-from ashe_live.light.hull.explained import with_hull
-from ashe_live.light.hull.replaced import without_replaced
+from ashe_live.light.hull.explained import with_hull, without_replaced
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.costs_around import costs_around
 from ashe_live.light.views.joint.aligned import (

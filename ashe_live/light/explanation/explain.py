@@ -10,25 +10,25 @@ from functools import partial
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, distinct
 from ashe_live.core.batches import for_known
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.light_covariance import lights_of, relative_misfit
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import Split, distinct
+from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.labels.two_lights import are_two_shadows
-from ashe_live.light.outline_fit.fit import FitFailure, Masks, fit_bodies
+from ashe_live.light.outline_fit.fit import Masks, fit_bodies
 from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import fitted_lights, information_on_displacement
 from ashe_live.light.shape.layout import nearness_of
-from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, observe_outlines
+from ashe_live.light.shape.outlines.silhouettes import observe_outlines
 from ashe_live.light.shape.predicted import predicted_of
 from ashe_live.light.shape.sight import Sight
 
@@ -84,7 +84,7 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
     masks = [_masks(proposal) for proposal in proposals]
     fits = fit_bodies(masks, preset)
     fitted = [
-        None if isinstance(fit, FitFailure) else FittedProposal(one, fit.bodies, fit.sight)
+        None if fit is None else FittedProposal(one, fit.bodies, fit.sight)
         for one, fit in zip(proposals, fits, strict=True)
     ]
     return for_known(aligned_explanations, fitted)
@@ -96,7 +96,7 @@ def refitted_bodies(explanation: Explanation, preset: FitPreset) -> list[LitBody
     nearness = float(nearness_of(start)[0])
     proposal = Proposal(explanation.region, explanation.materials, explanation.split, start, nearness=nearness)
     (fit,) = fit_bodies([_masks(proposal)], preset)
-    return [] if isinstance(fit, FitFailure) else fit.bodies
+    return [] if fit is None else fit.bodies
 
 
 def aligned_explanations(several: Sequence[FittedProposal]) -> list[Explanation | None]:
@@ -138,10 +138,8 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     if len(explanation.lights) > 1 or alignment.ends_in_view[0] < END_IN_VIEW:
         return explanation
     view, unreliable = explanation.region.view, explanation.region.unreliable
-    outlines = observe_outlines(
-        split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.undecided
-    )
-    if isinstance(outlines, str):
+    outlines = observe_outlines(split.object_mask, split.shadows, unreliable, DIRECTIONS, split.undecided)
+    if outlines is None:
         return explanation
     body = alignment.placed.lit.body
     spheroids = body.spheroids if relative_misfit(alignment) < 1 else None
@@ -150,7 +148,7 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     (light,) = explanation.lights
     in_body_frame = body.frame.lights(light.light[None])
     lights, covariance = lights_refined_by_tangents(
-        P, outlines, in_body_frame, information_on_displacement(light), EDGE_SIGMA_PX, spheroids
+        P, outlines, in_body_frame, information_on_displacement(light), spheroids
     )
     (refined_light,) = fitted_lights(body.frame.lights_marker(lights), covariance)
     return replace(explanation, lights=(replace(refined_light, unseen_end=light.unseen_end),))
@@ -196,7 +194,6 @@ def _masks(proposal: Proposal) -> Masks:
         split.shadows,
         Sight.of(region.view),
         unreliable=region.unreliable,
-        edge_sigma_px=EDGE_SIGMA_PX,
         undecided=split.undecided,
         start=proposal.start,
         nearness=proposal.nearness,

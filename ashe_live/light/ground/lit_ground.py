@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
-from ashe_live.light.ground.preset import GroundPreset
+from ashe_live.light.ground.preset import COARSE, GroundPreset
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
 from ashe_live.light.ground.slow_shading import LightFall, field_beside, robust_trend, slow_bases
 from ashe_live.light.pixels.areas import cleaned, grown, large_areas, resized, shrunk, smoothed
@@ -31,7 +31,6 @@ RARE, RARE_OF_TYPICAL = 0.35, 0.75
 NEAR_PX = 3  # the reach of the smoothing of `squared_distance`
 # Scale at which colours are averaged, and the least area there, in pixels, of an object found by its mean colour.
 AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
-AVERAGED_PRESET = GroundPreset(12, 8, 1)  # averages have few colours
 # Log odds of lying on the plane below which a pixel is something that stands there, if its colour is unusual for the
 # ground by a squared distance: ground that is hidden in other views has such log odds, too.
 OFF_PLANE, UNUSUAL_DISTANCE = -1.5, 3.5
@@ -157,7 +156,7 @@ def with_unlit_on_average(unlit: Mask, view: View) -> Mask:
     pixel by pixel; averaged, its colours are few. Only what is thicker than the averages' blur is added.
     """
     small = view.scaled(round(view.size[0] * AVERAGED))
-    ground = fit_lit_ground(small.image_bgr, small.is_ground, AVERAGED_PRESET)
+    ground = fit_lit_ground(small.image_bgr, small.is_ground, COARSE)
     if ground is None:
         return unlit
     averaged = unlit_mask(ground, small.is_ground, LEAST_AVERAGED_PX)

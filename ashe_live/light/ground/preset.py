@@ -10,3 +10,6 @@ class GroundPreset:
     spread_colours: int = 20  # clusters whose spread over the frame is measured
     palette_colours: int = 10  # clusters of the lit ground
     field_rounds: int = 2
+
+
+COARSE = GroundPreset(12, 8, 1)  # for the preset `fast`, and for small or averaged pictures, which have few colours

@@ -14,8 +14,7 @@ from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.ground.lit_ground import MOST_DISTANCE, LitGround, ground_colours
 from ashe_live.light.ground.surroundings import stands_inside, surroundings_in
 from ashe_live.light.pixels.areas import distance_to, grown, majority, resized, shrunk
-from ashe_live.light.pixels.mixtures import nearest_squared_distance
-from ashe_live.light.pixels.quantised import Quantised
+from ashe_live.light.pixels.mixtures import Quantised, nearest_squared_distance
 from ashe_live.light.pixels.view import View, Window
 
 APART_PX = 3  # of the coarse picture: areas nearer to each other than twice this belong together

@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float, Float32, distinct
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent_of_linear
 from ashe_live.light.pixels.mixtures import Mixture
@@ -118,11 +118,7 @@ def _most_voted(offsets: Float32, weights: Float32, count: int) -> Float:
 
 def _without_alike(shifts: Iterable[Float]) -> list[Float]:
     """The shifts (3,) in order, without those within the noise of an earlier one."""
-    kept: list[Float] = []
-    for shift in shifts:
-        if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in kept):
-            kept.append(shift)
-    return kept
+    return distinct(shifts, lambda shift, other: bool(np.abs((shift - other) / SHIFT_NOISE).max() < 1))
 
 
 def shadow_ratio(ground: LitGround, shift: Float) -> Float:

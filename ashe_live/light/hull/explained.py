@@ -1,4 +1,7 @@
-"""An explanation of several views by the hull of the object's silhouettes, where no family explains these."""
+"""An explanation of several views by the hull of the object's silhouettes, where no family explains these.
+
+It stands for what families make of the same object and shadow.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,6 +20,7 @@ from ashe_live.light.hull.surface import surface_of
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.views.joint.aligned import JointExplanation
 from ashe_live.light.views.joint.log_odds import share_seen
+from ashe_live.light.views.joint.repeated import show_the_same
 from ashe_live.light.views.selection import span_rad
 
 # From a narrower span a hull is several times as deep as its object is broad, and bounds no light.
@@ -58,6 +62,22 @@ def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExpla
         if found is not None:
             return replace(explanation, joint=_hulled(joint, hull, found))
     return explanation
+
+
+def without_replaced(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
+    """Explanations with their log odds, without those by families of an object and shadow that another's hull explains.
+
+    A hull stands where no family explains the silhouettes. What families make of the same silhouettes, with lights
+    degrees apart, is no other answer: it would take probability from the hull's, and may outweigh it together.
+    """
+    hulls = [each for each, _ in several if each.joint.hull is not None]
+    return [
+        (each, odds)
+        for each, odds in several
+        if each.joint.hull is not None
+        or len(each.joint.lights) > 1
+        or not any(show_the_same(hull, each) for hull in hulls)
+    ]
 
 
 def _hull_of(explanation: JointExplanation, samples: Sequence[Mask], sharpener: Sharpener) -> Carved:

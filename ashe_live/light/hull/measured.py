@@ -12,7 +12,7 @@ from ashe_live.light.edges.steps import steps_across
 from ashe_live.light.hull.labelled import Labelled
 from ashe_live.light.hull.supports import Planes, ShadowLines, SupportFunction, planes_of_lines, shadow_lines
 from ashe_live.light.pixels.areas import areas_by_size, grown, majority, shrunk
-from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, Outlines, observe_outlines
+from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
 from ashe_live.light.shape.predicted import Predicted
 from ashe_live.light.views.joint.aligned import views_per_sample
 
@@ -45,11 +45,14 @@ def shape_and_shadow(
     shared = math.sqrt(views_per_sample(len(views)))  # as where a body is aligned in several views
     for view, seen in zip(views, masks, strict=True):
         body, shadow = _relabelled(view, seen)
-        outlines = observe_outlines(body, [shadow], view.unreliable, DIRECTIONS, EDGE_SIGMA_PX)
+        outlines = observe_outlines(body, [shadow], view.unreliable, DIRECTIONS)
         depth_m = float(view.P[2, :3] @ middle + view.P[2, 3])
-        if isinstance(outlines, str) or depth_m <= 0:
+        if outlines is None or depth_m <= 0:
             continue
-        body_tangents, shadow_tangents = _body_tangents(view, outlines), _shadow_tangents(view, outlines)
+        body_tangents = _tangents(view, outlines, 0, outlines.seen[0], math.nan)
+        # Beyond the object: elsewhere it hides more of the shadow, or labels take some of that for it.
+        beyond = outlines.seen[1] & (outlines.least_px[1] > outlines.most_px[0])
+        shadow_tangents = _tangents(view, outlines, 1, beyond, -view.shift)
         planes.append(planes_of_lines(view.P, body_tangents.lines, body_tangents.sigma_px, depth_m))
         shadows.append(shadow_lines(view.P, shadow_tangents.lines, shared * shadow_tangents.sigma_px, depth_m))
         sizes_m.append(outlines.size_px * depth_m / view.focal_px)
@@ -74,16 +77,6 @@ def _relabelled(view: Labelled, seen: Predicted) -> tuple[Mask, Mask]:
 
 def _largest(mask: Mask) -> Mask:
     return next(iter(areas_by_size(mask, 1)), mask)
-
-
-def _body_tangents(view: Labelled, outlines: Outlines) -> _Tangents:
-    return _tangents(view, outlines, 0, outlines.seen[0], math.nan)
-
-
-def _shadow_tangents(view: Labelled, outlines: Outlines) -> _Tangents:
-    """Those beyond the object: elsewhere it hides more of the shadow, or labels take some of that for it."""
-    beyond = outlines.seen[1] & (outlines.least_px[1] > outlines.most_px[0])
-    return _tangents(view, outlines, 1, beyond, -view.shift)
 
 
 def _tangents(view: Labelled, outlines: Outlines, row: int, chosen: Mask, rise: float) -> _Tangents:

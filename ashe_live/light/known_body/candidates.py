@@ -10,10 +10,9 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
-from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import ShadowFit, fitted
 from ashe_live.light.known_body.outline.odds import edge_log_odds
-from ashe_live.light.known_body.outline.profiles import LEAST_PX
+from ashe_live.light.known_body.outline.profiles import LEAST_PX, EdgeImage
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.rims import LEAST_DARKENING
 from ashe_live.light.known_body.seen import Seen

@@ -8,9 +8,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask, upper_quantile
 from ashe_live.core.transforms import normalised, raycast_to_plane
-from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.fit import FEWEST, ShadowFit
+from ashe_live.light.known_body.outline.profiles import EdgeImage
 from ashe_live.light.known_body.outline.room import Outline, Room
 from ashe_live.light.known_body.rims import Rims
 from ashe_live.light.known_body.seen import Seen

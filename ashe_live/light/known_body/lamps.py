@@ -15,10 +15,10 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import PoseShapeErrors
 from ashe_live.light.known_body.found_light import FoundLight, image_beside, points_of
 from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
-from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import NEAREST, ShadowFit, fitted, nearness_sigma
 from ashe_live.light.known_body.outline.folded import beside_folds
 from ashe_live.light.known_body.outline.odds import edge_log_odds
+from ashe_live.light.known_body.outline.profiles import EdgeImage
 from ashe_live.light.known_body.seen import Seen
 
 # Standard deviation of a body's width over its height, where its errors are not known. A body that is wider by a

@@ -1,12 +1,11 @@
 """Association: which of a region's unlit areas may be shadow, and which object may have cast it."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, distinct
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE
@@ -23,8 +22,6 @@ from ashe_live.light.pixels.areas import (
     smoothed,
 )
 from ashe_live.light.pixels.mixtures import clusters, nearest_squared_distance
-
-T = TypeVar("T")
 
 LEAST_PX = 14  # of an area that is tried as the shadow, or as an object in parts
 LEAST_OBJECT_PX, LEAST_SHADOW_PX = 12, 8  # of the masks of a split
@@ -100,24 +97,11 @@ def splits(
     return distinct((split for split in refined if split.is_large_enough), Split.is_like)
 
 
-def distinct(several: Iterable[T], are_alike: Callable[[T, T], bool], most: int | None = None) -> list[T]:
-    """The items in order, without those that are like an earlier one; `most` of them at most."""
-    kept: list[T] = []
-    for one in several:
-        if len(kept) == most:
-            break
-        if not any(are_alike(one, other) for other in kept):
-            kept.append(one)
-    return kept
-
-
 def with_near_shadow_undecided(split: Split) -> Split | None:
     """The same split with only the far part of the shadow certain: the near part may be the object's own dark side.
 
-    That part becomes `undecided`. None where the split has no shadow, or too little certain shadow remains.
+    That part becomes `undecided`. None where too little certain shadow remains.
     """
-    if not split.shadow_mask.any():
-        return None
     away = distance_to(split.object_mask)
     surely = split.shadow_mask & (away > SURELY_SHADOW * away[split.shadow_mask].max())
     doubtful = Split(split.object_mask, surely, split.shadow_mask & ~surely)

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask, set_frozen
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.materials import Materials
 from ashe_live.light.pixels.areas import distance_to, grown
@@ -31,10 +31,6 @@ class Costs:
     region: Region
     materials: Materials
     as_object: Float32  # (h, w) unary cost of taking a pixel for the object
-    trusted: Mask = field(init=False)  # (h, w) the region's reliable pixels
-
-    def __post_init__(self) -> None:
-        set_frozen(self, trusted=~self.region.unreliable)
 
     def with_pose(self, T_cam_marker: Float) -> "Costs":
         """The same pixels' costs, seen by a camera with another pose (4, 4)."""
@@ -48,17 +44,17 @@ class Costs:
 
     def sides(self, masks: Predicted, reach_px: float) -> Iterator[Side]:
         """The `Side` of the body's outline, then of each shadow's; reach_px: how far from it borders are searched."""
-        lit, layers = self.materials.lit, self.materials.layers
+        lit, layers, trusted = self.materials.lit, self.materials.layers, ~self.region.unreliable
         beside_shadow = grown(masks.shadow, math.ceil(reach_px))
         outside = np.where(beside_shadow, np.minimum(lit, self.materials.contact), lit)
-        yield Side(outside - self.as_object, self.trusted, np.ones_like(self.trusted))
+        yield Side(outside - self.as_object, trusted, np.ones_like(trusted))
         visible = ~grown(masks.body, BESIDE_BODY_PX)  # shadows go on behind the body
         if not layers:
-            yield Side(lit - self.materials.contact, self.trusted, visible)
+            yield Side(lit - self.materials.contact, trusted, visible)
         else:
             first, second, both = layers
             for one, other, in_other in ((first, second, masks.parts[1]), (second, first, masks.parts[0])):
-                yield Side(np.where(in_other, other - both, lit - one), self.trusted, visible)
+                yield Side(np.where(in_other, other - both, lit - one), trusted, visible)
 
     def _shaded(self, masks: Predicted) -> Float32:
         """(h, w) cost of shadow: with two lights, that of the first's, the second's or both, as the masks predict."""

@@ -19,7 +19,7 @@ from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import SeenObject
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
-from ashe_live.light.shape.layout import light_parameters, nearness_of
+from ashe_live.light.shape.layout import lamp_parameters
 from ashe_live.light.shape.predicted import predicted_of
 
 LEAST_PROBABILITY = 0.7  # of another object's explanation
@@ -66,8 +66,7 @@ def _probability(log_odds: float) -> float:
 
 def _agreement(place: Place, explanation: Explanation, covariance_rad2: Float) -> float:
     """Log of how much likelier the explanation's direction is if its light is that at `place` than if it is any."""
-    fitted = explanation.lights[0].light
-    at = np.append(light_parameters(fitted), nearness_of(fitted))
+    at = lamp_parameters(explanation.lights[0].light)
     # By how much the displacement misses, beside what another nearness would change of it.
     line = np.column_stack([np.eye(2), -lamp_borders(explanation)[0].by_nearness])
     by_displacement = direction_by_displacement(at[:2]) @ line

@@ -27,7 +27,7 @@ from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.lamps.near_fits import fitted_near, in_all_views, nearness_prior
 from ashe_live.light.lamps.sources import shadow_middle, share_of
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.layout import light_parameters, nearness_of
+from ashe_live.light.shape.layout import lamp_parameters, light_parameters, nearness_of
 
 NEARNESSES = (0.4, 0.6, 0.9, 1.3, 1.9, 2.7, 3.9, 5.5, 7.7)  # 1/m, of the lamps that are tried; each 1.4 times the last
 # Factors on the likeliest of them by the fall of light, to which bodies are fitted; in several views all lead to one.
@@ -159,8 +159,7 @@ class LampHypotheses:
         """(n,) of the fall of light in each of the lights (n, 4) in the place of the explanation's first one."""
         assert self.fall_off is not None
         share = share_of(shadow_ratio(self.ground, np.asarray(explanation.materials.shift)))
-        parameters = np.column_stack([light_parameters(lights), nearness_of(lights)])
-        return self.fall_off.worst_costs(parameters, share, shadow_middle(explanation))
+        return self.fall_off.worst_costs(lamp_parameters(lights), share, shadow_middle(explanation))
 
 
 def _decided(sun: Explanation, evidence: LampEvidence) -> Explanation:

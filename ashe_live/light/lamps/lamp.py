@@ -61,11 +61,10 @@ ALIGNMENTS = 2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StatedExplanation:
-    """An explanation with its lights as stated, and where its first light would be as a lamp."""
+    """An explanation with its lights as stated."""
 
     explanation: Explanation
     lights: tuple[Light, ...]
-    place: Place
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,14 +113,13 @@ def stated(
 
     ratios: (3,) each light's shadow ratio, linear RGB. kind: one of KINDS.
     """
+    first = scene.seen_object(explanation, confidence)
+    if kind == SUN:
+        return StatedExplanation(explanation, _as_suns(first, scene))
     whole = predicted_of(explanation.alignment.placed.lit, scene.view).whole
     fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | whole))
-
-    first = scene.seen_object(explanation, confidence)
     seen = PlaceEvidence([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
-    if kind == SUN:
-        return StatedExplanation(explanation, _as_suns(first, scene), place)
     if kind == LAMP or _may_be_near(place):
         others = companions(first, place, scene.find_others(), scene.covariance_rad2, scene.view)
         if others:
@@ -146,7 +144,7 @@ def _stated_as_lamp(seen: PlaceEvidence, place: Place, kind: str, scene: Picture
         return None
     alone, *others = scene.lights_of(as_lamps.first, seen.objects[0].probability)
     lamp = _lamp(alone, believed, seen.ratios[0], shadow_middle(as_lamps.first))
-    return StatedExplanation(as_lamps.first, (lamp, *others), believed.mean)
+    return StatedExplanation(as_lamps.first, (lamp, *others))
 
 
 def _stated_as_sun(seen: PlaceEvidence, place: Place, from_sun: Place, scene: PictureContext) -> StatedExplanation:
@@ -157,7 +155,7 @@ def _stated_as_sun(seen: PlaceEvidence, place: Place, from_sun: Place, scene: Pi
     unsure = with_doubt(alone, place, from_sun, deviance, by_outlines)
     if deviance + by_outlines > EXCLUDED_DEVIANCE:
         unsure = replace(unsure, confidence=0.0)
-    return StatedExplanation(seen.first, (unsure, *others), place)
+    return StatedExplanation(seen.first, (unsure, *others))
 
 
 def _as_suns(first: SeenObject, scene: PictureContext) -> tuple[Light, ...]:

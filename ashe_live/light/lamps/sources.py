@@ -17,7 +17,7 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
     with_hemisphere_prior,
 )
-from ashe_live.light.shape.layout import light_parameters, nearness_of
+from ashe_live.light.shape.layout import lamp_parameters, nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
 
 MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
@@ -198,7 +198,7 @@ def _tempered(pull: Pull, line: Float, nearness: float) -> tuple[Float, Float]:
 
 def _beside(explanation: Explanation, ratios: Sequence[Float]) -> tuple[Float, list[float]]:
     """(l - 1, 3) parameters of the lights beside the first; each light's share of all light on the plane."""
-    others = np.array([parameters_of(each.light) for each in explanation.lights[1:]]).reshape(-1, 3)
+    others = np.array([lamp_parameters(each.light) for each in explanation.lights[1:]]).reshape(-1, 3)
     shares = np.array([share_of(ratio) for ratio in ratios])
     return others, (shares * min(MOST_SHARE / shares.sum(), 1.0)).tolist()
 
@@ -206,8 +206,3 @@ def _beside(explanation: Explanation, ratios: Sequence[Float]) -> tuple[Float, l
 def share_of(ratio: Float) -> float:
     """A light's share of all light on the plane, by the shadow ratio (3,) where it is blocked."""
     return float(np.clip(1 - ratio.mean(), LEAST_SHARE, MOST_SHARE))
-
-
-def parameters_of(light: Float) -> Float:
-    """(3,) displacement and nearness of a light (4,)."""
-    return np.append(light_parameters(light), nearness_of(light))

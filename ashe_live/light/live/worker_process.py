@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
@@ -152,27 +152,16 @@ def _answer(estimator: "Estimator", views: HeldViews, task: EstimateTask) -> Ans
     apart = same if span_of([frozen, *same]) >= LEAST_SPAN_RAD else []
     made = _made(estimator, views, apart, task.draw)
     is_without_light = is_of_changed_scene and made.estimate.light is None
-    return Estimated(
-        made.estimate,
-        made.picture_bgr,
-        is_of_changed_scene,
+    return replace(
+        made,
+        is_of_changed_scene=is_of_changed_scene,
         has_lost_shadows=is_without_light and held is not None and has_lost_shadows(held, frozen),
         shows_empty_table=shows_nothing(made.estimate),
-        is_over_empty_table=made.is_over_empty_table,
         outdated=outdated,
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Made:
-    """An estimate, as `Estimated` has it."""
-
-    estimate: "LightEstimate"
-    picture_bgr: "Image | None"
-    is_over_empty_table: bool
-
-
-def _made(estimator: "Estimator", views: HeldViews, others: "Sequence[TrackedFrame]", draw: Draw | None) -> _Made:
+def _made(estimator: "Estimator", views: HeldViews, others: "Sequence[TrackedFrame]", draw: Draw | None) -> Estimated:
     """The estimate of the frozen frame with the others; without any, over the empty table where that is known."""
     from ashe_live.light.estimators.estimator import OF_ONE_FRAME, shows_nothing
 
@@ -181,9 +170,9 @@ def _made(estimator: "Estimator", views: HeldViews, others: "Sequence[TrackedFra
     if over is not frozen:
         estimate, picture = _estimated(estimator, over, others, draw)
         if not shows_nothing(estimate):
-            return _Made(estimate, picture, is_over_empty_table=True)
+            return Estimated(estimate, picture, is_over_empty_table=True)
         # Nothing has come onto the table: what stands there stood there before, and the empty table hides it.
-    return _Made(*_estimated(estimator, frozen, others, draw), is_over_empty_table=False)
+    return Estimated(*_estimated(estimator, frozen, others, draw))
 
 
 def _estimated(

@@ -27,17 +27,17 @@ class FirstGuess:
     lights: Float  # (l, 4) homogeneous points, in that frame
 
 
-def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None) -> FirstGuess | str:
+def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None) -> FirstGuess | None:
     """A cylinder that covers the object's outline, and lights that cast its top to the tips of the shadows.
 
     caster: the object, where its size is known: the cylinder's. The sight's pixels must be counted from the outlines'
-    centre. Returns the reason, for the user, where the camera's view allows no guess.
+    centre. None where the camera looks along the ground or from below it, or object or shadow lie above the horizon.
     """
     P = sight.P_marker
     eye = camera_centre(sight.T_cam_marker)
     ground_from_image = _ground_from_image(P)
     if eye[2] <= 0 or ground_from_image is None:
-        return "the camera looks along the ground or from below it"
+        return None
 
     # The image of "up" at the outlines' centre. For a camera that looks straight down, any direction will do.
     length = float(np.linalg.norm(P[:2, 2]))
@@ -49,7 +49,7 @@ def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None) -> Firs
     step = 0.02 * breadth * up
     foot = _on_ground(ground_from_image, np.array([foot_px, foot_px + step]))
     if len(foot) < 2:
-        return "the object lies above the horizon"
+        return None
     away = (foot[1] - foot[0]) / max(float(np.linalg.norm(foot[1] - foot[0])), 1e-300)
     depth = float(P[2] @ (*foot[0], 0.0, 1.0))
     seen_radius = 0.5 * breadth * depth / math.sqrt(sight.camera.K[0, 0] * sight.camera.K[1, 1])
@@ -59,13 +59,13 @@ def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None) -> Firs
     unit = max(radius, height)
     frame = BodyFrame(centre, unit)
     if not (math.isfinite(unit) and unit > 0 and P[2] @ frame.T_marker_body[:, 3] > 0):
-        return "the object lies above the horizon"
+        return None
 
     layout, displacements = ParameterLayout(len(outlines.shadows)), []
     for shadow in outlines.shadows:
         points = _on_ground(ground_from_image, shadow.hull_px)
         if not len(points):
-            return "the shadow lies above the horizon"
+            return None
         offsets = (points - centre) / unit
         mean = offsets.mean(axis=0)
         towards = mean / max(float(np.linalg.norm(mean)), 1e-12)

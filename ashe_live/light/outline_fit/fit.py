@@ -5,7 +5,7 @@ for together with the lights, and families are ranked by the Bayesian informatio
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -21,8 +21,7 @@ from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.known import family_of, resized_family_of
 from ashe_live.light.shape.layout import ParameterLayout
 from ashe_live.light.shape.light_points import held_near
-from ashe_live.light.shape.outlines.contours import AnyMask
-from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
+from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, Outlines, observe_outlines
 from ashe_live.light.shape.sight import Sight
 
 # The number of directions over the effective sample size, as errors in neighbouring directions are correlated.
@@ -35,36 +34,20 @@ SUFFICIENT_SHARE = 0.005
 HIGHEST_NEARNESS = 0.7  # of a lamp, times the guessed height of the body below it
 
 
-@dataclass(frozen=True, slots=True)
-class FitFailure:
-    """Why no light direction follows from these masks."""
-
-    reason: str  # a message for the user
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Masks:
     """An object that stands on the marker plane and the shadows that it casts, as a camera sees them.
 
-    Masks: (h, w) of the camera's size, bool, or float probabilities whose 0.5 level is the outline; of undistorted
-    pixels. Raises ValueError when shapes differ or there is no shadow.
+    Masks: (h, w) of the camera's size, of undistorted pixels.
     """
 
-    body: AnyMask
-    shadows: Sequence[AnyMask]  # one for each light
+    body: Mask
+    shadows: Sequence[Mask]  # one for each light
     sight: Sight
     unreliable: Mask | None = None  # pixels that are neither object, shadow nor ground (the marker, other objects)
-    edge_sigma_px: float = 0.5  # standard deviation of the masks' edges from the truth; 0.2 for perfect masks
     undecided: Mask | None = None  # pixels outside the masks that belong to the object or to a shadow
     start: Float | None = None  # (l, 4) lights, marker frame, as a further start
     nearness: float = 0.0  # 1/m, w / z at which the first light is held: 0 for one at infinity
-
-    def __post_init__(self) -> None:
-        shape = self.sight.camera.size[::-1]
-        masks = [mask for mask in (self.body, *self.shadows, self.unreliable, self.undecided) if mask is not None]
-        if not self.shadows or any(mask.shape != shape for mask in masks):
-            shapes = [mask.shape for mask in masks]
-            raise ValueError(f"a fit needs an object and shadows of shape {shape}, not {shapes}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,12 +58,13 @@ class FittedBodies:
     sight: Sight  # in which they were fitted, about the object's centre
 
 
-def fit_bodies(several: Sequence[Masks], preset: FitPreset) -> list[FittedBodies | FitFailure]:
-    """For each scene the best body of every family with its lights, or why there is none; one batch, for speed.
-
-    Raises ValueError if the preset names a family without the one that it grows from.
-    """
-    return [scene.fitted() if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
+def fit_bodies(several: Sequence[Masks], preset: FitPreset) -> list[FittedBodies | None]:
+    """For each scene the best body of every family with its lights, None where there is none; one batch, for speed."""
+    scenes = [_scene(masks, preset) for masks in several]
+    known = [scene for scene in scenes if scene is not None]
+    for lights in {len(scene.outlines.shadows) for scene in known}:
+        _try_families([scene for scene in known if len(scene.outlines.shadows) == lights], preset)
+    return [None if scene is None else scene.fitted() for scene in scenes]
 
 
 @dataclass(slots=True, eq=False)
@@ -92,7 +76,6 @@ class _Scene:
     guess: FirstGuess
     starts: list[Float]  # (l, 4) each, lights to start from, in the frame of the guess
     nearness: Float  # (l,) at which each light is held, in that frame
-    edge_sigma_px: float
     solutions: dict[str, Solution] = field(default_factory=dict)  # by family
 
     @property
@@ -101,7 +84,7 @@ class _Scene:
 
     def is_explained(self, sufficient_rms: float) -> bool:
         least = min((solution.mean_square for solution in self.solutions.values()), default=math.inf)
-        return math.sqrt(least) < min(sufficient_rms * self.edge_sigma_px, SUFFICIENT_SHARE * self.outlines.size_px)
+        return math.sqrt(least) < min(sufficient_rms * EDGE_SIGMA_PX, SUFFICIENT_SHARE * self.outlines.size_px)
 
     def problem(self, number: int, family: Family) -> Problem:
         """The search among a family's members; number: this scene's index in the observations."""
@@ -115,12 +98,9 @@ class _Scene:
             number, family, np.repeat(lights, len(shapes), axis=0), np.tile(shapes, (len(lights), 1)), self.nearness
         )
 
-    def ranked(self) -> list[str]:
-        """The names of the families tried, by rising information criterion."""
-        return sorted(self.solutions, key=lambda name: _information_criterion(self.solutions[name], self.edge_sigma_px))
-
     def fitted(self) -> FittedBodies:
-        ranked = (self.solutions[name] for name in self.ranked())
+        """The solutions, by rising information criterion."""
+        ranked = sorted(self.solutions.values(), key=_information_criterion)
         frame = self.guess.frame
         bodies = [LitBody(Body(frame, one.family, one.shape), frame.lights_marker(one.lights)) for one in ranked]
         return FittedBodies(bodies, self.sight)
@@ -130,31 +110,20 @@ class _Scene:
         return min((solution.cost for solution in self.solutions.values()), default=math.inf)
 
 
-def _solved(several: Sequence[Masks], preset: FitPreset) -> "list[_Scene | FitFailure]":
-    """Each scene with its solutions, or why it has none."""
-    found = [_scene(masks, preset) for masks in several]
-    scenes = [scene for scene in found if isinstance(scene, _Scene)]
-    for lights in {len(scene.outlines.shadows) for scene in scenes}:
-        _try_families([scene for scene in scenes if len(scene.outlines.shadows) == lights], preset)
-    return found
-
-
-def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
-    outlines = observe_outlines(
-        masks.body, masks.shadows, masks.unreliable, preset.directions, masks.edge_sigma_px, masks.undecided
-    )
-    if isinstance(outlines, str):
-        return FitFailure(outlines)
+def _scene(masks: Masks, preset: FitPreset) -> _Scene | None:
+    outlines = observe_outlines(masks.body, masks.shadows, masks.unreliable, preset.directions, masks.undecided)
+    if outlines is None:
+        return None
     sight = replace(masks.sight, centre_px=outlines.centre_px)
     guess = guess_scene(sight, outlines, preset.caster)
-    if isinstance(guess, str):
-        return FitFailure(guess)
+    if guess is None:
+        return None
     nearness = np.zeros(len(guess.lights))
     nearness[0] = min(masks.nearness * guess.frame.unit_m, HIGHEST_NEARNESS / guess.height)
     starts = [held_near(guess.lights, nearness, guess.height)]
     if masks.start is not None:
         starts.append(held_near(guess.frame.lights(masks.start), nearness, 0.5 * guess.height))
-    return _Scene(outlines, sight, guess, starts, nearness, masks.edge_sigma_px)
+    return _Scene(outlines, sight, guess, starts, nearness)
 
 
 def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
@@ -180,29 +149,20 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
             scenes[problem.scene].solutions[problem.family.name] = solution
 
 
-def _generations(preset: FitPreset) -> Iterator[list[Family]]:
-    """Lists of families, each list holding those whose parents are in the lists before.
-
-    Raises ValueError where a parent is not among them.
-    """
-    remaining = [FAMILIES[name] for name in preset.families]
+def _generations(preset: FitPreset) -> list[list[Family]]:
+    """The families that grow from the first guess, then those that grow from one of these."""
     if preset.caster is not None:
-        remaining = [(resized_family_of if preset.resizes else family_of)(preset.caster)]
-    tried: set[str | None] = {None}
-    while remaining:
-        ready = [family for family in remaining if family.grows_from in tried]
-        if not ready:
-            raise ValueError(
-                f"{remaining[0].name} grows from {remaining[0].grows_from}, which is not among the families tried"
-            )
-        yield ready
-        tried |= {family.name for family in ready}
-        remaining = [family for family in remaining if family not in ready]
+        return [[(resized_family_of if preset.resizes else family_of)(preset.caster)]]
+    families = [FAMILIES[name] for name in preset.families]
+    return [
+        [family for family in families if family.grows_from is None],
+        [family for family in families if family.grows_from is not None],
+    ]
 
 
-def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:
+def _information_criterion(solution: Solution) -> float:
     """The Bayesian information criterion with the effective sample size for n; lower is better."""
     parameters = ParameterLayout(len(solution.lights)).split + solution.shape.size
     measurements = max(solution.count / DIRECTIONS_PER_SAMPLE, parameters + 1.0)
-    error = solution.mean_square + edge_sigma_px**2
+    error = solution.mean_square + EDGE_SIGMA_PX**2
     return measurements * math.log(error) + parameters * math.log(measurements)

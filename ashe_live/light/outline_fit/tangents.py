@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.shape.layout import ParameterLayout, light_parameters, nearness_of
-from ashe_live.light.shape.outlines.silhouettes import Outlines, Silhouette
+from ashe_live.light.shape.outlines.silhouettes import EDGE_SIGMA_PX, Outlines, Silhouette
 
 NARROWEST = 0.05  # least distance from an outline to the vanishing point, relative to that from the origin
 TANGENT_SIGMAS = 1.5  # sigma of a tangent's position, in sigmas of an edge
@@ -43,7 +43,7 @@ class _State:
 
 
 def lights_refined_by_tangents(
-    P: Float, outlines: Outlines, lights: Float, information: Float, edge_sigma_px: float, spheroids: Float | None
+    P: Float, outlines: Outlines, lights: Float, information: Float, spheroids: Float | None
 ) -> tuple[Float, Float]:
     """Maximum a posteriori lights given those of a fitted body, as the prior, and the common tangents.
 
@@ -53,7 +53,7 @@ def lights_refined_by_tangents(
     (split, split) of their parameters.
     """
     layout, fitted, nearness = ParameterLayout(len(lights)), light_parameters(lights), nearness_of(lights)
-    sigma = TANGENT_SIGMAS * max(edge_sigma_px, 0.05)
+    sigma = TANGENT_SIGMAS * EDGE_SIGMA_PX
     feet = [None if spheroids is None else _touches_near_ground(P, spheroids, light) for light in lights]
 
     def evaluated(candidate: Float) -> _State:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.light_estimate import LightEstimate, StageClock
 from ashe_live.core.square import square_corners
@@ -18,30 +18,17 @@ from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.light.paper import geometry, masks
 from ashe_live.light.paper.shadow_colour import shadow_rgb_ratio
 
-
-@dataclass(frozen=True, slots=True)
-class PaperParameters:
-    """The method's parameters: as published where the paper states them, else chosen here."""
-
-    size: Size = (640, 480)  # published
-    grabcut_iterations: int = 25  # published
-    grabcut_margin_px: int = 2  # "almost full"
-    clusters: int = 8
-    kmeans_attempts: int = 3
-    kmeans_iterations: int = 20
-    dark_share: float = 0.5  # of the median luminance: a shadow has lost most of the light
-    sheet_over_marker: float = 1.4  # the printed sheet with its white margin, over the black square's side
-    score_c_share: float = 0.15  # c over the working width: about the size of an object
-    score_k: float = 1.0
-    smallest_share: float = 0.001  # fraction of the picture; smaller regions are specks
-    least_side_px: int = 16  # at the working size: a narrower picture holds no object beside its shadow
+SHEET_OVER_MARKER = 1.4  # the printed sheet with its white margin, over the black square's side
+SMALLEST_SHARE = 0.001  # fraction of the picture; smaller regions are specks
+LEAST_SIDE_PX = 16  # at the working size: a narrower picture holds no object beside its shadow
 
 
 @dataclass(frozen=True, slots=True)
 class PaperEstimator:
     """AShE from one frame; see Estimator."""
 
-    parameters: PaperParameters = PaperParameters()
+    size: Size = (640, 480)  # at which it works, as published
+    grabcut_iterations: int = 25  # as published
 
     @property
     def name(self) -> str:
@@ -66,24 +53,23 @@ class PaperEstimator:
 
     def _found(self, tracked: TrackedFrame, marker: MarkerPose, clock: StageClock) -> "_Found":
         """The steps in the paper's order, up to the first that finds nothing."""
-        parameters = self.parameters
-        size = masks.working_size(tracked.frame.size, parameters.size)
-        if min(size) < parameters.least_side_px:
+        size = masks.working_size(tracked.frame.size, self.size)
+        if min(size) < LEAST_SIDE_PX:
             return _Found("the picture is too narrow")
         camera = tracked.camera.resized(size)
-        smallest_px = parameters.smallest_share * size[0] * size[1]
+        smallest_px = SMALLEST_SHARE * size[0] * size[1]
 
-        cube_hull, sheet_hull = self._hulls(camera, marker)
+        cube_hull, sheet_hull = _hulls(camera, marker)
         if cube_hull is None or sheet_hull is None:
             return _Found("the virtual object reaches behind the camera")
         # The marker lies inside the cube's mask, its white margin beside it: neither object nor shadow.
         cube, sheet = masks.filled(cube_hull, size), masks.filled(sheet_hull, size)
 
         image = masks.resized(tracked.frame.image_bgr, size)
-        dark = self._dark(image, ~sheet)
+        dark = masks.darkest_clusters(image, masks.lab_clusters(image), ~sheet)
         foreground: Mask | None = None
         if dark.any():
-            foreground = masks.grabcut_foreground(image, parameters.grabcut_margin_px, parameters.grabcut_iterations)
+            foreground = masks.grabcut_foreground(image, self.grabcut_iterations)
         clock.end("segment")
         if foreground is None:
             return _Found("nothing in the picture is dark enough for a shadow")
@@ -91,8 +77,7 @@ class PaperEstimator:
         object_mask = masks.largest_object(foreground, dark, cube | sheet, smallest_px)
         shadow_mask: Mask | None = None
         if object_mask is not None:
-            c_px = parameters.score_c_share * size[0]
-            shadow_mask = masks.shadow_of(object_mask, dark & ~cube, c_px, parameters.score_k, smallest_px)
+            shadow_mask = masks.shadow_of(object_mask, dark & ~cube, smallest_px)
         clock.end("associate")
         if object_mask is None:
             return _Found("no object found beside the marker")
@@ -108,21 +93,6 @@ class PaperEstimator:
         clock.end("judge")
         return _Found(None, object_mask, shadow_mask, Light(to_light, shadow_rgb_ratio=ratio))
 
-    def _dark(self, image: Image, ground: Mask) -> Mask:
-        """(h, w) the pixels of the darkest clusters of colour, by what is dark beside `ground`."""
-        parameters = self.parameters
-        labels = masks.lab_clusters(
-            image, parameters.clusters, parameters.kmeans_attempts, parameters.kmeans_iterations
-        )
-        return masks.darkest_clusters(image, labels, ground, parameters.dark_share)
-
-    def _hulls(self, camera: Camera, marker: MarkerPose) -> tuple[Float | None, Float | None]:
-        """(n, 2) pixels, of the virtual cube and of the printed sheet; None for one that reaches behind the camera."""
-        sheet_side_m = self.parameters.sheet_over_marker * marker.side_m
-        bodies = geometry.cube_corners(marker.side_m), square_corners(sheet_side_m)
-        cube, sheet = (masks.hull_of_points(camera, marker.T_cam_marker, corners) for corners in bodies)
-        return cube, sheet
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Found:
@@ -132,6 +102,13 @@ class _Found:
     object_mask: Mask | None = None
     shadow_mask: Mask | None = None
     light: Light | None = None
+
+
+def _hulls(camera: Camera, marker: MarkerPose) -> tuple[Float | None, Float | None]:
+    """(n, 2) pixels, of the virtual cube and of the printed sheet; None for one that reaches behind the camera."""
+    bodies = geometry.cube_corners(marker.side_m), square_corners(SHEET_OVER_MARKER * marker.side_m)
+    cube, sheet = (masks.hull_of_points(camera, marker.T_cam_marker, corners) for corners in bodies)
+    return cube, sheet
 
 
 def _to_light(

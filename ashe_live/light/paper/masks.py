@@ -13,6 +13,10 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.transforms import transform_points
 
 RANDOM_SEED = 1
+CLUSTERS, ATTEMPTS, ITERATIONS = 8, 3, 20  # of K-means
+DARK_SHARE = 0.5  # of the median luminance: a shadow has lost most of the light
+GRABCUT_MARGIN_PX = 2  # on every side of the rectangle
+SCORE_C_SHARE, SCORE_K = 0.15, 1.0  # c over the working width, about the size of an object; and k
 
 
 def working_size(size: Size, published: Size) -> Size:
@@ -30,26 +34,26 @@ def resized(image_bgr: Image, size: Size) -> Image:
     return np.asarray(cv2.resize(image_bgr, size, interpolation=cv2.INTER_AREA if smaller else cv2.INTER_LINEAR))
 
 
-def lab_clusters(image_bgr: Image, clusters: int, attempts: int, iterations: int) -> Image:
+def lab_clusters(image_bgr: Image) -> Image:
     """AShE, shadow detection: K-means of the pixels in LAB; (h, w) uint8 labels.
 
     Open: how many clusters, attempts and iterations; and the seed, fixed here so that an estimate can be repeated.
     """
     lab = cv2.cvtColor(image_bgr.astype(np.float32) / 255, cv2.COLOR_BGR2LAB)
-    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, iterations, 0.5)
+    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, ITERATIONS, 0.5)
     # OpenCV has one random generator per thread: what ran before must not influence the result.
     cv2.setRNGSeed(RANDOM_SEED)
     _, labels, _ = cv2.kmeans(
-        lab.reshape(-1, 3), clusters, np.empty(0, np.int32), stop, attempts, cv2.KMEANS_PP_CENTERS
+        lab.reshape(-1, 3), CLUSTERS, np.empty(0, np.int32), stop, ATTEMPTS, cv2.KMEANS_PP_CENTERS
     )
     return np.asarray(labels.reshape(lab.shape[:2]), dtype=np.uint8)
 
 
-def darkest_clusters(image_bgr: Image, labels: Image, ground: Mask, dark_share: float) -> Mask:
+def darkest_clusters(image_bgr: Image, labels: Image, ground: Mask) -> Mask:
     """AShE, shadow detection: the darkest clusters are shadow.
 
     Open: how many are "the darkest". A shadow has lost most of the light, so a cluster is dark if it has less than
-    `dark_share` of the median linear luminance; of the clusters sorted by lightness up to the first that is not dark,
+    DARK_SHARE of the median linear luminance; of the clusters sorted by lightness up to the first that is not dark,
     those below the widest gap are shadow. `ground` leaves out the printed marker, whose ink is the darkest of all.
     """
     luminance = LINEAR_FROM_SRGB_8BIT[image_bgr] @ REC709_LUMINANCE[::-1]
@@ -57,7 +61,7 @@ def darkest_clusters(image_bgr: Image, labels: Image, ground: Mask, dark_share: 
     present = np.unique(labels[ground])
     means = np.array([luminance[ground & (labels == label)].mean() for label in present])
     order = np.argsort(means, kind="stable")
-    dark = int(np.count_nonzero(means < dark_share * typical))
+    dark = int(np.count_nonzero(means < DARK_SHARE * typical))
     if dark == 0 or dark == len(order):
         return np.zeros(labels.shape, dtype=np.bool_)
     lightness = np.cbrt(means[order[: dark + 1]])
@@ -65,12 +69,12 @@ def darkest_clusters(image_bgr: Image, labels: Image, ground: Mask, dark_share: 
     return np.isin(labels, present[order[:below_gap]]) & ground
 
 
-def grabcut_foreground(image_bgr: Image, margin_px: int, iterations: int) -> Mask:
+def grabcut_foreground(image_bgr: Image, iterations: int) -> Mask:
     """AShE, object detection: GrabCut from an almost full rectangle, 25 iterations.
 
-    Open: how much "almost" leaves; `margin_px` on every side.
+    Open: how much "almost" leaves.
     """
-    height, width = image_bgr.shape[:2]
+    height, width, margin_px = *image_bgr.shape[:2], GRABCUT_MARGIN_PX
     rectangle = (margin_px, margin_px, width - 2 * margin_px, height - 2 * margin_px)
     labels = np.zeros((height, width), dtype=np.uint8)
     cv2.setRNGSeed(RANDOM_SEED)
@@ -111,25 +115,25 @@ def largest_object(foreground: Mask, shadow: Mask, virtual: Mask, smallest_px: f
     return max(regions, key=lambda region: int(region.sum()), default=None)
 
 
-def shadow_of(object_mask: Mask, shadow: Mask, c_px: float, k: float, smallest_px: float) -> Mask | None:
+def shadow_of(object_mask: Mask, shadow: Mask, smallest_px: float) -> Mask | None:
     """AShE, association: of the shadow's regions, the object's own, which has the lowest score.
 
     Open: c, k, and specks as in `largest_object`.
     """
-    centre = centre_of_mass(object_mask)
+    centre, c_px = centre_of_mass(object_mask), SCORE_C_SHARE * object_mask.shape[1]
 
     def score(region: Mask) -> float:
         distance_px = float(np.linalg.norm(centre_of_mass(region) - centre))
-        return association_score(distance_px, float(region.sum()), c_px, k)
+        return association_score(distance_px, float(region.sum()), c_px)
 
     return min(_regions(shadow & ~object_mask, smallest_px), key=score, default=None)
 
 
-def association_score(distance_px: float, area_px: float, c_px: float, k: float) -> float:
+def association_score(distance_px: float, area_px: float, c_px: float) -> float:
     """AShE, association: s = d / (a / (e^(d/c) + k) + 1); the lower the nearer and larger."""
     # e^709 is the largest double; the region's area is negligible long before.
     growth = np.exp(min(distance_px / c_px, 700.0))
-    return float(distance_px / (area_px / (growth + k) + 1))
+    return float(distance_px / (area_px / (growth + SCORE_K) + 1))
 
 
 def centre_of_mass(mask: Mask) -> Float:

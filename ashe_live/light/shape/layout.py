@@ -48,9 +48,7 @@ class ParameterLayout:
 
     def theta(self, lights: Float, shape: Float) -> Float:
         """(split + q,) the parameter vector of lights (l, 4) and a shape (q,)."""
-        parameters = light_parameters(lights)
-        if self.with_nearness:
-            parameters = np.column_stack([parameters, nearness_of(lights)])
+        parameters = lamp_parameters(lights) if self.with_nearness else light_parameters(lights)
         return np.concatenate([parameters.ravel(), shape])
 
 
@@ -62,3 +60,8 @@ def nearness_of(lights: Float) -> Float:
 def light_parameters(lights: Float) -> Float:
     """(..., l, 2) the parameters of lights (..., l, 4): the displacement s = (x, y) / z of each."""
     return np.asarray(lights[..., : ParameterLayout.PER_DIRECTION] / lights[..., 2:3])
+
+
+def lamp_parameters(lights: Float) -> Float:
+    """(..., l, 3) the parameters of lights (..., l, 4) that may be lamps: the displacement and the nearness of each."""
+    return np.concatenate([light_parameters(lights), nearness_of(lights)[..., None]], axis=-1)

@@ -13,7 +13,7 @@ from ashe_live.light.explanation.alignment import SEARCH_RANGES, Alignment, Star
 from ashe_live.light.explanation.judgement.hidden_sky import depths_beyond_sky, is_of_sky_alone
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import fit_lit_ground
-from ashe_live.light.ground.preset import GroundPreset
+from ashe_live.light.ground.preset import COARSE
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
 from ashe_live.light.pixels.log_colour import DARKEST
 from ashe_live.light.pixels.view import View
@@ -24,7 +24,6 @@ from ashe_live.light.views.costs_around import costs_around
 from ashe_live.light.views.ground_height import seen_from_ground, seen_from_marker
 
 WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 160, 480, 90  # widths of the frame for its ground and for the region; its size
-GROUND = GroundPreset(12, 8, 1)  # coarser than any preset's: a known body needs little of the ground
 RANGES = SEARCH_RANGES[0], SEARCH_RANGES[-1]  # two parameters a light need no more rounds than a far one and a near one
 # A light is followed down to this mean clarity of the borders of body and shadow, and up to this misfit over the
 # object's size.
@@ -92,7 +91,7 @@ def _followed(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate |
 def _aligned(lights: Sequence[Light], body: Proxy, fine: View, index: int) -> Alignment | None:
     """The lights moved to where the shadows of a body on the plane lie in `fine`; None where that is not seen."""
     coarse = fine.scaled(WIDTH_PX)
-    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, GROUND)
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, COARSE)  # a known body needs little of it
     ratios = [light.shadow_rgb_ratio for light in lights]
     if ground is None or any(ratio is None for ratio in ratios):
         return None

@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.hull.replaced import without_replaced
+from ashe_live.light.hull.explained import without_replaced
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.views.joint.aligned import JointExplanation, JointStart, costs_of_views, explained_where_it_stands
 from tests.light.painted_scenes import BOX, paint

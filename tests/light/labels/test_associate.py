@@ -14,7 +14,6 @@ from ashe_live.light.labels.associate import (
     Split,
     are_like_areas,
     areas_of_one_colour,
-    distinct,
     shadow_like,
     splits,
     with_near_shadow_undecided,
@@ -129,16 +128,6 @@ def test_a_doubted_split_is_another_one() -> None:
     assert doubtful.is_like(doubtful)
     assert not split.is_like(doubtful)
     assert not doubtful.is_like(split)
-
-
-def test_of_what_is_alike_the_first_one_is_kept() -> None:
-    def same_ten(one: int, other: int) -> bool:
-        return one // 10 == other // 10
-
-    assert distinct([31, 12, 35, 18, 54], same_ten) == [31, 12, 54]
-    assert distinct(iter([31, 12, 35, 18, 54]), same_ten, 2) == [31, 12]
-    assert distinct([31, 12], same_ten, 0) == []
-    assert distinct([], same_ten) == []
 
 
 def test_nothing_is_too_small() -> None:

@@ -16,6 +16,7 @@ from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.lamp import PictureContext, StatedExplanation, stated
 from ashe_live.light.lamps.sources import shadow_middle
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.layout import lamp_parameters
 from ashe_live.light.shape.light_points import towards
 from ashe_live.render.lights.lighting import angular_size
 from tests.light.painted_regions import painted_region
@@ -58,9 +59,10 @@ def answer(
 
 
 def test_a_lamp_is_between_where_its_shadow_and_where_the_ground_puts_it_by_what_the_shadow_is_worth() -> None:
-    believed, doubted, less = (answer(confidence) for confidence in (0.9, 0.6, 0.3))
-    assert np.linalg.norm(believed.place.mean - less.place.mean) > 0.05
-    np.testing.assert_allclose(doubted.place.mean, (believed.place.mean + less.place.mean) / 2, atol=0.01)
+    lamps = (answer(confidence).lights[0].homogeneous for confidence in (0.9, 0.6, 0.3))
+    believed, doubted, less = map(lamp_parameters, lamps)
+    assert np.linalg.norm(believed - less) > 0.05
+    np.testing.assert_allclose(doubted, (believed + less) / 2, atol=0.01)
 
 
 def test_a_shadow_that_is_believed_leaves_a_narrower_lamp() -> None:

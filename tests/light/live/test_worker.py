@@ -30,7 +30,7 @@ from ashe_live.light.live.worker_messages import (
     Unchanged,
     WorkerFailure,
 )
-from ashe_live.light.paper.estimator import PaperEstimator, PaperParameters
+from ashe_live.light.paper.estimator import PaperEstimator
 from ashe_live.process import awake
 from tests.light.painted_scenes import BOX
 from tests.light.painted_scenes import paint as painted
@@ -40,11 +40,11 @@ PATIENCE_S = 60.0
 
 
 def quick(preset: ProxyPreset = BALANCED) -> PaperEstimator:  # noqa: ARG001
-    return PaperEstimator(PaperParameters(size=(160, 120), grabcut_iterations=2))
+    return PaperEstimator(size=(160, 120), grabcut_iterations=2)
 
 
 def endless(preset: ProxyPreset) -> PaperEstimator:  # noqa: ARG001
-    return PaperEstimator(PaperParameters(grabcut_iterations=10**6))
+    return PaperEstimator(grabcut_iterations=10**6)
 
 
 def children() -> set[int]:

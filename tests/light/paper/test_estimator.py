@@ -7,10 +7,10 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.light.paper.estimator import PaperEstimator, PaperParameters
+from ashe_live.light.paper.estimator import PaperEstimator
 from tests.light.painted_scenes import overlap
 
-SMALL = PaperEstimator(PaperParameters(size=(160, 120), grabcut_iterations=2))
+SMALL = PaperEstimator(size=(160, 120), grabcut_iterations=2)
 
 
 def test_as_published_it_finds_object_shadow_and_roughly_the_light(scene):

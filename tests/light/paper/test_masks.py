@@ -17,10 +17,6 @@ def disc(shape, centre, radius):
     return (rows - centre[1]) ** 2 + (columns - centre[0]) ** 2 <= radius**2
 
 
-def clusters(image):
-    return masks.lab_clusters(image, clusters=8, attempts=3, iterations=20)
-
-
 @given(st.tuples(st.integers(20, 5000), st.integers(20, 5000)))
 def test_the_working_size_fits_and_keeps_the_aspect_ratio(size):
     width, height = masks.working_size(size, (640, 480))
@@ -34,26 +30,26 @@ def test_the_working_size_fits_and_keeps_the_aspect_ratio(size):
 def test_the_darkest_clusters_are_the_shadow(scene):
     image = scene.tracked.frame.image_bgr
     ink = (image < 40).all(axis=2)
-    dark = masks.darkest_clusters(image, clusters(image), ~ink, 0.5)
+    dark = masks.darkest_clusters(image, masks.lab_clusters(image), ~ink)
     assert overlap(dark, scene.shadow) > 0.97
 
 
 @pytest.mark.parametrize("level", [0, 90, 255])
 def test_a_picture_of_one_colour_has_no_shadow(level):
     image = np.full((60, 80, 3), level, np.uint8)
-    assert not masks.darkest_clusters(image, clusters(image), np.ones((60, 80), bool), 0.5).any()
+    assert not masks.darkest_clusters(image, masks.lab_clusters(image), np.ones((60, 80), bool)).any()
 
 
 def test_clusters_do_not_depend_on_what_was_drawn_before(scene):
     image = scene.tracked.frame.image_bgr
-    first = clusters(image)
+    first = masks.lab_clusters(image)
     cv2.setRNGSeed(99)
-    np.testing.assert_array_equal(clusters(image), first)
+    np.testing.assert_array_equal(masks.lab_clusters(image), first)
 
 
 def test_grabcut_takes_what_stands_out_of_the_ground(paint_scene):
     small = paint_scene(size=(160, 120))
-    foreground = masks.grabcut_foreground(small.tracked.frame.image_bgr, margin_px=2, iterations=3)
+    foreground = masks.grabcut_foreground(small.tracked.frame.image_bgr, iterations=3)
     assert np.count_nonzero(foreground & small.box) / np.count_nonzero(small.box) > 0.95
     assert np.count_nonzero(foreground) < 0.4 * foreground.size
 
@@ -62,12 +58,12 @@ def test_grabcut_takes_what_stands_out_of_the_ground(paint_scene):
 def test_the_score_prefers_the_near_and_the_large(d1, d2, a1, a2):
     near, far = sorted((d1, d2))
     small, large = sorted((a1, a2))
-    assert masks.association_score(near, large, 100, 1) <= masks.association_score(far, large, 100, 1)
-    assert masks.association_score(near, large, 100, 1) <= masks.association_score(near, small, 100, 1)
+    assert masks.association_score(near, large, 100) <= masks.association_score(far, large, 100)
+    assert masks.association_score(near, large, 100) <= masks.association_score(near, small, 100)
 
 
 def test_the_score_stays_finite_at_any_distance():
-    assert np.isfinite(masks.association_score(1e6, 1e3, 1.0, 1.0))
+    assert np.isfinite(masks.association_score(1e6, 1e3, 1.0))
 
 
 def test_the_near_and_large_shadow_is_the_objects_own():
@@ -75,9 +71,9 @@ def test_the_near_and_large_shadow_is_the_objects_own():
     thing, near, speck, far = (
         disc(shape, c, r) for c, r in [((60, 80), 20), ((110, 80), 15), ((85, 110), 1), ((250, 80), 15)]
     )
-    found = masks.shadow_of(thing, near | speck | far, c_px=45, k=1, smallest_px=20)
+    found = masks.shadow_of(thing, near | speck | far, smallest_px=20)
     np.testing.assert_array_equal(found, near)
-    assert masks.shadow_of(thing, speck, c_px=45, k=1, smallest_px=20) is None
+    assert masks.shadow_of(thing, speck, smallest_px=20) is None
 
 
 def test_the_object_is_the_largest_region_that_is_neither_shadow_nor_virtual():

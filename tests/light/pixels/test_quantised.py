@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.light.pixels.mixtures import COLOUR_NOISE
-from ashe_live.light.pixels.quantised import Quantised
+from ashe_live.light.pixels.mixtures import COLOUR_NOISE, Quantised
 
 
 def picture(shape: tuple[int, int], spread: float) -> np.ndarray:

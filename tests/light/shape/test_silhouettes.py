@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Mask
 from ashe_live.light.shape.outlines.contours import contour_of
 from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
 
@@ -18,7 +18,7 @@ def disc(x: float, y: float, radius: float, shape: tuple[int, int] = (120, 160))
 
 def outlines_of(body: Mask, shadow: Mask, unreliable: Mask | None = None, undecided: Mask | None = None) -> Outlines:
     outlines = observe_outlines(body, [shadow], unreliable, 32, undecided=undecided)
-    assert isinstance(outlines, Outlines)
+    assert outlines is not None
     return outlines
 
 
@@ -31,14 +31,6 @@ def test_a_disc_is_measured_below_a_pixel(radius: float) -> None:
     assert np.abs(distance - radius).max() < 0.6
 
 
-def test_a_probability_is_drawn_at_one_half() -> None:
-    ramp = np.clip((np.arange(160.0) - 60.3) / 20, 0, 1)
-    level = np.minimum(ramp, ramp[::-1])[None, :] * np.ones((40, 1))
-    contour = contour_of(level)
-    assert contour is not None
-    assert contour.hull_px[:, 0].min() == pytest.approx(70.3, abs=1e-3)
-
-
 def test_specks_are_no_part_of_it() -> None:
     speckled = disc(60, 60, 20)
     speckled[5:7, 150:153] = True
@@ -48,9 +40,8 @@ def test_specks_are_no_part_of_it() -> None:
     assert np.allclose(clean.hull_px, dirty.hull_px)
 
 
-@pytest.mark.parametrize("mask", [np.zeros((20, 30), bool), np.zeros((20, 30)), np.full((20, 30), np.nan)])
-def test_nothing_has_no_contour(mask: Float) -> None:
-    assert contour_of(mask) is None
+def test_nothing_has_no_contour() -> None:
+    assert contour_of(np.zeros((20, 30), bool)) is None
 
 
 def test_beyond_the_frame_anything_may_be() -> None:

@@ -54,10 +54,10 @@ def context_features(explanation: Explanation, context: Context) -> dict[str, fl
 def are_apart(one: Proxy, other: Proxy) -> bool:
     """Whether two bodies stand on different ground."""
     distance = float(np.linalg.norm(one.foot_marker - other.foot_marker))
-    return distance > _reach(one) + _reach(other)
+    return distance > reach_m(one) + reach_m(other)
 
 
-def _reach(proxy: Proxy) -> float:
-    """The body's reach from its foot along the ground, metres."""
+def reach_m(proxy: Proxy) -> float:
+    """How far a body reaches from its foot along the ground, metres."""
     away = np.linalg.norm(proxy.spheroids_marker[:, :2] - proxy.foot_marker[:2], axis=1)
     return float((away + proxy.spheroids_marker[:, 3]).max())

@@ -8,6 +8,7 @@ predicts which shadows it can cast.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from ashe_live.core.arrays import distinct
 from ashe_live.core.batches import for_groups
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_of
@@ -52,11 +53,8 @@ def with_shadows_searched(
 
 def _clear_objects(judged: Sequence[Explanation], log_odds: Callable[[Explanation], float]) -> list[Explanation]:
     """The likeliest explanation of each region that shows an object, the likeliest region first."""
-    found: list[Explanation] = []
-    for each in sorted(judged, key=log_odds, reverse=True):
-        if each.alignment.clear_body > CLEAR_BODY and not any(each.region is one.region for one in found):
-            found.append(each)
-    return found[:BODIES]
+    clear = (each for each in judged if each.alignment.clear_body > CLEAR_BODY)
+    return distinct(sorted(clear, key=log_odds, reverse=True), lambda each, one: each.region is one.region, BODIES)
 
 
 def _starts(one: Explanation, view: SceneView, region_px: int) -> list[FittedProposal]:

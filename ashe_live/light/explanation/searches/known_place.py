@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, distinct
 from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_of
@@ -44,20 +44,18 @@ SAME_LIGHT = 0.97  # cosine
 class Hint:
     """A light that the picture may show, by whatever object."""
 
-    light: Float  # (4,) homogeneous point, marker frame
+    light: Float  # (4,) homogeneous point, marker frame, scaled to a unit vector (x, y, z)
     shift: Float  # (3,) of the ground's colours where it is blocked
 
 
 def hints_of(explanations: Iterable[Explanation], count: int) -> list[Hint]:
     """The lights of explanations, the likeliest first, without those like an earlier one's; `count` at most."""
-    found: list[Hint] = []
-    towards: list[Float] = []
-    for each in explanations:
-        for light, shift in zip(each.lights, each.materials.shifts, strict=False):
-            if len(found) < count and all(light.to_light_marker @ other < SAME_LIGHT for other in towards):
-                found.append(Hint(light.light, shift))
-                towards.append(light.to_light_marker)
-    return found
+    hints = (
+        Hint(light.light, shift)
+        for each in explanations
+        for light, shift in zip(each.lights, each.materials.shifts, strict=False)
+    )
+    return distinct(hints, lambda hint, other: bool(hint.light[:3] @ other.light[:3] >= SAME_LIGHT), count)
 
 
 def explanations_by_place(
@@ -148,18 +146,12 @@ def _sampled(gain: Float32, P: Float, feet: Float, points: Float) -> Float:
 
 def _different(several: Sequence[tuple[Hint, PlacedBody]], caster: Caster) -> list[tuple[Hint, PlacedBody]]:
     """The FOUND places that agree with the picture best, none of them next to another one in the same light."""
-    found: list[tuple[Hint, PlacedBody]] = []
-    for hint, one in sorted(several, key=lambda each: _agreement(each[1]), reverse=True):
-        place = one.lit.body.frame.origin_marker
-        is_new = all(
-            hint is not other or np.linalg.norm(place - there.lit.body.frame.origin_marker) > APART * caster.radius_m
-            for other, there in found
-        )
-        if is_new:
-            found.append((hint, one))
-        if len(found) == FOUND:
-            break
-    return found
+
+    def are_alike(one: tuple[Hint, PlacedBody], other: tuple[Hint, PlacedBody]) -> bool:
+        place, there = (body.lit.body.frame.origin_marker for _, body in (one, other))
+        return one[0] is other[0] and bool(np.linalg.norm(place - there) <= APART * caster.radius_m)
+
+    return distinct(sorted(several, key=lambda each: _agreement(each[1]), reverse=True), are_alike, FOUND)
 
 
 def _agreement(one: PlacedBody) -> float:

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.fit import BLUR_PX, REACHES, ShadowFit, windows_px
 from ashe_live.light.known_body.outline.odds import edge_log_odds, log_odds_of_places
-from ashe_live.light.known_body.outline.profiles import LEAST_PX, Profiles
+from ashe_live.light.known_body.outline.profiles import LEAST_PX, EdgeImage, Profiles
 from ashe_live.light.known_body.table import REACH_HEIGHTS
 from ashe_live.light.pixels.view import View
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.edges import ShadowEdges
-from ashe_live.light.known_body.outline.profiles import LEAST_PX, POINTS_A_SAMPLE, Profiles
+from ashe_live.light.known_body.outline.profiles import LEAST_PX, POINTS_A_SAMPLE, EdgeImage, Profiles
 
 # How far from the predicted edge the search reaches: of the body's height in the picture at first, then as much as the
 # penumbra needs, in standard deviations, and never less than LEAST_PX.

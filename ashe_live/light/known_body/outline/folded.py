@@ -9,7 +9,6 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import PoseShapeErrors
-from ashe_live.light.known_body.outline.edge_image import EdgeImage
 from ashe_live.light.known_body.outline.fit import (
     EARLY_LOSS,
     EDGE_SIGMA_PX,
@@ -19,7 +18,7 @@ from ashe_live.light.known_body.outline.fit import (
     moved,
     prior_of,
 )
-from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE
+from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE, EdgeImage
 
 ROUNDS = 4  # of reweighted least squares
 

@@ -7,8 +7,11 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Float32, Mask, upper_median, upper_quantile
-from ashe_live.light.known_body.outline.edges import ShadowEdges
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.table import height_px
+from ashe_live.light.pixels.view import View
 
 SAMPLES = 33  # across an edge
 ENDS = 6  # of them at either end, whose means are the levels of shadow and light
@@ -123,3 +126,31 @@ class Profiles:
         total, first, second = (np.maximum(light[:, 1:] - light[:, :-1], 0.0) @ MOMENTS).astype(np.float64).T
         total = np.maximum(total, 1e-9)
         return np.asarray(np.maximum(second / total - (first / total) ** 2, 0.0) * self.reach_px[used] ** 2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgeImage:
+    """The picture, the body in it, and where on the table edges can be seen."""
+
+    body: Proxy
+    view: View
+    light: Float32  # (h, w) linear
+    room: Room  # the bare table, without what is in the penumbrae of lights that are known
+
+    @property
+    def height_m(self) -> float:
+        """Of the body."""
+        return self.body.height_m
+
+    @property
+    def height_px(self) -> float:
+        """Of the body in the picture, as if seen from the side."""
+        return height_px(self.body, self.view)
+
+    def edges(self, light: Float) -> ShadowEdges | None:
+        """Where those of the shadow in a light (4,), marker frame, are predicted; None where it has none here."""
+        return shadow_edges(self.body, light, self.view)
+
+    def profiles(self, edges: ShadowEdges, wanted_px: Float) -> Profiles:
+        """The picture across predicted edges, within `wanted_px` (n,) of them, or less where there is less room."""
+        return Profiles.of(edges, wanted_px, self.light, self.room)

@@ -22,7 +22,7 @@ from ashe_live.light.lamps.fall.fall_off import FallOff
 from ashe_live.light.lamps.fall.lit_samples import clear_of
 from ashe_live.light.lamps.hypotheses import NEARNESSES
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.layout import light_parameters, nearness_of
+from ashe_live.light.shape.layout import lamp_parameters
 from ashe_live.light.shape.predicted import predicted_of
 
 HEIGHTS = (1.0, 0.7, 0.5)  # of the lamps that are tried, over the object's height
@@ -50,9 +50,7 @@ def is_under_low_lamp(explanation: Explanation, confidence: float, view: View, g
     if fall_off is None:
         return False
     lights = np.vstack([lit.lights[:1], lit.first_light_near((0.0, *NEARNESSES))])
-    parameters = np.column_stack([light_parameters(lights), nearness_of(lights)])
-    top_m = explanation.proxy.height_m
-    return low_lamp_elsewhere(fall_off, top_m, parameters, logit(confidence))
+    return low_lamp_elsewhere(fall_off, explanation.proxy.height_m, lamp_parameters(lights), logit(confidence))
 
 
 def low_lamp_elsewhere(fall_off: FallOff, top_m: float, lights: Float, log_odds: float = 0.0) -> bool:

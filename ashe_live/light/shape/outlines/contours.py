@@ -17,8 +17,6 @@ EVERY_OTHER = np.array([1, 0, 1, 0, 1], np.uint8)
 BESIDE = np.outer(EVERY_OTHER, EVERY_OTHER)  # kernel of the dilation of unreliable pixels
 SPECK_SHARE = 0.03  # fraction of the largest component's area; smaller components are no part of the silhouette
 
-AnyMask = NDArray[np.bool_] | NDArray[np.floating]
-
 
 @dataclass(frozen=True, slots=True)
 class Contour:
@@ -28,17 +26,13 @@ class Contour:
     hull_px: Float  # (m, 2) corners of their convex hull, in order
 
 
-def contour_of(mask: AnyMask) -> Contour | None:
-    """The contour of a mask (h, w), bool or 0..1, at its level 0.5; None for an empty mask."""
-    if mask.dtype == np.bool_:
-        binary = np.ascontiguousarray(mask).view(np.uint8)
-    else:
-        with np.errstate(invalid="ignore"):
-            binary = (mask > 0.5).astype(np.uint8)
+def contour_of(mask: Mask) -> Contour | None:
+    """The contour of a mask (h, w), blurred, at its level 0.5; None for an empty mask."""
+    binary = np.ascontiguousarray(mask).view(np.uint8)
     x0, y0, width, height = cv2.boundingRect(binary)
     if width * height == 0:
         return None
-    # With one pixel more on every side, as a probability's level set lies between pixels.
+    # With one pixel more on every side, as the level set lies between pixels.
     x0, y0 = max(x0 - 1, 0), max(y0 - 1, 0)
     window = np.s_[y0 : y0 + height + 2, x0 : x0 + width + 2]
     _, labels, stats, _ = cv2.connectedComponentsWithStats(binary[window], connectivity=8)
@@ -46,9 +40,9 @@ def contour_of(mask: AnyMask) -> Contour | None:
     if areas.max() < 3:
         return None
     kept = np.concatenate([[True], areas >= SPECK_SHARE * areas.max()])
-    values = mask[window] if kept.all() else np.where(kept[labels], mask[window], 0)
-    level = cv2.copyMakeBorder(values.astype(np.float32), PAD, PAD, PAD, PAD, cv2.BORDER_CONSTANT)
-    level = cv2.GaussianBlur(level, (0, 0), ANTIALIASING_PX) if mask.dtype == np.bool_ else np.nan_to_num(level)
+    values = (mask[window] & kept[labels]).astype(np.float32)
+    level = cv2.copyMakeBorder(values, PAD, PAD, PAD, PAD, cv2.BORDER_CONSTANT)
+    level = cv2.GaussianBlur(level, (0, 0), ANTIALIASING_PX)
     crossings = np.concatenate([_crossings(level), _crossings(level.T)[:, ::-1]])
     if len(crossings) < 3:
         return None

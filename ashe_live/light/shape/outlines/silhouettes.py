@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.outlines.contours import AnyMask, Contour, are_beside, contour_of, truncation_mask, values_at
+from ashe_live.light.shape.outlines.contours import Contour, are_beside, contour_of, truncation_mask, values_at
 
 EDGE_SIGMA_PX = 0.7  # standard deviation of edges of masks from the truth
-# A shadow's outline this near to the object may continue behind it.
+# A shadow's outline this near to the object may continue behind it: edges that are off may leave a gap between them.
 CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0
 # Points whose reach is within this of the farthest may be the true end of the outline.
 TIE_PX = 0.5
@@ -53,34 +53,30 @@ class Outlines:
 
 
 def observe_outlines(
-    body: AnyMask,
-    shadows: Sequence[AnyMask],
+    body: Mask,
+    shadows: Sequence[Mask],
     unreliable: Mask | None,
     direction_count: int,
-    edge_sigma_px: float = 0.0,
     undecided: Mask | None = None,
-) -> Outlines | str:
-    """Silhouettes from masks (h, w), bool or probabilities 0..1, whose level set at 0.5 is used; or why there are none.
+) -> Outlines | None:
+    """Silhouettes from masks (h, w), with what they leave open; None where too little of an outline can be seen.
 
     shadows: one mask for each light. unreliable: (h, w) pixels without information, such as the marker's or other
-    objects'. direction_count: evenly spaced directions; the normals of long straight edges are added. edge_sigma_px:
-    standard deviation of the masks' edges from the truth, which may leave a gap between the object and its shadow.
-    undecided: (h, w) pixels that belong to the object or to a shadow, without it being known to which. The method is
-    in docs/maths, "What masks bound".
+    objects'. direction_count: evenly spaced directions; the normals of long straight edges are added. undecided: (h, w)
+    pixels that belong to the object or to a shadow, without it being known to which. The method is in docs/maths, "What
+    masks bound".
     """
     body_contour = contour_of(body)
-    if body_contour is None:
-        return "no object"
     shadow_contours = [contour for contour in map(contour_of, shadows) if contour is not None]
-    if len(shadow_contours) < len(shadows):
-        return "no shadow"
+    if body_contour is None or len(shadow_contours) < len(shadows):
+        return None
     whole_contour, really_unreliable = None, unreliable
     if undecided is not None and undecided.any():
-        whole_contour = contour_of(np.logical_or.reduce([body > 0.5, undecided, *(shadow > 0.5 for shadow in shadows)]))
+        whole_contour = contour_of(np.logical_or.reduce([body, undecided, *shadows]))
         unreliable = undecided if unreliable is None else unreliable | undecided
     size = math.sqrt(max(cv2.contourArea(body_contour.hull_px.astype(np.float32)), 1.0))
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
-    margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * edge_sigma_px
+    margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * EDGE_SIGMA_PX
 
     doubt = _Doubt(truncation_mask(body.shape, unreliable), body_contour, margin)
     directions, owner = _directions(direction_count, body_contour, shadow_contours, doubt, size)
@@ -100,11 +96,8 @@ def observe_outlines(
     silhouettes = tuple(one.silhouette for one in of_shadows)
     outlines = Outlines(directions, centre, size, of_body.silhouette, silhouettes, least, most)
     seen = outlines.seen.sum(axis=1)
-    if seen[0] + seen[-1] < LEAST_SEEN_OF_BODY:
-        return "too little of the object's outline can be seen"
-    if (seen[1:-1] + seen[-1]).min() < LEAST_SEEN_OF_SHADOW:
-        return "too little of the shadow's outline can be seen"
-    return outlines
+    is_enough = seen[0] + seen[-1] >= LEAST_SEEN_OF_BODY and (seen[1:-1] + seen[-1]).min() >= LEAST_SEEN_OF_SHADOW
+    return outlines if is_enough else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Sequence
+from operator import itemgetter
 
 import numpy as np
 
-from ashe_live.core.arrays import Mask
+from ashe_live.core.arrays import Mask, distinct
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
-from ashe_live.light.labels.associate import distinct
 from ashe_live.light.shape.predicted import predicted_of
 from ashe_live.light.views.joint.aligned import JointExplanation, towards_light
 
@@ -35,12 +35,12 @@ def counted_once(several: Sequence[tuple[JointExplanation, float]]) -> list[tupl
     From several labels, of any view, alignment comes to much the same body with much the same light. To be found more
     than once makes an answer no likelier: the evidence for it is in the same pixels.
     """
-    kept: list[tuple[JointExplanation, float]] = []
-    for each, odds in sorted(several, key=lambda pair: pair[1], reverse=True):
-        near = (one for one, _ in kept if towards_light(one) @ towards_light(each) > math.cos(GOOD_RAD))
-        if not any(show_the_same(one, each) for one in near):
-            kept.append((each, odds))
-    return kept
+
+    def is_repeated(each: tuple[JointExplanation, float], likelier: tuple[JointExplanation, float]) -> bool:
+        are_near = towards_light(likelier[0]) @ towards_light(each[0]) > math.cos(GOOD_RAD)
+        return bool(are_near) and show_the_same(likelier[0], each[0])
+
+    return distinct(sorted(several, key=itemgetter(1), reverse=True), is_repeated)
 
 
 def _are_alike(one: JointExplanation, other: JointExplanation) -> bool:
