@@ -132,7 +132,8 @@ void main() {
     vec4 light = as_it_is * read(added_light, middle, 0, 0);
     vec3 gone = as_it_is * read(removed, middle, 0, 0).rgb;
 #ifdef WIDE
-    vec4 wide_light = light;
+    // Cameras clip before they sharpen: what is far beyond white darkens its surroundings no more than white does.
+    vec4 wide_light = min(light, 1.0);
     vec3 wide_gone = gone;
 #endif
     // A software rasteriser saves time when a loop ends early, but not when a branch is not taken.
@@ -152,7 +153,7 @@ void main() {
             gone += weight * gone_there;
 #ifdef WIDE
             float wide_weight = wide_row_weight * wide_weights[abs(column)];
-            wide_light += wide_weight * light_there;
+            wide_light += wide_weight * min(light_there, 1.0);
             wide_gone += wide_weight * gone_there;
 #endif
         }

@@ -73,10 +73,14 @@ class ContactPatch:
 
         weight: of a direction straight above, as a share of the sky; others have it times their sine.
         """
-        program = self._programs.get("occlusion/contact", **depth_map.constants)
+        constants = depth_map.constants
+        if "dithered" not in constants:
+            constants["blocker_taps"] = 0  # `smoothed` makes these shadows soft
+        program = self._programs.get("occlusion/contact", **constants)
         depth_map.bind(program)
+        points = np.zeros(int(constants["lights"]))
         # All patches share one program: another may have used it between two steps.
-        set_uniforms(program, weight=weight, patch_bounds=tuple(self.bounds.ravel()))
+        set_uniforms(program, weight=weight, patch_bounds=tuple(self.bounds.ravel()), tan_half_size=points)
         if self._rectangle is None:
             self._rectangle = self._ctx.vertex_array(program, [])
         draw_added(self._ctx, self._framebuffer, self._rectangle)

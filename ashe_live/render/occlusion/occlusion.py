@@ -28,7 +28,11 @@ from ashe_live.render.occlusion.stand_in import stand_in_for
 DIRECTIONS = 80
 # Directions drawn in one pass: a software rasteriser spends most of a pass on waiting for the one before.
 AT_ONCE = 4
-DEPTHS = replace(FAST, shadow_map_size=192, soft_on_model=False, pcf_radius=1)
+DEPTHS = replace(FAST, shadow_map_size=192, soft_on_model=True, soft_taps=8, pcf_radius=1)
+# On the model each direction stands for a disc around it, which nearly touches its neighbours' (they are 0.4 apart). As
+# points, few of which are seen from within a bowl, they would cast shadows with borders onto its bottom. Wider discs
+# would shine past walls near by, behind which a depth map shows nothing.
+DIAMETER_RAD = 0.36
 NO_LIGHT = (0.0, 0.0, 0.0)
 
 
@@ -90,7 +94,7 @@ def _found(
             # Not in the order of the rounds, which go around, and from above to below.
             moment_s = duration_s * (number * GOLDEN_SHARE % 1.0)
             caster.pose(moment_s)
-            lights = tuple(ShadingLight(direction, NO_LIGHT, NO_LIGHT, 0.0) for direction in directions)
+            lights = tuple(ShadingLight(direction, NO_LIGHT, NO_LIGHT, DIAMETER_RAD) for direction in directions)
             depth_map.render((caster,), Lighting(lights, NO_LIGHT, NO_LIGHT))
             if directions[0, 2] > 0:
                 contact.add(depth_map, share)

@@ -48,7 +48,7 @@ class SelfOcclusion:
         """Adds what is hidden of the directions from which `depth_map` shows the model, as it is at that time."""
         if self._moves:
             self._pose(time_s)
-        program = self._programs.get("occlusion/self_occlusion", **depth_map.constants)
+        program = self._programs.get("occlusion/self_occlusion", all_block=1, **depth_map.constants)
         depth_map.bind(program)
         self._places.use(UNIT_OF["sample_places"])
         self._normals.use(UNIT_OF["sample_normals"])

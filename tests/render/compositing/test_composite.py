@@ -1,5 +1,6 @@
 """The border of a virtual shadow, and of the model, is as sharp as the video that it stands in."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import cv2
@@ -14,6 +15,7 @@ from ashe_live.core.types import Illumination
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
+from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
 from ashe_live.render.camera.grain import SILENT
 from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.compositing.coarse import CoarseBlur, line_weights
@@ -153,27 +155,54 @@ def test_blur_at_half_the_resolution_has_the_variance_that_was_asked_for(sigma: 
     assert np.mean(variances) == pytest.approx(sigma**2, rel=0.02)
 
 
-def test_lights_that_a_picture_shows_alike_have_the_same_borders(ctx, stage) -> None:
-    """White and gold that are both overexposed, on red ground whose colours are coarse: gold's had green rims."""
-    tracked = stage.tracked(np.full((64, 64, 3), (30, 90, 170), np.uint8), None)
-    whole = (0, 0, 64, 64)
-    look = VideoLook((0.8, 0.8, 0.8), 0.4, SILENT, 0.0, chroma_blur_px=2.0)
-    surface, video, programs = Surface(ctx, (64, 64), 0), Video(ctx), Programs(ctx)
-    composite = Composite(ctx, programs)
-    video.show(tracked, whole)
-    pictures = []
-    for light in ((4.0, 4.0, 4.0), (6.0, 4.0, 1.2)):
+@pytest.fixture
+def beside_light(ctx, stage) -> Callable[..., np.ndarray]:
+    """(64, 64, 3) int BGR: the left half is a surface of that light (linear RGB), the right half is ground."""
+
+    def compose(light: tuple[float, float, float], look: VideoLook, ground_bgr: tuple[int, int, int]) -> np.ndarray:
+        tracked = stage.tracked(np.full((64, 64, 3), ground_bgr, np.uint8), None)
+        whole = (0, 0, 64, 64)
+        surface, video, programs = Surface(ctx, (64, 64), 0), Video(ctx), Programs(ctx)
+        composite = Composite(ctx, programs)
+        video.show(tracked, whole)
         added = np.zeros((64, 64, 4), np.float16)
         added[:, :32] = (*light, 1.0)
         for layer, values in zip(surface.layers, (added, np.repeat(added[..., 3:], 4, axis=2)), strict=True):
             layer.write(np.ascontiguousarray(values).tobytes())
         video.copy_or_draw(surface.colour, whole)
         composite.draw(surface, whole, Footage(whole, video, tracked, look))
-        pictures.append(surface.read_bgr().astype(int))
-    ctx.detect_framebuffer(0).use()  # what is bound must not be released
-    for held in (composite, video, surface, programs):
-        held.release()
-    white, gold = pictures
+        picture = surface.read_bgr().astype(int)
+        ctx.detect_framebuffer(0).use()  # what is bound must not be released
+        for held in (composite, video, surface, programs):
+            held.release()
+        return picture
+
+    return compose
+
+
+def test_lights_that_a_picture_shows_alike_have_the_same_borders(beside_light) -> None:
+    """White and gold that are both overexposed, on red ground whose colours are coarse: gold's had green rims."""
+    look, ground = VideoLook((0.8, 0.8, 0.8), 0.4, SILENT, 0.0, chroma_blur_px=2.0), (30, 90, 170)
+    white, gold = (beside_light(light, look, ground) for light in ((4.0, 4.0, 4.0), (6.0, 4.0, 1.2)))
     assert white[:, :20].min() >= 254
-    assert np.abs(white[:, 45:] - (30, 90, 170)).max() <= 1
+    assert np.abs(white[:, 45:] - ground).max() <= 1
     assert np.abs(white - gold).max() <= 8
+
+
+@pytest.mark.parametrize("light", [1.0, 3.0, 8.0])
+def test_what_is_beyond_white_is_sharpened_as_by_a_camera_that_clips_first(beside_light, light: float) -> None:
+    """Beside a highlight a sharpened picture has a dark line, but not a darker one the farther that is beyond white."""
+    blur, sharpening, ground = 0.4, 0.6, 124
+    seen = beside_light((light, light, light), VideoLook((0.8, 0.8, 0.8), blur, SILENT, sharpening), (ground,) * 3)
+
+    def blurred(row: np.ndarray, variance: float) -> np.ndarray:
+        at = np.arange(-8, 9)
+        kernel = np.exp(-(at**2) / (2 * variance))
+        return np.convolve(np.pad(row, 8, mode="edge"), kernel / kernel.sum(), "valid")
+
+    scene = np.where(np.arange(64) < 32, light, LINEAR_FROM_SRGB_8BIT[ground])
+    clipped = srgb_from_linear(np.minimum(blurred(scene, blur**2 + BOX_VARIANCE_PX2), 1.0))
+    sharpened = clipped + sharpening * (clipped - blurred(clipped, SHARPENING_SIGMA_PX**2))
+    expected = 255 * np.clip(sharpened, 0.0, 1.0)
+    assert expected.min() < ground - 5
+    assert np.abs(seen[32] - expected[:, None]).max() < 20
