@@ -13,7 +13,7 @@ from ashe_live.core.camera import scaled_pixels
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.ground.lit_ground import MOST_DISTANCE, LitGround, ground_colours
 from ashe_live.light.ground.surroundings import stands_inside, surroundings_in
-from ashe_live.light.pixels.areas import distance_to, grown, majority, resized, shrunk
+from ashe_live.light.pixels.areas import closed, distance_to, grown, majority, resized, shrunk
 from ashe_live.light.pixels.mixtures import Quantised, nearest_squared_distance
 from ashe_live.light.pixels.view import View, Window
 
@@ -154,12 +154,15 @@ def _nearness(view: View, mask: Mask) -> Float:
 
 
 def _joined(one: Mask, other: Mask) -> Mask | None:
-    """Both areas and the gap between them; None where the gap is wide for their sizes."""
+    """Both groups and the gap between them, each without gaps of its own; None where that is wide for their sizes.
+
+    A split's object is what is connected with its shadow, and the rest of it may be in several parts.
+    """
     from_one, from_other = distance_to(one), distance_to(other)
     gap = float(from_one[other].min())
     if gap > WIDEST_GAP * math.sqrt(min(np.count_nonzero(one), np.count_nonzero(other))):
         return None
-    return one | other | (from_one + from_other < BULGE * gap)
+    return closed(one, APART_PX) | closed(other, APART_PX) | (from_one + from_other < BULGE * gap)
 
 
 def region_of(fine: View, area: Mask, ground: LitGround, size_px: int, surroundings: Mask | None = None) -> Region:

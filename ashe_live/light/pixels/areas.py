@@ -67,6 +67,11 @@ def shrunk(mask: Mask, by_px: int) -> Mask:
     return cv2.erode(_bytes(mask), _square(2 * by_px + 1)).view(np.bool_)
 
 
+def closed(mask: Mask, by_px: int) -> Mask:
+    """With the gaps filled that are at most 2 `by_px` wide."""
+    return cv2.morphologyEx(_bytes(mask), cv2.MORPH_CLOSE, _square(2 * by_px + 1)).view(np.bool_)
+
+
 def filled(mask: Mask) -> Mask:
     """With its holes filled."""
     outlines, _ = cv2.findContours(_bytes(mask), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

@@ -9,7 +9,7 @@ import pytest
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.ground.lit_ground import ground_colours, with_on_plane, with_unlit_on_average
 from ashe_live.light.ground.regions import BEFORE, region_with_on_plane, unlit_regions
-from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.areas import areas_by_size, grown
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import in_region, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster, overlap
@@ -109,6 +109,15 @@ def test_an_object_with_a_gap_to_its_shadow_is_also_tried_with_it() -> None:
     *_, joined = unlit_regions(fine_of(), unlit, here.ground, 130, 5)
     painted = in_region(joined, here.scene.body) | in_region(joined, here.scene.shadow)
     assert overlap(joined.unlit, painted) > 0.75
+
+
+def test_an_object_with_a_belt_in_the_grounds_colour_is_whole_where_it_is_tried_with_its_shadow() -> None:
+    here = painted_region(BOX)
+    unlit = np.zeros_like(here.unlit)
+    for rows in (slice(20, 40), slice(44, 60), slice(70, 95)):  # above its belt, below it; the shadow
+        unlit[rows, 30:70] = True
+    *_, joined = unlit_regions(fine_of(), unlit, here.ground, 130, 5)
+    assert len(areas_by_size(joined.unlit, 1)) == 1
 
 
 def test_a_plain_object_on_specks_of_its_colour_is_found_by_its_mean() -> None:
