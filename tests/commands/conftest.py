@@ -39,6 +39,8 @@ class InstantEstimator:
 class InstantWorker:
     """Stands in for the light worker, without its process."""
 
+    waited_s = 0.0
+
     def __init__(self, _name: str) -> None:
         self._asked: TrackedFrame | None = None
 

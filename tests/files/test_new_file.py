@@ -145,7 +145,10 @@ def test_a_file_system_without_locks_is_no_obstacle(tmp_path: Path, monkeypatch:
     def refuse(*_: object) -> None:
         raise OSError("no locks here")
 
-    monkeypatch.setattr(new_file.fcntl, "flock", refuse)
+    if new_file.fcntl is None:
+        monkeypatch.setattr(sys.modules["msvcrt"], "locking", refuse)
+    else:
+        monkeypatch.setattr(new_file.fcntl, "flock", refuse)
     assert write(tmp_path / "a.txt", "whole").read_text() == "whole"
 
 

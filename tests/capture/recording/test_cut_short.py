@@ -15,6 +15,7 @@ from ashe_live.capture.recording import cut_short
 from ashe_live.capture.recording.cut_short import rescue_recordings
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
+from ashe_live.files import new_file
 from ashe_live.files.new_file import partial_path
 from tests.checkout import CHECKOUT
 from tests.windows_files import as_on_windows
@@ -151,6 +152,8 @@ def test_those_of_other_users_are_left_alone(abandoned: Path, monkeypatch: pytes
 
 
 def test_what_takes_its_place_while_it_is_copied_stays(abandoned: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if new_file.fcntl is None:
+        pytest.skip("on Windows nothing takes the place of a file that is open")
     copy = cut_short.copy_whole_fragments
 
     def copy_and_replace(broken: BinaryIO, whole: BinaryIO) -> None:
