@@ -1,13 +1,14 @@
 """The regions of painted scenes, and the truth in them: what the stages after `regions` are asked about."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
 
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
@@ -16,9 +17,10 @@ from ashe_live.light.ground.shadow_shift import voted_for
 from ashe_live.light.labels.materials import Materials, materials_of
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
-from tests.light.painted_scenes import SHADOW_RATIO, Caster, Painted, paint
+from tests.light.painted_scenes import SHADOW_RATIO, Caster, Painted, paint, tracked_frame
 
 LEAST_PX = 40
+Look = Callable[[Image], Image]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,10 +52,17 @@ class PaintedRegion:
 
 
 @cache
-def painted_region(*casters: Caster, lamp_m: tuple[float, ...] | None = None, **how: Any) -> PaintedRegion:
-    """The region of painted casters, as the balanced preset looks at it."""
+def painted_region(
+    *casters: Caster, lamp_m: tuple[float, ...] | None = None, seen_as: Look | None = None, **how: Any
+) -> PaintedRegion:
+    """The region of painted casters, as the balanced preset looks at it.
+
+    seen_as: what a camera makes of the picture.
+    """
     how["lamp_m"] = None if lamp_m is None else np.array(lamp_m)
-    scene = paint(*casters, **how)
+    scene, empty = paint(*casters, **how), paint(**how)
+    if seen_as is not None:
+        scene, empty = _seen(scene, seen_as), _seen(empty, seen_as)
     fine = View.of(scene.tracked, BALANCED.fine_width_px)
     coarse = fine.scaled(BALANCED.coarse_width_px)
     ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, BALANCED.ground)
@@ -63,7 +72,18 @@ def painted_region(*casters: Caster, lamp_m: tuple[float, ...] | None = None, **
     # A shadow that leaves the picture may be taken for surroundings as well, in a region before this one.
     region = next(each for each in regions if each.surroundings is None)
     body, shadow = in_region(region, scene.body), in_region(region, scene.shadow)
-    return PaintedRegion(scene, ground, unlit, regions, region, body, shadow, _true_shift(scene, paint(**how)))
+    return PaintedRegion(scene, ground, unlit, regions, region, body, shadow, _true_shift(scene, empty))
+
+
+def blurred_and_grey(image: Image) -> Image:
+    """As by a lens that is not quite in focus, without colours."""
+    grey = cv2.cvtColor(cv2.GaussianBlur(image, (0, 0), 1.2), cv2.COLOR_BGR2GRAY)
+    return np.asarray(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), np.uint8)
+
+
+def _seen(scene: Painted, look: Look) -> Painted:
+    tracked = scene.tracked
+    return replace(scene, tracked=tracked_frame(look(tracked.frame.image_bgr), tracked.camera))
 
 
 def in_region(region: Region, mask: Mask) -> Mask:

@@ -17,9 +17,11 @@ from ashe_live.light.pixels.areas import (
     grown,
     large_areas,
     majority,
+    mean_nearby,
     overlapping,
     shrunk,
     smoothed,
+    thick,
 )
 from ashe_live.light.pixels.mixtures import clusters, nearest_squared_distance
 
@@ -30,6 +32,7 @@ SMALL_PART = 0.05  # of an object's largest part: smaller ones are left out
 OBJECTS, LESSER_OBJECT = 3, 0.1  # number of objects side by side, and their least area as a fraction of the largest
 SAME_SHARE = 0.12  # two splits are alike if fewer than this fraction of their pixels differ
 ROUNDS = 2  # of reassigning pixels to their cheapest label
+SEAM_PX = 5  # least width of what is shadow along the object's border, not a mixture of its colours with lit ground's
 REACH_PX = 3  # around object and shadow, within which pixels are reassigned
 # The depth of one light's shadow varies, in units of its shift: in a penumbra, and where the object hides the sky too.
 DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
@@ -207,7 +210,19 @@ def _reassigned(region: Region, materials: Materials, rough: Split) -> Split:
     body = filled(overlapping(like_object, core) if (like_object & core).any() else core)
     like_shadow = majority((materials.shaded < materials.lit) & (materials.shaded <= as_object) & nearby) & ~body
     shadow = overlapping(like_shadow, rough.shadow_mask)
-    return Split(body, shadow)
+    seam = _seam(region, body, shadow)
+    return Split(body | (seam & (as_object < materials.lit)), shadow & ~seam)
+
+
+def _seam(region: Region, body: Mask, shadow: Mask) -> Mask:
+    """(h, w) what of the shadow is a narrow strip beside a darker object; nothing where that leaves too little shadow.
+
+    Where a dark object's colours mix with lit ground's, they pass through those of a shadow between the two.
+    """
+    narrow = shadow & ~grown(thick(shadow, SEAM_PX), 1) & grown(body, SEAM_PX)
+    brightness = np.asarray(region.colours[..., 0], dtype=np.float32)
+    seam = large_areas(narrow & (brightness > mean_nearby(brightness, body, SEAM_PX)), LEAST_PX)
+    return seam if large_areas(shadow & ~seam, LEAST_SHADOW_PX).any() else np.zeros_like(seam)
 
 
 def _core(mask: Mask) -> Mask:

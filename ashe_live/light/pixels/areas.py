@@ -92,6 +92,16 @@ def distance_to(mask: Mask) -> Float32:
     return np.asarray(cv2.distanceTransform(_bytes(~mask), cv2.DIST_L2, 3), dtype=np.float32)
 
 
+def mean_nearby(values: Float32, mask: Mask, within_px: int) -> Float32:
+    """(h, w) mean of `values` over the `mask` in a square of half side `within_px` around each pixel; 0 of none."""
+    size = 2 * within_px + 1, 2 * within_px + 1
+    total, count = (
+        cv2.boxFilter(each, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
+        for each in (np.where(mask, values, np.float32(0)), mask.astype(np.float32))
+    )
+    return np.asarray(total / np.maximum(count, 1), dtype=np.float32)
+
+
 def window_around(mask: Mask, margin_px: int) -> tuple[slice, slice]:
     """Rows and columns of the bounding box of `mask`, widened by `margin_px`, clipped to the picture."""
     x, y, across, down = cv2.boundingRect(_bytes(mask))

@@ -19,7 +19,8 @@ from ashe_live.light.labels.associate import (
     with_near_shadow_undecided,
 )
 from ashe_live.light.labels.materials import materials_of
-from tests.light.painted_regions import PaintedRegion, in_region, painted_region
+from ashe_live.light.pixels.areas import grown
+from tests.light.painted_regions import PaintedRegion, blurred_and_grey, in_region, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster, overlap
 
 TWO = Caster(at=(0.1, 0.06)), Caster("cylinder", at=(0.16, -0.12), rgb=(0.1, 0.25, 0.5))
@@ -83,6 +84,16 @@ def test_a_shadow_beside_an_object_nearly_as_dark_is_an_area_of_one_colour(rgb: 
     assert max(overlap(area, here.shadow) for area in areas) > 0.9
     assert not any(are_like_areas(one, other) for i, one in enumerate(areas) for other in areas[:i])
     assert not any((area & ~here.region.unlit).sum() > 0.2 * area.sum() for area in areas)
+
+
+@pytest.mark.parametrize("level", [0.02, 0.05])
+def test_where_a_dark_objects_border_mixes_with_lit_ground_there_is_no_shadow(level: float) -> None:
+    """Between dark grey and lit ground lie the colours of a shadow, in a picture without others."""
+    here = painted_region(replace(BOX, rgb=(level,) * 3), seen_as=blurred_and_grey)
+    best = best_of(here)
+    assert overlap(best.object_mask, here.body) > 0.9
+    beyond = best.shadow_mask & ~grown(here.shadow, 3)
+    assert np.count_nonzero(beyond) < 0.02 * np.count_nonzero(here.shadow)
 
 
 def test_of_two_casters_each_is_explained_or_both_together() -> None:

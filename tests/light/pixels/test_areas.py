@@ -73,6 +73,15 @@ def test_what_grows_shrinks_its_surroundings() -> None:
         np.testing.assert_array_equal(areas.grown(mask, by_px), ~areas.shrunk(~mask, by_px))
 
 
+def test_a_mean_nearby_is_of_the_masks_values_alone() -> None:
+    values, mask = np.full((9, 12), 50, np.float32), np.zeros((9, 12), bool)
+    values[4, 2:5], mask[4, 2:5] = (1, 2, 6), True
+    mean = areas.mean_nearby(values, mask, 2)
+    assert mean[4, 3] == mean[6, 4] == 3
+    assert mean[2, 6] == 6
+    assert mean[4, 7] == mean[0, 0] == 0
+
+
 def test_distances_are_those_of_geometry() -> None:
     point = rectangle(slice(30, 31), slice(40, 41))
     rows, columns = np.indices(SHAPE)
