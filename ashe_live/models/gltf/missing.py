@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from ashe_live.models.parsing.json_kinds import Json
+from ashe_live.models.parsing.json_kinds import LARGEST, Json
 from ashe_live.models.parsing.notes import Notes
 from ashe_live.process.messages import listed
 
@@ -46,7 +46,8 @@ def _coat_has(extensions: Json, *maps: str) -> bool:
 def _number(extensions: Json, name: str, key: str, usual: float) -> float:
     given = extensions.get(name)
     value = given.get(key, usual) if isinstance(given, dict) else usual
-    return float(value) if isinstance(value, int | float) else usual
+    # Nothing else has looked at it, and JSON's integers may be beyond the largest float.
+    return float(value) if isinstance(value, int | float) and abs(value) <= LARGEST else usual
 
 
 # Exporters write these for every material, mostly with values that change nothing.

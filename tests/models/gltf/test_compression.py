@@ -87,7 +87,7 @@ def test_words_differ_from_those_before_by_an_exclusive_or() -> None:
     read = np.frombuffer(decompressed(other.tobytes(), attributes(40, 20)), np.uint8).reshape(-1, 20)
     changes = read ^ elements()
     np.testing.assert_array_equal(changes[:, 12:16], [differing] * 40)
-    assert not changes[:, :12].any() and not changes[:, 16:].any()
+    assert not np.delete(changes, range(12, 16), axis=1).any()
 
 
 @pytest.mark.parametrize("mode", [0x03, 0x11, 0x20])

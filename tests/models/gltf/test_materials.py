@@ -349,6 +349,7 @@ def test_clear_coats_are_read_and_what_maps_say_of_them_is_reported(
         ("KHR_materials_ior", {"ior": 1.45}, None),
         ("KHR_materials_ior", {"ior": 2.42}, "refractive indices"),
         ("KHR_materials_ior", {"ior": 0}, "refractive indices"),
+        ("KHR_materials_ior", {"ior": 10**400}, None),
         ("KHR_materials_specular", {"specularColorFactor": [1.0, 1.0, 1.0]}, None),
         ("KHR_materials_specular", {"specularFactor": 0}, "specular factors"),
         ("KHR_materials_specular", {"specularColorFactor": [1.0, 0.2, 0.2]}, "specular factors"),
