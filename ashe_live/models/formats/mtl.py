@@ -17,7 +17,7 @@ from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import check_materials
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
-from ashe_live.models.parsing.pictures import resized
+from ashe_live.models.parsing.pictures import at_one_size
 
 # The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
 # files, which begin with these words, colours are linear, the exponent is 1000 (1 - roughness)^2, and where the model
@@ -213,7 +213,7 @@ def pictured(plain: Material, base_map: Image, cut_out: Image | None = None) -> 
     if cut_out is not None and np.array_equal(cut_out, base_map):
         cut_out = None  # its alpha is meant, which the picture has already
     if cut_out is not None and base_map[..., 3].min() == 255:
-        cut_out = resized(cut_out, (base_map.shape[1], base_map.shape[0]))
+        base_map, cut_out = at_one_size(base_map, cut_out)
         # Of a picture with alpha that is the mask, and its red is none.
         has_alpha = cut_out[..., 3].min() < 255
         base_map = np.dstack([base_map[..., :3], cut_out[..., 3] if has_alpha else cut_out[..., 0]])

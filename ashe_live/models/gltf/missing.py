@@ -37,10 +37,8 @@ def _shines_otherwise(extensions: Json) -> bool:
 
 
 def _coat_has(extensions: Json, *maps: str) -> bool:
-    given = extensions.get("KHR_materials_clearcoat")
-    if not isinstance(given, dict) or _number(extensions, "KHR_materials_clearcoat", "clearcoatFactor", 0.0) <= 0:
-        return False
-    return any(name in given for name in maps)
+    given = extensions.get("KHR_materials_clearcoat", {})
+    return given.get("clearcoatFactor", 0.0) > 0 and any(name in given for name in maps)
 
 
 def _number(extensions: Json, name: str, key: str, usual: float) -> float:
@@ -63,8 +61,7 @@ SEEN_BY_VALUE: Mapping[str, Callable[[Json], bool]] = {
 
 def note_what_is_missing(document: Json, header: Json, notes: Notes) -> None:
     """From the whole document and from the part of it that `checked` has passed."""
-    materials = document.get("materials", [])
-    used = [extensions for material in materials if isinstance(extensions := material.get("extensions", {}), dict)]
+    used = [material.get("extensions", {}) for material in document.get("materials", [])]
     plain = [words for name, words in PLAIN.items() if any(name in extensions for extensions in used)]
     plain += [words for words, is_seen in SEEN_BY_VALUE.items() if any(map(is_seen, used))]
     if plain:

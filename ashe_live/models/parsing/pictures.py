@@ -1,6 +1,7 @@
 """Pictures of a model's materials: decoded within limits, reduced, each once."""
 
 import io
+import math
 from collections.abc import Callable, Hashable
 
 import numpy as np
@@ -155,12 +156,12 @@ def _halved(values: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def cleared(colours: Image | None, mask: Image, share: float, is_opaque: bool) -> Image:
-    """(h, w, 4) uint8 of the colours' size, white without any, whose alpha is less by `share` of the mask's red.
+    """(h, w, 4) uint8 of the larger one's size, white without colours, with an alpha less by `share` of the mask's red.
 
     is_opaque: the colours' own alpha does not count.
     """
-    colours = np.full_like(mask, 255) if colours is None else colours
-    left = 1 - share * resized(mask, (colours.shape[1], colours.shape[0]))[..., 0] / 255
+    colours, mask = at_one_size(np.full_like(mask, 255) if colours is None else colours, mask)
+    left = 1 - share * mask[..., 0] / 255
     alpha = 255 * left if is_opaque else colours[..., 3] * left
     return np.dstack([colours[..., :3], np.round(alpha).astype(np.uint8)])
 
@@ -168,6 +169,12 @@ def cleared(colours: Image | None, mask: Image, share: float, is_opaque: bool) -
 def opaque(colours: Image) -> Image:
     """(h, w, 4) uint8, the colours with an alpha of 255."""
     return np.dstack([colours[..., :3], np.full_like(colours[..., 3], 255)])
+
+
+def at_one_size(*pictures: Image) -> list[Image]:
+    """Pictures (h, w, 4) uint8 at the size of the largest of them."""
+    size = max(((each.shape[1], each.shape[0]) for each in pictures), key=math.prod)
+    return [resized(each, size) for each in pictures]
 
 
 def resized(texels: Image, size: tuple[int, int]) -> Image:

@@ -64,6 +64,17 @@ def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
     assert (material.base_map[:, 5:, 3] > 128).all()
 
 
+def test_a_mask_may_be_larger_than_its_picture(tmp_path: Path) -> None:
+    """As on leaves of one colour, whose shape the mask alone has."""
+    Image.new("RGB", (1, 1), (255, 0, 0)).save(tmp_path / "red.png")
+    mask = np.uint8(np.indices((8, 16)).sum(axis=0) % 2 * 255)
+    Image.fromarray(mask).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "map_Kd red.png\nmap_d mask.png")
+    assert material.alpha is Alpha.CUT_OUT
+    np.testing.assert_array_equal(material.base_map[..., 3], mask)
+    assert (material.base_map[..., :3] == (255, 0, 0)).all()
+
+
 @pytest.mark.parametrize("mask", ["green.png", "./green.png"])
 def test_the_picture_of_the_colours_is_a_mask_by_its_alpha_alone(tmp_path: Path, mask: str) -> None:
     """Exporters name one picture for both; green, which has no red, would be all holes."""

@@ -161,19 +161,32 @@ def test_gold_is_metal_and_red_plastic_is_none(tmp_path: Path) -> None:
     np.testing.assert_allclose(specular, 0.04, atol=0.005)
 
 
+@pytest.mark.parametrize("base", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("metal", [0.0, 0.25, 0.6, 1.0])
+def test_grey_of_any_share_of_metal_is_the_same_in_either_kind(base: float, metal: float) -> None:
+    """Appendix B's mixture in terms of the older kind, whose diffuse colour has what its specular one leaves."""
+    specular = 0.04 + (base - 0.04) * metal
+    diffuse = base * (1 - metal) * (1 - 0.04) / (1 - specular)
+    made = SpecularGlossiness((*[diffuse] * 3, 1.0), (specular,) * 3, 0.25, None, None).as_metal_rough()
+    assert (made.metallic, made.roughness) == pytest.approx((metal, 0.75), abs=2e-3)
+    np.testing.assert_allclose(made.base_colour[:3], base, atol=2e-3)
+
+
 def test_specular_glossiness_is_converted_texel_by_texel() -> None:
     """Half gold, half white plastic."""
     diffuse = np.full((2, 2, 4), 255, np.uint8)
     diffuse[:, 0, :3] = 0
     shine = np.full((2, 2, 4), 255, np.uint8)
     shine[:, 0], shine[:, 1] = (255, 200, 120, 204), (56, 56, 56, 51)
-    made = SpecularGlossiness((1.0, 1.0, 1.0, 0.5), (1.0, 1.0, 1.0), 1.0, diffuse, shine).as_metal_rough()
+    made = SpecularGlossiness((1.0, 0.5, 1.0, 0.5), (1.0, 1.0, 1.0), 1.0, diffuse, shine).as_metal_rough()
+    assert (made.metallic, made.roughness) == (1, 1)  # as both lie in the map
     np.testing.assert_array_equal(made.roughness_map[0, :, 1], (255 - 204, 255 - 51))
     np.testing.assert_allclose(made.roughness_map[0, :, 2], (255, 0), atol=1)
     np.testing.assert_allclose(
         linear_from_srgb(made.base_map[0, 0, :3] / 255), linear_from_srgb(np.array((255, 200, 120)) / 255), atol=0.01
     )
     assert made.base_map[0, 1, 0] > 250
+    assert linear_from_srgb(made.base_map[0, 1, 1] / 255) == pytest.approx(0.5, abs=0.01)
     assert made.base_colour[3] == 0.5
 
 
@@ -279,8 +292,8 @@ def test_what_is_cut_out_of_glass_is_said_to_transmit_nothing(tmp_path: Path) ->
     assert model.notes == ("what is cut out of it transmits no light",)
 
 
-@pytest.mark.parametrize("coloured", [True, False])
-def test_only_what_its_map_says_is_glass(tmp_path: Path, coloured: bool) -> None:
+@pytest.mark.parametrize("colours_px", [(4, 4), (1, 1), None])
+def test_only_what_its_map_says_is_glass(tmp_path: Path, colours_px: tuple[int, int] | None) -> None:
     """KHR_materials_transmission: the factor times the map's red; the rest of the surface is opaque."""
     mask = np.zeros((2, 4, 3), np.uint8)
     mask[:, 2:, 0] = 255
@@ -289,8 +302,8 @@ def test_only_what_its_map_says_is_glass(tmp_path: Path, coloured: bool) -> None
     document = Document()
     glass = {"transmissionFactor": 1.0, "transmissionTexture": document.embedded(encoded.getvalue())}
     surface = {"metallicFactor": 0}
-    if coloured:
-        surface["baseColorTexture"] = document.embedded(png((200, 0, 0), (4, 4)))
+    if colours_px is not None:
+        surface["baseColorTexture"] = document.embedded(png((200, 0, 0), colours_px))
     document.quad(
         material={"extensions": {"KHR_materials_transmission": glass}, "pbrMetallicRoughness": surface},
         TEXCOORD_0=document.accessor(UVS),
@@ -301,7 +314,7 @@ def test_only_what_its_map_says_is_glass(tmp_path: Path, coloured: bool) -> None
     width = material.base_map.shape[1]
     np.testing.assert_allclose(shares[:, 0], 1)
     np.testing.assert_allclose(shares[:, width - 1], LEAST_COVER, atol=0.01)
-    assert tuple(material.base_map[0, 0, :3]) == ((200, 0, 0) if coloured else (255, 255, 255))
+    assert tuple(material.base_map[0, 0, :3]) == ((255, 255, 255) if colours_px is None else (200, 0, 0))
 
 
 def test_glass_whose_map_is_laid_out_otherwise_than_its_colours_is_as_clear_as_the_map_on_average(tmp_path) -> None:
@@ -348,11 +361,15 @@ def test_clear_coats_are_read_and_what_maps_say_of_them_is_reported(
     [
         ("KHR_materials_ior", {"ior": 1.45}, None),
         ("KHR_materials_ior", {"ior": 2.42}, "refractive indices"),
+        ("KHR_materials_ior", {"ior": 1}, "refractive indices"),
         ("KHR_materials_ior", {"ior": 0}, "refractive indices"),
         ("KHR_materials_ior", {"ior": 10**400}, None),
         ("KHR_materials_specular", {"specularColorFactor": [1.0, 1.0, 1.0]}, None),
         ("KHR_materials_specular", {"specularFactor": 0}, "specular factors"),
         ("KHR_materials_specular", {"specularColorFactor": [1.0, 0.2, 0.2]}, "specular factors"),
+        ("KHR_materials_specular", {"specularTexture": {"index": 0}}, "specular factors"),
+        ("KHR_materials_specular", {"specularColorTexture": {"index": 0}}, "specular factors"),
+        ("KHR_materials_clearcoat", {"clearcoatFactor": 0, "clearcoatNormalTexture": {"index": 0}}, None),
         ("KHR_materials_volume", {"thicknessFactor": 0}, None),
         ("KHR_materials_volume", {"thicknessFactor": 0.02}, "the thickness of glass"),
         ("KHR_materials_dispersion", {"dispersion": 0.1}, "dispersion"),

@@ -154,10 +154,12 @@ def test_maps_are_laid_out_by_two_sets_of_coordinates_and_no_third(tmp_path: Pat
     document = Document()
     sets = [document.accessor(np.float32(UVS * share)) for share in (1, 0.5, 0.25)]
     picture = document.embedded(png(RED))
+    # KHR_texture_transform's set is the one that counts where it names one.
+    second = {**picture, "texCoord": 2, "extensions": {"KHR_texture_transform": {"texCoord": 1}}}
     document.quad(material={"occlusionTexture": {**picture, "texCoord": 1}}, TEXCOORD_0=sets[0], TEXCOORD_1=sets[1])
     document.quad(
         material={
-            "pbrMetallicRoughness": {"baseColorTexture": picture},
+            "pbrMetallicRoughness": {"baseColorTexture": picture, "metallicRoughnessTexture": second},
             "occlusionTexture": {**picture, "texCoord": 1},
             "emissiveTexture": {**picture, "texCoord": 2},
             "emissiveFactor": [1, 1, 1],
@@ -171,6 +173,7 @@ def test_maps_are_laid_out_by_two_sets_of_coordinates_and_no_third(tmp_path: Pat
     np.testing.assert_allclose(alone.uvs[:, 0], UVS[:, 0] * 0.5)
     np.testing.assert_allclose(beside.uvs[:, 0], UVS[:, 0])
     np.testing.assert_allclose(beside.more_uvs[:, 0], UVS[:, 0] * 0.5)
+    assert beside.material.layout("metallic_roughness_map").uv_set == 1
     assert beside.material.layout("occlusion_map").uv_set == 1
     # Both sets are taken by then, and a map may be laid out by either.
     assert beside.material.layout("normal_map").uv_set == 0
