@@ -75,6 +75,18 @@ def test_a_mask_may_be_larger_than_its_picture(tmp_path: Path) -> None:
     assert (material.base_map[..., :3] == (255, 0, 0)).all()
 
 
+def test_a_picture_with_its_mask_is_made_once_for_all_materials(tmp_path: Path) -> None:
+    """As in an atlas: materials that look alike are drawn as one."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    Image.fromarray(np.uint8([[0, 255], [255, 255]])).save(tmp_path / "mask.png")
+    lines = "map_Kd red.png\nmap_d mask.png\n"
+    library = f"newmtl m\n{lines}newmtl n\n{lines}newmtl shiny\nNs 900\n{lines}"
+    faces = "vt 0 0\nvt 1 0\nvt 0 1\n" + "".join(f"usemtl {name}\nf 1/1 2/2 3/3\n" for name in ("m", "n", "shiny"))
+    parts = read(tmp_path, f"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}", a=library).parts
+    assert len(parts) == 2
+    assert np.shares_memory(*(part.material.base_map for part in parts))
+
+
 @pytest.mark.parametrize("mask", ["green.png", "./green.png"])
 def test_the_picture_of_the_colours_is_a_mask_by_its_alpha_alone(tmp_path: Path, mask: str) -> None:
     """Exporters name one picture for both; green, which has no red, would be all holes."""
