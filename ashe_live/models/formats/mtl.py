@@ -18,7 +18,7 @@ from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import check_materials
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
-from ashe_live.models.parsing.pictures import Pictures, at_one_size
+from ashe_live.models.parsing.pictures import Pictures, at_one_size, filled_beyond
 
 # The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
 # files, which begin with these words, colours are linear, the exponent is 1000 (1 - roughness)^2, and where the model
@@ -220,7 +220,7 @@ def _cut_out(colours: Image, mask: Image) -> Image:
         return colours
     colours, mask = at_one_size(colours, mask)
     has_alpha = mask[..., 3].min() < 255
-    return np.dstack([colours[..., :3], mask[..., 3] if has_alpha else mask[..., 0]])
+    return filled_beyond(np.dstack([colours[..., :3], mask[..., 3] if has_alpha else mask[..., 0]]))
 
 
 def pictured(plain: Material, base_map: Image) -> Material:

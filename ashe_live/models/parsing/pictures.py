@@ -30,6 +30,7 @@ class Pictures:
         self._notes = notes
         self._missing: set[str] = set()
         self._texels: dict[Hashable, Image] = {}
+        self._filled: dict[int, Image] = {}
         self._decoded = 0  # texels, of all pictures so far
 
     def named(self, file: str, name: str | None = None, covers: bool = False, beside: str = "") -> Image | None:
@@ -58,13 +59,18 @@ class Pictures:
     def texels(self, key: Hashable, content: Callable[[], bytes], name: str, covers: bool = False) -> Image:
         """(h, w, 4) uint8 as the file has it, no side longer than MAX_TEXTURE_PX; `content` is asked for a new `key`.
 
-        `covers`: its alpha says how much of its colours is seen; else that is a number like the other three. Raises
-        UserError when it is too large or of a kind that is not read, MalformedError naming `name` when it is damaged.
+        `covers`: its alpha says how much of its colours is seen, and what nobody sees gets the colours beside it; else
+        that is a number like the other three. Raises UserError when it is too large or of a kind that is not read,
+        MalformedError naming `name` when it is damaged.
         """
         texels = self.made((key, covers), lambda: self._decoded_from(content(), name, covers))
         if max(texels.shape) < MAX_TEXTURE_PX or texels[..., 3].min() == 255:
             self._texels[key, not covers] = texels  # where nothing was reduced, or by nothing, it is the same
-        return texels
+        if not covers:
+            return texels
+        if id(texels) not in self._filled:
+            self._filled[id(texels)] = filled_beyond(texels)
+        return self._filled[id(texels)]
 
     def made(self, key: Hashable, make: Callable[[], Image]) -> Image:
         """(h, w, 4) uint8 that is made of the file's pictures; `make` is called for a new `key`.

@@ -75,6 +75,20 @@ def test_a_mask_may_be_larger_than_its_picture(tmp_path: Path) -> None:
     assert (material.base_map[..., :3] == (255, 0, 0)).all()
 
 
+@pytest.mark.parametrize("has_mask", [True, False])
+def test_what_is_cut_out_has_the_colours_beside_it(tmp_path: Path, has_mask: bool) -> None:
+    """Filtering mixes them in at the rims of leaves, where the black or white around them would be a line."""
+    holes = np.zeros((4, 8), np.uint8)
+    holes[:, :4] = 255
+    colours = np.where(holes[..., None] > 0, np.uint8((30, 160, 40)), np.uint8(0))
+    Image.fromarray(colours if has_mask else np.dstack([colours, holes])).save(tmp_path / "leaf.png")
+    Image.fromarray(holes).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "map_Kd leaf.png" + "\nmap_d mask.png" * has_mask)
+    assert material.alpha is Alpha.CUT_OUT
+    np.testing.assert_array_equal(material.base_map[..., 3], holes)
+    assert (material.base_map[..., :3] == (30, 160, 40)).all()
+
+
 def test_a_picture_with_its_mask_is_made_once_for_all_materials(tmp_path: Path) -> None:
     """As in an atlas: materials that look alike are drawn as one."""
     Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
