@@ -202,6 +202,15 @@ def test_maps_of_the_older_kind_arrive(tmp_path: Path) -> None:
     )
     assert tuple(material.base_map[0, 0]) == pytest.approx(BLUE, abs=1)
     assert (material.metallic, material.roughness) == pytest.approx((0, 1 - 128 / 255), abs=0.01)
+    half_glossy = io.BytesIO()
+    Image.fromarray(np.uint8([[(255, 255, 255, 128), (255, 255, 255, 255)]])).save(half_glossy, "PNG")
+    old["specularGlossinessTexture"] = document.embedded(half_glossy.getvalue())
+    model = quad_of(tmp_path, {"extensions": {"KHR_materials_pbrSpecularGlossiness": old}}, document)
+    assert model.notes == ()
+    (shine,) = (
+        part.material.metallic_roughness_map for part in model.parts if part.material.maps.keys() > {"base_map"}
+    )
+    np.testing.assert_array_equal(shine[0, [0, -1], 1], (127, 0))
 
 
 def test_a_map_of_the_older_kind_that_is_laid_out_otherwise_is_averaged_and_said(tmp_path: Path) -> None:
