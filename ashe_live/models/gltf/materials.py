@@ -123,7 +123,7 @@ class GltfMaterials:
         converted = (surface.with_mean_shine() if are_apart else surface).as_metal_rough()
         for name, texels in (("base_map", converted.base_map), ("metallic_roughness_map", converted.roughness_map)):
             if texels is not None:
-                key = SPECULAR_GLOSSINESS, name, diffuse.get("index"), shine.get("index"), str(given), covers
+                key = SPECULAR_GLOSSINESS, name, str(given), covers
                 maps.add(name, layouts[0], self._mirrored(self._shared(key, texels), layouts[0]))
         return {"base_colour": converted.base_colour, "metallic": converted.metallic, "roughness": converted.roughness}
 

@@ -279,6 +279,14 @@ def test_metal_transmits_nothing(tmp_path: Path) -> None:
     assert model.notes == ()
 
 
+def test_glass_may_have_a_map_that_says_it_is_no_metal(tmp_path: Path) -> None:
+    """The factor beside a map is 1 by rule."""
+    document = Document()
+    given = {"metallicRoughnessTexture": document.embedded(png((0, 51, 0)))}
+    model = quad_of(tmp_path, {"pbrMetallicRoughness": given, "extensions": ALL_TRANSMITTED}, document)
+    assert model.parts[0].material.alpha is Alpha.BLEND
+
+
 @pytest.mark.parametrize(("mode", "opacity"), [("OPAQUE", LEAST_COVER), ("BLEND", LEAST_COVER * 0.4 * 100 / 255)])
 def test_what_is_blended_transmits_as_well_and_what_is_opaque_ignores_its_pictures_alpha(tmp_path, mode, opacity):
     document = Document()
