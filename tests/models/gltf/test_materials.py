@@ -96,7 +96,31 @@ def test_what_a_material_does_not_say_is_as_the_format_has_it(tmp_path: Path) ->
     material = quad_of(tmp_path, {"alphaMode": "MASK"}).parts[0].material
     assert (material.base_colour, material.metallic, material.roughness) == ((1, 1, 1, 1), 1, 1)
     assert (material.normal_scale, material.occlusion_strength, material.emissive) == (1, 1, (0, 0, 0))
-    assert (material.alpha_cutoff, material.double_sided) == (0.5, False)
+    assert (material.alpha_cutoff, material.double_sided, material.coat) == (0.5, False, 0)
+
+
+def test_what_glows_without_a_map_glows_by_its_factor_and_strength(tmp_path: Path) -> None:
+    strength = {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}
+    material = quad_of(tmp_path, {"emissiveFactor": [0.5, 0.25, 1], "extensions": strength}).parts[0].material
+    assert material.emissive == (2, 1, 4)
+
+
+def test_a_picture_in_webp_is_read_and_not_the_one_that_stands_for_it(tmp_path: Path) -> None:
+    """EXT_texture_webp: the texture's own source is for programs that do not know it."""
+    document = Document()
+    encoded = io.BytesIO()
+    Image.new("RGB", (4, 4), (0, 0, 255)).save(encoded, "WEBP", lossless=True)
+    texture, webp = document.embedded(png(RED)), document.embedded(encoded.getvalue())
+    document.json["textures"][0]["extensions"] = {"EXT_texture_webp": {"source": webp["index"]}}
+    material = quad_of(tmp_path, {"pbrMetallicRoughness": {"baseColorTexture": texture}}, document).parts[0].material
+    assert (material.base_map == BLUE).all()
+
+
+def test_a_texture_without_an_image_is_said(tmp_path: Path) -> None:
+    given = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}
+    model = quad_of(tmp_path, given, textures=[{}])
+    assert model.parts[0].material.base_map is None
+    assert model.notes == ("a baseColorTexture names no image",)
 
 
 @pytest.mark.parametrize(

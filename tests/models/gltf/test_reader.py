@@ -200,6 +200,14 @@ def test_normalised_integers_are_shares_of_one(tmp_path: Path, kind: type, is_sa
     np.testing.assert_allclose(part.colours, [(1, 0, 0.2, 1)] * 4, atol=1e-4)  # linear in glTF
 
 
+def test_an_index_beyond_the_vertices_is_said(tmp_path: Path) -> None:
+    document = Document()
+    document.quad()
+    document.json["meshes"][0]["primitives"][0]["indices"] = document.accessor(np.uint16([0, 1, 4]))
+    with pytest.raises(UserError, match="a triangle names vertex 4 of 4"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
 def test_attributes_may_be_interleaved(tmp_path: Path) -> None:
     """2.6.1 and 3.6.2: each begins at its accessor's offset, and goes on by its view's stride; -128 counts as -127."""
     fields = [("place", "<i1", 3), ("gap", "<i1"), ("colour", "<u2", 4), ("normal", "<i1", 3), ("end", "<i1")]
