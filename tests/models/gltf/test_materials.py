@@ -272,17 +272,23 @@ def test_grey_of_16_bits_keeps_its_steps(tmp_path: Path) -> None:
     assert (texels[..., 3] == 255).all()
 
 
-def test_unlit_shines_in_its_own_colour_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("has_picture", [True, False])
+def test_unlit_shines_in_its_own_colour_alone(tmp_path: Path, has_picture: bool) -> None:
     document = Document()
+    red, blue = document.embedded(png(RED)), document.embedded(png(BLUE))
+    surface = {"baseColorFactor": [0.5, 1, 0.25, 1], "metallicRoughnessTexture": blue}
     unlit = {
-        "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 0.25, 1], "baseColorTexture": document.embedded(png(RED))},
-        "normalTexture": document.embedded(png(BLUE)),
-        "extensions": {"KHR_materials_unlit": {}},
+        "pbrMetallicRoughness": surface | ({"baseColorTexture": red} if has_picture else {}),
+        **dict.fromkeys(("normalTexture", "occlusionTexture", "emissiveTexture"), blue),
+        "extensions": {"KHR_materials_unlit": {}, "KHR_materials_clearcoat": {"clearcoatFactor": 1}},
     }
     material = quad_of(tmp_path, unlit, document).parts[0].material
+    assert material.is_unlit
     assert material.emissive == (0.5, 1, 0.25)
     assert material.base_colour[:3] == BLACK
-    assert set(material.maps) == {"base_map", "emissive_map"}
+    assert (material.metallic, material.roughness, material.coat) == (0, 1, 0)
+    assert set(material.maps) == ({"base_map", "emissive_map"} if has_picture else set())
+    assert not has_picture or (material.emissive_map == RED).all()
 
 
 NO_METAL = {"pbrMetallicRoughness": {"metallicFactor": 0}}
