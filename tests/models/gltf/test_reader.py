@@ -14,6 +14,7 @@ from PIL import Image
 from ashe_live.errors import UserError
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import Alpha
+from ashe_live.models.mesh import face_normals
 from ashe_live.models.parsing import limits
 from tests.models.gltf_files import CORNERS, UVS, Document, png
 
@@ -198,6 +199,25 @@ def test_normalised_integers_are_shares_of_one(tmp_path: Path, kind: type, is_sa
     part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
     np.testing.assert_allclose(part.uvs, np.column_stack([UVS[:, 0], 1 - UVS[:, 1]]), atol=1e-6)
     np.testing.assert_allclose(part.colours, [(1, 0, 0.2, 1)] * 4, atol=1e-4)  # linear in glTF
+
+
+def test_a_primitive_without_positions_is_not_drawn(tmp_path: Path) -> None:
+    """3.7.2.1: such a primitive is to be skipped; the others are drawn."""
+    document = Document()
+    document.quad()
+    primitives = document.json["meshes"][0]["primitives"]
+    primitives.append({"attributes": {"NORMAL": primitives[0]["attributes"]["NORMAL"]}})
+    assert load_model_file(document.save(tmp_path / "a.glb")).triangle_count == 2
+
+
+def test_a_node_that_mirrors_keeps_the_front_of_what_has_no_normals(tmp_path: Path) -> None:
+    """3.7.4: where the node's determinant is negative, triangles run clockwise."""
+    document = Document()
+    document.quad({"scale": [-1, 1, 1]})
+    del document.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-6)
+    assert (face_normals(part.vertices, part.triangles)[:, 1] < 0).all()
 
 
 def test_an_index_beyond_the_vertices_is_said(tmp_path: Path) -> None:
