@@ -145,15 +145,24 @@ def _numbers(value: str) -> tuple[float, ...]:
 
 def _file_name(value: str) -> tuple[str, dict[str, list[str]]]:
     """And the words of the options before it."""
-    words = value.split(" ")
     options: dict[str, list[str]] = {}
-    while words and words[0].lower() in OPTIONS:
-        option, words = words[0].lower(), words[1:]
-        said = options[option] = []
-        while words and len(said) < OPTIONS[option] and not _is_name(words[0]):
-            said.append(words[0])
-            words = words[1:]
-    return " ".join(words).strip().strip('"'), options
+    word, rest = _first_word(value)
+    while (option := word.lower()) in OPTIONS:
+        said: list[str] = []
+        value = rest
+        word, rest = _first_word(value)
+        while word and len(said) < OPTIONS[option] and not _is_name(word):
+            said.append(word)
+            value = rest
+            word, rest = _first_word(value)
+        options[option] = said
+    return value.strip().strip('"'), options
+
+
+def _first_word(value: str) -> tuple[str, str]:
+    """And what follows it, spaces and all."""
+    word, rest = (*value.split(None, 1), "", "")[:2]
+    return word, rest
 
 
 def _layout(options: dict[str, list[str]]) -> MapLayout:
@@ -169,7 +178,7 @@ def _is_name(word: str) -> bool:
     try:
         float(word)
     except ValueError:
-        return word.lower() not in ("on", "off", "r", "g", "b", "m", "l", "z", "")
+        return word.lower() not in ("on", "off", "r", "g", "b", "m", "l", "z")
     return False
 
 

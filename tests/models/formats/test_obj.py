@@ -122,6 +122,8 @@ def test_the_picture_of_the_colours_is_a_mask_by_its_alpha_alone(tmp_path: Path,
         "../models/Red.png",
         "-s 1 1 1 -o 0 0 red.png",
         "-bm 0.5 red.png",
+        "-s 1  1 1   -o 0 0  red.png",
+        "-bm\t0.5\tred.png",
         '"red.png"',
     ],
 )
