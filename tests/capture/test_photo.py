@@ -18,6 +18,7 @@ from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo import LARGE_FILE_BYTES, PhotoSource
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
+from ashe_live.files import slow_pictures
 
 HEIC = b"\x00\x00\x00\x18ftypheic" + bytes(99)  # begins as such a photo, and has no picture
 
@@ -245,14 +246,49 @@ def test_a_photo_that_would_be_decoded_for_seconds_is_refused(tmp_path: Path, na
         b"P3 2 1 255 0 127 255 255 127 0" + b" " * 65_536 + b"#\n" * 1001,
         b"P6 #" + b"x" * 65_536 + b"\n2 1 255 012345",
         b"P5 2 1" + b" " * 65_536 + b"255 01",
+        b"Pf #" + b"x" * 65_536 + b"\n2 1 -1.0 01234567",
+        b"PyRGBA " + b" " * 65_536 + b"2 1 255 01234567",
+        b"P6 2 1#\n#\n 2#" + b"x" * 65_536 + b"\n55 012345",
     ],
-    ids=["many", "many later", "one long", "spaces"],
+    ids=["many", "many later", "one long", "spaces", "floating point", "Pillow's own", "within a number"],
 )
 def test_comments_without_end_are_refused(tmp_path: Path, content: bytes) -> None:
     """Pillow reads a header byte by byte, and for each comment of a text copies all that follows: minutes for 10 MB."""
     (tmp_path / "a.ppm").write_bytes(content)
     with pytest.raises(UserError, match="has comments without end: save it as PNG"):
         open_source(tmp_path / "a.ppm")
+
+
+@pytest.mark.parametrize(
+    ("kind", "mark", "part"),
+    [
+        ("PNG", b"IDAT", bytes(4) + b"teSt" + zlib.crc32(b"teSt").to_bytes(4, "big")),
+        ("JPEG2000", b"jp2h", b"\0\0\0\x08test"),
+        ("JPEG2000", b"ihdr", b"\0\0\0\1test" + bytes(7) + b"\x10"),
+    ],
+    ids=["chunks", "boxes", "boxes in a box"],
+)
+def test_parts_without_end_are_refused(
+    tmp_path: Path, rgb: Image, monkeypatch: pytest.MonkeyPatch, kind: str, mark: bytes, part: bytes
+) -> None:
+    """Pillow reads them one by one: half a minute for the smallest in 64 MB. What follows the picture does not count."""
+    monkeypatch.setattr(slow_pictures, "MOST_PARTS", 50)
+    path = tmp_path / "a"
+    PIL.Image.fromarray(rgb).save(path, kind)
+    content = path.read_bytes()
+    at = content.index(mark) - 4
+    for count, is_refused in ((40, False), (50, True)):
+        changed = bytearray(content[:at] + count * part + content[at:])
+        if mark == b"ihdr":
+            header = content.index(b"jp2h") - 4
+            size = int.from_bytes(content[header : header + 4], "big") + count * len(part)
+            changed[header : header + 4] = size.to_bytes(4, "big")
+        path.write_bytes(changed + 100 * part)
+        if is_refused:
+            with pytest.raises(UserError, match=r"is in more than 50 parts, .*: save it as JPEG"):
+                open_source(path)
+        else:
+            np.testing.assert_array_equal(read(path), rgb[:, :, ::-1])
 
 
 def test_a_picture_all_of_whose_pixels_look_like_spaces_or_comments_is_read(tmp_path: Path) -> None:
