@@ -271,7 +271,7 @@ def test_comments_without_end_are_refused(tmp_path: Path, content: bytes) -> Non
 def test_parts_without_end_are_refused(
     tmp_path: Path, rgb: Image, monkeypatch: pytest.MonkeyPatch, kind: str, mark: bytes, part: bytes
 ) -> None:
-    """Pillow reads them one by one: half a minute for the smallest in 64 MB. What follows the picture does not count."""
+    """Pillow reads them one by one: half a minute for 64 MB of them. What follows the picture does not count."""
     monkeypatch.setattr(slow_pictures, "MOST_PARTS", 50)
     path = tmp_path / "a"
     PIL.Image.fromarray(rgb).save(path, kind)
