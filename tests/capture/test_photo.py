@@ -80,11 +80,12 @@ def test_exif_orientation_is_respected(tmp_path: Path, rgb: Image, orientation: 
     }[orientation]
     exif = PIL.Image.Exif()
     exif[0x112] = orientation
-    path = tmp_path / "a.jpg"
-    PIL.Image.fromarray(rgb).save(path, exif=exif, quality=95, subsampling=0)
-    image = read(path)
-    assert image.shape == upright.shape
-    assert np.abs(image.astype(int) - upright[:, :, ::-1]).mean() < 3
+    PIL.Image.fromarray(rgb).save(tmp_path / "a.jpg", exif=exif, quality=95, subsampling=0)
+    PIL.Image.fromarray(rgb).save(tmp_path / "a.tif", exif=exif)  # which Pillow turns as it loads it
+    for name in ("a.jpg", "a.tif"):
+        image = read(tmp_path / name)
+        assert image.shape == upright.shape
+        assert np.abs(image.astype(int) - upright[:, :, ::-1]).mean() < 3
 
 
 def test_grey_of_16_bits_is_reduced(tmp_path: Path) -> None:
@@ -295,6 +296,13 @@ def test_a_picture_all_of_whose_pixels_look_like_spaces_or_comments_is_read(tmp_
     for shade in b" #":
         (tmp_path / "a.ppm").write_bytes(b"P6 200 200 255 " + bytes([shade]) * 120_000)
         assert (read(tmp_path / "a.ppm") == shade).all()
+
+
+def test_no_program_is_started_for_a_photo(tmp_path: Path, rgb: Image) -> None:
+    """Pillow would have Ghostscript run what is in PostScript."""
+    PIL.Image.fromarray(rgb).save(tmp_path / "a.eps")
+    with pytest.raises(UserError, match="is not a clip or photo that can be read"):
+        open_source(tmp_path / "a.eps")
 
 
 @pytest.mark.parametrize("size", [(16_385, 2), (2, 16_385)])
