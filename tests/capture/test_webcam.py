@@ -68,6 +68,19 @@ class FakeCapture:
             self._changed.notify_all()
 
 
+class Flowing(FakeCapture):
+    """One that gives picture after picture, as fast as they are taken, and tells its rate."""
+
+    def grab(self) -> bool:
+        return True
+
+    def retrieve(self) -> tuple[bool, Image | None]:
+        return True, np.zeros((48, 64, 3), np.uint8)
+
+    def get(self, prop: int) -> float:
+        return {cv2.CAP_PROP_FPS: 15.0}.get(prop, 0.0)
+
+
 def one_after_another(*captures: FakeCapture) -> Callable[[int | str, tuple[int, int] | None], FakeCapture]:
     waiting = iter(captures)
     return lambda camera, size: next(waiting)  # noqa: ARG005
@@ -98,6 +111,14 @@ def test_a_camera_is_asked_for_its_size_in_a_format_that_usb_carries(
     assert asked[0] == (cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
     sides = [] if size is None else [(cv2.CAP_PROP_FRAME_WIDTH, size[0]), (cv2.CAP_PROP_FRAME_HEIGHT, size[1])]
     assert asked[1:] == [*sides, (cv2.CAP_PROP_BUFFERSIZE, 2)]
+
+
+def test_a_camera_that_is_closed_is_free_for_others() -> None:
+    capture = Flowing(1)
+    with WebcamSource(0, open_capture=one_after_another(capture)) as source:
+        assert source.fps == 15.0
+        assert not capture.released.is_set()
+    assert capture.released.wait(PATIENCE_S)
 
 
 def test_frames_carry_the_time_at_which_they_arrived() -> None:
