@@ -296,6 +296,8 @@ def test_a_picture_all_of_whose_pixels_look_like_spaces_or_comments_is_read(tmp_
     for shade in b" #":
         (tmp_path / "a.ppm").write_bytes(b"P6 200 200 255 " + bytes([shade]) * 120_000)
         assert (read(tmp_path / "a.ppm") == shade).all()
+    (tmp_path / "a.pbm").write_bytes(b"P4 1000 1000 " + b"\xff" * 125_000)
+    assert (read(tmp_path / "a.pbm") == 0).all()
 
 
 def test_no_program_is_started_for_a_photo(tmp_path: Path, rgb: Image) -> None:
