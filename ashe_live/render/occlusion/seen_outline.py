@@ -53,7 +53,9 @@ def seen_outline(image_bgr: Image, hull_px: Float) -> SeenOutline | None:
     if len(hull_px) < 3 or area < 1.0:
         return None
     points, normals = _places(hull_px)
-    reach = max(round(REACH * math.sqrt(area) / STEP_PX), 1)
+    # What stands right before the camera is larger than the picture.
+    size_px = min(math.sqrt(area), max(image_bgr.shape[:2]))
+    reach = max(round(REACH * size_px / STEP_PX), 1)
     band = max(round(BAND * reach), LEAST_BAND)
     profile, squares = _profiles(image_bgr, points, normals, reach + max(band, GAP + WINDOW))
     steps = _Steps.between(profile, squares, reach)
