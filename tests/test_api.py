@@ -109,11 +109,11 @@ def test_a_file_is_named_by_a_path_as_by_text(ran, tmp_path):
     file = tmp_path / "tile.obj"
     file.write_text("v 0 0 0\nv 0.06 0 0\nv 0.06 0 0.04\nv 0 0.03 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n")
     tracked, moved = ran["tracked"], al.Placement(scale=0.5)
-    with al.Renderer(tracked.frame.size) as renderer:
+    with al.Renderer((320, 240), "fast") as renderer:
         for by_path, by_text in (
             (file, str(file)),
             ((file, moved), (str(file), moved)),
-            (["mug", file], ["mug", str(file)]),
+            (["cube", file], ["cube", str(file)]),
         ):
             drawn = renderer.render(tracked, by_path, is_cut_out=True)
             assert drawn[..., 3].any()
@@ -132,11 +132,10 @@ def test_the_first_model_stands_on_the_side_that_is_asked_for(ran, tmp_path):
     for file, points in ((y_up, corners), (z_up, [(x, -z, y) for x, y, z in corners])):
         file.write_text("".join([f"v {x} {y} {z}\n" for x, y, z in points] + [f"f {face}\n" for face in faces]))
     tracked = ran["tracked"]
-    with al.Renderer(tracked.frame.size) as renderer:
-        upright = renderer.render(tracked, y_up, is_cut_out=True, up="y")
+    with al.Renderer((320, 240), "fast") as renderer:
+        upright, guessed = (renderer.render(tracked, y_up, is_cut_out=True, up=up) for up in ("y", None))
+        assert np.count_nonzero(guessed != upright) > 300, "a slab that stands is told from one that lies"
         np.testing.assert_array_equal(renderer.render(tracked, z_up, is_cut_out=True, up="z"), upright)
-        lying = renderer.render(tracked, y_up, is_cut_out=True, up="z")
-        assert np.count_nonzero(lying != upright) > 1000
         second = renderer.render(tracked, ["cube", y_up], up="y")
         np.testing.assert_array_equal(renderer.render(tracked, ["cube", y_up]), second)
 

@@ -72,7 +72,7 @@ def modes_of(camera: int | str, open_capture: OpenCapture = open_opencv_capture)
 def mode_of(capture: Capture) -> Mode:
     """The mode that an open camera says it will give."""
     size = round(capture.get(cv2.CAP_PROP_FRAME_WIDTH)), round(capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
-    code = max(0, int(capture.get(cv2.CAP_PROP_FOURCC)))
+    code = int(capture.get(cv2.CAP_PROP_FOURCC))
     codec = code.to_bytes(4, "little").decode("ascii", "replace") if 0 < code < 1 << 32 else ""
     return Mode(size, capture.get(cv2.CAP_PROP_FPS), codec if codec.isprintable() else "")
 

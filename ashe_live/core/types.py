@@ -235,8 +235,9 @@ class Illumination:
     ground_rgb: (3,) linear RGB, the lit ground's mean colour in the video.
     real_object: approximates the real object, which casts shadows and occludes the model. It stands below the plane
     z = 0 where several views tell that the marker lies above the ground.
-    seen_in: the frame, with a marker, that polished surfaces mirror, and whose white turns `ground_rgb` into an albedo.
-    None: they mirror even ground under an overcast sky.
+    seen_in: the frame, with a marker, that polished surfaces mirror, whose white turns `ground_rgb` into an albedo, and
+    that shows the outline up to which the real object hides models. None: they mirror even ground under an overcast
+    sky, and the object is drawn as it was fitted.
     sky_slope_rgb: (2, 3) linear RGB, the lean of the sky: beyond the light of an even sky, a surface of normal n gets
     n_x times the first row plus n_y times the second, relative to all light on level ground. None: an even sky.
     as_read: the illumination as it was when `seen_in` was read: in the frame of the marker as it lay there, where it

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import moderngl
 
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.passes.ground import CatchingGround, ShadowCatcher
@@ -41,14 +42,14 @@ class LayerPasses:
         self.real: RealObject | None = None
         self._programs = programs
 
-    def follow_real_object(self, proxy: Proxy | None) -> bool:
-        """Readies the real object that is there now; whether there was another one."""
+    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None = None) -> bool:
+        """Readies the real object that is there now; whether there was another one. `seen_in`: as of RealObject."""
         former = self.real
-        if former is not None and former.proxy is not proxy:
+        if former is not None and not (former.proxy is proxy and former.seen_in is seen_in):
             former.release()
             self.real = None
         if self.real is None and proxy is not None:
-            self.real = RealObject(self._ctx, self._programs, proxy)
+            self.real = RealObject(self._ctx, self._programs, proxy, seen_in)
         return former is not None and former is not self.real
 
     def follow_sheet(self, scene: Scene, waits: bool) -> MarkerCover | None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.compositing.composite import Composite, Footage
 from ashe_live.render.compositing.lens import Lens
 from ashe_live.render.compositing.outlines import OutlineSmoothing
@@ -66,8 +67,8 @@ class ModelsOnVideo:
     def looked_up(self) -> LookedUp:
         return LookedUp(self.shadows, self._ground_shadows, self._environment)
 
-    def follow_real_object(self, proxy: Proxy | None) -> None:
-        if self.layers.follow_real_object(proxy):
+    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None) -> None:
+        if self.layers.follow_real_object(proxy, seen_in):
             self.shadows.forget()
 
     def forget_models(self) -> None:
@@ -131,7 +132,7 @@ class ModelsOnVideo:
         real = self.layers.real
         before_shadows = EMPTY
         if real is not None:
-            before_shadows = common(around(real.points), around(self.layers.catcher.polygon))
+            before_shadows = common(around(real.drawn_points), around(self.layers.catcher.polygon))
         for within in disjoint(around(models.corners), before_shadows):
             if min(within[2:]) > 0:
                 self._outlines.smooth(surface, within, viewport)
@@ -145,7 +146,7 @@ class ModelsOnVideo:
         if not (content.shows_model or content.signs or real is not None):
             return
         standing = _corners(content.models, content.signs)
-        edged = framed(standing if real is None else np.concatenate([standing, real.points]))
+        edged = framed(standing if real is None else np.concatenate([standing, real.drawn_points]))
         if edged is None:
             return
         within = common(grown(edged.region, 1, surface.size), content.inputs.framing.region)

@@ -86,3 +86,9 @@ class Scene:
         if self.covers_marker and marker is not None and marker.body is not None:
             return None
         return self.illumination.real_object
+
+    @property
+    def object_seen_in(self) -> TrackedFrame | None:
+        """The frame that shows the real object where it stands; None: there is none, or it stood elsewhere then."""
+        read = self.illumination.as_read or self.illumination
+        return read.seen_in if read.real_object is self.illumination.real_object else None

@@ -1,6 +1,7 @@
 """Which cameras there are: names by which they are known again, and modes that they really give."""
 
 import cv2
+import pytest
 from cv2_enumerate_cameras.camera_info import CameraInfo
 
 from ashe_live.capture.cameras import Device, Mode, connected, modes_of, name_of
@@ -20,6 +21,7 @@ class FakeCapture:
 
     sizes: tuple[Size, ...] = ((640, 480), (1280, 720))
     opened = released = 0
+    fourcc = cv2.VideoWriter.fourcc(*"MJPG")
 
     def __init__(self, camera: int | str, wanted: Size | None) -> None:
         assert wanted is not None
@@ -37,9 +39,8 @@ class FakeCapture:
         raise AssertionError
 
     def get(self, prop: int) -> float:
-        fourcc = cv2.VideoWriter.fourcc(*"MJPG")
         values = {cv2.CAP_PROP_FRAME_WIDTH: self.size[0], cv2.CAP_PROP_FRAME_HEIGHT: self.size[1]}
-        return float({**values, cv2.CAP_PROP_FPS: 30, cv2.CAP_PROP_FOURCC: fourcc}.get(prop, 0))
+        return float({**values, cv2.CAP_PROP_FPS: 30, cv2.CAP_PROP_FOURCC: self.fourcc}.get(prop, 0))
 
     def release(self) -> None:
         FakeCapture.released += 1
@@ -64,3 +65,11 @@ def test_each_mode_that_it_gives_is_listed_once() -> None:
 def test_a_camera_that_cannot_be_opened_has_no_modes() -> None:
     assert list(modes_of(1, FakeCapture)) == []
     assert FakeCapture.opened == FakeCapture.released
+
+
+def test_what_a_driver_does_not_tell_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A size of none, and a code of no letters: OpenCV gives -1 and 0 for what it does not know."""
+    monkeypatch.setattr(FakeCapture, "sizes", ((0, 0), (640, 480)))
+    for fourcc in (-1, 0, 0x04030201, 1 << 40):
+        monkeypatch.setattr(FakeCapture, "fourcc", fourcc)
+        assert list(modes_of(0, FakeCapture)) == [Mode((640, 480), 30.0, "")]

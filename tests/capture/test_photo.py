@@ -18,6 +18,7 @@ from ashe_live.capture.opening import open_source
 from ashe_live.capture.photo import LARGE_FILE_BYTES, PhotoSource
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
+from ashe_live.files import slow_pictures
 
 HEIC = b"\x00\x00\x00\x18ftypheic" + bytes(99)  # begins as such a photo, and has no picture
 
@@ -79,11 +80,12 @@ def test_exif_orientation_is_respected(tmp_path: Path, rgb: Image, orientation: 
     }[orientation]
     exif = PIL.Image.Exif()
     exif[0x112] = orientation
-    path = tmp_path / "a.jpg"
-    PIL.Image.fromarray(rgb).save(path, exif=exif, quality=95, subsampling=0)
-    image = read(path)
-    assert image.shape == upright.shape
-    assert np.abs(image.astype(int) - upright[:, :, ::-1]).mean() < 3
+    PIL.Image.fromarray(rgb).save(tmp_path / "a.jpg", exif=exif, quality=95, subsampling=0)
+    PIL.Image.fromarray(rgb).save(tmp_path / "a.tif", exif=exif)  # which Pillow turns as it loads it
+    for name in ("a.jpg", "a.tif"):
+        image = read(tmp_path / name)
+        assert image.shape == upright.shape
+        assert np.abs(image.astype(int) - upright[:, :, ::-1]).mean() < 3
 
 
 def test_grey_of_16_bits_is_reduced(tmp_path: Path) -> None:
@@ -245,8 +247,11 @@ def test_a_photo_that_would_be_decoded_for_seconds_is_refused(tmp_path: Path, na
         b"P3 2 1 255 0 127 255 255 127 0" + b" " * 65_536 + b"#\n" * 1001,
         b"P6 #" + b"x" * 65_536 + b"\n2 1 255 012345",
         b"P5 2 1" + b" " * 65_536 + b"255 01",
+        b"Pf #" + b"x" * 65_536 + b"\n2 1 -1.0 01234567",
+        b"PyRGBA " + b" " * 65_536 + b"2 1 255 01234567",
+        b"P6 2 1#\n#\n 2#" + b"x" * 65_536 + b"\n55 012345",
     ],
-    ids=["many", "many later", "one long", "spaces"],
+    ids=["many", "many later", "one long", "spaces", "floating point", "Pillow's own", "within a number"],
 )
 def test_comments_without_end_are_refused(tmp_path: Path, content: bytes) -> None:
     """Pillow reads a header byte by byte, and for each comment of a text copies all that follows: minutes for 10 MB."""
@@ -255,10 +260,51 @@ def test_comments_without_end_are_refused(tmp_path: Path, content: bytes) -> Non
         open_source(tmp_path / "a.ppm")
 
 
+@pytest.mark.parametrize(
+    ("kind", "mark", "part"),
+    [
+        ("PNG", b"IDAT", bytes(4) + b"teSt" + zlib.crc32(b"teSt").to_bytes(4, "big")),
+        ("JPEG2000", b"jp2h", b"\0\0\0\x08test"),
+        ("JPEG2000", b"ihdr", b"\0\0\0\1test" + bytes(7) + b"\x10"),
+    ],
+    ids=["chunks", "boxes", "boxes in a box"],
+)
+def test_parts_without_end_are_refused(
+    tmp_path: Path, rgb: Image, monkeypatch: pytest.MonkeyPatch, kind: str, mark: bytes, part: bytes
+) -> None:
+    """Pillow reads them one by one: half a minute for 64 MB of them. What follows the picture does not count."""
+    monkeypatch.setattr(slow_pictures, "MOST_PARTS", 50)
+    path = tmp_path / "a"
+    PIL.Image.fromarray(rgb).save(path, kind)
+    content = path.read_bytes()
+    at = content.index(mark) - 4
+    for count, is_refused in ((40, False), (50, True)):
+        changed = bytearray(content[:at] + count * part + content[at:])
+        if mark == b"ihdr":
+            header = content.index(b"jp2h") - 4
+            size = int.from_bytes(content[header : header + 4], "big") + count * len(part)
+            changed[header : header + 4] = size.to_bytes(4, "big")
+        path.write_bytes(changed + 100 * part)
+        if is_refused:
+            with pytest.raises(UserError, match=r"is in more than 50 parts, .*: save it as JPEG"):
+                open_source(path)
+        else:
+            np.testing.assert_array_equal(read(path), rgb[:, :, ::-1])
+
+
 def test_a_picture_all_of_whose_pixels_look_like_spaces_or_comments_is_read(tmp_path: Path) -> None:
     for shade in b" #":
         (tmp_path / "a.ppm").write_bytes(b"P6 200 200 255 " + bytes([shade]) * 120_000)
         assert (read(tmp_path / "a.ppm") == shade).all()
+    (tmp_path / "a.pbm").write_bytes(b"P4 1000 1000 " + b"\xff" * 125_000)
+    assert (read(tmp_path / "a.pbm") == 0).all()
+
+
+def test_no_program_is_started_for_a_photo(tmp_path: Path, rgb: Image) -> None:
+    """Pillow would have Ghostscript run what is in PostScript."""
+    PIL.Image.fromarray(rgb).save(tmp_path / "a.eps")
+    with pytest.raises(UserError, match="is not a clip or photo that can be read"):
+        open_source(tmp_path / "a.eps")
 
 
 @pytest.mark.parametrize("size", [(16_385, 2), (2, 16_385)])

@@ -22,6 +22,11 @@ def test_png_holds_the_very_pixels(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
 
 
+@pytest.mark.parametrize("name", ["A.PNG", "a"])
+def test_a_name_is_that_of_a_png_in_capitals_and_without_an_ending(tmp_path: Path, name: str) -> None:
+    assert write_png(tmp_path / name, np.zeros((4, 4, 3), np.uint8)) == tmp_path / name
+
+
 def test_texts_are_read_as_they_were_written(tmp_path: Path) -> None:
     texts = {"ashe-live": '{"azimuth": "30°"}', "Title": "a table"}
     write_png(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), texts=texts)

@@ -8,12 +8,14 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
-from ashe_live.capture.camera_error import camera_error, programs_using
+from ashe_live.capture import camera_error as camera_errors
+from ashe_live.capture.camera_error import camera_error, check_is_device, programs_using
 from ashe_live.capture.sources import SourceLost
-from ashe_live.capture.webcam import WebcamSource
+from ashe_live.capture.webcam import WebcamSource, open_opencv_capture
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 
@@ -66,6 +68,19 @@ class FakeCapture:
             self._changed.notify_all()
 
 
+class Flowing(FakeCapture):
+    """One that gives picture after picture, as fast as they are taken, and tells its rate."""
+
+    def grab(self) -> bool:
+        return True
+
+    def retrieve(self) -> tuple[bool, Image | None]:
+        return True, np.zeros((48, 64, 3), np.uint8)
+
+    def get(self, prop: int) -> float:
+        return {cv2.CAP_PROP_FPS: 15.0}.get(prop, 0.0)
+
+
 def one_after_another(*captures: FakeCapture) -> Callable[[int | str, tuple[int, int] | None], FakeCapture]:
     waiting = iter(captures)
     return lambda camera, size: next(waiting)  # noqa: ARG005
@@ -74,6 +89,36 @@ def one_after_another(*captures: FakeCapture) -> Callable[[int | str, tuple[int,
 def ticking(step_s: float = 0.1) -> Callable[[], float]:
     ticks = itertools.count()
     return lambda: 1000.0 + next(ticks) * step_s
+
+
+@pytest.mark.parametrize("size", [None, (1280, 720)])
+def test_a_camera_is_asked_for_its_size_in_a_format_that_usb_carries(
+    monkeypatch: pytest.MonkeyPatch, size: tuple[int, int] | None
+) -> None:
+    """After the format: a camera has other sizes in each of them. And for a short queue, as pictures grow old in it."""
+    asked: list[tuple[int, float]] = []
+
+    class Asked:
+        def __init__(self, *_: object) -> None: ...
+
+        def set(self, prop: int, value: float) -> None:
+            asked.append((prop, value))
+
+    monkeypatch.setattr(cv2, "VideoCapture", Asked)
+    monkeypatch.delenv("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", raising=False)
+    open_opencv_capture(0, size)
+    assert float(os.environ.pop("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT")) < 10
+    assert asked[0] == (cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
+    sides = [] if size is None else [(cv2.CAP_PROP_FRAME_WIDTH, size[0]), (cv2.CAP_PROP_FRAME_HEIGHT, size[1])]
+    assert asked[1:] == [*sides, (cv2.CAP_PROP_BUFFERSIZE, 2)]
+
+
+def test_a_camera_that_is_closed_is_free_for_others() -> None:
+    capture = Flowing(1)
+    with WebcamSource(0, open_capture=one_after_another(capture)) as source:
+        assert source.fps == 15.0
+        assert not capture.released.is_set()
+    assert capture.released.wait(PATIENCE_S)
 
 
 def test_frames_carry_the_time_at_which_they_arrived() -> None:
@@ -199,6 +244,7 @@ class TestRemedy:
 
     def test_no_camera_at_all_points_to_clips(self, tmp_path: Path) -> None:
         assert "ashe-live play" in camera_error(0, tmp_path).remedy
+        assert camera_error(str(tmp_path / "cam"), tmp_path).message == f"there is no camera {tmp_path / 'cam'}"
 
     def test_forbidden_camera_names_the_group(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (tmp_path / "video0").touch()
@@ -213,7 +259,7 @@ class TestRemedy:
         device = tmp_path / "video0"
         device.touch()
         assert programs_using(device) == set()
-        with subprocess.Popen(["sleep", "60"], stdin=device.open()) as other:
+        with device.open() as ours, subprocess.Popen(["sleep", "60"], stdin=ours) as other:
             try:
                 assert programs_using(device) == {"sleep"}
                 assert "it is used by sleep" in camera_error(str(device)).message
@@ -228,6 +274,12 @@ class TestRemedy:
         (tmp_path / "link").symlink_to("clip.mp4")
         with pytest.raises(UserError, match="is not a camera"):
             WebcamSource(str(tmp_path / name))
+
+    def test_a_device_may_be_named_by_a_link(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """As in /dev/v4l/by-id, which tells cameras apart."""
+        (tmp_path / "cam").symlink_to("/dev/null")
+        monkeypatch.setattr(camera_errors, "VIDEO_MAJOR", os.major(Path("/dev/null").stat().st_rdev))
+        check_is_device(str(tmp_path / "cam"))
 
     def test_opencv_says_nothing_of_its_own(self, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
         with pytest.raises(UserError, match="there is no camera"):

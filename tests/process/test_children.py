@@ -7,6 +7,7 @@ import subprocess
 import sys
 import sysconfig
 import time
+from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -200,6 +201,17 @@ def test_ctrl_c_does_not_reach_it_from_its_first_moment():
 def _tell_and_wait(far_end: Connection) -> None:
     far_end.send(os.getpid())
     far_end.recv()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere it has nothing to do with threads")
+def test_it_outlives_the_thread_that_asked_for_it():
+    near, far = multiprocessing.Pipe()
+    with ThreadPoolExecutor(1) as short_lived:
+        process = short_lived.submit(started, _tell_and_wait, (), "test", FREE, far).result()
+        near.recv()
+    near.send("end")
+    process.join(PATIENCE_S)
+    assert process.exitcode == 0
 
 
 PARENT = """

@@ -123,7 +123,7 @@ class ClipPictures:
         if self._stream.duration and self._stream.time_base:
             stated_s = float(self._stream.duration * self._stream.time_base)
         elif self._container.duration:
-            stated_s = self._container.duration / av.time_base
+            stated_s = self._container.duration / av.time_base - self._start_s()
         else:
             return None
         return max(0.0, stated_s - 1 / self.fps)
@@ -131,22 +131,23 @@ class ClipPictures:
     def ends_early(self) -> bool:
         """A clip cut between two packets is no error to FFmpeg, but its index or its header promises more than came.
 
-        The header's duration is that of all that is in the file, which may have more sound than pictures, and counts
-        from time 0, wherever the first picture is.
+        The header's duration is that of all that is in the file, which may have more sound than pictures.
         """
         if self._container.format.name == "gif":
             return self._last_bytes != GIF_END
         if not self._stream.time_base:
             return False
-        seen_s = self._end_s
         if self._stream.duration:
             promised_s = float(stated_length(self._container, self._stream) * self._stream.time_base)
         elif self._container.duration and len(self._container.streams) == 1:
-            promised_s = self._container.duration / av.time_base
-            seen_s += max(0.0, float((self.start_pts or 0) * self._stream.time_base))
+            promised_s = self._container.duration / av.time_base - self._start_s()
         else:
             return False
-        return promised_s - seen_s > TOLERATED_GAP_FRAMES / self.fps
+        return promised_s - self._end_s > TOLERATED_GAP_FRAMES / self.fps
+
+    def _start_s(self) -> float:
+        """Of the first picture: the header's duration counts from time 0, wherever that is."""
+        return max(0.0, float((self.start_pts or 0) * (self._stream.time_base or 0)))
 
     def close(self) -> None:
         self._videos = iter(())

@@ -6,6 +6,7 @@ http://paulbourke.net/dataformats/mtl/
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import check_materials
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
-from ashe_live.models.parsing.pictures import resized
+from ashe_live.models.parsing.pictures import Pictures, at_one_size, filled_beyond
 
 # The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
 # files, which begin with these words, colours are linear, the exponent is 1000 (1 - roughness)^2, and where the model
@@ -75,11 +76,10 @@ def text_of(content: bytes) -> str:
         return content.decode("latin-1")
 
 
-def read_mtl(model: Path, content: bytes, texels: Callable[[str], Image | None], notes: Notes) -> dict[str, Material]:
-    """Materials of the file `model` by their names. `texels` gives a picture's (h, w, 4) uint8 by its file's name, None
-    where there is none.
+def read_mtl(model: Path, content: bytes, pictures: Pictures, beside: str, notes: Notes) -> dict[str, Material]:
+    """Materials of the file `model` by their names. `beside`: the MTL's folder in that of the model.
 
-    Raises UserError for more materials than the limit, MalformedError for a line that is no MTL.
+    Raises UserError for more materials or texels than the limit, MalformedError for a line that is no MTL.
     """
     described: dict[str, _Described] = {}
     one = _Described()
@@ -100,7 +100,8 @@ def read_mtl(model: Path, content: bytes, texels: Callable[[str], Image | None],
     is_blenders = content.lstrip().startswith(BLENDERS_FIRST_WORDS)
     if any(one.cut_out is not None and one.picture is None for one in described.values()):
         notes.add("masks of its materials without a picture are left out")
-    return {name: _material(one, texels, is_blenders) for name, one in described.items()}
+    texels = partial(pictures.named, covers=True, beside=beside)
+    return {name: _material(one, texels, pictures.made, is_blenders) for name, one in described.items()}
 
 
 def _take(one: _Described, key: str, value: str) -> None:
@@ -144,15 +145,24 @@ def _numbers(value: str) -> tuple[float, ...]:
 
 def _file_name(value: str) -> tuple[str, dict[str, list[str]]]:
     """And the words of the options before it."""
-    words = value.split(" ")
     options: dict[str, list[str]] = {}
-    while words and words[0].lower() in OPTIONS:
-        option, words = words[0].lower(), words[1:]
-        said = options[option] = []
-        while words and len(said) < OPTIONS[option] and not _is_name(words[0]):
-            said.append(words[0])
-            words = words[1:]
-    return " ".join(words).strip().strip('"'), options
+    word, rest = _first_word(value)
+    while (option := word.lower()) in OPTIONS:
+        said: list[str] = []
+        value = rest
+        word, rest = _first_word(value)
+        while word and len(said) < OPTIONS[option] and not _is_name(word):
+            said.append(word)
+            value = rest
+            word, rest = _first_word(value)
+        options[option] = said
+    return value.strip().strip('"'), options
+
+
+def _first_word(value: str) -> tuple[str, str]:
+    """And what follows it, spaces and all."""
+    word, rest = (*value.split(None, 1), "", "")[:2]
+    return word, rest
 
 
 def _layout(options: dict[str, list[str]]) -> MapLayout:
@@ -168,11 +178,13 @@ def _is_name(word: str) -> bool:
     try:
         float(word)
     except ValueError:
-        return word.lower() not in ("on", "off", "r", "g", "b", "m", "l", "z", "")
+        return word.lower() not in ("on", "off", "r", "g", "b", "m", "l", "z")
     return False
 
 
-def _material(one: _Described, texels: Callable[[str], Image | None], is_blenders: bool) -> Material:
+def _material(
+    one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image], is_blenders: bool
+) -> Material:
     opacity = min(max(one.opacity, 0.0), 1.0)
     colours = np.clip([one.diffuse or (0.8, 0.8, 0.8), one.emission], 0, 1)
     (red, green, blue), (glow_red, glow_green, glow_blue) = (
@@ -192,8 +204,10 @@ def _material(one: _Described, texels: Callable[[str], Image | None], is_blender
         return plain
     base_map = texels(one.picture)
     if base_map is not None:
-        plain = replace(plain, layouts={"base_map": one.layout})
-        return pictured(plain, base_map, None if one.cut_out is None else texels(one.cut_out))
+        mask = None if one.cut_out is None else texels(one.cut_out)
+        if mask is not None:
+            base_map = made(("cut out", id(base_map), id(mask)), partial(_cut_out, base_map, mask))
+        return pictured(replace(plain, layouts={"base_map": one.layout}), base_map)
     # Some programs write black beside a picture.
     return plain if red + green + blue > 0 else replace(plain, base_colour=(*UNKNOWN.base_colour[:3], opacity))
 
@@ -208,15 +222,18 @@ def _roughness(shininess: float, is_blenders: bool) -> float:
     return math.sqrt(math.sqrt(2 / (shininess + 2)))
 
 
-def pictured(plain: Material, base_map: Image, cut_out: Image | None = None) -> Material:
-    """`plain` with a picture in the place of its colour; `cut_out`'s red is its alpha."""
-    if cut_out is not None and np.array_equal(cut_out, base_map):
-        cut_out = None  # its alpha is meant, which the picture has already
-    if cut_out is not None and base_map[..., 3].min() == 255:
-        cut_out = resized(cut_out, (base_map.shape[1], base_map.shape[0]))
-        # Of a picture with alpha that is the mask, and its red is none.
-        has_alpha = cut_out[..., 3].min() < 255
-        base_map = np.dstack([base_map[..., :3], cut_out[..., 3] if has_alpha else cut_out[..., 0]])
+def _cut_out(colours: Image, mask: Image) -> Image:
+    """(h, w, 4) uint8 with the mask's red as alpha, or its alpha where it has some."""
+    # Of one picture for both its alpha is meant, which it has already.
+    if colours[..., 3].min() < 255 or np.array_equal(colours, mask):
+        return colours
+    colours, mask = at_one_size(colours, mask)
+    has_alpha = mask[..., 3].min() < 255
+    return filled_beyond(np.dstack([colours[..., :3], mask[..., 3] if has_alpha else mask[..., 0]]))
+
+
+def pictured(plain: Material, base_map: Image) -> Material:
+    """`plain` with a picture in the place of its colour."""
     has_holes = base_map[..., 3].min() < 255
     return replace(
         plain,

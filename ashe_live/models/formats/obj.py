@@ -6,7 +6,6 @@ http://paulbourke.net/dataformats/obj/
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,9 +114,8 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
             is_any_missing |= None in there.values()
             contents = {name: content for name, content in there.items() if content is not None}
         for path, content in contents.items():
-            texels = partial(pictures.named, covers=True, beside=text_of(path).replace("\\", "/").rpartition("/")[0])
-            read = read_mtl(folder.model, content, texels, notes)
-            for name, material in read.items():
+            beside = text_of(path).replace("\\", "/").rpartition("/")[0]
+            for name, material in read_mtl(folder.model, content, pictures, beside, notes).items():
                 found.setdefault(name, material)
     wanted = {name: text_of(name) for name in lines.names}
     used = set(lines.materials)

@@ -77,7 +77,5 @@ def _ears(polygon: Float) -> Indices | None:
     whole = abs(float(normal[dropped]))
     if abs(float(np.abs(areas).sum()) - whole) > CROSSES_ITSELF * whole:
         return None
-    is_turned = areas < 0
-    cut[is_turned] = cut[is_turned][:, ::-1]
     # Of a corner that stands twice, or at the end of a spike, earcut makes no triangle; here it has one without area.
     return np.pad(cut, ((0, len(polygon) - 2 - len(cut)), (0, 0)))

@@ -25,7 +25,7 @@ from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.json_kinds import Json
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES, Notes
-from ashe_live.models.parsing.pictures import Pictures, cleared, filled_beyond, opaque
+from ashe_live.models.parsing.pictures import Pictures, cleared, opaque
 
 ALPHAS = {"OPAQUE": Alpha.OPAQUE, "MASK": Alpha.CUT_OUT, "BLEND": Alpha.BLEND}
 SPECULAR_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness"
@@ -42,7 +42,6 @@ class GltfMaterials:
         self._folder = folder
         self._notes = notes
         self._pictures = Pictures(folder, notes)
-        self._filled_pictures: dict[int, Image] = {}
         self._made: dict[tuple[int, frozenset[int]], tuple[Material, tuple[int, ...]]] = {}
 
     def material(self, place: int | None, uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:
@@ -124,20 +123,13 @@ class GltfMaterials:
         converted = (surface.with_mean_shine() if are_apart else surface).as_metal_rough()
         for name, texels in (("base_map", converted.base_map), ("metallic_roughness_map", converted.roughness_map)):
             if texels is not None:
-                key = SPECULAR_GLOSSINESS, name, diffuse.get("index"), shine.get("index"), str(given), covers
+                key = SPECULAR_GLOSSINESS, name, str(given), covers
                 maps.add(name, layouts[0], self._mirrored(self._shared(key, texels), layouts[0]))
         return {"base_colour": converted.base_colour, "metallic": converted.metallic, "roughness": converted.roughness}
 
     def _shared(self, key: Hashable, texels: Image) -> Image:
         """The texels, or those that have come under the same key before."""
         return self._pictures.made(key, lambda: texels)
-
-    def _filled(self, texels: Image) -> Image:
-        """As `filled_beyond`, once for each picture."""
-        key = id(texels)
-        if key not in self._filled_pictures:
-            self._filled_pictures[key] = filled_beyond(texels)
-        return self._filled_pictures[key]
 
     def _see_through(self, extensions: Json, surface: dict[str, Any], maps: Maps) -> dict[str, Any]:
         given, alpha = extensions.get("KHR_materials_transmission", {}), surface["alpha"]
@@ -194,7 +186,7 @@ class GltfMaterials:
     def _texels(self, texture: Json, name: str, covers: bool = False) -> Image | None:
         """(h, w, 4) uint8 of a texture; None, with a note, where it has no picture that can be read.
 
-        `covers` as in Pictures.texels: what nobody sees has then the colours beside it.
+        `covers` as in Pictures.texels.
         """
         found = self._header["textures"][texture["index"]]
         extensions = found.get("extensions", {})
@@ -208,12 +200,9 @@ class GltfMaterials:
                 self._notes.add(basis.LEFT_OUT)
                 return None
         uri = self._header["images"][source].get("uri", "data:")
-        texels = (
-            self._pictures.texels(source, lambda: self._image(source, name), name, covers)
-            if uri.startswith("data:")
-            else self._pictures.named(uri, name, covers)
-        )
-        return self._filled(texels) if covers and texels is not None else texels
+        if uri.startswith("data:"):
+            return self._pictures.texels(source, lambda: self._image(source, name), name, covers)
+        return self._pictures.named(uri, name, covers)
 
     def _image(self, source: int, name: str) -> bytes:
         image = self._header["images"][source]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from ashe_live.models.parsing.json_kinds import Json
+from ashe_live.models.parsing.json_kinds import LARGEST, Json
 from ashe_live.models.parsing.notes import Notes
 from ashe_live.process.messages import listed
 
@@ -37,16 +37,15 @@ def _shines_otherwise(extensions: Json) -> bool:
 
 
 def _coat_has(extensions: Json, *maps: str) -> bool:
-    given = extensions.get("KHR_materials_clearcoat")
-    if not isinstance(given, dict) or _number(extensions, "KHR_materials_clearcoat", "clearcoatFactor", 0.0) <= 0:
-        return False
-    return any(name in given for name in maps)
+    given = extensions.get("KHR_materials_clearcoat", {})
+    return given.get("clearcoatFactor", 0.0) > 0 and any(name in given for name in maps)
 
 
 def _number(extensions: Json, name: str, key: str, usual: float) -> float:
     given = extensions.get(name)
     value = given.get(key, usual) if isinstance(given, dict) else usual
-    return float(value) if isinstance(value, int | float) else usual
+    # Nothing else has looked at it, and JSON's integers may be beyond the largest float.
+    return float(value) if isinstance(value, int | float) and abs(value) <= LARGEST else usual
 
 
 # Exporters write these for every material, mostly with values that change nothing.
@@ -62,8 +61,7 @@ SEEN_BY_VALUE: Mapping[str, Callable[[Json], bool]] = {
 
 def note_what_is_missing(document: Json, header: Json, notes: Notes) -> None:
     """From the whole document and from the part of it that `checked` has passed."""
-    materials = document.get("materials", [])
-    used = [extensions for material in materials if isinstance(extensions := material.get("extensions", {}), dict)]
+    used = [material.get("extensions", {}) for material in document.get("materials", [])]
     plain = [words for name, words in PLAIN.items() if any(name in extensions for extensions in used)]
     plain += [words for words, is_seen in SEEN_BY_VALUE.items() if any(map(is_seen, used))]
     if plain:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.models.material import WHITE, LinearRGBA
-from ashe_live.models.parsing.pictures import resized
+from ashe_live.models.parsing.pictures import at_one_size
 
 Values = NDArray[np.float32]
 DIELECTRIC = 0.04
@@ -53,16 +53,15 @@ class SpecularGlossiness:
     def as_metal_rough(self) -> MetalRough:
         """Converted: the maps texel by texel, at the larger one's size."""
         diffuse, specular = np.array(self.diffuse[:3], np.float32), np.array(self.specular, np.float32)
-        maps = (self.diffuse_map, self.shine_map)
-        if not any(texels is not None for texels in maps):
+        if self.diffuse_map is None and self.shine_map is None:
             base, metal = _converted(diffuse[None], specular[None])
             red, green, blue = (float(value) for value in base[0])
             return MetalRough((red, green, blue, self.diffuse[3]), float(metal[0]), 1 - self.glossiness)
-        size = max((texels.shape[1], texels.shape[0]) for texels in maps if texels is not None)
-        white = np.full((size[1], size[0], 4), 255, np.uint8)
-        colours, shine = (white if texels is None else resized(texels, size) for texels in maps)
-        base_map, roughness_map = np.empty_like(white), white.copy()
-        for first in range(0, size[1], ROWS_AT_ONCE):
+        white = np.full((1, 1, 4), 255, np.uint8)
+        maps = (white if texels is None else texels for texels in (self.diffuse_map, self.shine_map))
+        colours, shine = at_one_size(*maps)
+        base_map, roughness_map = np.empty_like(colours), np.full_like(colours, 255)
+        for first in range(0, len(colours), ROWS_AT_ONCE):
             rows = slice(first, first + ROWS_AT_ONCE)
             base, metal = _converted(LINEAR[colours[rows, :, :3]] * diffuse, LINEAR[shine[rows, :, :3]] * specular)
             base_map[rows, :, :3] = np.round(srgb_from_linear(base) * 255)

@@ -99,10 +99,11 @@ def integer_from(least: int) -> Kind:
 
 
 def number(value: Any, _: Mapping[str, int]) -> float:
+    # Before all else, as of an integer beyond the largest float nothing but this can be told.
+    if type(value) in (int, float) and abs(value) > LARGEST:
+        raise WrongValueError(f"is {_shown(value)}, too large a number: at most {LARGEST:g} is read")
     if type(value) not in (int, float) or math.isnan(value):
         raise WrongValueError(f"is {_shown(value)}, not a number")
-    if abs(value) > LARGEST:
-        raise WrongValueError(f"is {_shown(value)}, too large a number: at most {LARGEST:g} is read")
     return float(value)
 
 

@@ -1,6 +1,7 @@
 """Pictures of a model's materials: decoded within limits, reduced, each once."""
 
 import io
+import math
 from collections.abc import Callable, Hashable
 
 import numpy as np
@@ -29,6 +30,7 @@ class Pictures:
         self._notes = notes
         self._missing: set[str] = set()
         self._texels: dict[Hashable, Image] = {}
+        self._filled: dict[int, Image] = {}
         self._decoded = 0  # texels, of all pictures so far
 
     def named(self, file: str, name: str | None = None, covers: bool = False, beside: str = "") -> Image | None:
@@ -57,13 +59,18 @@ class Pictures:
     def texels(self, key: Hashable, content: Callable[[], bytes], name: str, covers: bool = False) -> Image:
         """(h, w, 4) uint8 as the file has it, no side longer than MAX_TEXTURE_PX; `content` is asked for a new `key`.
 
-        `covers`: its alpha says how much of its colours is seen; else that is a number like the other three. Raises
-        UserError when it is too large or of a kind that is not read, MalformedError naming `name` when it is damaged.
+        `covers`: its alpha says how much of its colours is seen, and what nobody sees gets the colours beside it; else
+        that is a number like the other three. Raises UserError when it is too large or of a kind that is not read,
+        MalformedError naming `name` when it is damaged.
         """
         texels = self.made((key, covers), lambda: self._decoded_from(content(), name, covers))
         if max(texels.shape) < MAX_TEXTURE_PX or texels[..., 3].min() == 255:
             self._texels[key, not covers] = texels  # where nothing was reduced, or by nothing, it is the same
-        return texels
+        if not covers:
+            return texels
+        if id(texels) not in self._filled:
+            self._filled[id(texels)] = filled_beyond(texels)
+        return self._filled[id(texels)]
 
     def made(self, key: Hashable, make: Callable[[], Image]) -> Image:
         """(h, w, 4) uint8 that is made of the file's pictures; `make` is called for a new `key`.
@@ -155,12 +162,12 @@ def _halved(values: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def cleared(colours: Image | None, mask: Image, share: float, is_opaque: bool) -> Image:
-    """(h, w, 4) uint8 of the colours' size, white without any, whose alpha is less by `share` of the mask's red.
+    """(h, w, 4) uint8 of the larger one's size, white without colours, with an alpha less by `share` of the mask's red.
 
     is_opaque: the colours' own alpha does not count.
     """
-    colours = np.full_like(mask, 255) if colours is None else colours
-    left = 1 - share * resized(mask, (colours.shape[1], colours.shape[0]))[..., 0] / 255
+    colours, mask = at_one_size(np.full_like(mask, 255) if colours is None else colours, mask)
+    left = 1 - share * mask[..., 0] / 255
     alpha = 255 * left if is_opaque else colours[..., 3] * left
     return np.dstack([colours[..., :3], np.round(alpha).astype(np.uint8)])
 
@@ -168,6 +175,12 @@ def cleared(colours: Image | None, mask: Image, share: float, is_opaque: bool) -
 def opaque(colours: Image) -> Image:
     """(h, w, 4) uint8, the colours with an alpha of 255."""
     return np.dstack([colours[..., :3], np.full_like(colours[..., 3], 255)])
+
+
+def at_one_size(*pictures: Image) -> list[Image]:
+    """Pictures (h, w, 4) uint8 at the size of the largest of them."""
+    size = max(((each.shape[1], each.shape[0]) for each in pictures), key=math.prod)
+    return [resized(each, size) for each in pictures]
 
 
 def resized(texels: Image, size: tuple[int, int]) -> Image:

@@ -4,36 +4,45 @@ from typing import Any
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.framing import Framing
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.occlusion.drawn_body import drawn_surface
 
 GL_DEPTH_CLAMP = 0x864F
 
 
 class RealObject:
-    """A proxy on the graphics card, which is a ShadowCaster."""
+    """A proxy on the graphics card, which is a ShadowCaster.
+
+    It casts the shadows of the body as it was fitted, with which the shadow in the picture agrees; it is drawn where
+    the object's outline is.
+    """
 
     is_clear = False
 
-    def __init__(self, ctx: moderngl.Context, programs: Programs, proxy: Proxy) -> None:
-        self.proxy = proxy
+    def __init__(
+        self, ctx: moderngl.Context, programs: Programs, proxy: Proxy, seen_in: TrackedFrame | None = None
+    ) -> None:
+        """`seen_in`: a frame that shows the object where the proxy stands."""
+        self.proxy, self.seen_in = proxy, seen_in
         self.points, triangles = proxy.surface()
-        self._ctx = ctx
+        self.drawn_points, drawn_triangles = drawn_surface(proxy, seen_in)
         self._programs = programs
-        # A mesh's arrays may lie in memory in any order.
-        self._vertices = ctx.buffer(np.ascontiguousarray(self.points, np.float32))
-        self._indices = ctx.buffer(np.ascontiguousarray(triangles))
-        self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
+        self._ctx = ctx
+        self._casting = _Surface(ctx, self.points, triangles)
+        self._drawn = _Surface(ctx, self.drawn_points, drawn_triangles)
 
     def render_depth(self, clip_from_marker: Float) -> None:
         program = self._programs.get("lights/depth")
         set_uniforms(program, clip_from_marker=clip_from_marker)
-        self._array(program).render()
+        self._casting.array(program).render()
 
     def draw(self, framing: Framing, lighting: Lighting, shadows: ShadowMaps, is_shaded: bool = True) -> None:
         """Draws its depth and, where the model shades it, the fraction of light that it loses.
@@ -59,10 +68,25 @@ class RealObject:
         framebuffer = self._ctx.fbo
         framebuffer.color_mask = _for_both_layers(is_shaded)
         framebuffer.use()
-        self._array(program).render()
+        self._drawn.array(program).render()
         framebuffer.color_mask = _for_both_layers(True)
         framebuffer.use()
         self._ctx.disable_direct(GL_DEPTH_CLAMP)
+
+    def release(self) -> None:
+        self._casting.release()
+        self._drawn.release()
+
+
+class _Surface:
+    """Triangles on the graphics card."""
+
+    def __init__(self, ctx: moderngl.Context, points: Float, triangles: NDArray[np.uint32]) -> None:
+        self._ctx = ctx
+        # A mesh's arrays may lie in memory in any order.
+        self._vertices = ctx.buffer(np.ascontiguousarray(points, np.float32))
+        self._indices = ctx.buffer(np.ascontiguousarray(triangles))
+        self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
 
     def release(self) -> None:
         for array in self._arrays.values():
@@ -71,7 +95,7 @@ class RealObject:
         self._vertices.release()
         self._indices.release()
 
-    def _array(self, program: moderngl.Program) -> moderngl.VertexArray:
+    def array(self, program: moderngl.Program) -> moderngl.VertexArray:
         if program not in self._arrays:
             layout = [(self._vertices, "3f", "in_position")]
             self._arrays[program] = self._ctx.vertex_array(program, layout, self._indices)

@@ -7,6 +7,8 @@ console, whose type is tty, none on Wayland.
 import os
 from collections.abc import Mapping
 
+from ashe_live.process.signals import ctrl_c_blocked
+
 VARIANT = "PYGLFW_LIBRARY_VARIANT"
 
 
@@ -20,4 +22,5 @@ def variant(environment: Mapping[str, str]) -> str | None:
 if (only := variant(os.environ)) is not None:
     os.environ.setdefault(VARIANT, only)
 
-import glfw as glfw  # noqa: E402 - strict typing wants the name again for those that import it from here
+with ctrl_c_blocked():  # it starts a process to look for its library, which would answer with a traceback
+    import glfw as glfw  # strict typing wants the name again for those that import it from here

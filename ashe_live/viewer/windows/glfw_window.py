@@ -8,16 +8,12 @@ from typing import Any, Self
 from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
 from ashe_live.process.messages import printable
-from ashe_live.process.signals import ctrl_c_blocked
 from ashe_live.render.gl.offscreen import window_context
 from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import COMMAND_BY_GESTURE, HELD, REPEATED, REQUEST_BY_KEY, request_for
 from ashe_live.viewer.hands.requests import Files, Gesture, MouseAction, MouseEvent, Request
 from ashe_live.viewer.windows.glfw_library import glfw
 from ashe_live.viewer.windows.window import Presentable
-
-with ctrl_c_blocked():  # it starts a process to look for its library, which would answer with a traceback
-    import glfw
 
 BOUND_NAMES = {key.rpartition("+")[2] for key in REQUEST_BY_KEY}
 # Names without a GLFW key code are printed on a key in some layouts only, and are recognised by the label.

@@ -42,6 +42,7 @@ def test_rewinding_gives_the_same_frames_again(clip: Path) -> None:
         first = [source.read() for _ in range(20)]
         source.rewind()
         second = [source.read() for _ in range(20)]
+        source.seek_frame(12)
         source.rewind()
         assert len(frames_of(source)) == 60
     for before, after in zip(first, second, strict=True):
@@ -59,6 +60,8 @@ def test_frames_stay_valid_after_later_reads_and_closing(clip: Path, picture: Ca
 
 def test_closed_source_is_at_its_end(clip: Path) -> None:
     source = ClipSource(clip)
+    source.seek_frame(9)
+    source.seek_frame(3)
     source.close()
     source.close()
     assert source.read() is None
@@ -97,6 +100,20 @@ def test_a_matroska_clip_that_is_cut_between_packets_says_so(clip: Path, share: 
         frames = frames_of(source)
         assert (source.note is None) is (share == 1.0)
         assert len(frames) == 60 if share == 1.0 else f"only {len(frames)} frames" in source.note
+
+
+def test_a_matroska_clip_whose_sound_goes_on_is_not_called_cut(picture: Callable[[int], Image], tmp_path: Path) -> None:
+    with av.open(str(tmp_path / "a.mkv"), "w") as written:
+        stream, sound = written.add_stream("mpeg4", rate=25), written.add_stream("pcm_s16le", rate=8000)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for index in range(10):
+            written.mux(stream.encode(VideoFrame.from_ndarray(picture(index), "bgr24")))
+        silence = av.AudioFrame.from_ndarray(np.zeros((1, 16_000), np.int16), format="s16", layout="mono")
+        silence.sample_rate = 8000
+        written.mux([*stream.encode(None), *sound.encode(silence), *sound.encode(None)])
+    with ClipSource(tmp_path / "a.mkv") as source:
+        assert len(frames_of(source)) == 10
+        assert source.note is None
 
 
 @pytest.mark.parametrize(("name", "codec", "pixels"), [("a.avi", "rawvideo", "bgr24"), ("a.gif", "gif", "rgb8")])

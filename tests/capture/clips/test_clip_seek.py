@@ -243,9 +243,32 @@ def test_damage_is_no_end_and_known_damage_is_counted_as_before(damaged_clip: Pa
         assert_same(source.read(), frames[-1])
 
 
-def test_the_duration_is_known_before_the_end(film) -> None:
-    with ClipSource(film([time + 7000 for time in EVEN], bf="2")) as source:
-        assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=0.05)
+def test_where_a_jump_meets_damage_frames_are_counted_from_the_start(film) -> None:
+    """They have the numbers that they have when all are read; the index, in which damaged ones count, does not."""
+    path = film(EVEN, "film.mkv", bf="0", g="12", **{"x264-params": "scenecut=0"})
+    with av.open(str(path)) as container:
+        packets = [(each.pos, each.size) for each in container.demux(video=0) if each.size]
+    content = bytearray(path.read_bytes())
+    for at, size in (packets[20], packets[21], packets[54]):
+        start = content.index(bytes(1), at)  # behind Matroska's own words
+        content[start + 8 : at + size] = bytes(at + size - start - 8)
+    path.write_bytes(content)
+    frames = read_through(path)
+    assert COUNT - 40 < len(frames) < COUNT
+    with ClipSource(path) as source:
+        for place in (57, 33, 0):
+            source.seek_frame(place)
+            assert_same(source.read(), frames[place])
+            source.rewind()
+
+
+@pytest.mark.parametrize("name", ["film.mp4", "film.mkv"])
+def test_the_duration_is_known_before_the_end(film, name: str) -> None:
+    """Wherever the first picture is, from which Matroska's header does not count."""
+    with ClipSource(film([time + 7000 for time in EVEN], name, bf="2")) as source:
+        assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=0.005)
+        assert len(list(source)) == COUNT
+        assert source.note is None
         source.seek(1.0)
         source.rewind()
         assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=1e-6)

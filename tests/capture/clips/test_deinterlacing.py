@@ -8,6 +8,7 @@ import pytest
 from av.video.frame import VideoFrame
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.core.arrays import Image
 
 COUNT, STEP_PX = 12, 6
@@ -74,6 +75,17 @@ def test_to_and_fro_gives_the_same_frames(tmp_path: Path) -> None:
             assert frame is not None
             assert (frame.index, frame.time_s) == (index, frames[index].time_s)
             assert teeth(frame.image_bgr) < 40
+
+
+def test_where_their_size_changes_none_is_lost(tmp_path: Path) -> None:
+    """As where a call or a screen was recorded: those that are still in the filter come first."""
+    path = woven(tmp_path / "camcorder.mp4")
+    with av.open(str(path)) as clip:
+        videos = [video for video in clip.decode(video=0) if isinstance(video, VideoFrame)]
+    smaller = [video.reformat(width=80, height=48) for video in videos]
+    woven_and_plain = [*videos[:5], *smaller[:4], *videos[5:]]
+    shown = list(progressive(woven_and_plain))
+    assert [(video.width, video.pts) for video in shown] == [(video.width, video.pts) for video in woven_and_plain]
 
 
 def test_a_picture_is_still_turned_upright(tmp_path: Path) -> None:

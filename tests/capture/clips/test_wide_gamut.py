@@ -42,6 +42,14 @@ def test_colours_of_bt_2020_come_back() -> None:
     np.testing.assert_allclose(back.astype(int), COLOURS, atol=2)
 
 
+def test_greys_of_hlg_keep_their_bits() -> None:
+    """Both sets of primaries have the same white."""
+    greys = np.repeat(np.arange(256, dtype=np.uint8)[None, :, None], 3, axis=2)
+    convert = srgb_converter(BT2020_PRIMARIES, HLG_TRANSFER)
+    assert convert is not None
+    np.testing.assert_array_equal(convert(greys.copy()), greys)
+
+
 def test_ordinary_pictures_are_left_as_they_are() -> None:
     assert srgb_converter(BT709, HLG_TRANSFER) is None
     assert srgb_converter(2, 2) is None

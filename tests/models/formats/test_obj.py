@@ -64,6 +64,43 @@ def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
     assert (material.base_map[:, 5:, 3] > 128).all()
 
 
+def test_a_mask_may_be_larger_than_its_picture(tmp_path: Path) -> None:
+    """As on leaves of one colour, whose shape the mask alone has."""
+    Image.new("RGB", (1, 1), (255, 0, 0)).save(tmp_path / "red.png")
+    mask = np.uint8(np.indices((8, 16)).sum(axis=0) % 2 * 255)
+    Image.fromarray(mask).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "map_Kd red.png\nmap_d mask.png")
+    assert material.alpha is Alpha.CUT_OUT
+    np.testing.assert_array_equal(material.base_map[..., 3], mask)
+    assert (material.base_map[..., :3] == (255, 0, 0)).all()
+
+
+@pytest.mark.parametrize("has_mask", [True, False])
+def test_what_is_cut_out_has_the_colours_beside_it(tmp_path: Path, has_mask: bool) -> None:
+    """Filtering mixes them in at the rims of leaves, where the black or white around them would be a line."""
+    holes = np.zeros((4, 8), np.uint8)
+    holes[:, :4] = 255
+    colours = np.where(holes[..., None] > 0, np.uint8((30, 160, 40)), np.uint8(0))
+    Image.fromarray(colours if has_mask else np.dstack([colours, holes])).save(tmp_path / "leaf.png")
+    Image.fromarray(holes).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "map_Kd leaf.png" + "\nmap_d mask.png" * has_mask)
+    assert material.alpha is Alpha.CUT_OUT
+    np.testing.assert_array_equal(material.base_map[..., 3], holes)
+    assert (material.base_map[..., :3] == (30, 160, 40)).all()
+
+
+def test_a_picture_with_its_mask_is_made_once_for_all_materials(tmp_path: Path) -> None:
+    """As in an atlas: materials that look alike are drawn as one."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    Image.fromarray(np.uint8([[0, 255], [255, 255]])).save(tmp_path / "mask.png")
+    lines = "map_Kd red.png\nmap_d mask.png\n"
+    library = f"newmtl m\n{lines}newmtl n\n{lines}newmtl shiny\nNs 900\n{lines}"
+    faces = "vt 0 0\nvt 1 0\nvt 0 1\n" + "".join(f"usemtl {name}\nf 1/1 2/2 3/3\n" for name in ("m", "n", "shiny"))
+    parts = read(tmp_path, f"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}", a=library).parts
+    assert len(parts) == 2
+    assert np.shares_memory(*(part.material.base_map for part in parts))
+
+
 @pytest.mark.parametrize("mask", ["green.png", "./green.png"])
 def test_the_picture_of_the_colours_is_a_mask_by_its_alpha_alone(tmp_path: Path, mask: str) -> None:
     """Exporters name one picture for both; green, which has no red, would be all holes."""
@@ -85,6 +122,8 @@ def test_the_picture_of_the_colours_is_a_mask_by_its_alpha_alone(tmp_path: Path,
         "../models/Red.png",
         "-s 1 1 1 -o 0 0 red.png",
         "-bm 0.5 red.png",
+        "-s 1  1 1   -o 0 0  red.png",
+        "-bm\t0.5\tred.png",
         '"red.png"',
     ],
 )

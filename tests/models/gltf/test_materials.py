@@ -96,7 +96,31 @@ def test_what_a_material_does_not_say_is_as_the_format_has_it(tmp_path: Path) ->
     material = quad_of(tmp_path, {"alphaMode": "MASK"}).parts[0].material
     assert (material.base_colour, material.metallic, material.roughness) == ((1, 1, 1, 1), 1, 1)
     assert (material.normal_scale, material.occlusion_strength, material.emissive) == (1, 1, (0, 0, 0))
-    assert (material.alpha_cutoff, material.double_sided) == (0.5, False)
+    assert (material.alpha_cutoff, material.double_sided, material.coat) == (0.5, False, 0)
+
+
+def test_what_glows_without_a_map_glows_by_its_factor_and_strength(tmp_path: Path) -> None:
+    strength = {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}
+    material = quad_of(tmp_path, {"emissiveFactor": [0.5, 0.25, 1], "extensions": strength}).parts[0].material
+    assert material.emissive == (2, 1, 4)
+
+
+def test_a_picture_in_webp_is_read_and_not_the_one_that_stands_for_it(tmp_path: Path) -> None:
+    """EXT_texture_webp: the texture's own source is for programs that do not know it."""
+    document = Document()
+    encoded = io.BytesIO()
+    Image.new("RGB", (4, 4), (0, 0, 255)).save(encoded, "WEBP", lossless=True)
+    texture, webp = document.embedded(png(RED)), document.embedded(encoded.getvalue())
+    document.json["textures"][0]["extensions"] = {"EXT_texture_webp": {"source": webp["index"]}}
+    material = quad_of(tmp_path, {"pbrMetallicRoughness": {"baseColorTexture": texture}}, document).parts[0].material
+    assert (material.base_map == BLUE).all()
+
+
+def test_a_texture_without_an_image_is_said(tmp_path: Path) -> None:
+    given = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}
+    model = quad_of(tmp_path, given, textures=[{}])
+    assert model.parts[0].material.base_map is None
+    assert model.notes == ("a baseColorTexture names no image",)
 
 
 @pytest.mark.parametrize(
@@ -161,19 +185,32 @@ def test_gold_is_metal_and_red_plastic_is_none(tmp_path: Path) -> None:
     np.testing.assert_allclose(specular, 0.04, atol=0.005)
 
 
+@pytest.mark.parametrize("base", [0.2, 0.5, 0.9])
+@pytest.mark.parametrize("metal", [0.0, 0.25, 0.6, 1.0])
+def test_grey_of_any_share_of_metal_is_the_same_in_either_kind(base: float, metal: float) -> None:
+    """Appendix B's mixture in terms of the older kind, whose diffuse colour has what its specular one leaves."""
+    specular = 0.04 + (base - 0.04) * metal
+    diffuse = base * (1 - metal) * (1 - 0.04) / (1 - specular)
+    made = SpecularGlossiness((*[diffuse] * 3, 1.0), (specular,) * 3, 0.25, None, None).as_metal_rough()
+    assert (made.metallic, made.roughness) == pytest.approx((metal, 0.75), abs=2e-3)
+    np.testing.assert_allclose(made.base_colour[:3], base, atol=2e-3)
+
+
 def test_specular_glossiness_is_converted_texel_by_texel() -> None:
     """Half gold, half white plastic."""
     diffuse = np.full((2, 2, 4), 255, np.uint8)
     diffuse[:, 0, :3] = 0
     shine = np.full((2, 2, 4), 255, np.uint8)
     shine[:, 0], shine[:, 1] = (255, 200, 120, 204), (56, 56, 56, 51)
-    made = SpecularGlossiness((1.0, 1.0, 1.0, 0.5), (1.0, 1.0, 1.0), 1.0, diffuse, shine).as_metal_rough()
+    made = SpecularGlossiness((1.0, 0.5, 1.0, 0.5), (1.0, 1.0, 1.0), 1.0, diffuse, shine).as_metal_rough()
+    assert (made.metallic, made.roughness) == (1, 1)  # as both lie in the map
     np.testing.assert_array_equal(made.roughness_map[0, :, 1], (255 - 204, 255 - 51))
     np.testing.assert_allclose(made.roughness_map[0, :, 2], (255, 0), atol=1)
     np.testing.assert_allclose(
         linear_from_srgb(made.base_map[0, 0, :3] / 255), linear_from_srgb(np.array((255, 200, 120)) / 255), atol=0.01
     )
     assert made.base_map[0, 1, 0] > 250
+    assert linear_from_srgb(made.base_map[0, 1, 1] / 255) == pytest.approx(0.5, abs=0.01)
     assert made.base_colour[3] == 0.5
 
 
@@ -189,6 +226,15 @@ def test_maps_of_the_older_kind_arrive(tmp_path: Path) -> None:
     )
     assert tuple(material.base_map[0, 0]) == pytest.approx(BLUE, abs=1)
     assert (material.metallic, material.roughness) == pytest.approx((0, 1 - 128 / 255), abs=0.01)
+    half_glossy = io.BytesIO()
+    Image.fromarray(np.uint8([[(255, 255, 255, 128), (255, 255, 255, 255)]])).save(half_glossy, "PNG")
+    old["specularGlossinessTexture"] = document.embedded(half_glossy.getvalue())
+    model = quad_of(tmp_path, {"extensions": {"KHR_materials_pbrSpecularGlossiness": old}}, document)
+    assert model.notes == ()
+    (shine,) = (
+        part.material.metallic_roughness_map for part in model.parts if part.material.maps.keys() > {"base_map"}
+    )
+    np.testing.assert_array_equal(shine[0, [0, -1], 1], (127, 0))
 
 
 def test_a_map_of_the_older_kind_that_is_laid_out_otherwise_is_averaged_and_said(tmp_path: Path) -> None:
@@ -226,17 +272,23 @@ def test_grey_of_16_bits_keeps_its_steps(tmp_path: Path) -> None:
     assert (texels[..., 3] == 255).all()
 
 
-def test_unlit_shines_in_its_own_colour_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("has_picture", [True, False])
+def test_unlit_shines_in_its_own_colour_alone(tmp_path: Path, has_picture: bool) -> None:
     document = Document()
+    red, blue = document.embedded(png(RED)), document.embedded(png(BLUE))
+    surface = {"baseColorFactor": [0.5, 1, 0.25, 1], "metallicRoughnessTexture": blue}
     unlit = {
-        "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 0.25, 1], "baseColorTexture": document.embedded(png(RED))},
-        "normalTexture": document.embedded(png(BLUE)),
-        "extensions": {"KHR_materials_unlit": {}},
+        "pbrMetallicRoughness": surface | ({"baseColorTexture": red} if has_picture else {}),
+        **dict.fromkeys(("normalTexture", "occlusionTexture", "emissiveTexture"), blue),
+        "extensions": {"KHR_materials_unlit": {}, "KHR_materials_clearcoat": {"clearcoatFactor": 1}},
     }
     material = quad_of(tmp_path, unlit, document).parts[0].material
+    assert material.is_unlit
     assert material.emissive == (0.5, 1, 0.25)
     assert material.base_colour[:3] == BLACK
-    assert set(material.maps) == {"base_map", "emissive_map"}
+    assert (material.metallic, material.roughness, material.coat) == (0, 1, 0)
+    assert set(material.maps) == ({"base_map", "emissive_map"} if has_picture else set())
+    assert not has_picture or (material.emissive_map == RED).all()
 
 
 NO_METAL = {"pbrMetallicRoughness": {"metallicFactor": 0}}
@@ -255,6 +307,14 @@ def test_metal_transmits_nothing(tmp_path: Path) -> None:
     model = quad_of(tmp_path, {"pbrMetallicRoughness": {"metallicFactor": 1}, "extensions": ALL_TRANSMITTED})
     assert model.parts[0].material.alpha is Alpha.OPAQUE
     assert model.notes == ()
+
+
+def test_glass_may_have_a_map_that_says_it_is_no_metal(tmp_path: Path) -> None:
+    """The factor beside a map is 1 by rule."""
+    document = Document()
+    given = {"metallicRoughnessTexture": document.embedded(png((0, 51, 0)))}
+    model = quad_of(tmp_path, {"pbrMetallicRoughness": given, "extensions": ALL_TRANSMITTED}, document)
+    assert model.parts[0].material.alpha is Alpha.BLEND
 
 
 @pytest.mark.parametrize(("mode", "opacity"), [("OPAQUE", LEAST_COVER), ("BLEND", LEAST_COVER * 0.4 * 100 / 255)])
@@ -279,8 +339,8 @@ def test_what_is_cut_out_of_glass_is_said_to_transmit_nothing(tmp_path: Path) ->
     assert model.notes == ("what is cut out of it transmits no light",)
 
 
-@pytest.mark.parametrize("coloured", [True, False])
-def test_only_what_its_map_says_is_glass(tmp_path: Path, coloured: bool) -> None:
+@pytest.mark.parametrize("colours_px", [(4, 4), (1, 1), None])
+def test_only_what_its_map_says_is_glass(tmp_path: Path, colours_px: tuple[int, int] | None) -> None:
     """KHR_materials_transmission: the factor times the map's red; the rest of the surface is opaque."""
     mask = np.zeros((2, 4, 3), np.uint8)
     mask[:, 2:, 0] = 255
@@ -289,8 +349,8 @@ def test_only_what_its_map_says_is_glass(tmp_path: Path, coloured: bool) -> None
     document = Document()
     glass = {"transmissionFactor": 1.0, "transmissionTexture": document.embedded(encoded.getvalue())}
     surface = {"metallicFactor": 0}
-    if coloured:
-        surface["baseColorTexture"] = document.embedded(png((200, 0, 0), (4, 4)))
+    if colours_px is not None:
+        surface["baseColorTexture"] = document.embedded(png((200, 0, 0), colours_px))
     document.quad(
         material={"extensions": {"KHR_materials_transmission": glass}, "pbrMetallicRoughness": surface},
         TEXCOORD_0=document.accessor(UVS),
@@ -301,7 +361,7 @@ def test_only_what_its_map_says_is_glass(tmp_path: Path, coloured: bool) -> None
     width = material.base_map.shape[1]
     np.testing.assert_allclose(shares[:, 0], 1)
     np.testing.assert_allclose(shares[:, width - 1], LEAST_COVER, atol=0.01)
-    assert tuple(material.base_map[0, 0, :3]) == ((200, 0, 0) if coloured else (255, 255, 255))
+    assert tuple(material.base_map[0, 0, :3]) == ((255, 255, 255) if colours_px is None else (200, 0, 0))
 
 
 def test_glass_whose_map_is_laid_out_otherwise_than_its_colours_is_as_clear_as_the_map_on_average(tmp_path) -> None:
@@ -348,10 +408,15 @@ def test_clear_coats_are_read_and_what_maps_say_of_them_is_reported(
     [
         ("KHR_materials_ior", {"ior": 1.45}, None),
         ("KHR_materials_ior", {"ior": 2.42}, "refractive indices"),
+        ("KHR_materials_ior", {"ior": 1}, "refractive indices"),
         ("KHR_materials_ior", {"ior": 0}, "refractive indices"),
+        ("KHR_materials_ior", {"ior": 10**400}, None),
         ("KHR_materials_specular", {"specularColorFactor": [1.0, 1.0, 1.0]}, None),
         ("KHR_materials_specular", {"specularFactor": 0}, "specular factors"),
         ("KHR_materials_specular", {"specularColorFactor": [1.0, 0.2, 0.2]}, "specular factors"),
+        ("KHR_materials_specular", {"specularTexture": {"index": 0}}, "specular factors"),
+        ("KHR_materials_specular", {"specularColorTexture": {"index": 0}}, "specular factors"),
+        ("KHR_materials_clearcoat", {"clearcoatFactor": 0, "clearcoatNormalTexture": {"index": 0}}, None),
         ("KHR_materials_volume", {"thicknessFactor": 0}, None),
         ("KHR_materials_volume", {"thicknessFactor": 0.02}, "the thickness of glass"),
         ("KHR_materials_dispersion", {"dispersion": 0.1}, "dispersion"),

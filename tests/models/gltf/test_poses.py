@@ -367,6 +367,18 @@ def test_what_is_turned_as_it_is_inside_out_stays_so_while_it_moves(tmp_path: Pa
         assert (np.einsum("ij,ij->i", vertices[part.triangles[:, 0]], face_normals(vertices, part.triangles)) > 0).all()
 
 
+def test_what_moves_keeps_the_normals_of_its_file(tmp_path: Path) -> None:
+    """Which smooth what the triangles are not: here both triangles of a quad lean to +x, and later to +y."""
+    document = Document()
+    document.quad(NORMAL=document.accessor(np.float32([(0.6, 0, 0.8)] * 4)))
+    quarter = math.sqrt(0.5)
+    animated(document, "rotation", np.float32([(0, 0, 0, 1), (0, 0, quarter, quarter)]))
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    assert part.motion is not None
+    np.testing.assert_allclose(part.motion.normals[0], part.normals, atol=1e-6)
+    np.testing.assert_allclose(part.motion.normals[-1] @ Y_UP, [(0, 0.6, 0.8)] * 4, atol=1e-5)
+
+
 def test_a_spline_that_comes_back_to_where_it_began_moves_in_between(tmp_path: Path) -> None:
     """Appendix C: between two keyframes of the same value it follows their tangents."""
     document = Document()

@@ -14,6 +14,7 @@ from PIL import Image
 from ashe_live.errors import UserError
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import Alpha
+from ashe_live.models.mesh import face_normals
 from ashe_live.models.parsing import limits
 from tests.models.gltf_files import CORNERS, UVS, Document, png
 
@@ -154,10 +155,12 @@ def test_maps_are_laid_out_by_two_sets_of_coordinates_and_no_third(tmp_path: Pat
     document = Document()
     sets = [document.accessor(np.float32(UVS * share)) for share in (1, 0.5, 0.25)]
     picture = document.embedded(png(RED))
+    # KHR_texture_transform's set is the one that counts where it names one.
+    second = {**picture, "texCoord": 2, "extensions": {"KHR_texture_transform": {"texCoord": 1}}}
     document.quad(material={"occlusionTexture": {**picture, "texCoord": 1}}, TEXCOORD_0=sets[0], TEXCOORD_1=sets[1])
     document.quad(
         material={
-            "pbrMetallicRoughness": {"baseColorTexture": picture},
+            "pbrMetallicRoughness": {"baseColorTexture": picture, "metallicRoughnessTexture": second},
             "occlusionTexture": {**picture, "texCoord": 1},
             "emissiveTexture": {**picture, "texCoord": 2},
             "emissiveFactor": [1, 1, 1],
@@ -171,6 +174,7 @@ def test_maps_are_laid_out_by_two_sets_of_coordinates_and_no_third(tmp_path: Pat
     np.testing.assert_allclose(alone.uvs[:, 0], UVS[:, 0] * 0.5)
     np.testing.assert_allclose(beside.uvs[:, 0], UVS[:, 0])
     np.testing.assert_allclose(beside.more_uvs[:, 0], UVS[:, 0] * 0.5)
+    assert beside.material.layout("metallic_roughness_map").uv_set == 1
     assert beside.material.layout("occlusion_map").uv_set == 1
     # Both sets are taken by then, and a map may be laid out by either.
     assert beside.material.layout("normal_map").uv_set == 0
@@ -195,6 +199,33 @@ def test_normalised_integers_are_shares_of_one(tmp_path: Path, kind: type, is_sa
     part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
     np.testing.assert_allclose(part.uvs, np.column_stack([UVS[:, 0], 1 - UVS[:, 1]]), atol=1e-6)
     np.testing.assert_allclose(part.colours, [(1, 0, 0.2, 1)] * 4, atol=1e-4)  # linear in glTF
+
+
+def test_a_primitive_without_positions_is_not_drawn(tmp_path: Path) -> None:
+    """3.7.2.1: such a primitive is to be skipped; the others are drawn."""
+    document = Document()
+    document.quad()
+    primitives = document.json["meshes"][0]["primitives"]
+    primitives.append({"attributes": {"NORMAL": primitives[0]["attributes"]["NORMAL"]}})
+    assert load_model_file(document.save(tmp_path / "a.glb")).triangle_count == 2
+
+
+def test_a_node_that_mirrors_keeps_the_front_of_what_has_no_normals(tmp_path: Path) -> None:
+    """3.7.4: where the node's determinant is negative, triangles run clockwise."""
+    document = Document()
+    document.quad({"scale": [-1, 1, 1]})
+    del document.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]
+    (part,) = load_model_file(document.save(tmp_path / "a.glb")).parts
+    np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-6)
+    assert (face_normals(part.vertices, part.triangles)[:, 1] < 0).all()
+
+
+def test_an_index_beyond_the_vertices_is_said(tmp_path: Path) -> None:
+    document = Document()
+    document.quad()
+    document.json["meshes"][0]["primitives"][0]["indices"] = document.accessor(np.uint16([0, 1, 4]))
+    with pytest.raises(UserError, match="a triangle names vertex 4 of 4"):
+        load_model_file(document.save(tmp_path / "a.glb"))
 
 
 def test_attributes_may_be_interleaved(tmp_path: Path) -> None:

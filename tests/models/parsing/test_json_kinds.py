@@ -63,6 +63,7 @@ def test_what_is_right_is_copied_without_what_is_not_named(kind: Kind, value: An
         (number, math.nan, "is NaN, not a number"),
         (number, -1.1 * LARGEST, "too large a number"),
         (number, math.inf, "too large a number"),
+        (number, 10**400, "too large a number"),
         (share, None, "is null, not a number"),
         (text, 1, "is 1, not a string"),
         (flag, 1, "is 1, not true or false"),

@@ -24,7 +24,7 @@ class Looked:
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="the system blocks no signals")
 def test_ctrl_c_does_not_reach_the_process_that_its_package_starts(monkeypatch: pytest.MonkeyPatch) -> None:
     """That would answer with a traceback."""
-    looked, module = Looked(), "ashe_live.viewer.windows.glfw_window"
+    looked, module = Looked(), "ashe_live.viewer.windows.glfw_library"
     for name in ("glfw", module):
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.setattr(sys, "meta_path", [looked, *sys.meta_path])

@@ -18,14 +18,14 @@ def directions(packed: NDArray[Any]) -> NDArray[Any]:
     length = np.sqrt(x * x + y * y + z * z)
     unpacked = packed.copy()
     for column, values in enumerate((x, y, z)):
-        unpacked[:, column] = np.round(np.clip(values / np.where(length == 0, 1, length), -1, 1) * largest)
+        unpacked[:, column] = np.round(values / length * largest)
     return unpacked
 
 
 def quaternions(packed: NDArray[Any]) -> NDArray[Any]:
     """(n, 4) unit quaternions of which the three smaller components are stored, and which one is the largest."""
     one = (packed[:, 3] | 3).astype(np.float64)
-    x, y, z = (packed[:, column] / np.where(one == 0, 1, one) * np.sqrt(0.5) for column in range(3))
+    x, y, z = (packed[:, column] / one * np.sqrt(0.5) for column in range(3))
     w = np.sqrt(np.maximum(0, 1 - x * x - y * y - z * z))
     rows, largest = np.arange(len(packed)), (packed[:, 3] & 3).astype(np.int64)
     unpacked = np.empty_like(packed)

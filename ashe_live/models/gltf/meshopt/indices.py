@@ -90,15 +90,15 @@ class _MetEdges:
         if low >= 14 and pair == 0:
             self._next_vertex = 0
         places = 15 if low == 15 else 0, pair >> 4, pair & 15
-        a, b, c = (self._corner(place, may_be_written=low >= 14) for place in places)
+        a, b, c = map(self._corner, places)
         self._vertices.extendleft(corner for corner, place in zip((a, b, c), places, strict=True) if place in (0, 15))
         self._edges.extendleft([(b, a), (c, b), (a, c)])
         return a, b, c
 
-    def _corner(self, place: int, may_be_written: bool) -> int:
+    def _corner(self, place: int) -> int:
         if place == 0:
             return self._new_vertex()
-        return self._stream.index() if place == 15 and may_be_written else self._vertices[place - 1]
+        return self._stream.index() if place == 15 else self._vertices[place - 1]
 
     def _new_vertex(self) -> int:
         self._next_vertex += 1

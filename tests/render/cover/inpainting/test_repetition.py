@@ -55,6 +55,27 @@ def test_a_pattern_goes_on_in_the_hole(pattern: np.ndarray) -> None:
     assert np.corrcoef(there, wanted)[0, 1] > 0.9
 
 
+@pytest.mark.parametrize("is_seen", [X > -30, (X > -30) & (Y > -30)], ids=["beside an edge", "in a corner"])
+@pytest.mark.parametrize("period", [30.3, 40.0])
+def test_a_pattern_goes_on_in_step_to_a_part_of_a_pixel(period: float, is_seen: np.ndarray) -> None:
+    """Of ground on one side alone: shifts of opposite ones would be wrong by as much in opposite directions.
+
+    The pixels in which shifts are found are 2.5 of the picture's. In the corner some of the hole is reached by the
+    third step of the pattern only.
+    """
+    phase = 2 * np.pi / period
+    wanted = 0.3 * np.sin(phase * X) * np.sin(phase * Y)
+    contrast = np.repeat(np.where(HOLE, 0, wanted)[..., None], 3, axis=2).astype(np.float32)
+    pattern = pattern_of(contrast, is_seen & ~HOLE, HOLE, SIDE_PX)
+    assert pattern is not None
+    there = pattern.is_there & HOLE
+    assert there.sum() > 0.98 * HOLE.sum()
+    excess = (pattern.contrast[..., 0] - wanted)[there]
+    for along, across in ((X, Y), (Y, X)):
+        slope = (0.3 * phase * np.cos(phase * along) * np.sin(phase * across))[there]
+        assert abs(excess @ slope) < 0.03 * (slope @ slope), "moved by so many pixels"
+
+
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("period", [52.0, 68.0])
 def test_a_pattern_is_found_among_shadows(period: float, seed: int) -> None:
