@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from ashe_live.capture.opening import open_source
     from ashe_live.capture.snapshot import write_png
     from ashe_live.core.camera import Camera, read_camera_file
-    from ashe_live.core.light_estimate import LightEstimate
-    from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
+    from ashe_live.core.light import Illumination, Light, LightEstimate
+    from ashe_live.core.types import MarkerPose, TrackedFrame
     from ashe_live.errors import ModelWarning, UserError
     from ashe_live.models.catalogue import model_names
     from ashe_live.models.placement import Placement
@@ -44,9 +44,9 @@ __all__ = [
 
 _HOMES = {
     "Camera": "core.camera",
-    "Illumination": "core.types",
-    "Light": "core.types",
-    "LightEstimate": "core.light_estimate",
+    "Illumination": "core.light",
+    "Light": "core.light",
+    "LightEstimate": "core.light",
     "MarkerPose": "core.types",
     "ModelWarning": "errors",
     "Placement": "models.placement",

@@ -7,9 +7,9 @@ from ashe_live.capture.photo import PhotoSource
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.core.ranges import MARKER_SIDE, TIME
-from ashe_live.core.types import Frame, Illumination, TrackedFrame
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators import estimator as estimators
 from ashe_live.light.live.clean_plates import over_empty_table, refuse_unused
 from ashe_live.light.live.same_scene import first_of_most, of_one_scene

@@ -11,8 +11,9 @@ from typing import Any, Self
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
+from ashe_live.core.light import Illumination
 from ashe_live.core.ranges import DRAWN, TIME
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import ModelWarning
 from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS

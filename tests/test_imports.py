@@ -98,7 +98,7 @@ HEAVY = {"cv2", "av", "PIL", "trimesh", "moderngl", "glfw", "rich", "pyrr", "pla
 LOADS = {
     "core": {"pyrr"},
     "models": {"platformdirs", "PIL"},
-    "capture": {"pyrr", "PIL", "cv2", "av"},
+    "capture": {"PIL", "cv2", "av"},
     "tracking": {"pyrr", "platformdirs", "PIL", "cv2"},
     "light": {"pyrr", "cv2"},
     "drawing": {"pyrr", "PIL", "cv2"},

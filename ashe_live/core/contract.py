@@ -11,9 +11,9 @@ from typing import Any
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import MarkerPose, TrackedFrame
 
 SCHEMA = 1
 SNAPSHOT_KEYWORD = "ashe-live"

@@ -8,6 +8,7 @@ from PIL import Image as PillowImage
 from PIL import ImageDraw, ImageFont
 
 from ashe_live.core.arrays import Float, Image
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import (
     ELLIPSE_68,
     ELLIPSE_95,
@@ -15,7 +16,6 @@ from ashe_live.core.transforms import (
     direction_from_angles,
     tangent_basis,
 )
-from ashe_live.core.types import Light
 from ashe_live.drawing.colours import FAINT_BGR, INK_BGR, PAPER_BGR, SHADOW_BGR
 
 ELLIPSE_POINTS = 72  # by which a confidence ellipse is drawn

@@ -2,7 +2,7 @@
 
 import math
 
-from ashe_live.core.types import Light
+from ashe_live.core.light import Light
 
 
 def light_text(light: Light, decimals: int = 0) -> str:

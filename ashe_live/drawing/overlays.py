@@ -7,9 +7,8 @@ import numpy as np
 
 from ashe_live.core.arrays import FRACTION_BITS, Float, Image, Mask, fixed_point
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Light, LightEstimate
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Light
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR
 from ashe_live.light.pixels.areas import resized
 from ashe_live.light.shape.predicted import outline, shadow_outline

@@ -11,10 +11,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Light, LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
-from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR, UNSEEN_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.light_text import light_text

@@ -7,7 +7,7 @@ it must not wait for the estimator's modules: they are loaded where it is drawn.
 from typing import TYPE_CHECKING
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.types import TrackedFrame
 
 if TYPE_CHECKING:

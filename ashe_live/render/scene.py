@@ -6,8 +6,9 @@ from functools import cache
 import numpy as np
 
 from ashe_live.core.arrays import Image, frozen_view, set_frozen
+from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 
 UNLIT = Illumination()

@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.light import Illumination, LightEstimate
+from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.light.live.worker_messages import Draw, WorkerFailure

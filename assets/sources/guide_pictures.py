@@ -18,8 +18,9 @@ from PIL import Image, ImageDraw, ImageFont
 import ashe_live as al
 from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.core.colour import srgb_from_linear
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import angle_between, direction_from_angles, project, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker

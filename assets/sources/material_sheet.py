@@ -16,8 +16,9 @@ import numpy as np
 
 from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.core.camera import Camera
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel

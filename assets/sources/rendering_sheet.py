@@ -15,9 +15,10 @@ import numpy as np
 
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.quality import QUALITIES

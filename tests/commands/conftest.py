@@ -14,8 +14,8 @@ import pytest
 from ashe_live import cli
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.commands.viewing import setup
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.light import Illumination, Light, LightEstimate
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators import estimator
 from ashe_live.light.live.worker_messages import Estimated
 from tests.checkout import CHECKOUT

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.drawing.light_text import light_text
 from ashe_live.light.estimators import estimator
 from ashe_live.tracking.families.markers import parse_marker

@@ -12,8 +12,8 @@ import pytest
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.commands.flags import option_groups
 from ashe_live.core.arrays import Image
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.light import Illumination, Light, LightEstimate
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators import estimator
 from ashe_live.light.live.key_views import span_of
 

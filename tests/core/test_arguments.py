@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core import arguments
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,9 @@ from ashe_live.core.contract import (
     marker_json,
     snapshot_json,
 )
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from tests.checkout import CHECKOUT
 
 SCHEMA = json.loads((CHECKOUT / "docs" / "contract.schema.json").read_text(encoding="utf-8"))

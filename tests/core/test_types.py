@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.light import Illumination, Light, LightEstimate
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 
 CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 
@@ -99,82 +99,9 @@ def test_what_a_value_cannot_hold_is_named(make: Callable[[], object], error: ty
         make()
 
 
-def test_a_lamp_of_another_angular_size_has_a_radius_to_fit() -> None:
-    lamp = dataclasses.replace(LIGHT, inverse_distance=2.0, radius_m=0.02).with_angular_size(0.1)
-    assert lamp.angular_size_rad == 0.1
-    assert lamp.radius_m == pytest.approx(0.5 * math.tan(0.05))
-    assert LIGHT.with_angular_size(0.1).radius_m is None
-    assert lamp.with_angular_size(None).radius_m == lamp.radius_m
-
-
-def test_no_light_needs_a_reason() -> None:
-    with pytest.raises(ValueError, match="reason"):
-        LightEstimate("paper", 0, Illumination())
-
-
-def test_an_estimate_rests_on_its_own_frame_and_may_on_others() -> None:
-    alone = LightEstimate("paper", 3, Illumination(), "no shadow found")
-    assert alone.views == (3,)
-    assert alone.span_rad is None
-    several = dataclasses.replace(alone, views=(3, 1, 7), span_rad=0.4)
-    assert several.views == (3, 1, 7)
-    with pytest.raises(ValueError, match="first view of frame 3"):
-        dataclasses.replace(alone, views=(1, 3))
-
-
-def test_a_light_is_a_unit_vector_with_its_angles() -> None:
-    light = Light(np.array([0.0, 2.0, 2.0]))
-    assert np.linalg.norm(light.to_light_marker) == pytest.approx(1)
-    assert (light.azimuth_deg, light.elevation_deg) == pytest.approx((90, 45))
-
-
 def test_values_cross_between_processes() -> None:
     pose = MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, 0.2)
     tracked = TrackedFrame(frame(), Camera.from_hfov((4, 3), 60), pose, 1.5)
     back = pickle.loads(pickle.dumps(tracked))
     np.testing.assert_array_equal(back.marker.T_cam_marker, pose.T_cam_marker)
     assert back.camera.size == (4, 3)
-
-
-def test_an_illumination_is_what_an_estimate_found_and_the_frame_it_was_found_in() -> None:
-    pose = MarkerPose(np.eye(4), np.zeros((4, 2)), 0.08, 0.2, None)
-    seen = TrackedFrame(Frame(np.zeros((48, 64, 3), np.uint8), 0, 0.0), Camera.from_hfov((64, 48), 60), pose)
-    light = Light(np.array([0.3, -0.2, 1]))
-    estimate = LightEstimate("proxy", 0, Illumination((light,), np.full(3, 0.3), np.full(3, 0.5)))
-    illumination = estimate.illumination.as_seen_in(seen)
-    assert illumination.light is estimate.light is light
-    assert illumination.ground_rgb is estimate.illumination.ground_rgb
-    assert illumination.seen_in is seen
-    without_marker = dataclasses.replace(seen, marker=None)
-    assert illumination.as_seen_in(without_marker).seen_in is None
-    with pytest.raises(ValueError, match="where the ground is"):
-        Illumination(seen_in=without_marker)
-
-
-def test_a_lamp_is_where_its_inverse_distance_puts_it() -> None:
-    lamp = Light(np.array([0.0, 3.0, 4.0]), inverse_distance=2.0, radius_m=0.02)
-
-    assert lamp.kind == "lamp"
-    np.testing.assert_allclose(lamp.position_marker_m, [0.0, 0.3, 0.4])
-    np.testing.assert_allclose(lamp.homogeneous[:3] / lamp.homogeneous[3], [0.0, 0.3, 0.4])
-
-
-def test_a_light_without_inverse_distance_is_a_sun() -> None:
-    sun = Light(np.array([0.0, 3.0, 4.0]))
-
-    assert sun.kind == "directional"
-    assert sun.position_marker_m is None
-    assert sun.homogeneous[3] == 0
-
-
-@pytest.mark.parametrize("inverse_distance", [5e-324, 1e-200])
-def test_a_lamp_farther_away_than_can_be_computed_with_is_a_sun(inverse_distance: float) -> None:
-    """As the file of --as-shown may say."""
-    light = Light(np.array([0.0, 0.0, 1.0]), inverse_distance=inverse_distance)
-    assert (light.kind, light.inverse_distance, light.position_marker_m) == ("directional", 0.0, None)
-
-
-@pytest.mark.parametrize("inverse_distance", [-1.0, -0.01, np.nan, np.inf, 1e4])
-def test_a_lamp_is_neither_behind_the_plane_nor_inside_the_marker(inverse_distance: float) -> None:
-    with pytest.raises(ValueError, match="inverse_distance"):
-        Light(np.array([0.0, 0.0, 1.0]), inverse_distance=inverse_distance)

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import direction_from_angles
-from ashe_live.core.types import Light
 from ashe_live.drawing.light_text import light_text
 
 

@@ -13,7 +13,7 @@ from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
 from ashe_live.core.contract import light_by_hand_json
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.light import Illumination, Light
 from ashe_live.viewer.view_options import WHOLE
 
 FPS = 30

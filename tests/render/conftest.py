@@ -11,8 +11,9 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import direction_from_angles, project, rigid
-from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh, Model

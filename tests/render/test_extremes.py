@@ -9,8 +9,8 @@ import moderngl
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Illumination
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, QUALITIES
 from ashe_live.render.scene import Scene

@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Illumination
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.quality import BALANCED, FAST

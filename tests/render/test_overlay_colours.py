@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 from ashe_live.drawing import colours
 from ashe_live.models.primitives import box
 from ashe_live.render import hud

@@ -11,9 +11,9 @@ import pytest
 from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.live.worker import Outcome
 from ashe_live.light.live.worker_messages import Estimated, EstimateTask, Followed, OtherScene, Unchanged, WorkerFailure
 from ashe_live.models.mesh import Model

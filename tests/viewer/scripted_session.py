@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import TrackedFrame

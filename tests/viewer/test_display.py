@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.light import Illumination, Light
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.render.screen import Screen
 from ashe_live.viewer import display as display_module

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles
-from ashe_live.core.types import Illumination, Light
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import Placement, placed_on_marker
 from ashe_live.models.primitives import box

@@ -6,7 +6,7 @@ import numpy as np
 
 from ashe_live.bench.cube.painted_scene import CubeScene, level_of
 from ashe_live.core.arrays import Float, directions_on_spiral
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 
 NORMALS = 400  # of the ball, evenly spread
 

@@ -13,9 +13,9 @@ from ashe_live.bench.cube.pictures import CubePicture
 from ashe_live.bench.metrics import median, percentile, share, squared_sigmas
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Light, LightEstimate
 from ashe_live.core.transforms import ELLIPSE_95, angle_between
-from ashe_live.core.types import Frame, Light, TrackedFrame
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.quality import Quality
 from ashe_live.tracking.families.layout import cube_layout

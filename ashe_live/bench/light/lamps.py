@@ -9,7 +9,7 @@ import numpy as np
 from ashe_live.bench.cases import Case
 from ashe_live.bench.metrics import angular_error_deg, median, share, tangent_offset
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Light
+from ashe_live.core.light import Light
 
 BESIDE_M = 0.2  # from the object: where a model may stand
 ELLIPSOID_95 = 7.815  # squared Mahalanobis distance in three dimensions that 95 % lie within

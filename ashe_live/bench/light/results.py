@@ -18,7 +18,7 @@ from ashe_live.bench.metrics import (
     squared_sigmas,
 )
 from ashe_live.core.contract import light_json
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import ELLIPSE_95
 
 GOOD_DEG = 5.0

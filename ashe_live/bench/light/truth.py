@@ -6,7 +6,7 @@ import numpy as np
 from ashe_live.bench.cases import Case
 from ashe_live.bench.metrics import angular_error_deg, overlap
 from ashe_live.core.arrays import Mask
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.given_labels import directions_from_labels
 from ashe_live.light.estimators.preset import ProxyPreset

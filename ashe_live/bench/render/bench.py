@@ -31,7 +31,8 @@ from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.light import Illumination, Light
+from ashe_live.core.types import TrackedFrame
 from ashe_live.files.resources import resource
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker

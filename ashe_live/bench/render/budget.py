@@ -31,7 +31,8 @@ from ashe_live.bench.tables import figures_table
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.types import Frame, Illumination, TrackedFrame
+from ashe_live.core.light import Illumination
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.quality import FAST
 from ashe_live.render.camera.video_look import VideoLook

@@ -9,9 +9,10 @@ import numpy as np
 
 from ashe_live.bench.resources_held import resident_mib
 from ashe_live.core.camera import Camera, Size
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import grid_triangles
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.gl.offscreen import Context, live_gl_objects

@@ -20,10 +20,11 @@ from ashe_live.bench.render.seams import seam_pixels
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.contract import Json
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Frame, Illumination, Light, TrackedFrame
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.catalogue import load_model

@@ -10,7 +10,7 @@ from ashe_live.bench.resources_held import Held
 from ashe_live.bench.soak.offscreen_window import OffscreenWindow, ShownPicture
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.models.catalogue import model_names
 from ashe_live.tracking.tracker import MarkerTracker

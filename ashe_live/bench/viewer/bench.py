@@ -19,7 +19,8 @@ from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.light import Illumination, Light
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.live.held_answer import HeldAnswer

@@ -21,7 +21,7 @@ from ashe_live.commands.flags.setup import CameraFor, assumed_note, cameras_of_a
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.contract import FileRecord
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.steps import DebugPicture, debug_pictures
 from ashe_live.errors import UserError

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.colours import LIGHT_BGR, PAPER_BGR

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate, StageClock
+from ashe_live.core.light import Illumination, Light, LightEstimate, StageClock
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import radius_of_68_percent
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
 from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, image_beside, masks_of

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.light_estimate import StageClock
+from ashe_live.core.light import StageClock
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.preset import FAST, ProxyPreset
 from ashe_live.light.estimators.scene_views import fine_and_coarse, scene_views

@@ -14,9 +14,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ashe_live.core.arrays import Mask, without
-from ashe_live.core.light_estimate import LightEstimate, StageClock
+from ashe_live.core.light import Illumination, LightEstimate, StageClock
 from ashe_live.core.transforms import view_direction
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
 from ashe_live.light.estimators.looking import Look, looked, looked_alone
 from ashe_live.light.estimators.preset import BALANCED, ProxyPreset

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.preset import FAST, ProxyPreset
 from ashe_live.light.explanation.scene_view import SceneView

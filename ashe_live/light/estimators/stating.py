@@ -8,7 +8,8 @@ from functools import partial
 import numpy as np
 
 from ashe_live.core.arrays import Float, distinct
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.light import Illumination
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.looking import Look
 from ashe_live.light.estimators.preset import FIRST_FIT, ProxyPreset
 from ashe_live.light.estimators.proposals import proposals_of

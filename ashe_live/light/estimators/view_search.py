@@ -9,7 +9,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Mask
 from ashe_live.core.caster import Caster
-from ashe_live.core.light_estimate import StageClock
+from ashe_live.core.light import StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit

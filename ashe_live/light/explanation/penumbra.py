@@ -8,9 +8,10 @@ import numpy as np
 
 from ashe_live.core.arrays import SIGMA_OVER_MAD, Float, Float32, Image, Mask
 from ashe_live.core.camera import Camera
+from ashe_live.core.light import Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import along_sides
-from ashe_live.core.types import Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.edges.shadow_edge import EdgePoints, edge_points
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.light.explanation.explanation import Explanation

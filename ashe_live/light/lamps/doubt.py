@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ashe_live.core.types import Light
+from ashe_live.core.light import Light
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.lamps.mixture import covariance_of, errors_of
 from ashe_live.light.lamps.place import LAMPS_NEARNESS, Place

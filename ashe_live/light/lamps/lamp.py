@@ -14,7 +14,8 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.core.light import Light
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD, Judge

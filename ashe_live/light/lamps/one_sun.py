@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import normalised, on_tangent_basis, radius_of_68_percent, tangent_basis
-from ashe_live.core.types import Light
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.shape.directions import FittedLight, displacement_of, information_on_displacement
 

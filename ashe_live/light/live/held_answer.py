@@ -11,9 +11,9 @@ from itertools import permutations
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Light, LightEstimate
 from ashe_live.core.transforms import angle_between, motion_between, tangent_basis
-from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.live.moved_marker import moved_estimate
 from ashe_live.light.views.in_view import share_shown
 

@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.square import PlaneMarker, square_corners
 from ashe_live.core.transforms import motion_between, transform_points
-from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.views.moved_frame import moved_body, moved_light, with_moved_marker
 
 # A marker that is tilted by more than this, or lifted by more than this share of its side, is no longer on the table.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ashe_live.core.arrays import Image
-    from ashe_live.core.light_estimate import LightEstimate
+    from ashe_live.core.light import LightEstimate
     from ashe_live.core.types import TrackedFrame
     from ashe_live.light.estimators.preset import ProxyPreset
     from ashe_live.light.estimators.view_search import Trace

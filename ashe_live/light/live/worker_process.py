@@ -28,7 +28,7 @@ from ashe_live.process.unexpected_errors import fault
 
 if TYPE_CHECKING:
     from ashe_live.core.arrays import Image
-    from ashe_live.core.light_estimate import LightEstimate
+    from ashe_live.core.light import LightEstimate
     from ashe_live.core.types import TrackedFrame
     from ashe_live.light.estimators.estimator import Estimator
     from ashe_live.light.estimators.preset import ProxyPreset

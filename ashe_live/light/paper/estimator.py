@@ -12,9 +12,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.light_estimate import LightEstimate, StageClock
+from ashe_live.core.light import Illumination, Light, LightEstimate, StageClock
 from ashe_live.core.square import square_corners
-from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.paper import geometry, masks
 from ashe_live.light.paper.shadow_colour import shadow_rgb_ratio
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Light, LightEstimate
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.explanation.alignment import SEARCH_RANGES, Alignment, Start, aligned
 from ashe_live.light.explanation.judgement.hidden_sky import depths_beyond_sky, is_of_sky_alone
 from ashe_live.light.explanation.scene_view import SceneView

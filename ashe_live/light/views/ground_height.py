@@ -13,8 +13,9 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, lowest_on_parabola
+from ashe_live.core.light import Illumination
 from ashe_live.core.transforms import inverse_rigid, pixels_by_pose, raycast_to_plane, rigid
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View, plane_homography
 from ashe_live.light.views.moved_frame import moved_body, moved_light, with_moved_marker

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.light import Light
 from ashe_live.core.proxy import Proxy, ProxyMesh
 from ashe_live.core.ranges import INVERSE_DISTANCE
 from ashe_live.core.transforms import inverse_rigid, tangent_basis, transform_points
-from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 
 
 def moved_light(light: Light, T_new_old: Float) -> Light:

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ashe_live.core.light import Illumination
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import lies_elsewhere, view_direction
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.cover.hidden_by_body import TURNED_RAD
 from ashe_live.render.cover.lit_alike import is_other_light, is_same_scene

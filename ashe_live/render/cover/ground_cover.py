@@ -11,8 +11,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import srgb_from_linear
+from ashe_live.core.light import Illumination
 from ashe_live.core.square import side_lengths_px
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.cover.hidden_by_body import half_of_square, hidden_and_shaded
 from ashe_live.render.cover.inpainting.filling import BESIDE_SIDES, BLEED_SIDES, filled, with_rim
 from ashe_live.render.cover.inpainting.masked import distances_from

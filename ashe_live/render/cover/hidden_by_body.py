@@ -9,9 +9,10 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import FRACTION_BITS, Float, Mask
+from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, camera_centre, direction_from_angles
-from ashe_live.core.types import Illumination, MarkerPose
+from ashe_live.core.types import MarkerPose
 from ashe_live.render.cover.rectified import in_square
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 

@@ -3,7 +3,7 @@
 import math
 
 from ashe_live.core.arrays import same_objects
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 
 OTHER_LIGHT_COS = math.cos(math.radians(10.0))  # answers about one light are mostly nearer to each other
 

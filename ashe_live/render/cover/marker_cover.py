@@ -9,7 +9,8 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.light import Illumination
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.cover.cover_maker import CoverMaker, MadeCover
 from ashe_live.render.cover.sheet_now import SheetNow
 from ashe_live.render.gl.programs import set_uniforms

@@ -11,8 +11,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
+from ashe_live.core.light import Illumination
 from ashe_live.core.transforms import image_from_plane
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.cover.rectified import LEAST_RATIO, Rectified
 from ashe_live.render.cover.sheet import LEAST_HALF_SIDES

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import FRACTION_BITS, Float, Float32, Image, Mask, fixed_point
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import transform_points
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
 from ashe_live.render.lights.lighting import measured_ratio

@@ -6,7 +6,8 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float, same_objects
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.light import Illumination
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, RGB

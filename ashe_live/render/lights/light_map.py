@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 from ashe_live.files.writing import written_whole
 from ashe_live.render.lights.seen_light import lighting_in
 

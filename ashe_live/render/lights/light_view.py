@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import light_view, normalised
-from ashe_live.core.types import Light
 from ashe_live.render.lights.lighting import ShadingLight, lighting_of
 
 # Limit of a lamp's view: a wider cone does not fit into one projection, and the lamp is inside the casters or near

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Light
+from ashe_live.core.light import Light
 
 RGB = tuple[float, float, float]
 

@@ -4,8 +4,9 @@ from collections import deque
 from typing import NamedTuple
 
 from ashe_live.core.arrays import same_objects
+from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.held_look import HeldLook
 from ashe_live.render.camera.relief import Relief, relief_of
 from ashe_live.render.camera.shadow_border import unexplained_border_px

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 from ashe_live.render.camera.white import light_on_print, white_of
 from ashe_live.render.lights.lighting import RGB, Lighting, lighting_of
 from ashe_live.render.lights.open_sky import open_sky

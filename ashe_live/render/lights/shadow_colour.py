@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.light import Illumination, Light
 
 # Light that a lens scatters into a shadow, linear, over the display's white: 1 % of a ground of 0.2.
 UNCERTAIN = 0.002

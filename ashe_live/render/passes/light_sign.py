@@ -7,8 +7,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import inverse_rigid, light_view, normalised, transform_points
-from ashe_live.core.types import Light
 from ashe_live.models.primitives import revolved
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.gl.framing import Framing, box_corners

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import normalised
-from ashe_live.core.types import Illumination, Light, MarkerPose
+from ashe_live.core.types import MarkerPose
 from ashe_live.light.live.moved_marker import moved_illumination
 from ashe_live.render.lights.lighting import angular_size, lighting_of
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import OF_ONE_FRAME
 from ashe_live.light.estimators.preset import BALANCED

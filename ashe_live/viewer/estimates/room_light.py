@@ -1,9 +1,9 @@
 """The estimated light, which stays in the room while the marker is moved in it."""
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.core.transforms import motion_between
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.live.moved_marker import FixedInRoom, moved_estimate, moved_illumination, stays_on_plane
 from ashe_live.viewer.estimates.easing import LightEasing
 

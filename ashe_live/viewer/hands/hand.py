@@ -7,8 +7,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import REC709_LUMINANCE
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.live.moved_marker import FixedInRoom
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.render.lights.lighting import SUN_ANGULAR_SIZE_RAD, angular_size, ground_ratio

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Light
+from ashe_live.core.light import Light
 
 LOWEST_RAD = math.radians(5)  # least elevation of a light that is set by hand
 LEAST_ABOVE_MODEL = 1.05  # height of a lamp over the model's from which the end of the model's shadow can be dragged

@@ -10,8 +10,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import SCHEMA, Json, light_by_hand_json
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.ranges import INDEX, SHARE, SHIFT, Range
-from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 from ashe_live.models.assembly.up import UPS

@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.contract import SCHEMA, Json, camera_json, estimate_json, marker_json
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.types import TrackedFrame
 from ashe_live.files.writing import write_json
 

@@ -4,7 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.core.light import Light
+from ashe_live.core.types import TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, seat_beside
 from ashe_live.viewer.hands.hand import Hand

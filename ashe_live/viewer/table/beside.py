@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import Placement, seat_beside
 from ashe_live.viewer.hands.pointing import picture_axes
 

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.light import Illumination
+from ashe_live.core.types import TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, PlacedModel
 from ashe_live.process.messages import listed, print_message

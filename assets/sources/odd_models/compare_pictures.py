@@ -13,9 +13,10 @@ import numpy as np
 from ashe_live.bench.render.error import _light, colour_difference, read_picture
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.light import Illumination
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, raycast_to_plane, rigid
-from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.loading import SUFFIXES, load_model_file
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.quality import BALANCED

@@ -12,9 +12,9 @@ from ashe_live.bench.light.clips import estimate_clip, frames_of, read_clips
 from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 
 SIZE = (64, 48)

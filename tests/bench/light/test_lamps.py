@@ -12,9 +12,9 @@ from ashe_live.bench.light.lamps import BESIDE_M, lamp_figures, summarise_lamps
 from ashe_live.bench.light.results import case_result
 from ashe_live.bench.light.set_tables import print_places
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.transforms import rigid
-from ashe_live.core.types import Illumination, Light, MarkerPose
+from ashe_live.core.types import MarkerPose
 
 POSE = MarkerPose(rigid(np.diag((1.0, -1.0, -1.0)), (0, 0, 1)), np.zeros((4, 2)), 0.1, 0.0, None)
 CAMERA = Camera.from_hfov((64, 48), 60)

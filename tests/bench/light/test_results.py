@@ -10,9 +10,9 @@ import pytest
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.results import ALL, ALL_LIT, case_result, grouped, stage_times, summarise
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import Illumination, Light, MarkerPose
+from ashe_live.core.types import MarkerPose
 
 SUN = direction_from_angles(0.5, 0.7)
 LAMP = direction_from_angles(2.5, 0.9)

@@ -19,8 +19,7 @@ from ashe_live.bench.light.takes import (
     take_results,
 )
 from ashe_live.capture.recording.recorder import Recorder
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.errors import UserError
 from ashe_live.tracking.families.markers import parse_marker
 from tests.light.painted_scenes import BOX, paint

@@ -10,9 +10,9 @@ from rich.console import Console
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.trade import MEDIAN_ERROR, MISSED, VARIATIONS, Variation, print_trade, replaced, sweep
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.transforms import rigid
-from ashe_live.core.types import Illumination, Light, MarkerPose
+from ashe_live.core.types import MarkerPose
 from ashe_live.light.estimators.preset import BALANCED, ProxyPreset
 from ashe_live.quality import LIGHT_PRESETS
 

@@ -8,8 +8,8 @@ import pytest
 
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.truth import error_on_true_labels_deg, mask_overlaps
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.types import Illumination, MarkerPose
+from ashe_live.core.light import Illumination, LightEstimate
+from ashe_live.core.types import MarkerPose
 from ashe_live.light.estimators.preset import BALANCED
 from tests.light.synthetic_masks import box, camera_towards, direction, render
 

@@ -16,8 +16,7 @@ from ashe_live.bench.soak.run import drift_json
 from ashe_live.bench.soak.time_code import BITS, TimeCodeCamera, paint_number, read_number
 from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
 

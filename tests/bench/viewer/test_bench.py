@@ -14,10 +14,9 @@ from ashe_live.bench.viewer.bench import ViewerBench
 from ashe_live.capture.clips.known_clip import KnownClip, read_known_clip
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import Illumination
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.quality import FAST
 from ashe_live.tracking.families.markers import parse_marker

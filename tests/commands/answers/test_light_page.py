@@ -12,10 +12,10 @@ import pytest
 from ashe_live.commands.answers.light_page import WIDTH_PX, LightPage, picture_of
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.shape.predicted import outline, painted, shadow_outline
 from tests.light.painted_scenes import HFOV_DEG, SIDE_M, VIEW, tracked_frame

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.proxy import ProxyEstimator

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.caster import Caster
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import angle_between
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator

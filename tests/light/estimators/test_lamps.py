@@ -10,9 +10,8 @@ from ashe_live.commands.flags.option_groups import LIGHTS
 from ashe_live.commands.flags.parser import build_parser
 from ashe_live.commands.flags.setup import light_preset
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Light, LightEstimate
 from ashe_live.core.transforms import angle_between
-from ashe_live.core.types import Light
 from ashe_live.light.estimators.preset import BALANCED, FAST, ProxyPreset
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.lamps.kinds import KINDS, LAMP, SUN

@@ -12,9 +12,9 @@ import pytest
 from ashe_live.bench.cases import read_cases
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.transforms import angle_between, rigid
-from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.light.estimators import proxy
 from ashe_live.light.estimators.preset import ACCURATE, BALANCED, FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator

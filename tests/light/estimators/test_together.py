@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.light.takes import FALL
-from ashe_live.core.light_estimate import LightEstimate, StageClock
+from ashe_live.core.light import Illumination, Light, LightEstimate, StageClock
 from ashe_live.core.transforms import angle_between
-from ashe_live.core.types import Frame, Illumination, Light, TrackedFrame
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators import proxy
 from ashe_live.light.estimators.looking import Look, looked, looked_alone
 from ashe_live.light.estimators.preset import BALANCED, FAST

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.caster import Caster as Known
-from ashe_live.core.light_estimate import StageClock
+from ashe_live.core.light import StageClock
 from ashe_live.light.estimators import view_search
 from ashe_live.light.estimators.looking import looked
 from ashe_live.light.estimators.preset import FAST

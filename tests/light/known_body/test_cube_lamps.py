@@ -8,8 +8,8 @@ import pytest
 
 from ashe_live.bench.cube.scenes import lamp
 from ashe_live.bench.metrics import squared_sigmas
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import ELLIPSE_95, angle_between
-from ashe_live.core.types import Light
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.known_body import lamps
 from ashe_live.quality import BALANCED

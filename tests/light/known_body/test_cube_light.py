@@ -11,7 +11,7 @@ from ashe_live.bench.cube.scenes import SETS, CubeSet
 from ashe_live.bench.cube.shadow_in_view import is_seen
 from ashe_live.bench.metrics import squared_sigmas
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import ELLIPSE_95, angle_between
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.known_body.found_light import FoundLight

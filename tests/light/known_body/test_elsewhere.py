@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.cube.painter import projected
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, raycast_to_plane
 from ashe_live.light.estimators.estimator import make_estimator

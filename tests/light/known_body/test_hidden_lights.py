@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.bench.cube.scenes import SETS
 from ashe_live.core.arrays import Float
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import angle_between, direction_from_angles
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator

@@ -7,8 +7,8 @@ import pytest
 
 from ashe_live.bench.metrics import tangent_offset
 from ashe_live.core.arrays import Float
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import angle_between, radius_of_68_percent
-from ashe_live.core.types import Light
 from ashe_live.light.lamps.doubt import with_doubt
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.shape.directions import displacement_of

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import angle_between, direction_from_angles, tangent_basis
-from ashe_live.core.types import Light
 from ashe_live.light.lamps.hypotheses import is_held_near
 from ashe_live.light.lamps.one_sun import by_all_objects, place_of_sun
 from ashe_live.light.lamps.sources import SeenObject

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import angles_from_direction, normalised
-from ashe_live.core.types import Light
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.lamps.lamp_borders import LampBorders
 from ashe_live.light.lamps.place import Place, combined, place_by_borders, place_by_glint, places_by_glints

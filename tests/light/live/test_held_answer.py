@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, rigid, tangent_basis
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.live.held_answer import AS_SHARP, AS_SURE, CHANGED_AFTER, RESTS_NO_LONGER, HeldAnswer, agree
 from ashe_live.light.views.in_view import share_shown
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy, ProxyMesh
 from ashe_live.core.square import PlaneMarker, square_corners
 from ashe_live.core.transforms import (
@@ -19,7 +20,7 @@ from ashe_live.core.transforms import (
     tangent_basis,
     transform_points,
 )
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.live.moved_marker import moved_illumination, seen_before_move, stays_on_plane
 from tests.light.synthetic_masks import camera_towards
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.caster import parsed_caster
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.transforms import angle_between
-from ashe_live.core.types import Frame, Illumination, Light, TrackedFrame
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator

@@ -6,10 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.views.following import follow, has_lost_shadows
 from ashe_live.light.views.ground_height import seen_from_ground, seen_from_marker
 from tests.light.painted_scenes import BOX, SHADOW_RATIO, Caster, paint

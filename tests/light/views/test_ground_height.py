@@ -8,9 +8,10 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, rigid
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.views import ground_height

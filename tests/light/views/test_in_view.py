@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.views.in_view import share_shown
 from tests.light.synthetic_masks import camera_towards
 

@@ -8,8 +8,9 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import inverse_rigid, normalised, rigid, tangent_basis
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.views.ground_height import seen_from_marker
 from ashe_live.light.views.moved_frame import moved_light, with_moved_marker
 from tests.light.painted_scenes import direction

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import direction_from_angles
-from ashe_live.core.types import Light
 from ashe_live.render.camera.paper_gloss import MIRRORED, ROUGHNESS, mirrored_by_paper
 from ashe_live.render.camera.white import INK_RATIO, PAPER_ALBEDO, light_on_print, white_of
 from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, Lighting, ShadingLight, lighting_of

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.light import Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.render.camera.shadow_border import unexplained_border_px
 from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.lighting import ShadingLight, lighting_of

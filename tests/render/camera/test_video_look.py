@@ -12,8 +12,9 @@ import pytest
 
 from ashe_live.bench.cube.painted_scene import level_of
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.edges import blur_and_sharpening, edge_blur_px

@@ -9,9 +9,9 @@ import pytest
 
 from ashe_live.bench.render.borders import shadow_border
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Illumination
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES

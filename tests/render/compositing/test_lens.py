@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED
 from ashe_live.render.compositing.lens import straight_from_bent, wide_pinhole

@@ -8,9 +8,10 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE, srgb_from_linear
+from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.camera.relief import relief_of

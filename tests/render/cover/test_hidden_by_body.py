@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre, direction_from_angles, project
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import FAST
 from ashe_live.render.cover.cover_maker import NEARER

@@ -8,9 +8,10 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE, srgb_from_linear
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import raycast_to_plane
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED
 from ashe_live.render.camera.exposure import gain_and_slope

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project, transform_points
-from ashe_live.core.types import Illumination, Light
 from ashe_live.models.placement import Placement
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES

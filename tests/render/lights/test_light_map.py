@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import direction_from_angles
-from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.render.lights.light_map import light_map, write_light_map
 from ashe_live.render.lights.lighting import lighting_of

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import direction_from_angles
-from ashe_live.core.types import Light
 from ashe_live.render.lights.lighting import (
     ASSUMED_SHADOW_RATIO,
     LAMP_RADIUS_M,

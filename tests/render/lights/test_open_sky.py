@@ -7,10 +7,11 @@ import pytest
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import direction_from_angles, project, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.quality import FAST
 from ashe_live.render.lights.cast_shadows import is_inside, shadow_hull_of_point
 from ashe_live.render.lights.light_map import HEIGHT_PX, light_map

@@ -8,10 +8,11 @@ import pytest
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.quality import FAST
 from ashe_live.render.lights import photometry
 from ashe_live.render.lights.light_map import HEIGHT_PX, light_map

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import Illumination, Light
 from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.gl.framing import box_corners

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import direction_from_angles, light_view, project
-from ashe_live.core.types import Illumination, Light
 from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.lights.lighting import SUN_ANGULAR_SIZE_RAD, lighting_of

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, linear_from_srgb
+from ashe_live.core.light import Illumination
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Illumination
 from ashe_live.render.lights import environment
 from ashe_live.render.lights.lighting import GROUND_ALBEDO
 from ashe_live.render.lights.surroundings import (

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
+from ashe_live.core.light import Illumination
 from ashe_live.core.transforms import light_view, project
-from ashe_live.core.types import Illumination
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.quality import FAST, QUALITIES

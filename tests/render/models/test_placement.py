@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, raycast_to_plane
-from ashe_live.core.types import Illumination, Light
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh, Model, Motion

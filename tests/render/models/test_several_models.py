@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Illumination
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, placed_on_marker

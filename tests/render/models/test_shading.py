@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
+from ashe_live.core.light import Illumination
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import box

@@ -6,9 +6,10 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy, ProxyMesh
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Frame, Illumination, Light
+from ashe_live.core.types import Frame
 from ashe_live.models.placement import Placement
 from ashe_live.models.primitives import box
 from ashe_live.render.occlusion.drawn_body import drawn_surface

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import directions_on_spiral
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 from ashe_live.models.material import Material
 from ashe_live.models.mesh import Mesh, Motion
 from ashe_live.models.placement import PlacedModel

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.light import Illumination
 from ashe_live.core.transforms import project, raycast_to_plane
-from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.lights.lighting import ASSUMED_SHADOW_RATIO

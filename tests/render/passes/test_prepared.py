@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy, ProxyMesh
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Illumination
 from ashe_live.light.hull.surface import surface_of
 from ashe_live.models.primitives import box
 from ashe_live.quality import FAST, QUALITIES

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import Illumination
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.estimators.preset import BALANCED

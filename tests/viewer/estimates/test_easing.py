@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import angle_between, direction_from_angles
-from ashe_live.core.types import Illumination, Light
 from ashe_live.quality import FAST
 from ashe_live.render.lights.lighting import angular_size, lighting_of
 from ashe_live.render.lights.photometry import Photometry

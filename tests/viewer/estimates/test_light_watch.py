@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import angle_between, direction_from_angles, rigid
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.preset import FAST

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.light_estimate import LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, inverse_rigid, project, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
 from ashe_live.viewer.estimates.room_light import RoomLight
 

@@ -8,9 +8,10 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.contract import light_by_hand_json
+from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles, rigid
-from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
 from ashe_live.models.primitives import box

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.core.types import Light
+from ashe_live.core.light import Light
 from ashe_live.viewer.hands.shadow_end import LEAST_ABOVE_MODEL, LOWEST_RAD, light_through, shadow_of
 
 FOOT, HEIGHT = np.array([0.02, -0.03]), 0.1

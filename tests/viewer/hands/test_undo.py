@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.light import Illumination, Light
 from ashe_live.viewer.hands.hand import Hand, HandContext
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.hands.undo import ONE_GESTURE_S, Undo

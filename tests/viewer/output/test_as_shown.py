@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.contract import SCHEMA
-from ashe_live.core.types import Illumination, Light
+from ashe_live.core.light import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel

@@ -6,9 +6,10 @@ import itertools
 import numpy as np
 import pytest
 
+from ashe_live.core.light import Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, project
-from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS
 from ashe_live.models.placement import FOOTPRINT_SIDES, UNMOVED, seat_beside
 from ashe_live.tracking.cube.faces import CORNERS

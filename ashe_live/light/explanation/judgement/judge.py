@@ -15,8 +15,9 @@ from importlib.resources import files
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.light import Light
 from ashe_live.core.transforms import radius_of_68_percent
-from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.context import NO_CONTEXT, Context, context_features
 from ashe_live.light.explanation.judgement.evidence import appearance, evidence

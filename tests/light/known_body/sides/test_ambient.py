@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Illumination
+from ashe_live.core.light import Illumination
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.layout import cube_layout
