@@ -8,6 +8,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.cover.marker_cover import MarkerCover
 from ashe_live.render.gl.programs import Programs
+from ashe_live.render.occlusion.drawn_body_maker import DrawnBodyMaker
 from ashe_live.render.passes.ground import CatchingGround, ShadowCatcher
 from ashe_live.render.passes.light_sign import LightSign, LightSigns
 from ashe_live.render.passes.model_pass import ModelPass, ShadingInputs
@@ -40,17 +41,27 @@ class LayerPasses:
         self.cover = MarkerCover(ctx) if cover is None else cover
         self._is_beside = cover is not None
         self.real: RealObject | None = None
+        self._drawn_bodies = DrawnBodyMaker()
         self._programs = programs
 
-    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None = None) -> bool:
-        """Readies the real object that is there now; whether there was another one. `seen_in`: as of RealObject."""
+    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None = None, waits: bool = True) -> bool:
+        """Readies the real object that is there now; whether there was another one. `seen_in`: as of RealObject.
+
+        `waits`: for its outline, if it takes long; else the former one stays until that is found.
+        """
         former = self.real
-        if former is not None and not (former.proxy is proxy and former.seen_in is seen_in):
-            former.release()
+        if former is not None and former.proxy is proxy and former.seen_in is seen_in:
+            return False
+        if proxy is not None:
+            surface = self._drawn_bodies.surface(proxy, seen_in, waits)
+            if surface is None:
+                return False
+            self.real = RealObject(self._ctx, self._programs, proxy, seen_in, surface)
+        else:
             self.real = None
-        if self.real is None and proxy is not None:
-            self.real = RealObject(self._ctx, self._programs, proxy, seen_in)
-        return former is not None and former is not self.real
+        if former is not None:
+            former.release()
+        return former is not None
 
     def follow_sheet(self, scene: Scene, waits: bool) -> MarkerCover | None:
         """The cover of the marker's sheet, once there is one. `waits`: as in `MarkerCover.follow`."""
@@ -82,6 +93,7 @@ class LayerPasses:
 
     def release(self) -> None:
         self.follow_real_object(None)
+        self._drawn_bodies.release()
         self.catcher.release()
         if not self._is_beside:
             self.cover.release()

@@ -67,8 +67,8 @@ class ModelsOnVideo:
     def looked_up(self) -> LookedUp:
         return LookedUp(self.shadows, self._ground_shadows, self._environment)
 
-    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None) -> None:
-        if self.layers.follow_real_object(proxy, seen_in):
+    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None, waits: bool) -> None:
+        if self.layers.follow_real_object(proxy, seen_in, waits):
             self.shadows.forget()
 
     def forget_models(self) -> None:

@@ -120,11 +120,11 @@ class SceneRenderer:
     def render(self, scene: Scene, waits: bool = True) -> None:
         """Draws the scene into the renderer's own framebuffer.
 
-        `waits`: for new models and the marker's cover, however long they take; else they appear in a later picture,
-        once they are ready.
+        `waits`: for new models, the marker's cover and the real object's outline, however long they take; else they
+        appear in a later picture, once they are ready.
         """
         self._follow_models([model for model, _ in scene.models], waits)
-        self._models_on_video.follow_real_object(scene.real_object, scene.object_seen_in)
+        self._models_on_video.follow_real_object(scene.real_object, scene.object_seen_in, waits)
         if scene.tracked is None:
             self._surface.colour.clear()
         else:

@@ -13,7 +13,6 @@ from ashe_live.render.gl.framing import Framing
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.lights.shadow_maps import ShadowMaps
-from ashe_live.render.occlusion.drawn_body import drawn_surface
 
 GL_DEPTH_CLAMP = 0x864F
 
@@ -28,12 +27,17 @@ class RealObject:
     is_clear = False
 
     def __init__(
-        self, ctx: moderngl.Context, programs: Programs, proxy: Proxy, seen_in: TrackedFrame | None = None
+        self,
+        ctx: moderngl.Context,
+        programs: Programs,
+        proxy: Proxy,
+        seen_in: TrackedFrame | None,
+        drawn: tuple[Float, NDArray[np.uint32]],
     ) -> None:
-        """`seen_in`: a frame that shows the object where the proxy stands."""
+        """`seen_in`: a frame that shows the object where the proxy stands. `drawn`: its `drawn_surface` there."""
         self.proxy, self.seen_in = proxy, seen_in
         self.points, triangles = proxy.surface()
-        self.drawn_points, drawn_triangles = drawn_surface(proxy, seen_in)
+        self.drawn_points, drawn_triangles = drawn
         self._programs = programs
         self._ctx = ctx
         self._casting = _Surface(ctx, self.points, triangles)

@@ -114,6 +114,30 @@ def test_object_hides_a_model_up_to_its_own_outline_and_casts_the_bodys_shadow(m
     assert np.array_equal(renderer._models_on_video.layers.real.points, body.surface()[0])
 
 
+def test_window_does_not_wait_for_an_outline_and_shows_the_former_object_until_it_is_found(
+    make_renderer, stage
+) -> None:
+    renderer, tracked = make_renderer(), _photo(stage, _cup())
+    layers = renderer._models_on_video.layers
+    model = stage.placed(box((0.02, 0.02, 0.02)))
+
+    def drawn_after(body: Proxy) -> Proxy | None:
+        lit = Illumination(real_object=body).as_seen_in(tracked)
+        renderer.render(Scene(tracked, model, lit), waits=False)
+        return None if layers.real is None else layers.real.proxy
+
+    first, skipped, last = _cup(0.94), _cup(0.96), _cup(1.05)
+    assert drawn_after(first) is None
+    layers._drawn_bodies._coming.surface.result()
+    assert drawn_after(first) is first
+    assert drawn_after(skipped) is first
+    layers._drawn_bodies._coming.surface.result()
+    assert drawn_after(last) is first, "what was found is of another body"
+    layers._drawn_bodies._coming.surface.result()
+    assert drawn_after(last) is last
+    assert np.array_equal(layers.real.drawn_points, drawn_surface(last, tracked)[0])
+
+
 def test_body_stays_where_no_picture_shows_it_and_where_several_views_gave_a_mesh(stage) -> None:
     tracked = _photo(stage, _cup(1.05))
     points, triangles = _cup().surface()
