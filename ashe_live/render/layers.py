@@ -44,7 +44,7 @@ class LayerPasses:
         self._drawn_bodies = DrawnBodyMaker()
         self._programs = programs
 
-    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None = None, waits: bool = True) -> bool:
+    def follow_real_object(self, proxy: Proxy | None, seen_in: TrackedFrame | None, waits: bool) -> bool:
         """Readies the real object that is there now; whether there was another one. `seen_in`: as of RealObject.
 
         `waits`: for its outline, if it takes long; else the former one stays until that is found.
@@ -52,13 +52,13 @@ class LayerPasses:
         former = self.real
         if former is not None and former.proxy is proxy and former.seen_in is seen_in:
             return False
+        real = None
         if proxy is not None:
             surface = self._drawn_bodies.surface(proxy, seen_in, waits)
             if surface is None:
                 return False
-            self.real = RealObject(self._ctx, self._programs, proxy, seen_in, surface)
-        else:
-            self.real = None
+            real = RealObject(self._ctx, self._programs, proxy, seen_in, surface)
+        self.real = real
         if former is not None:
             former.release()
         return former is not None
@@ -92,7 +92,7 @@ class LayerPasses:
             self.model_pass.draw_blended(models, inputs)
 
     def release(self) -> None:
-        self.follow_real_object(None)
+        self.follow_real_object(None, None, waits=True)
         self._drawn_bodies.release()
         self.catcher.release()
         if not self._is_beside:

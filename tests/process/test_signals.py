@@ -54,11 +54,12 @@ def test_impatience_does_not_cut_short_what_ends():
         signal.raise_signal(signal.SIGINT)
 
 
-def test_afterwards_every_handler_is_as_it_was():
-    before = {number: signal.getsignal(number) for number in signal.valid_signals()}
-    with ended_by_signals():
-        assert signal.getsignal(signal.SIGTERM) is not before[signal.SIGTERM]
-    assert {number: signal.getsignal(number) for number in signal.valid_signals()} == before
+@pytest.mark.parametrize(("within", "number"), [(ended_by_signals, signal.SIGTERM), (signals_held, signal.SIGINT)])
+def test_afterwards_every_handler_is_as_it_was(within, number):
+    before = {each: signal.getsignal(each) for each in signal.valid_signals()}
+    with within():
+        assert signal.getsignal(number) is not before[number]
+    assert {each: signal.getsignal(each) for each in signal.valid_signals()} == before
 
 
 def test_what_is_ignored_stays_ignored():
@@ -86,13 +87,6 @@ def test_a_held_signal_is_heard_afterwards(number, error):
     with ended_by_signals(), pytest.raises(error):
         work()
     assert done
-
-
-def test_holding_leaves_every_handler_as_it_was():
-    before = {number: signal.getsignal(number) for number in signal.valid_signals()}
-    with signals_held():
-        assert signal.getsignal(signal.SIGINT) is not before[signal.SIGINT]
-    assert {number: signal.getsignal(number) for number in signal.valid_signals()} == before
 
 
 def test_other_threads_hold_nothing_as_no_handler_runs_in_them():

@@ -15,8 +15,11 @@ FINEST = 0.1  # edges longer than this share of the outline's size are divided, 
 ROUNDS = 6  # of division in halves, at most
 
 
-def drawn_surface(body: Proxy, seen_in: TrackedFrame | None) -> tuple[Float, NDArray[np.uint32]]:
-    """(n, 3) points and (m, 3) triangles as of `Proxy.surface`, metres, marker frame.
+Triangles = tuple[Float, NDArray[np.uint32]]  # (n, 3) points and (m, 3) corners of triangles, as of `Proxy.surface`
+
+
+def drawn_surface(body: Proxy, seen_in: TrackedFrame | None) -> Triangles:
+    """The surface by which a body is drawn, metres, marker frame.
 
     seen_in: a frame that shows the object where the body stands. In it each point moves with the outline beyond it, by
     the share of its distance from the outline's middle, and keeps its depth; so the outline itself lies on the

@@ -13,6 +13,7 @@ from ashe_live.render.gl.framing import Framing
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.occlusion.drawn_body import Triangles
 
 GL_DEPTH_CLAMP = 0x864F
 
@@ -32,7 +33,7 @@ class RealObject:
         programs: Programs,
         proxy: Proxy,
         seen_in: TrackedFrame | None,
-        drawn: tuple[Float, NDArray[np.uint32]],
+        drawn: Triangles,
     ) -> None:
         """`seen_in`: a frame that shows the object where the proxy stands. `drawn`: its `drawn_surface` there."""
         self.proxy, self.seen_in = proxy, seen_in
