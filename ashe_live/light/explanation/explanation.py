@@ -38,8 +38,8 @@ class Explanation:
     # no body was moved onto steps.
     criterion: float = math.inf
     nearness: NearnessBySteps | None = None  # of the first light, where that was free in the fit to steps of light
-    # Deviance of a sun by the outlines in several views, beside a lamp that was tried there: negative where these show
-    # the shadow of a sun; 0 where none was tried.
+    # Deviance of a sun by the outlines, beside a lamp that was tried: negative where these show the shadow of a sun; 0
+    # where none was tried.
     sun_by_outlines: float = 0.0
     hull: Proxy | None = None  # of the object's silhouettes in several views, where no family explains these
 

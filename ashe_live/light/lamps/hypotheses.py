@@ -39,8 +39,9 @@ WORTH_FITTING, WORTH_FITTING_ROUGH = 4.0, 20.0
 # views show a shadow's parallax, by which no other body in a sun's light passes for a lamp's.
 MOST_BY_OUTLINES, MOST_IN_VIEWS = 20.0, 40.0
 PARAMETER_DEVIANCE = 3.5  # of one shape parameter in the outlines' criterion: the log of their effective sample size
-# Deviances of a sun above which a light is a lamp: by both sources, the fall of light with at least so much; or by the
-# fall of light alone, to which uneven ground may contribute more than its model allows.
+# Deviances of a sun above which a light is a lamp: by both sources, the fall of light with at least so much, and the
+# outlines not as much against it as they may be; or by the fall of light alone, to which uneven ground may contribute
+# more than its model allows.
 LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 33.0, 13.0, 60.0
 # The same by both in several views, whose outlines' deviance is scaled by their dispersion: of the suns in 27 takes the
 # surest has 15. Neither may favour the sun.
@@ -67,7 +68,8 @@ class LampEvidence:
         if self.in_views:
             both = min(self.by_fall, self.by_outlines) > LEAST_IN_VIEWS and self.deviance > DEVIANCE_IN_VIEWS
         else:
-            both = self.by_outlines != 0 and self.by_fall > LEAST_BY_FALL and self.deviance > LAMP_DEVIANCE
+            agree = self.by_outlines != 0 and self.by_outlines > -MOST_BY_OUTLINES
+            both = agree and self.by_fall > LEAST_BY_FALL and self.deviance > LAMP_DEVIANCE
         return self.lamp is not None and (both or self.deviance > ALONE_DEVIANCE)
 
 
@@ -163,9 +165,9 @@ class LampHypotheses:
 
 
 def _decided(sun: Explanation, evidence: LampEvidence) -> Explanation:
-    if evidence.lamp is not None and evidence.is_lamp:
-        return evidence.lamp
-    return replace(sun, sun_by_outlines=evidence.by_outlines) if evidence.in_views else sun
+    if evidence.lamp is None:
+        return sun
+    return evidence.lamp if evidence.is_lamp else replace(sun, sun_by_outlines=evidence.by_outlines)
 
 
 def is_held_near(explanation: Explanation) -> bool:

@@ -11,7 +11,7 @@ from ashe_live.light.explanation.explain import Proposal, explained, explained_n
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.labels.associate import Split
-from ashe_live.light.lamps.hypotheses import LampEvidence, LampHypotheses, is_held_near
+from ashe_live.light.lamps.hypotheses import MOST_BY_OUTLINES, LampEvidence, LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import nearness_of
@@ -77,6 +77,21 @@ def test_no_lamp_is_tried_where_lights_are_taken_for_suns() -> None:
     here = painted_region(BOX, lamp_m=LAMP_M)
     sun, sharpener = by_a_sun(here)
     assert hypotheses(here, SUN).evidence(sun, FIT, sharpener).lamp is None
+
+
+def test_a_ground_that_darkens_makes_no_lamp_of_a_sun_whose_shadow_the_outlines_show() -> None:
+    lamp, _ = by_a_sun(painted_region(BOX))
+    assert LampEvidence(lamp, by_fall=50.0, by_outlines=-5.0).is_lamp
+    assert not LampEvidence(lamp, by_fall=60.0, by_outlines=-MOST_BY_OUTLINES).is_lamp
+    assert LampEvidence(lamp, by_fall=120.0, by_outlines=-MOST_BY_OUTLINES).is_lamp
+
+
+def test_a_sun_that_is_kept_knows_what_its_outlines_say_against_a_lamp(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its direction at the marker depends on how likely a lamp is, which is not for the ground alone to say."""
+    here = painted_region(BOX)
+    sun, sharpener = by_a_sun(here)
+    monkeypatch.setattr(LampHypotheses, "evidence", lambda *_: LampEvidence(sun, by_fall=40.0, by_outlines=-15.0))
+    assert hypotheses(here).decided(sun, FIT, sharpener).sun_by_outlines == -15.0
 
 
 def test_in_several_views_outlines_that_speak_for_a_sun_keep_it() -> None:
