@@ -17,6 +17,7 @@ from ashe_live.light.labels.associate import (
     are_like_areas,
     areas_of_one_colour,
     flat_areas,
+    separate_objects,
     shadow_like,
     splits,
     with_near_shadow_undecided,
@@ -37,6 +38,7 @@ SHADOWS_PER_SHIFT = 2  # number of areas that are tried as the shadow, the large
 LIKELY_SHIFTS, LEAST_OTHER = 4, 0.03
 PALER = SHIFT_NOISE[0]  # in log brightness, by which one shadow must be paler than another, beyond noise
 PAIRS, PAIRS_TRIED = 1, 1  # number of pairs of two lights' shifts that are split, and of such splits that are fitted
+PARTED = 3  # number of the best-looking splits whose objects, if they are several, are each tried alone
 
 
 def proposals_of(
@@ -110,7 +112,11 @@ def _proposed(region: Region, materials: Materials, found: Sequence[Split]) -> I
 
 
 def selected_for_fit(proposals: Sequence[Proposal], count: int, judge: Judge) -> list[Proposal]:
-    """The `count` best-looking different proposals by one light, then the PAIRS_TRIED best by two."""
+    """The `count` best-looking different proposals by one light, then the PAIRS_TRIED best by two.
+
+    If the object of one of the best is several objects, those of each by itself are among them: alone, an object that
+    stands in another's shadow looks worse than both together, as it leaves the other unexplained.
+    """
     alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
     together = [proposal for proposal in proposals if proposal.materials.lights == 2]
 
@@ -126,4 +132,19 @@ def selected_for_fit(proposals: Sequence[Proposal], count: int, judge: Judge) ->
 
     alone.sort(key=score, reverse=True)
     together.sort(key=lambda one: cost_reduction(one.region, one.materials, one.split), reverse=True)
-    return distinct(alone, Proposal.is_like, count) + together[:PAIRS_TRIED]
+    best = distinct(alone, Proposal.is_like, count)
+    parts = [part for one in best[:PARTED] for part in _of_each_object(one, alone)]
+    chosen = distinct([*best[:PARTED], *parts, *best[PARTED:]], Proposal.is_like, count)
+    return chosen + together[:PAIRS_TRIED]
+
+
+def _of_each_object(several: Proposal, ranked: Sequence[Proposal]) -> Iterator[Proposal]:
+    """The best-looking proposal, by the same materials, of each of the objects that the object of `several` is.
+
+    What has no shadow of its own is a part of an object.
+    """
+    alike = [one for one in ranked if one.materials is several.materials and one.split.undecided is None]
+    for mask in separate_objects(several.split):
+        alone = next((one for one in alike if are_like_areas(one.split.object_mask, mask)), None)
+        if alone is not None and not are_like_areas(alone.split.shadow_mask, several.split.shadow_mask):
+            yield alone

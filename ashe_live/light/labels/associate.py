@@ -111,6 +111,13 @@ def with_near_shadow_undecided(split: Split) -> Split | None:
     return doubtful if doubtful.is_large_enough else None
 
 
+def separate_objects(split: Split) -> list[Mask]:
+    """(h, w) each: the parts of the split's object, the largest first; none where it has no second part of any size."""
+    parts = areas_by_size(split.object_mask, LEAST_PX)[:OBJECTS]
+    large = [part for part in parts if np.count_nonzero(part) > LESSER_OBJECT * np.count_nonzero(parts[0])]
+    return large if len(large) > 1 else []
+
+
 def areas_of_one_colour(region: Region) -> list[Mask]:
     """(h, w) each: unlit areas of one colour, by K-means, as the paper finds its shadows.
 

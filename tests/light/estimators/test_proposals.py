@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from ashe_live.light.estimators.proposals import proposals_of
+from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
+from ashe_live.light.explanation.judgement.judge import fitted_judge
 from tests.light.labels.test_associate import explained
-from tests.light.painted_regions import PaintedRegion, painted_region
-from tests.light.painted_scenes import BOX, CYLINDER, OtherLight, overlap
+from tests.light.painted_regions import PaintedRegion, in_region, painted_region
+from tests.light.painted_scenes import BOX, CYLINDER, OtherLight, overlap, paint
 
 
 def best_overlaps(here: PaintedRegion) -> tuple[float, float]:
@@ -42,3 +43,14 @@ def test_an_object_that_looks_like_ground_in_shadow_is_recognised_by_its_colour(
     found = [each.split for each in proposals_of(here.region, here.ground, here.shifts, [])]
     best = max(min(overlap(one.object_mask, here.body), overlap(one.shadow_mask, here.shadow)) for one in found)
     assert best > 0.9
+
+
+def test_an_object_whose_shadow_joins_another_is_fitted_by_itself() -> None:
+    """Alone it leaves the other unexplained, so that variants of both together would crowd it out."""
+    other = replace(CYLINDER, at=(0.21, 0.0))
+    here = painted_region(BOX, other)
+    alone = paint(BOX)
+    body, shadow = in_region(here.region, alone.body), in_region(here.region, alone.shadow & ~paint(other).body)
+    proposals = list(proposals_of(here.region, here.ground, here.shifts, []))
+    fitted = [each.split for each in selected_for_fit(proposals, 6, fitted_judge())]
+    assert max(min(overlap(one.object_mask, body), overlap(one.shadow_mask, shadow)) for one in fitted) > 0.8
