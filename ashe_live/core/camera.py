@@ -58,8 +58,6 @@ class Camera:
         arguments.one_of(self.source, FOCAL_SIGMA, "source")
         if math.isnan(self.focal_sigma_px):
             set_frozen(self, focal_sigma_px=FOCAL_SIGMA[self.source] * float(self.K[0, 0]))
-        if not 0 <= self.focal_sigma_px < math.inf:
-            raise ValueError(f"focal_sigma_px is a standard deviation, and cannot be {self.focal_sigma_px:g}")
         if not np.array_equal(self.K[2], (0, 0, 1)):
             raise ValueError("K needs the last row 0 0 1")
         for name, value, allowed in (
@@ -73,6 +71,8 @@ class Camera:
             allowed.checked(float(value), name)
         if len(self.dist) not in DISTORTION_LENGTHS:
             raise ValueError(f"dist has {len(self.dist)} coefficients, not one of {DISTORTION_LENGTHS}")
+        if not 0 <= self.focal_sigma_px < math.inf:
+            raise ValueError(f"focal_sigma_px is a standard deviation, and cannot be {self.focal_sigma_px:g}")
 
     @classmethod
     def from_focal(
