@@ -121,13 +121,13 @@ STATED = {
     ),
     "auto's way down": (
         "docs/rendering.md",
-        "when frames take more than {:g} of the display's interval",
-        (TOO_SLOW,),
+        "by the median time of {} frames: down when it is above {:g} of the display's interval",
+        (WINDOW_FRAMES, TOO_SLOW),
     ),
     "auto's way up": (
         "docs/rendering.md",
-        "up after {} windows of {} frames that took less than {:g} of it",
-        (CALM_WINDOWS, WINDOW_FRAMES, AMPLE),
+        "up when it was below {:g} of it {} times in a row",
+        (AMPLE, CALM_WINDOWS),
     ),
     "the detector's region": (
         "docs/tracking.md",
