@@ -59,9 +59,10 @@ def estimate_light(
     empty_bgr: the same view without the object, of the same size, by a camera that hardly moved: the ground's pattern,
     paint and other things do not count then. For one picture.
 
-    Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the marker's or
-    the caster's name or file cannot be used, the camera has another aspect ratio, or `empty_bgr` shows another view;
-    ValueError for wrong use.
+    Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the marker's,
+    the estimator's or the caster's name or file cannot be used, the camera has another aspect ratio, `empty_bgr` shows
+    another view, or the estimator makes no use of it; ValueError for any other wrong value, TypeError for an argument
+    of another kind.
     """
     chosen, tracker = make_estimator(estimator, quality, light, caster), Tracker(camera, marker, side_m, quality)
     pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
@@ -94,7 +95,7 @@ def make_estimator(
 
     `name` is what `estimate_light` calls `estimator`; `quality`, `light` and `caster` are as there. Frames of the paper
     cube are estimated by the cube, whatever the caster. Raises UserError for an unknown estimator or a caster that
-    cannot be read, ValueError for an unknown quality or light.
+    cannot be read, ValueError for an unknown quality or light, TypeError for an argument of another kind.
     """
     return LightEstimator(arguments.text(name, "name"), quality, light, caster)
 
@@ -126,12 +127,16 @@ class LightEstimator:
 
 
 class Tracker:
-    """Finds the marker in one picture after another. For use by one thread at a time."""
+    """Finds the marker in one picture after another. For use by one thread at a time (docs/tracking.md)."""
 
     def __init__(
         self, camera: Camera, marker: str = MARKER, side_m: float | None = None, quality: str = "balanced"
     ) -> None:
-        """As `estimate_light`."""
+        """The arguments are those of `estimate_light`.
+
+        Raises UserError when `marker` names none or its file cannot be read, ValueError or TypeError for a wrong side,
+        quality or camera.
+        """
         arguments.instance(camera, Camera, "camera")
         target = parse_target(arguments.text(marker, "marker"))
         side_m = usual_side_m(marker) if side_m is None else MARKER_SIDE.checked(side_m, "side_m")
@@ -143,7 +148,8 @@ class Tracker:
         """The picture (h, w, 3) uint8 BGR with the pose measured in it, or with marker None when there is none.
 
         `time_s` counts from the first picture; by default it is a thirtieth of a second after the one before. Until
-        the next call the picture must stay as it is.
+        the next call the picture must stay as it is. Raises UserError when the camera has another aspect ratio than the
+        picture, ValueError or TypeError for what is no such picture or time.
         """
         arguments.picture(image_bgr, "image_bgr")
         self._time_s = self._time_s + 1 / ASSUMED_FPS if time_s is None else TIME.checked(time_s, "time_s")

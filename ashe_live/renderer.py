@@ -32,9 +32,10 @@ class Renderer:
     """
 
     def __init__(self, size: Size, quality: str = "balanced") -> None:
-        """`size` is the width and height of the pictures to come, into which the video's are fitted.
+        """`size` is the width and height of the pictures to come, in pixels, into which the video's are fitted.
 
-        Raises UserError when there is no OpenGL 3.3.
+        Raises UserError when there is no OpenGL 3.3, ValueError for a size that is too large to be drawn or an unknown
+        quality, TypeError for what is no size.
         """
         # Only here, so that estimating and tracking do without OpenGL.
         from ashe_live.render.gl.offscreen import offscreen_context
@@ -77,7 +78,8 @@ class Renderer:
         `illumination` is an estimate's (`LightEstimate.illumination`) or one of your own; without it, or without a
         light in it, the sky alone gives light. Polished surfaces mirror the frame that it was seen in, whichever is
         drawn. Without a marker there is no model. What of a model is drawn otherwise than its file says is a
-        ModelWarning, once. Raises UserError for a model that is not there or cannot be read.
+        ModelWarning, once. Raises UserError for a model that is not there or cannot be read, ValueError or TypeError
+        for any other wrong argument.
         """
         from ashe_live.render.scene import Scene
 

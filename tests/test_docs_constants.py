@@ -24,7 +24,7 @@ from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.held_look import LOOK_HELD_S
 from ashe_live.render.camera.white import ASSUMED_WHITE, PAPER_ALBEDO
 from ashe_live.render.lights.lighting import LAMP_RADIUS_M, SUN_ANGULAR_SIZE_RAD
-from ashe_live.render.lights.surroundings import HALF_RADIUS_SIDES, PATTERN_SIZE
+from ashe_live.render.reflections.surroundings import HALF_RADIUS_SIDES, PATTERN_SIZE
 from ashe_live.tracking.families.cells import MIN_CORRELATION, MIN_LEAD
 from ashe_live.tracking.search import LARGEST_PX, SMALLEST_PX
 from ashe_live.viewer.auto_quality import AMPLE, CALM_WINDOWS, TOO_SLOW, WINDOW_FRAMES
@@ -121,13 +121,13 @@ STATED = {
     ),
     "auto's way down": (
         "docs/rendering.md",
-        "when frames take more than {:g} of the display's interval",
-        (TOO_SLOW,),
+        "by the median time of {} frames: down when it is above {:g} of the display's interval",
+        (WINDOW_FRAMES, TOO_SLOW),
     ),
     "auto's way up": (
         "docs/rendering.md",
-        "up after {} windows of {} frames that took less than {:g} of it",
-        (CALM_WINDOWS, WINDOW_FRAMES, AMPLE),
+        "up when it was below {:g} of it {} times in a row",
+        (AMPLE, CALM_WINDOWS),
     ),
     "the detector's region": (
         "docs/tracking.md",

@@ -1,10 +1,11 @@
-"""Which room may import which, and what each may load: allow-lists, so that a new import is a decision."""
+"""Which room may import which, what each may load, and how large it may grow: a new import or folder is a decision."""
 
 import ast
 import json
 import re
 import subprocess
 import sys
+from collections import Counter
 from functools import cache
 from pathlib import Path
 
@@ -92,6 +93,8 @@ ROOMS: dict[str, set[str]] = {
     "__main__": {"cli"},
 }  # fmt: skip
 MOST_ROOMS = 4  # of `light` that one of its modules imports from, beside its own
+MOST_LINES = 250  # of a module
+MOST_MODULES = 12  # of a folder, besides its __init__
 
 # What a package loads beside Python and NumPy, itself or through what it imports.
 HEAVY = {"cv2", "av", "PIL", "trimesh", "moderngl", "glfw", "rich", "pyrr", "platformdirs", "matplotlib"}
@@ -203,6 +206,13 @@ def test_no_module_of_light_knows_more_than_four_rooms_beside_its_own() -> None:
         for path in FILES[room] if room.startswith("light.") else ():
             others = {other for other in rooms_imported(path) if other.startswith("light.")} - {room}
             assert len(others) <= MOST_ROOMS, path
+
+
+def test_a_module_and_a_folder_are_read_at_one_sitting() -> None:
+    modules = [path for path in PACKAGE.rglob("*.py") if path.name != "__init__.py"]
+    assert [path for path in modules if len(path.read_text(encoding="utf-8").splitlines()) > MOST_LINES] == []
+    by_folder = Counter(path.parent for path in modules)
+    assert [folder for folder, count in by_folder.items() if count > MOST_MODULES] == []
 
 
 @pytest.mark.parametrize("room", [room for room in ROOMS if room.startswith("light.")])

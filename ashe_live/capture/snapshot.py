@@ -27,7 +27,7 @@ def write_png(
 
     That is `beside` a file that has appeared at `path` meanwhile. `texts` stand in it by keyword, in chunks of the kind
     iTXt (PNG specification, 11.3.3.4). Raises UserError when `path` exists (without `overwrite`) or cannot be written,
-    ValueError for a name that says that it is no PNG.
+    ValueError for a name that says that it is no PNG and for another array, TypeError for what is no array.
     """
     target = arguments.path(path, "path")
     if target.suffix.lower() not in (".png", ""):

@@ -127,7 +127,10 @@ def upper_median(values: Float | Float32) -> float:
 
 
 def upper_quantile(values: Float | Float32, share: float) -> float:
-    """The least of values (n,) that is larger than a `share` (< 1) of them; not interpolated as NumPy's quantile."""
+    """The value (of n) that has `share` * n of them, rounded down, before it in rising order; `share` is below 1.
+
+    Unlike NumPy's quantile it is one of the values, and not interpolated.
+    """
     rank = int(share * len(values))
     return float(np.partition(values, rank)[rank])
 

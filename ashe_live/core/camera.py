@@ -43,7 +43,7 @@ class Camera:
     source: where the numbers come from.
     focal_sigma_px: standard deviation of the focal length; not given, that which cameras of its `source` have.
 
-    Raises ValueError for what no camera has.
+    Raises ValueError for what no camera has, TypeError for what is no number or text where there should be one.
     """
 
     size: Size
@@ -71,12 +71,14 @@ class Camera:
             allowed.checked(float(value), name)
         if len(self.dist) not in DISTORTION_LENGTHS:
             raise ValueError(f"dist has {len(self.dist)} coefficients, not one of {DISTORTION_LENGTHS}")
+        if not 0 <= self.focal_sigma_px < math.inf:
+            raise ValueError(f"focal_sigma_px is a standard deviation, and cannot be {self.focal_sigma_px:g}")
 
     @classmethod
     def from_focal(
         cls, size: Size, focal_px: float, source: CameraSource = "flag", focal_sigma_px: float = math.nan
     ) -> "Camera":
-        """Square pixels, principal point at the image's centre, no distortion."""
+        """Square pixels, principal point at the image's centre, no distortion. Raises as the class does."""
         width, height = arguments.picture_size(size, "size")
         FOCAL.checked(focal_px, "focal_px")
         K = [[focal_px, 0, (width - 1) / 2], [0, focal_px, (height - 1) / 2], [0, 0, 1]]
@@ -84,14 +86,14 @@ class Camera:
 
     @classmethod
     def from_hfov(cls, size: Size, hfov_deg: float, source: CameraSource = "flag") -> "Camera":
-        """Square pixels whose `size[0]` columns together span `hfov_deg`."""
+        """Square pixels whose `size[0]` columns together span `hfov_deg`, otherwise as `from_focal`."""
         FIELD_OF_VIEW.checked(hfov_deg, "hfov_deg")
         width, _ = arguments.picture_size(size, "size")
         return cls.from_focal(size, width / 2 / math.tan(math.radians(hfov_deg) / 2), source)
 
     @classmethod
     def from_longer_side(cls, size: Size, fov_deg: float, source: CameraSource = "flag") -> "Camera":
-        """Square pixels; the picture's longer side, be it a row or a column, spans `fov_deg`."""
+        """As `from_hfov`, but the picture's longer side, be it a row or a column, spans `fov_deg`."""
         focal_px = cls.from_hfov((max(size), min(size)), fov_deg).K[0, 0]
         return cls.from_focal(size, float(focal_px), source)
 

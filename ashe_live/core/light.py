@@ -38,6 +38,9 @@ class Light:
     radius_m: of a lamp's bulb or shade.
     intensity_rgb_ratio: (3,) linear RGB, of a lamp: its irradiance on the plane at the marker's centre, over that of
     all other light.
+
+    Raises ValueError for a direction of length 0, an array of another shape and a number beyond its range
+    (core/ranges.py), TypeError for what is no number.
     """
 
     to_light_marker: Float
@@ -108,7 +111,7 @@ class Light:
         return replace(self, angular_size_rad=angular_size_rad, radius_m=radius_m)
 
     def elsewhere(self, to_light_marker: Float, inverse_distance: float) -> Self:
-        """The light in another direction (3,) and, of a lamp, at another distance (1/m), as large as it looks there."""
+        """The light in another direction (3,); a lamp at another inverse distance (1/m), as large as it looks there."""
         size_rad = self.angular_size_rad
         if self.radius_m is not None and inverse_distance > 0:
             size_rad = 2 * math.atan(self.radius_m * inverse_distance)
@@ -133,6 +136,9 @@ class Illumination:
     n_x times the first row plus n_y times the second, relative to all light on level ground. None: an even sky.
     as_read: the illumination as it was when `seen_in` was read: in the frame of the marker as it lay there, where it
     has been moved since, and in the lights of then, where these are others (`relit`). None: it is this one.
+
+    Raises ValueError for an array of another shape and for a frame without a marker, TypeError for what is no such
+    object.
     """
 
     lights: tuple[Light, ...] = ()
@@ -158,7 +164,7 @@ class Illumination:
         return self.lights[0] if self.lights else None
 
     def as_seen_in(self, tracked: TrackedFrame | None) -> Self:
-        """A copy in which polished surfaces mirror `tracked`, or even ground if that is None or has no marker."""
+        """A copy that was seen in `tracked`; as seen nowhere if that is None or has no marker. Details: `seen_in`."""
         if tracked is not None and arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
             tracked = None
         return replace(self, seen_in=tracked)
@@ -181,6 +187,8 @@ class LightEstimate:
     timing_ms: by stage, with "total".
     views: indices of the frames that the answer rests on, `frame_index` first.
     span_rad: the largest angle between their directions of view to the marker; None: one view.
+
+    Raises ValueError where there is neither a light nor a reason, and where `views` do not begin with `frame_index`.
     """
 
     estimator: str

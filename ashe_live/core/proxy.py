@@ -52,7 +52,10 @@ class Proxy:
         return float((self.spheroids_marker[:, 2] + self.spheroids_marker[:, 4]).max())
 
     def points_marker(self, around: int = 24) -> Float:
-        """(m, 3) points on the body, marker frame, metres; it is their convex hull, where it is round approximately."""
+        """(m, 3) points of the spheroids' surfaces, marker frame, metres; the body is about their convex hull.
+
+        That is exact for corners. What is round has `around` points to the turn, and its hull lies within the body.
+        """
         if not self.spheroids_marker[:, 3:].any():
             return self.spheroids_marker[:, :3]
         circle = _circle(around)

@@ -23,7 +23,7 @@ ELLIPSE_68, ELLIPSE_95 = -2 * math.log(1 - 0.68), -2 * math.log(1 - 0.95)
 
 
 def rigid(R: ArrayLike, t: ArrayLike) -> Float:
-    """(4, 4) from a rotation (3, 3) and a translation (3,)."""
+    """(4, 4) from a rotation (3, 3) and a translation (3,), metres."""
     T = np.eye(4)
     T[:3, :3] = R
     T[:3, 3] = np.asarray(t, dtype=np.float64).reshape(3)
@@ -38,7 +38,7 @@ def translated_and_scaled(offset: ArrayLike, scale: ArrayLike) -> Float:
 
 
 def inverse_rigid(T_a_b: Float) -> Float:
-    """`T_b_a`, without the rounding of a general inverse."""
+    """(4, 4) `T_b_a` of a rigid `T_a_b` (4, 4), without the rounding of a general inverse."""
     R = T_a_b[:3, :3].T
     return rigid(R, -R @ T_a_b[:3, 3])
 
@@ -49,7 +49,7 @@ def transform_points(T_a_b: Float, points_b: ArrayLike) -> Float:
 
 
 def normalised(vector: ArrayLike) -> Float:
-    """`vector` at length 1. Raises ValueError when it has none."""
+    """`vector` (n,) at length 1. Raises ValueError when it has no direction: at length 0, or where it is not finite."""
     array = np.asarray(vector, dtype=np.float64)
     length = math.hypot(*array.ravel())
     if not (math.isfinite(length) and length > 0):
@@ -66,9 +66,13 @@ def direction_from_angles(azimuth_rad: float, elevation_rad: float) -> Float:
 
 
 def angles_from_direction(direction: ArrayLike) -> tuple[float, float]:
-    """Azimuth in [0, 2 pi) and elevation in [-pi/2, pi/2], in radians; azimuth 0 straight overhead."""
+    """Azimuth in [0, 2 pi) and elevation in [-pi/2, pi/2], radians, of a direction (3,); azimuth 0 straight overhead.
+
+    Raises ValueError as `normalised` does.
+    """
     x, y, z = normalised(direction)
-    azimuth = math.atan2(y, x) % (2 * math.pi)
+    # Of -0.0 and 0.0, which a direction has where its sign was turned, atan2 makes half a turn.
+    azimuth = math.atan2(y + 0.0, x + 0.0) % (2 * math.pi)
     # A tiny negative angle wraps to 2 pi itself in floating point.
     return (azimuth if azimuth < 2 * math.pi else 0.0), math.atan2(z, math.hypot(x, y))
 
@@ -120,7 +124,10 @@ def motion_between(T_room_old: Float | None, T_room_new: Float | None) -> Float 
 
 
 def lies_elsewhere(T_room_old: Float | None, T_room_new: Float | None, side_m: float) -> bool:
-    """Whether the marker has been moved by so much that what was seen on its plane no longer lies there."""
+    """Whether the marker has been moved by so much that what was seen on its plane no longer lies there.
+
+    That is by 1 degree, or by 3 % of its side of `side_m`. Both poses as `TrackedFrame.T_room_marker`, (4, 4), metres.
+    """
     motion = motion_between(T_room_old, T_room_new)
     if motion is None:
         return False

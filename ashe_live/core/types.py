@@ -18,7 +18,9 @@ from ashe_live.core.square import PlaneMarker
 class Frame:
     """One picture of a source: (h, w, 3) uint8 sRGB, OpenCV's channel order, read-only.
 
-    index, time_s: 0 for the source's first frame; the time since then, at capture.
+    index, time_s: 0 for the source's first frame; the time since then, at capture, seconds.
+
+    Raises TypeError for what is no array, ValueError for one of another shape or type.
     """
 
     image_bgr: Image
@@ -40,7 +42,7 @@ class MarkerPose:
 
     T_cam_marker: (4, 4) rigid, marker to camera frame, metres; smoothed by the tracker's filter.
     corners_px: (4, 2) source pixels: top-left, top-right, bottom-right, bottom-left of the upright print.
-    side_m: of the black square.
+    side_m: of the black square, metres.
     reprojection_rms_px, other_rms_px: of the corners by this pose, one of IPPE's two solutions, and by the other one;
     None when there is only one.
     covariance, noise_covariance: (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v; and the part of
@@ -51,6 +53,8 @@ class MarkerPose:
     body, `side_m` is its edge, and `corners_px` are the corners of a square of that side on the plane, centred on the
     origin, whether it can be seen or not.
     pose_shape_errors: how pose and body may be off; of the pose it is `covariance`.
+
+    Raises ValueError for an array of another shape, for what is not finite, and for a side beyond MARKER_SIDE.
     """
 
     T_cam_marker: Float
@@ -87,13 +91,15 @@ class TrackedFrame:
     frame: the picture (`image_bgr`), its `index`, `time_s` and `size`.
     camera: of this frame's size.
     marker: its pose; None: no marker in this frame.
-    detect_ms: how long it was looked for.
+    detect_ms: how long it was looked for, milliseconds.
     note: a message for the user, e.g. that two equal markers are in view.
     others: further markers on the same plane: those asked for that are in this frame.
     T_room_marker: (4, 4) rigid, metres, from the marker's frame to the room's, which is that of the marker where it lay
     at first. It is the same array until the marker itself is moved. None: nobody has followed it, and it counts as
     unmoved.
     clean_plate_bgr: (h, w, 3) uint8 sRGB: the same view without the object, by a camera that stood still; None: none.
+
+    Raises ValueError for a camera or a clean plate of another size than the frame, TypeError for other kinds of object.
     """
 
     frame: Frame

@@ -17,7 +17,6 @@ from ashe_live.render.gl.framing import EMPTY, Framing, Rectangle, common, disjo
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.layers import LayerContent, LayerPasses
-from ashe_live.render.lights.environment import Environment
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.lights.photometry import Photometry
@@ -28,6 +27,7 @@ from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
 from ashe_live.render.passes.standing import StandingGroup
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
+from ashe_live.render.reflections.environment import Environment
 from ashe_live.render.scene import Scene
 
 Framed = Callable[[Float], Framing | None]  # points (n, 3) of the marker frame by the picture's camera and viewport

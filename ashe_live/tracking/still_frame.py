@@ -11,18 +11,17 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Image, Mask, frozen_floats
+from ashe_live.core.arrays import Float, Image, Mask, frozen_floats
 from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import camera_centre, inverse_rigid, project, raycast_to_plane, rigid
 from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
+from ashe_live.tracking.followed_points import FEWEST_POINTS, FollowedPoints, beside, followed
 
 WIDTH_PX = 320  # of the pictures that are compared
 COARSE_PX = 31  # what is coarser is left out of them
-WINDOW, LEVELS = (13, 13), 3
 MOST_POINTS, APART_PX, LEAST_QUALITY = 80, 6, 0.01
-MOST_ERROR = 12.0  # grey levels, mean absolute difference of a point's surroundings before and now
 # In the marker's sides from its centre: beyond the sheet, and near enough to lie on the same table.
 FROM_SIDES, TO_SIDES = 0.85, 5.0
 # A point that moves with the camera does so along its epipolar line, as it may stand above the plane, or be mirrored
@@ -30,10 +29,6 @@ FROM_SIDES, TO_SIDES = 0.85, 5.0
 HIGHEST_SIDES, DEEPEST_SIDES, MOST_OF_WAY = 2.0, 1.5, 0.7
 # How far it may be off; as the marker's pose has errors, more by this share of the point's distance from the marker.
 NEAR_PX, POSE_ERROR = 1.2, 0.02
-FEWEST_POINTS = 8  # that must agree, and their least share of all
-LEAST_SHARE = 0.3
-# Or as many as these, and their least shares of all and of those that are found: a hand may have hidden the others.
-MANY_POINTS, SHARE_OF_ALL, SHARE_OF_FOUND = 16, 0.2, 0.45
 SURER = 3.0  # as many points must say so for each that says the opposite
 EXPLAINED = 0.5  # share of the points found from which an unmoved marker explains what is seen, if nothing else does
 # Least share of all points that a motion of both explains: of a camera that trembles, or of any.
@@ -93,28 +88,36 @@ class StillFrame:
         if len(self.points_px) < FEWEST_POINTS:
             return None
         now = tracked.marker.T_cam_marker
+        seen = self._followed_points(tracked, now)
+        # Points that both motions lead to the same place say nothing.
+        with_camera, with_marker = (seen.count(way & seen.is_clear) for way in (seen.near_path, seen.stays))
+        if with_camera >= seen.least and with_camera > SURER * with_marker:
+            return UNMOVED
+        if with_marker >= seen.least and with_marker > SURER * with_camera:
+            return np.asarray(inverse_rigid(self.T_cam_marker) @ now)
+        near_count = seen.count(seen.near_path)
+        if near_count >= max(FEWEST_POINTS, EXPLAINED * seen.is_there.sum()):
+            # A marker that has hardly moved yet before a camera that stands still looks like one that has not.
+            return UNMOVED if near_count > seen.count(seen.stays) else None
+        return self._of_both(seen.there_px, seen.is_there, now)
+
+    def _followed_points(self, tracked: TrackedFrame, T_cam_marker: Float) -> FollowedPoints:
+        """Where the points are in a frame with that pose, and which motions that agrees with."""
         points = self.points_px.astype(np.float32)[:, None]
-        low, level, high = (self._seen_at(height, now) for height in (-DEEPEST_SIDES, 0.0, HIGHEST_SIDES))
+        low, level, high = (self._seen_at(height, T_cam_marker) for height in (-DEEPEST_SIDES, 0.0, HIGHEST_SIDES))
         fine, _ = _scaled(tracked)
         # Plain ground hardly pulls a point away from where it is looked for first, so that both places are tried.
         expected = np.where(np.isfinite(level), level, self.points_px).astype(np.float32)[:, None]
-        there, is_there = _followed(self.fine, fine, points, (points, expected))
+        there, is_there = followed(self.fine, fine, points, (points, expected))
         from_marker_px = np.linalg.norm(self.points_px - self.corners_px.mean(axis=0), axis=1)
         near_px = NEAR_PX + POSE_ERROR * from_marker_px
-        near_path, stays = _beside(there, low, high) < near_px, np.linalg.norm(there - self.points_px, axis=1) < NEAR_PX
-        is_clear = is_there & (_beside(self.points_px, low, high) > NEAR_PX + near_px)
-        with_camera, with_marker = int((near_path & is_clear).sum()), int((stays & is_clear).sum())
-        of_found = max(MANY_POINTS, SHARE_OF_ALL * len(points), SHARE_OF_FOUND * is_there.sum())
-        least = min(max(FEWEST_POINTS, LEAST_SHARE * len(points)), of_found)
-        if with_camera >= least and with_camera > SURER * with_marker:
-            return UNMOVED
-        if with_marker >= least and with_marker > SURER * with_camera:
-            return np.asarray(inverse_rigid(self.T_cam_marker) @ now)
-        near_count = (near_path & is_there).sum()
-        if near_count >= max(FEWEST_POINTS, EXPLAINED * is_there.sum()):
-            # A marker that has hardly moved yet before a camera that stands still looks like one that has not.
-            return UNMOVED if near_count > (stays & is_there).sum() else None
-        return self._of_both(there, is_there, now)
+        return FollowedPoints(
+            there,
+            is_there,
+            near_path=beside(there, low, high) < near_px,
+            stays=np.linalg.norm(there - self.points_px, axis=1) < NEAR_PX,
+            is_clear=beside(self.points_px, low, high) > NEAR_PX + near_px,
+        )
 
     def _seen_at(self, height_sides: float, T_cam_marker: Float) -> Float:
         """(n, 2) where the points would be seen by this pose, if they stood so high above the plane of the marker."""
@@ -200,29 +203,3 @@ def _around(marker: MarkerPose, camera: Camera) -> Image:
         if len(seen) > 2:
             cv2.fillConvexPoly(mask, cv2.convexHull(np.round(seen).astype(np.int32)), value)
     return mask
-
-
-def _followed(before: Image, now: Image, points: Float32, starts: tuple[Float32, Float32]) -> tuple[Float, Mask]:
-    """(n, 2) where points (n, 1, 2) are now, looked for from each of `starts`, and (n,) which of them are found."""
-    criteria = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 15, 0.03)
-    found = [
-        cv2.calcOpticalFlowPyrLK(
-            before, now, points, start.copy(), winSize=WINDOW, maxLevel=LEVELS, criteria=criteria,
-            flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
-        )
-        for start in starts
-    ]  # fmt: skip
-    errors = np.stack([np.where(is_there > 0, error, np.inf)[:, 0] for _, is_there, error in found])
-    likelier = errors.argmin(axis=0)
-    at = np.arange(len(points))
-    there = np.stack([there[:, 0] for there, _, _ in found])[likelier, at]
-    return np.asarray(there, np.float64), np.asarray(errors[likelier, at] < MOST_ERROR)
-
-
-def _beside(points: Float, start: Float, end: Float) -> Float:
-    """(n,) distances of points (n, 2) from the segments between `start` and `end`, (n, 2) each; infinity for NaN."""
-    along, offset = end - start, points - start
-    square = np.maximum(np.square(along).sum(axis=1), 1e-12)
-    share = np.clip((offset * along).sum(axis=1) / square, 0.0, 1.0)
-    distance = np.linalg.norm(offset - share[:, None] * along, axis=1)
-    return np.where(np.isfinite(distance), distance, np.inf)

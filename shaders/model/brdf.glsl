@@ -58,7 +58,7 @@ vec3 fresnel(vec3 f0, float v_h) {
     return f0 + (1.0 - f0) * (side2 * side2 * side);
 }
 
-uniform sampler2D mirrored_shares;  // computed by render/lights/reflectance.py
+uniform sampler2D mirrored_shares;  // computed by render/reflections/reflectance.py
 
 // Of even light from all around, f0 * x + y is mirrored in a single reflection. z is the mean of x + y over all directions.
 vec3 mirrored_share(float roughness, float n_v) {

@@ -1,5 +1,5 @@
 // The radiance from a direction, blurred by the surface's roughness: of the sky, or of the ground as the picture shows it
-// where the ray meets it. The maps' layouts are those of render/lights/surroundings.py.
+// where the ray meets it. The maps' layouts are those of render/reflections/surroundings.py.
 
 uniform sampler2D ground_map;  // linear RGB of the picture
 uniform vec3 ground_white;  // value in it of a radiance of 1, by that picture's own exposure

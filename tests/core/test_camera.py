@@ -102,6 +102,12 @@ def test_a_field_of_view_that_no_camera_has_is_named(hfov_deg: float) -> None:
         Camera.from_focal((640, 480), 0.0)
 
 
+@pytest.mark.parametrize("sigma_px", [-1.0, math.inf])
+def test_a_deviation_that_no_focal_length_has_is_wrong_use(sigma_px: float) -> None:
+    with pytest.raises(ValueError, match="focal_sigma_px"):
+        Camera.from_focal((640, 480), 500.0, focal_sigma_px=sigma_px)
+
+
 def test_a_source_that_is_none_is_wrong_use() -> None:
     with pytest.raises(ValueError, match="source 'guess' is not one of file, flag, exif, assumed, estimated"):
         Camera.from_focal((640, 480), 500.0, "guess")

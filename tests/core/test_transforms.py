@@ -99,6 +99,12 @@ def test_angles_and_direction_are_inverse(azimuth: float, elevation: float) -> N
     assert 0 <= tf.angles_from_direction(direction)[0] < 2 * math.pi
 
 
+@pytest.mark.parametrize("zeros", [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (-0.0, -0.0)])
+def test_straight_overhead_the_azimuth_is_0_whatever_the_signs_of_zero(zeros: tuple[float, float]) -> None:
+    assert tf.angles_from_direction((*zeros, 1.0)) == (0.0, math.pi / 2)
+    np.testing.assert_allclose(tf.tangent_basis((*zeros, 1.0)), [(0, 1, 0), (-1, 0, 0)], atol=1e-15)
+
+
 @given(angles, elevations)
 def test_tangent_basis_is_orthonormal_and_points_where_the_angles_grow(azimuth: float, elevation: float) -> None:
     direction = tf.direction_from_angles(azimuth, elevation)

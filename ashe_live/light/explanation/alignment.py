@@ -19,11 +19,11 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.batches import for_alike, for_groups, for_known
 from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE
 from ashe_live.light.explanation.normal_equations import PlacedBody, added_up, normal_equations, placed_in
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit.search import offset_of_lights
+from ashe_live.light.shape.batches import for_alike, for_groups, for_known
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.layout import ParameterLayout, light_parameters
 from ashe_live.light.shape.sight import Sight

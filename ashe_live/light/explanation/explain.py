@@ -11,7 +11,6 @@ from functools import partial
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask, distinct
-from ashe_live.core.batches import for_known
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.explanation import Explanation
@@ -25,6 +24,7 @@ from ashe_live.light.labels.two_lights import are_two_shadows
 from ashe_live.light.outline_fit.fit import Masks, fit_bodies
 from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents
+from ashe_live.light.shape.batches import for_known
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import fitted_lights, information_on_displacement
 from ashe_live.light.shape.layout import nearness_of

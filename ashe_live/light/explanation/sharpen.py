@@ -7,7 +7,6 @@ from operator import attrgetter
 
 import numpy as np
 
-from ashe_live.core.batches import for_alike, for_groups, for_known
 from ashe_live.light.edges.step_alignment import EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.step_costs import MISSED, StepCosts
 from ashe_live.light.edges.steps import LightPicture
@@ -18,6 +17,7 @@ from ashe_live.light.explanation.light_covariance import lights_by_information
 from ashe_live.light.explanation.normal_equations import PlacedBody, placed_in
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.batches import for_alike, for_groups, for_known
 from ashe_live.light.shape.body import LitBody, NearnessPrior
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.sight import Sight

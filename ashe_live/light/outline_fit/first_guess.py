@@ -33,17 +33,40 @@ def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None) -> Firs
     caster: the object, where its size is known: the cylinder's. The sight's pixels must be counted from the outlines'
     centre. None where the camera looks along the ground or from below it, or object or shadow lie above the horizon.
     """
-    P = sight.P_marker
-    eye = camera_centre(sight.T_cam_marker)
-    ground_from_image = _ground_from_image(P)
-    if eye[2] <= 0 or ground_from_image is None:
+    ground_from_image = _ground_from_image(sight.P_marker)
+    if camera_centre(sight.T_cam_marker)[2] <= 0 or ground_from_image is None:
         return None
+    cylinder = _cylinder_over(outlines.body.hull_px, sight, ground_from_image, caster)
+    if cylinder is None:
+        return None
+    displacements = []
+    for shadow in outlines.shadows:
+        points = _on_ground(ground_from_image, shadow.hull_px)
+        if not len(points):
+            return None
+        displacements.append(_displacement(points, cylinder))
+    frame, layout = cylinder.frame, ParameterLayout(len(outlines.shadows))
+    lights = layout.lights_of(np.concatenate(displacements))
+    return FirstGuess(frame, cylinder.radius / frame.unit_m, cylinder.height / frame.unit_m, lights)
 
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cylinder:
+    """An upright cylinder on the ground."""
+
+    radius: float  # metres
+    height: float  # metres
+    frame: BodyFrame  # about its foot, in units of the larger of the two
+
+
+def _cylinder_over(hull_px: Float, sight: Sight, ground_from_image: Float, caster: Caster | None) -> _Cylinder | None:
+    """The cylinder that covers an object's hull (m, 2); of the caster's size, where that is known."""
+    P = sight.P_marker
     # The image of "up" at the outlines' centre. For a camera that looks straight down, any direction will do.
     length = float(np.linalg.norm(P[:2, 2]))
     up = P[:2, 2] / length if length > 0 else np.array([0.0, -1.0])
     side = np.array([-up[1], up[0]])
-    across, along = outlines.body.hull_px @ side, outlines.body.hull_px @ up
+    across, along = hull_px @ side, hull_px @ up
     breadth = max(float(np.ptp(across)), 1.0)
     foot_px = side * (across.max() - breadth / 2) + up * along.min()
     step = 0.02 * breadth * up
@@ -58,20 +81,21 @@ def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None) -> Firs
     height = _height(P, centre, up, float(along.max()), radius) if caster is None else caster.height_m
     unit = max(radius, height)
     frame = BodyFrame(centre, unit)
-    if not (math.isfinite(unit) and unit > 0 and P[2] @ frame.T_marker_body[:, 3] > 0):
-        return None
+    is_seen = math.isfinite(unit) and unit > 0 and P[2] @ frame.T_marker_body[:, 3] > 0
+    return _Cylinder(radius, height, frame) if is_seen else None
 
-    layout, displacements = ParameterLayout(len(outlines.shadows)), []
-    for shadow in outlines.shadows:
-        points = _on_ground(ground_from_image, shadow.hull_px)
-        if not len(points):
-            return None
-        offsets = (points - centre) / unit
-        mean = offsets.mean(axis=0)
-        towards = mean / max(float(np.linalg.norm(mean)), 1e-12)
-        reach = float((offsets @ towards).max()) - 0.7 * radius / unit
-        displacements.append(-towards * max(reach, 0.1 * radius / unit) * unit / height)
-    return FirstGuess(frame, radius / unit, height / unit, layout.lights_of(np.concatenate(displacements)))
+
+def _displacement(shadow: Float, cylinder: _Cylinder) -> Float:
+    """(2,) by which a light displaces shadows per height, if it casts the cylinder's top to the tip of one.
+
+    shadow: (n, 2) the corners of that shadow on the ground, metres.
+    """
+    frame, radius, height = cylinder.frame, cylinder.radius, cylinder.height
+    offsets = (shadow - frame.origin_marker) / frame.unit_m
+    mean = offsets.mean(axis=0)
+    towards = mean / max(float(np.linalg.norm(mean)), 1e-12)
+    reach = float((offsets @ towards).max()) - 0.7 * radius / frame.unit_m
+    return np.asarray(-towards * max(reach, 0.1 * radius / frame.unit_m) * frame.unit_m / height)
 
 
 def _height(P: Float, centre: Float, up: Float, top_px: float, radius: float) -> float:

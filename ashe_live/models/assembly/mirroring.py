@@ -17,7 +17,7 @@ SKY = "its polished metal mirrors a sky that is made up, as the picture shows th
 BOTH = "its polished metal mirrors the ground and a sky that is made up, and not the model's other parts"
 POLISHED = 0.6  # above this roughness, a reflection is a mere tone
 # Above this roughness the pattern of the made-up sky is blurred away: half of the reflected light comes from within an
-# angle of 2 roughness^2, and a texel of the pattern is 15 degrees wide (render/lights/surroundings.py).
+# angle of 2 roughness^2, and a texel of the pattern is 15 degrees wide (render/reflections/surroundings.py).
 CLEAR_AS_MIRRORS = 0.36
 CELLS = 48  # along the longest side
 POINTS, LOOKED_AT = 20_000, 1_000  # points on the surface that fill the cells; points of these that are examined

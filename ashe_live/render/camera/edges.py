@@ -30,7 +30,10 @@ LEAST_OVERSHOOT = 0.05
 
 
 def edge_blur_px(grey: Image, corners_px: Float) -> float:
-    """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2); 0 if unknown."""
+    """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2).
+
+    0 if unknown, and at most 3: wider blurs do not fit into the profiles.
+    """
     profile = _profile(grey, corners_px, REACH_PX)
     return 0.0 if profile is None else blur_of_step_px(profile.step)
 
@@ -126,7 +129,7 @@ def across(grey: Image, points: Float, outwards: Float, offsets: Float) -> Float
 def blur_of_step_px(step: Float) -> float:
     """Sigma of the Gaussian that has blurred a step (k,), 0 and 1 at its ends, every STEP_PX.
 
-    Height over steepest slope is sqrt(2 pi) sigma; sharpening makes it less.
+    Height over steepest slope is sqrt(2 pi) sigma; sharpening makes it less. Within BLUR_RANGE_PX.
     """
     # Slopes are taken over half a pixel to both sides, so that noise does not steepen them.
     wide = int(0.5 / STEP_PX)

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.light import Illumination
 from ashe_live.core.square import side_lengths_px
@@ -57,6 +58,7 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: bo
     half_m = HALF_SIDES * side_m if body is None else half_of_square(tracked.marker, body, illumination)
     plane = rectified(tracked, illumination, half_m, round(2 * half_m / side_m * side_px))
     lit = np.asarray(plane.linear / np.maximum(plane.shade, LEAST_SHADE), np.float32)
+    # What is covered, the hole in it that has to be made up, and the ground that may be copied there.
     known, shade = plane.is_seen & ~plane.border, plane.shade
     if body is None:
         hole = sheet_mask(lit, known, side_px)
@@ -67,26 +69,37 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: bo
         covered |= hole
         known, shade = known & ~hole, np.ones_like(shade)  # its shadows go with it
     ground = filled(lit, hole, known, side_px if body is None else COARSER * side_px)
-    if ground is None:
+    far_px = distances_from(covered)
+    around = _beside(far_px, plane.is_seen, side_px)
+    if ground is None or around is None:
         return None
-    far = distances_from(covered)
-    least = BLEED_SIDES * side_px
-    rows, columns = np.nonzero((far > least) & (far < least + BESIDE_SIDES * side_px) & plane.is_seen)
-    if not len(rows):
-        return None
-    rows, columns = (each[:: -(-len(rows) // MOST_AROUND)] for each in (rows, columns))
-    alpha = np.clip(1 - far / FEATHER_PX, 0, 1)
+
+    rows, columns = around
+    alpha = np.clip(1 - far_px / FEATHER_PX, 0, 1)
     rgb = srgb_from_linear(np.clip(ground * shade, 0, 1))
     size, extent_m = len(hole), _extent(alpha > 0, half_m)
     return GroundCover(
-        np.round(np.dstack([rgb, alpha]) * 255).astype(np.uint8),
-        half_m,
-        extent_m,
-        np.column_stack([columns + 0.5 - size / 2, size / 2 - rows - 0.5]) * (2 * half_m / size),
-        plane.linear[rows, columns].astype(np.float64),
-        sheet_as_made(plane, illumination, half_m, extent_m, side_m) if body is None else None,
-        side_px < fine_px,
+        image_rgba=np.round(np.dstack([rgb, alpha]) * 255).astype(np.uint8),
+        half_m=half_m,
+        extent_m=extent_m,
+        around=np.column_stack([columns + 0.5 - size / 2, size / 2 - rows - 0.5]) * (2 * half_m / size),
+        around_rgb=plane.linear[rows, columns].astype(np.float64),
+        sheet=sheet_as_made(plane, illumination, half_m, extent_m, side_m) if body is None else None,
+        is_draft=side_px < fine_px,
     )
+
+
+def _beside(far_px: Float32, is_seen: Mask, side_px: float) -> tuple[NDArray[np.intp], NDArray[np.intp]] | None:
+    """Rows and columns of MOST_AROUND places at most of visible ground just beside what is covered; None without any.
+
+    far_px: (n, n) from each pixel to what is covered. side_px: the marker's side.
+    """
+    least = BLEED_SIDES * side_px
+    rows, columns = np.nonzero((far_px > least) & (far_px < least + BESIDE_SIDES * side_px) & is_seen)
+    if not len(rows):
+        return None
+    step = -(-len(rows) // MOST_AROUND)
+    return rows[::step], columns[::step]
 
 
 def _extent(mask: Mask, half_m: float) -> tuple[float, float, float, float]:

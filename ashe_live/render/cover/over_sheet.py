@@ -66,39 +66,57 @@ def sheet_as_made(
     """The part of a rectified plane, which spans -half_m to half_m in x and y, that lies within `extent_m`: least x and
     y, largest x and y, metres, marker frame. `side_m`: the side of the marker.
     """
-    texel_m = 2 * half_m / len(plane.linear)
-    left, bottom, right, top = (round(each / texel_m + len(plane.linear) / 2) for each in extent_m)
-    part = slice(len(plane.linear) - top, len(plane.linear) - bottom), slice(left, right)
-    edges = [(each - len(plane.linear) / 2) * texel_m for each in (left, bottom, right, top)]
-    bounds_m = (edges[0], edges[1], edges[2], edges[3])
-    across, up = (max(8, round(width * texel_m / side_m * TEXELS_A_SIDE)) for width in (right - left, top - bottom))
-    size = across, up
-    linear, shade = (cv2.resize(each[part], size, interpolation=cv2.INTER_AREA) for each in (plane.linear, plane.shade))
+    bounds_m, linear, shade = _part(plane, half_m, extent_m, side_m)
     logs = np.log(np.maximum(linear, 0) + BLACKEST).astype(np.float32)
     kernel = np.ones((2 * SHIFT_TEXELS + 1,) * 2)
     least, most = cv2.erode(logs, kernel), cv2.dilate(logs, kernel)
     relit = -np.log(np.maximum(shade, LEAST_RATIO)).mean(axis=2).astype(np.float32)
-    places = _places(bounds_m, size)
+    places = _places(bounds_m, (linear.shape[1], linear.shape[0]))
     is_own = np.abs(places).max(axis=2) < LEAST_HALF_SIDES * side_m
     brightness = logs @ BRIGHTNESS + relit
     is_paper = brightness > np.quantile(brightness[is_own], 0.9) + np.log(PAPER_SHARE)
     is_plain = np.asarray((most - least).max(axis=2) < PLAIN)
-    ratios = [ratio for light in illumination.lights if (ratio := measured_ratio(light)) is not None]
-    shadow = np.log(np.clip(ratios[0], LEAST_RATIO, 0.9) if ratios else np.full(3, USUAL_RATIO))
     is_white = np.asarray(is_own & is_paper & is_plain)
-    hue = np.zeros_like(brightness) if not is_white.any() else _hue(logs - _paper(logs, is_white), shadow)
+    shadow = _log_ratio_of_shadow(illumination)
+    hue = _hue(logs - _paper(logs, is_white), shadow) if is_white.any() else np.zeros_like(brightness)
     return SheetAsMade(
         bounds_m,
         places,
-        np.asarray(least, np.float32),
-        np.asarray(most, np.float32),
-        np.asarray(cv2.dilate(hue, kernel) > NEUTRAL),
-        is_plain,
-        np.asarray(is_paper),
-        is_white,
-        np.asarray(relit, np.float32),
-        shadow,
+        least=np.asarray(least, np.float32),
+        most=np.asarray(most, np.float32),
+        is_coloured=np.asarray(cv2.dilate(hue, kernel) > NEUTRAL),
+        is_plain=is_plain,
+        is_paper=np.asarray(is_paper),
+        is_white=is_white,
+        relit=np.asarray(relit, np.float32),
+        shadow=shadow,
     )
+
+
+def _part(
+    plane: Rectified, half_m: float, extent_m: tuple[float, ...], side_m: float
+) -> tuple[tuple[float, float, float, float], Float32, Float32]:
+    """The bounds (m) of the plane's texels that lie within `extent_m`, and their light and shade (h, w, 3).
+
+    Both at TEXELS_A_SIDE texels for the marker's side.
+    """
+    count = len(plane.linear)
+    texel_m = 2 * half_m / count
+    left, bottom, right, top = (round(each / texel_m + count / 2) for each in extent_m)
+    part = slice(count - top, count - bottom), slice(left, right)
+    edges = [(each - count / 2) * texel_m for each in (left, bottom, right, top)]
+    across, up = (max(8, round(width * texel_m / side_m * TEXELS_A_SIDE)) for width in (right - left, top - bottom))
+    linear, shade = (
+        np.asarray(cv2.resize(each[part], (across, up), interpolation=cv2.INTER_AREA), np.float32)
+        for each in (plane.linear, plane.shade)
+    )
+    return (edges[0], edges[1], edges[2], edges[3]), linear, shade
+
+
+def _log_ratio_of_shadow(illumination: Illumination) -> Float:
+    """(3,) logarithm of the light that the shadow of the strongest measured light leaves, or a usual one."""
+    ratios = [ratio for light in illumination.lights if (ratio := measured_ratio(light)) is not None]
+    return np.asarray(np.log(np.clip(ratios[0], LEAST_RATIO, 0.9) if ratios else np.full(3, USUAL_RATIO)))
 
 
 def over_sheet(tracked: TrackedFrame, sheet: SheetAsMade, gain: Float, slope: Float) -> Float32 | None:

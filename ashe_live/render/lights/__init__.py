@@ -1,1 +1,1 @@
-"""Light as shaders want it: suns and lamps, their shadow maps, and the surroundings."""
+"""Light as shaders want it: sky, suns and lamps by their irradiance, and their shadow maps."""

@@ -14,11 +14,11 @@ from ashe_live.render.gl.geometry import GpuModel, GpuPart
 from ashe_live.render.gl.map_layout import layout_constants, layout_uniforms
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
-from ashe_live.render.lights.environment import Environment
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import RGB, Lighting
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.passes.standing import StandingGroup, StandingModel
+from ashe_live.render.reflections.environment import Environment
 
 NOWHERE: Float = np.zeros((4, 4))  # as a projection: nothing is drawn, but the shader gets compiled
 # A narrower specular lobe would be a point that flickers between pixels.

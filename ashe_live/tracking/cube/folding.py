@@ -91,31 +91,20 @@ class Folding:
         is_learned = len(squares) > 1 and self._frames < MOST_FRAMES and is_due
         if not is_learned and numbers == self._numbers:
             return False
-        sightings = list(squares.values())
-        information = corners_information(sightings, corners_noise(sightings))
-        R, t = T_cam_cube[:3, :3], T_cam_cube[:3, 3]
-        points = np.concatenate([self.corners(number) for number in numbers])
-        turned = points @ R.T
-        in_camera = turned + t
-        if not in_camera[:, 2].min() > 0:
+        equations = self._normal_equations(squares, T_cam_cube, camera)
+        if equations is None:
             return False
-        predicted = (in_camera / in_camera[:, 2:]) @ camera.K[:2].T
-        off = (np.concatenate([one.square.corners_px for one in sightings]) - predicted).ravel()
-        by_pose = pixels_by_pose(turned, in_camera, camera.K).reshape(-1, EACH)
-        by_folds = self._pixels_by_folds(numbers, points, pixels_by_points(in_camera, camera.K) @ R)
-        off = off + by_folds @ self._folds.ravel()
-        whole = np.concatenate([by_pose, by_folds], axis=1)
-        weighted = whole.T @ information
-        normal, pull = weighted @ whole, weighted @ off
-        mixed = np.column_stack([normal[:EACH, EACH:], pull[:EACH]])
-        by_both = np.linalg.solve(normal[:EACH, :EACH] + 1e-12 * np.eye(EACH), mixed)
-        pose_by_folds = np.linalg.solve(self._pose_by_middle(T_cam_cube), by_both[:, :-1])
-        if not np.isfinite(by_both).all():
+        normal, pull = equations
+        # The pose is eliminated by its Schur complement: what is left is about the folds alone.
+        of_folds = np.column_stack([normal[:EACH, EACH:], pull[:EACH]])
+        pose_by = np.linalg.solve(normal[:EACH, :EACH] + 1e-12 * np.eye(EACH), of_folds)
+        pose_by_folds = np.linalg.solve(self._pose_by_middle(T_cam_cube), pose_by[:, :-1])
+        if not np.isfinite(pose_by).all():
             return False
         if is_learned:
             weight = LATER_WEIGHT if self._frames else 1.0
-            self._information += weight * (normal[EACH:, EACH:] - normal[EACH:, :EACH] @ by_both[:, :-1])
-            self._vector += weight * (pull[EACH:] - normal[EACH:, :EACH] @ by_both[:, -1])
+            self._information += weight * (normal[EACH:, EACH:] - normal[EACH:, :EACH] @ pose_by[:, :-1])
+            self._vector += weight * (pull[EACH:] - normal[EACH:, :EACH] @ pose_by[:, -1])
             self._frames += 1
             self._covariance = self._posterior_covariance()
             self._folds = np.asarray(self._covariance @ self._vector).reshape(-1, EACH)
@@ -124,6 +113,30 @@ class Folding:
         self.pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
         self._pose_shape_errors = self._errors_of(np.asarray(pose_by_folds, dtype=np.float64))
         return is_learned
+
+    def _normal_equations(
+        self, squares: Mapping[int, Sighting], T_cam_cube: Float, camera: Camera
+    ) -> tuple[Float, Float] | None:
+        """(36, 36) and (36,) of the pose and then of all folds, by the faces of a frame; None for what is no view.
+
+        The pose is an offset from `T_cam_cube`, the folds are from a perfect cube.
+        """
+        sightings = list(squares.values())
+        information = corners_information(sightings, corners_noise(sightings))
+        R, t = T_cam_cube[:3, :3], T_cam_cube[:3, 3]
+        points = np.concatenate([self.corners(number) for number in squares])
+        turned = points @ R.T
+        in_camera = turned + t
+        if not in_camera[:, 2].min() > 0:
+            return None
+        predicted = (in_camera / in_camera[:, 2:]) @ camera.K[:2].T
+        off = (np.concatenate([one.square.corners_px for one in sightings]) - predicted).ravel()
+        by_pose = pixels_by_pose(turned, in_camera, camera.K).reshape(-1, EACH)
+        by_folds = self._pixels_by_folds(tuple(squares), points, pixels_by_points(in_camera, camera.K) @ R)
+        off = off + by_folds @ self._folds.ravel()
+        whole = np.concatenate([by_pose, by_folds], axis=1)
+        weighted = whole.T @ information
+        return weighted @ whole, weighted @ off
 
     def _errors_of(self, pose_by_folds: Float) -> PoseShapeErrors:
         """How the body and its frame may be off together, where the pose gives way to folds by `pose_by_folds` (6, 30).

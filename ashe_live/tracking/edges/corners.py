@@ -132,15 +132,19 @@ def _narrowed(
 
 def _fitted(views: Sequence[LightPatch], squares: Sequence[_Windows], samples: int) -> list[tuple[FittedSquare, Float]]:
     """Each square by lines fitted to the edges near its sides, and the standard deviations (4,) of the edges' blur."""
+    # The four sides of all squares, one after the other.
     corners_px = np.array([square.corners_px for square in squares])
-    reaches_px = np.concatenate([square.reaches_px for square in squares])
-    spreads_px = np.concatenate([square.spreads_px for square in squares])
+    parts = [slice(4 * number, 4 * number + 4) for number in range(len(squares))]
     starts = corners_px.reshape(-1, 2)
     sides = (corners_px[:, NEXT] - corners_px).reshape(-1, 2)
     lengths = np.linalg.norm(sides, axis=1)
     along = sides / lengths[:, None]
     # Clockwise in the picture, so the outside is to the left of the way along a side.
     outwards = np.column_stack([along[:, 1], -along[:, 0]])
+
+    # Where the light rises from black to white in windows across them, and the lines through these places.
+    reaches_px = np.concatenate([square.reaches_px for square in squares])
+    spreads_px = np.concatenate([square.spreads_px for square in squares])
     places = np.linspace(ALONG_FROM, ALONG_TO, samples)
     x, y = (
         starts[:, axis, None]
@@ -148,12 +152,13 @@ def _fitted(views: Sequence[LightPatch], squares: Sequence[_Windows], samples: i
         + FROM_INSIDE[:, None, None] * (reaches_px * outwards[:, axis])[:, None]
         for axis in (0, 1)
     )
-    parts = [slice(4 * number, 4 * number + 4) for number in range(len(squares))]
     light = [view.at(x[:, part], y[:, part]) for view, part in zip(views, parts, strict=True)]
     values = np.concatenate(light, axis=1) if len(light) > 1 else light[0]
     offsets, weights, widths = edge_offsets(values, reaches_px, spreads_px)
     seen = weights.sum(axis=1) >= MIN_SEEN * samples
     lines = robust_lines(places, offsets, weights, lengths, seen)
+
+    # The corners are where these lines meet.
     ends = lines.ends_px
     directions = sides + (ends[:, 1:] - ends[:, :1]) * outwards
     shape = corners_px.shape

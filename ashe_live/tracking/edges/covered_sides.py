@@ -54,10 +54,18 @@ def verified_square(
     even = None if step is None else _confirmed(square, seen, step, tolerance, aligned_sigma)
     if even is not None:
         return dataclasses.replace(even, aligned_sigma=aligned_sigma) if seen.is_print else None
+    # A single step did not confirm all sides, so that the inside is aligned to the end.
     found = alignment.aligned(seen.blurred, square.corners_px, step, seen.shade)
     if found is None or found.seen.inside < MIN_INSIDE:
         return None
-    is_print = seen.is_print
+    return _by_inside(square, found, seen, view, samples, tolerance)
+
+
+def _by_inside(
+    square: FittedSquare, found: AlignedCorners, seen: "_PrintSeen", view: LightPatch, samples: int, tolerance: float
+) -> FittedSquare | None:
+    """As `verified_square`, by where the whole alignment has `found` the inside of the print."""
+    alignment, is_print = seen.alignment, seen.is_print
     square, off = _compared(square, found, tolerance)
     if off.sum() > MOST_COVERED:
         # Edges other than the print's were measured, as those of its paper on a bright floor. Measure again where the

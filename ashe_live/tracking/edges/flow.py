@@ -3,13 +3,18 @@
 Lucas and Kanade's method in a pyramid; a point counts when following it back returns to where it came from.
 """
 
+from typing import Any
+
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import scaled_pixels
 from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.squares import is_front_of_square, region_around
+
+Points = NDArray[np.integer[Any] | np.floating[Any]]  # (n, 1, 2), as OpenCV has them
 
 MARGIN_RATIO = 0.5
 # A larger marker is scaled down to this size.
@@ -44,24 +49,37 @@ def flowed_corners(before_bgr: Image, now_bgr: Image, corners_px: Float) -> Floa
     found = cv2.goodFeaturesToTrack(before, MAX_POINTS, 0.02, 3, mask=mask)
     own = inside.astype(np.float32)[:, None]
     found = own if found is None else np.concatenate([own, found])
-    there, is_there, _ = cv2.calcOpticalFlowPyrLK(before, now, found, found.copy(), winSize=WINDOW, maxLevel=LEVELS)
-    back, is_back, _ = cv2.calcOpticalFlowPyrLK(now, before, there, there.copy(), winSize=WINDOW, maxLevel=LEVELS)
-    returns = np.linalg.norm((back - found).reshape(-1, 2), axis=1) <= MAX_RETURN_PX
-    good = (is_there.ravel() > 0) & (is_back.ravel() > 0) & returns
+    there, good = _followed(before, now, found)
     if good.sum() < max(MIN_POINTS, MIN_AGREEING * len(found)):
         return None
-    # Between two frames the change of perspective is smaller than the flow's own error: affine is enough, and where it
-    # explains hardly more points than a similarity does, these are some on a hand that moves before the marker.
-    motion, agreeing = cv2.estimateAffinePartial2D(found[good], there[good], ransacReprojThreshold=1.0)
-    sheared, more = cv2.estimateAffine2D(found[good], there[good], ransacReprojThreshold=1.0)
-    if sheared is not None and more.sum() > MORE_AGREEING * agreeing.sum():
-        motion, agreeing = sheared, more
-    if motion is None or agreeing.sum() < MIN_AGREEING * len(found):
+    motion, agreeing = _common_motion(found[good], there[good])
+    if motion is None or agreeing < MIN_AGREEING * len(found):
         return None
     moved = inside @ motion[:, :2].T + motion[:, 2]
     corners = np.add(scaled_pixels(moved, 1 / scale), (left, top))
     growth = side_lengths_px(corners) / side_lengths_px(corners_px)
     return corners if is_front_of_square(corners) and np.abs(np.log(growth)).max() < MAX_GROWTH else None
+
+
+def _followed(before: Image, now: Image, points: Points) -> tuple[Points, Mask]:
+    """Where points (n, 1, 2) went, and (n,) which of them return to their place when they are followed back."""
+    there, is_there, _ = cv2.calcOpticalFlowPyrLK(before, now, points, points.copy(), winSize=WINDOW, maxLevel=LEVELS)
+    back, is_back, _ = cv2.calcOpticalFlowPyrLK(now, before, there, there.copy(), winSize=WINDOW, maxLevel=LEVELS)
+    returns = np.linalg.norm((back - points).reshape(-1, 2), axis=1) <= MAX_RETURN_PX
+    return there, np.asarray((is_there.ravel() > 0) & (is_back.ravel() > 0) & returns)
+
+
+def _common_motion(before: Points, after: Points) -> tuple[Float | None, int]:
+    """(2, 3) the motion on which most points (n, 1, 2) agree, None if there is none, and how many do.
+
+    Between two frames the change of perspective is smaller than the flow's own error: affine is enough, and where it
+    explains hardly more points than a similarity does, these are some on a hand that moves before the marker.
+    """
+    motion, agreeing = cv2.estimateAffinePartial2D(before, after, ransacReprojThreshold=1.0)
+    sheared, more = cv2.estimateAffine2D(before, after, ransacReprojThreshold=1.0)
+    if sheared is not None and more.sum() > MORE_AGREEING * agreeing.sum():
+        motion, agreeing = sheared, more
+    return (None, 0) if motion is None else (np.asarray(motion, np.float64), int(agreeing.sum()))
 
 
 def _grey(image_bgr: Image, scale: float) -> Image:

@@ -19,7 +19,7 @@ from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, systema
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 from ashe_live.tracking.poses.pose_choice import in_order, is_from_below, longest_focal, turn_from
-from ashe_live.tracking.poses.pose_refinement import Correspondences, PoseSolution
+from ashe_live.tracking.poses.pose_refinement import Correspondences, PoseCovariances, PoseSolution
 
 # Noise may raise the error of the right one of two poses by NOISE_SIGMAS standard deviations of a corner, and at least
 # by MIN_NOISE_PX.
@@ -106,13 +106,9 @@ def pose_of_squares(
     if chosen is None:
         return None
     solution, other_rms_px = chosen
-    # Only the largest square is checked: corners of squares seen nearly edge-on may be far off, and state this.
-    largest_px = seen.largest.square.corners_px
     T_cam_marker = rigid(solution.R, solution.t)
-    off_px = _rms_px(project(camera, T_cam_marker, seen.largest.points) - largest_px)
     # With a wrong focal length the right print fits badly as well, so that only known cameras are checked.
-    is_known = camera.source in ("file", "flag")
-    if is_known and not off_px <= max(MOST_RMS_PX, tolerance.most_rms * mean_side_px(largest_px)):
+    if camera.source in ("file", "flag") and not _is_explained(seen.largest, T_cam_marker, camera, tolerance):
         return None
     own = square_corners(side_m)
     is_whole = len(sightings) == 1 and seen.largest.square.sides_seen == 4 and np.array_equal(seen.points, own)
@@ -120,20 +116,38 @@ def pose_of_squares(
     if not np.isfinite(corners_px).all():
         return None
     covariances = seen.covariances(solution, camera.K, seen.noise)
-    # If the pose leaves more unexplained than was stated, the systematic errors were understated.
-    freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
-    understated = (errors.weight + solution.cost) / (errors.weight + freedom)
-    log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
     return MarkerPose(
         T_cam_marker=T_cam_marker,
         corners_px=source_from_ideal(camera, corners_px),
         side_m=side_m,
         reprojection_rms_px=solution.rms_px,
         other_rms_px=other_rms_px,
-        covariance=covariances.noise
-        + understated * (covariances.whole - covariances.noise)
-        + log_focal_sigma**2 * covariances.by_log_focal,
+        covariance=_whole_covariance(covariances, solution.cost, sightings, errors, camera),
         noise_covariance=covariances.noise,
+    )
+
+
+def _is_explained(largest: Sighting, T_cam_marker: Float, camera: Camera, tolerance: Tolerance) -> bool:
+    """Whether a pose explains the largest square: squares seen nearly edge-on may be far off, and state this."""
+    seen_px = largest.square.corners_px
+    off_px = _rms_px(project(camera, T_cam_marker, largest.points) - seen_px)
+    return off_px <= max(MOST_RMS_PX, tolerance.most_rms * mean_side_px(seen_px))
+
+
+def _whole_covariance(
+    covariances: PoseCovariances, cost: float, sightings: Sequence[Sighting], errors: CornerErrors, camera: Camera
+) -> Float:
+    """(6, 6) by the noise of edges, their systematic errors and the focal length's.
+
+    If the pose leaves more unexplained than was stated, by its `cost`, the systematic errors were understated.
+    """
+    freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
+    understated = (errors.weight + cost) / (errors.weight + freedom)
+    log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
+    return np.asarray(
+        covariances.noise
+        + understated * (covariances.whole - covariances.noise)
+        + log_focal_sigma**2 * covariances.by_log_focal
     )
 
 

@@ -13,7 +13,7 @@ from ashe_live.viewer.hands.pointing import Pixel
 from ashe_live.viewer.table.beside import FirstPlaces, first_places
 from ashe_live.viewer.table.pointed_at import model_at
 from ashe_live.viewer.table.shelf import Shelf
-from ashe_live.viewer.table.stand import LeftPlaces, Stand
+from ashe_live.viewer.table.stand import LeftPlaces, Stand, place_of
 
 
 class Arrangement:
@@ -76,7 +76,7 @@ class Arrangement:
     def without_marker(self, tracked: TrackedFrame) -> tuple[str, ...]:
         """Specs of the markers that models stand on, and that are not in the frame."""
         specs = dict.fromkeys(stand.marker for stand in self._stands if stand.marker is not None)
-        return tuple(spec for spec in specs if self._place_of(spec, tracked) is None)
+        return tuple(spec for spec in specs if place_of(spec, self.followed, tracked) is None)
 
     def anchor(self, tracked: TrackedFrame | None) -> Placement | None:
         """The place that the placement in hand is relative to; None while that model's marker is not in view."""
@@ -171,9 +171,6 @@ class Arrangement:
         """Whether the model in the hand stands elsewhere than where it stood at first."""
         return self._hand.placement.shift_m != self._first_of(self._stands[self.in_hand]).shift_m
 
-    def _first_of(self, stand: Stand) -> Placement:
-        return self._first.of(stand.seat) if stand.marker is None else UNMOVED
-
     @property
     def is_as_left(self) -> bool:
         """Whether the model in the hand stands as a person left it before, and not as models stand at first."""
@@ -183,13 +180,16 @@ class Arrangement:
 
     def follow_shelf(self) -> bool:
         """Takes up the shelf's model where the former one stood and as large; returns whether it is another one."""
-        stand, shown = self._stands[self.in_hand], self._as_it_is().name
+        stand, shown = self._stands[self.in_hand], self._shelf.shown_name
         if shown == stand.name:
             return False
         self._left.keep(replace(stand, placement=self._hand.placement), self._first)
         self._stands[self.in_hand] = replace(stand, name=shown)
         self._hand.placement = self._left.of(self._stands[self.in_hand], self._first)
         return True
+
+    def _first_of(self, stand: Stand) -> Placement:
+        return self._first.of(stand.seat) if stand.marker is None else UNMOVED
 
     def _changed_to(self, number: int) -> Callable[[], str | None] | None:
         if number == self.in_hand:
@@ -230,22 +230,8 @@ class Arrangement:
         return next(seat for seat in range(len(taken) + 1) if seat not in taken)
 
     def _anchor(self, stand: Stand, tracked: TrackedFrame | None) -> Placement | None:
-        place = self._place_of(stand.marker, tracked)
+        place = place_of(stand.marker, self.followed, tracked)
         seat = stand.seat
         if stand.marker is not None and stand.marker == self.followed:  # after those of whichever marker is followed
             seat += max((other.seat + 1 for other in self._stands if other.marker is None), default=0)
         return None if place is None else place @ seat_beside(seat, self._shelf.marker_side_m)
-
-    def _place_of(self, marker: str | None, tracked: TrackedFrame | None) -> Placement | None:
-        """The place of `marker`, at the size that a model has on the followed one; None while it is not in view."""
-        return UNMOVED if marker in (None, self.followed) else _place_beside(marker, tracked)
-
-
-def _place_beside(marker: str | None, tracked: TrackedFrame | None) -> Placement | None:
-    if tracked is None or tracked.marker is None:
-        return None
-    other = next((each for each in tracked.others if each.spec == marker), None)
-    if other is None:
-        return None
-    x, y = other.centre_m
-    return Placement(other.side_m / tracked.marker.side_m, other.turn_rad, (float(x), float(y)))

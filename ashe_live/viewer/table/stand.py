@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.viewer.table.beside import FirstPlaces
 from ashe_live.viewer.table.shelf import Shelf
@@ -27,6 +28,22 @@ class Stand:
     @property
     def key(self) -> tuple[str, str]:
         return self.name, self.where
+
+
+def place_of(marker: str | None, followed: str | None, tracked: TrackedFrame | None) -> Placement | None:
+    """The place of a marker, at the size that a model has on the one that is followed; None while it is not in view.
+
+    marker: its spec, None for the one that is followed, whose own spec is `followed`.
+    """
+    if marker in (None, followed):
+        return UNMOVED
+    if tracked is None or tracked.marker is None:
+        return None
+    for other in tracked.others:
+        if other.spec == marker:
+            x, y = other.centre_m
+            return Placement(other.side_m / tracked.marker.side_m, other.turn_rad, (float(x), float(y)))
+    return None
 
 
 class LeftPlaces:

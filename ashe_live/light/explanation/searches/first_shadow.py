@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ashe_live.core.arrays import distinct
-from ashe_live.core.batches import for_groups
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explain import FittedProposal, aligned_explanations, proposal_of
 from ashe_live.light.explanation.explanation import Explanation
@@ -17,6 +16,7 @@ from ashe_live.light.explanation.scene_view import SceneView
 from ashe_live.light.explanation.searches.second_light import LEAST_CLARITY, NEAR_RAD
 from ashe_live.light.explanation.searches.shadow_search import shadow_candidates
 from ashe_live.light.labels.materials import materials_of
+from ashe_live.light.shape.batches import for_groups
 from ashe_live.light.shape.light_points import NO_LIGHTS
 
 BODIES, TRIED = 2, 2  # objects whose shadows are searched for, and candidates for each

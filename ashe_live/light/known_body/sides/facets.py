@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -44,34 +45,53 @@ class Facets:
 
 def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
     """Those of a box along the marker's axes that are seen in `picture` (h, w, 3), linear light, B, G, R."""
+    in_view = _outlines_in_view(view, body)
+    found: list[tuple[_Outline, Float, float]] = []
+    for one in in_view:
+        seen = _inside(one.hull, [other.hull for other in in_view if other is not one], picture)
+        if len(seen) >= LEAST_PX:
+            found.append((one, *_white_and_ink(seen)))
+    if not found:
+        return Facets(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0, bool), np.empty(0), math.inf)
+    outlines, whites, inks = zip(*found, strict=True)
+    normals, centres = (np.array(each) for each in zip(*((one.normal, one.centre) for one in outlines), strict=True))
+    light, clipped = np.array(whites), np.array([bool(white.max() > CLIPPED) for white in whites])
+    widths = np.array([min(cv2.minAreaRect(one.hull)[1]) for one in outlines])
+    light, level_sigma = _with_level(normals, light, clipped, widths, np.array(inks))
+    return Facets(normals, light, centres, clipped, widths, level_sigma)
+
+
+class _Outline(NamedTuple):
+    """A facet that faces the camera."""
+
+    normal: Float  # (3,)
+    centre: Float  # (3,) metres, marker frame
+    hull: Float32  # (m, 2) pixels
+
+
+def _outlines_in_view(view: View, body: Proxy) -> list[_Outline]:
+    """The facets of the body, a box along the marker's axes, that face the camera."""
     points = body.points_marker(4)
     eye = camera_centre(view.T_cam_marker)
-    in_view: list[tuple[Float, Float, Float32]] = []
+    found = []
     for normal in NORMALS:
         along = points @ normal
         corners = points[along > along.max() - FOLDED * np.ptp(along)]
         centre = corners.mean(axis=0)
         pixels = project(view.camera, view.T_cam_marker, corners)
-        if len(corners) < 3 or (eye - centre) @ normal <= 0 or not np.isfinite(pixels).all():
-            continue
-        hull = np.asarray(cv2.convexHull(pixels.clip(-1e4, 1e4).astype(np.float32))[:, 0], dtype=np.float32)
-        in_view.append((normal, centre, hull))
-    found: list[tuple[Float, Float, Float, bool, float, float]] = []
-    for normal, centre, hull in in_view:
-        seen = _inside(hull, [other for _, _, other in in_view if other is not hull], picture)
-        if len(seen) < LEAST_PX:
-            continue
-        brightness = seen @ np.full(3, 1 / 3, np.float32)
-        some = brightness[:: max(1, len(brightness) // ENOUGH)]
-        least, most = (upper_quantile(some, share) for share in WHITE)
-        white = seen[(brightness >= least) & (brightness <= most)].mean(axis=0)[::-1].astype(np.float64)
-        width_px = min(cv2.minAreaRect(hull)[1])
-        found.append((normal, white, centre, bool(white.max() > CLIPPED), width_px, upper_quantile(some, INK)))
-    if not found:
-        return Facets(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0, bool), np.empty(0), math.inf)
-    normals, light, centres, clipped, widths, inks = (np.array(each) for each in zip(*found, strict=True))
-    light, level_sigma = _with_level(normals, light, clipped, widths, inks)
-    return Facets(normals, light, centres, clipped, widths, level_sigma)
+        if len(corners) >= 3 and (eye - centre) @ normal > 0 and np.isfinite(pixels).all():
+            hull = np.asarray(cv2.convexHull(pixels.clip(-1e4, 1e4).astype(np.float32))[:, 0], dtype=np.float32)
+            found.append(_Outline(normal, centre, hull))
+    return found
+
+
+def _white_and_ink(seen: Float32) -> tuple[Float, float]:
+    """(3,) linear RGB of the white among a facet's pixels (n, 3), linear B, G, R, and the brightness of its ink."""
+    brightness = seen @ np.full(3, 1 / 3, np.float32)
+    some = brightness[:: max(1, len(brightness) // ENOUGH)]
+    least, most = (upper_quantile(some, share) for share in WHITE)
+    white = seen[(brightness >= least) & (brightness <= most)].mean(axis=0)[::-1].astype(np.float64)
+    return white, upper_quantile(some, INK)
 
 
 def _with_level(normals: Float, light: Float, is_clipped: Mask, widths: Float, inks: Float) -> tuple[Float, float]:

@@ -70,17 +70,17 @@ def observe_outlines(
     shadow_contours = [contour for contour in map(contour_of, shadows) if contour is not None]
     if body_contour is None or len(shadow_contours) < len(shadows):
         return None
-    whole_contour, really_unreliable = None, unreliable
+    whole_contour, open_to_each = None, unreliable
     if undecided is not None and undecided.any():
         whole_contour = contour_of(np.logical_or.reduce([body, undecided, *shadows]))
-        unreliable = undecided if unreliable is None else unreliable | undecided
+        open_to_each = undecided if unreliable is None else unreliable | undecided
     size = math.sqrt(max(cv2.contourArea(body_contour.hull_px.astype(np.float32)), 1.0))
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
     margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * EDGE_SIGMA_PX
 
-    doubt = _Doubt(truncation_mask(body.shape, unreliable), body_contour, margin)
+    # The object, and each of its shadows by itself.
+    doubt = _Doubt(truncation_mask(body.shape, open_to_each), body_contour, margin)
     directions, owner = _directions(direction_count, body_contour, shadow_contours, doubt, size)
-
     of_body = _body_bounds(doubt, directions, owner, centre)
     of_shadows = [
         _shadow_bounds(contour, doubt, directions, owner == number, centre, of_body.most_px)
@@ -88,13 +88,23 @@ def observe_outlines(
     ]
     least = np.stack([one.least_px for one in (of_body, *of_shadows)])
     most = np.stack([one.most_px for one in (of_body, *of_shadows)])
-    whole = np.full(len(directions), -np.inf), np.full(len(directions), np.inf)
+
+    # The union of all, which what is undecided among them leaves known.
+    least_of_whole, most_of_whole = np.full(len(directions), -np.inf), np.full(len(directions), np.inf)
     if whole_contour is not None:
-        cut = values_at(whole_contour.hull_px, truncation_mask(body.shape, really_unreliable))
-        whole = _bounds_of_whole(whole_contour.hull_px - centre, cut, directions, least, most)
-    least, most = np.vstack([least, whole[0]]), np.vstack([most, whole[1]])
-    silhouettes = tuple(one.silhouette for one in of_shadows)
-    outlines = Outlines(directions, centre, size, of_body.silhouette, silhouettes, least, most)
+        cut = values_at(whole_contour.hull_px, truncation_mask(body.shape, unreliable))
+        points = whole_contour.hull_px - centre
+        least_of_whole, most_of_whole = _bounds_of_whole(points, cut, directions, least, most)
+
+    outlines = Outlines(
+        directions=directions,
+        centre_px=centre,
+        size_px=size,
+        body=of_body.silhouette,
+        shadows=tuple(one.silhouette for one in of_shadows),
+        least_px=np.vstack([least, least_of_whole]),
+        most_px=np.vstack([most, most_of_whole]),
+    )
     seen = outlines.seen.sum(axis=1)
     is_enough = seen[0] + seen[-1] >= LEAST_SEEN_OF_BODY and (seen[1:-1] + seen[-1]).min() >= LEAST_SEEN_OF_SHADOW
     return outlines if is_enough else None

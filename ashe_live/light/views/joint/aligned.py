@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.batches import for_alike, for_groups
 from ashe_live.core.transforms import angle_between, project
 from ashe_live.light.explanation.alignment import EARLY_LOSS_FACTOR, SEARCH_RANGES, Alignment, measured
 from ashe_live.light.explanation.explanation import Explanation
@@ -30,6 +29,7 @@ from ashe_live.light.explanation.normal_equations import (
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit.search import damped_steps
+from ashe_live.light.shape.batches import for_alike, for_groups
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.sight import Sight
 

@@ -43,9 +43,12 @@ class Surroundings:
 def surroundings_of(
     tracked: TrackedFrame, size: int, ground_rgb: Float | None = None, covered: Float = NOWHERE
 ) -> Surroundings:
-    """`size`: texels a side. `ground_rgb` (3,) linear, where the picture does not show the ground; else its mean.
+    """What a frame with a marker shows, in maps of `size` texels a side.
 
-    `covered`: (n, 2) metres, marker frame, corners of a convex part of the ground that counts as not shown.
+    ground_rgb: (3,) linear, the ground's colour where the picture does not show it; None: the mean of what it shows.
+    covered: (n, 2) metres, marker frame, corners of a convex part of the ground that counts as not shown.
+
+    Raises ValueError for a frame without a marker.
     """
     if tracked.marker is None:
         raise ValueError("without a marker nobody knows where the ground is")

@@ -11,8 +11,8 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, RGB
-from ashe_live.render.lights.reflectance import share_texture
-from ashe_live.render.lights.surroundings import (
+from ashe_live.render.reflections.reflectance import share_texture
+from ashe_live.render.reflections.surroundings import (
     LinearPicture,
     blurred_levels,
     even_surroundings,

@@ -8,9 +8,9 @@ import pytest
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, linear_from_srgb
 from ashe_live.core.light import Illumination
 from ashe_live.core.transforms import project
-from ashe_live.render.lights import environment
 from ashe_live.render.lights.lighting import GROUND_ALBEDO
-from ashe_live.render.lights.surroundings import (
+from ashe_live.render.reflections import environment
+from ashe_live.render.reflections.surroundings import (
     HALF_RADIUS_SIDES,
     NOWHERE,
     blurred_levels,

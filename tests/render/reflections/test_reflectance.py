@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.render.lights.reflectance import COSINES, ROUGHNESSES, mirrored_shares
+from ashe_live.render.reflections.reflectance import COSINES, ROUGHNESSES, mirrored_shares
 
 
 def test_what_is_smooth_mirrors_as_schlick_says() -> None:

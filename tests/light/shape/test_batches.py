@@ -2,7 +2,7 @@
 
 import pytest
 
-from ashe_live.core.batches import for_alike, for_groups, for_known
+from ashe_live.light.shape.batches import for_alike, for_groups, for_known
 
 
 class Calls:

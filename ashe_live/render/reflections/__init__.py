@@ -1,0 +1,1 @@
+"""What surfaces reflect: the share of the light, and maps of the ground and the sky for what is polished."""
