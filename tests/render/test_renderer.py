@@ -170,12 +170,12 @@ def test_switching_models_and_presets_keeps_no_gl_objects(ctx, make_renderer, st
             renderer.preset = FAST.render if turn % 2 else BALANCED.render
             renderer.resize((480, 360 + turn % 2))
 
-    switch(2)
+    switch(4)
     ctx.gc_mode = "context_gc"  # collects what Python drops without its being released
     try:
         before = live_gl_objects()
         ctx.objects.clear()
-        switch(4)
+        switch(2)
         assert live_gl_objects() == before
         assert all(type(dropped).__name__ == "InvalidObject" for dropped in ctx.objects)  # released before
     finally:
