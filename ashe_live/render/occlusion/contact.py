@@ -75,7 +75,7 @@ class ContactPatch:
         weight: of a direction straight above, as a share of the sky; others have it times their sine.
         """
         constants = depth_map.constants
-        if "dithered" not in constants:
+        if not constants["dithered"]:
             constants["blocker_taps"] = 0  # `smoothed` makes these shadows soft
         program = self._programs.get("occlusion/contact", **constants)
         depth_map.bind(program)
