@@ -112,9 +112,7 @@ def _aside(stage):
 
 def test_sheet_is_covered_by_ground_like_that_around_it(make_renderer, stage) -> None:
     tracked, bare = _view(stage, noise=0.7), _view(stage, has_sheet=False)
-    renderer = make_renderer(BALANCED.render)
-    renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
-    picture = renderer.read_bgr()
+    picture = stage.picture(make_renderer(BALANCED.render), Scene(tracked, _aside(stage), covers_marker=True))
     around = _on_sheet(tracked, 0.008)
     assert _difference(picture, bare.frame.image_bgr)[around].mean() < 3
     assert _difference(tracked.frame.image_bgr, bare.frame.image_bgr)[around].mean() > 20
@@ -230,8 +228,7 @@ def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage, kn
     aside = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((0.09, -0.06, 0.0), np.float32)))
     shown = replace(illumination, lights=(stage.light(65, 45, RATIO),)) if is_lit_by_hand else illumination
     lit_in_video = illumination if is_lit_by_hand else None
-    renderer.render(Scene(tracked, aside, shown, covers_marker=True, lit_in_video=lit_in_video))
-    picture = renderer.read_bgr()
+    picture = stage.picture(renderer, Scene(tracked, aside, shown, covers_marker=True, lit_in_video=lit_in_video))
     places = project(
         tracked.camera, tracked.marker.T_cam_marker, [(middle[0], y, 0.0) for y in np.linspace(0.03, -0.01, 9)]
     )
@@ -388,8 +385,7 @@ def test_a_recorded_picture_brings_no_other_cover_than_the_window_has(ctx, stage
 def test_what_is_saved_without_the_cover_leaves_it_to_the_window(make_renderer, stage) -> None:
     window, tracked = make_renderer(FAST.render), _view(stage)
     scene = Scene(tracked, _aside(stage), covers_marker=True)
-    window.render(scene)
-    covered = window.read_bgr()
+    covered = stage.picture(window, scene)
     saved = window.beside(window.size)
     saved.render(replace(scene, covers_marker=False))
     saved.release()

@@ -157,8 +157,7 @@ def test_a_hand_is_drawn_before_the_cover_and_the_rest_stays_covered(make_render
     before, now = view(stage), view(stage, hand=finger)
     pictures = []
     for tracked in (before, now):
-        renderer.render(Scene(tracked, aside, covers_marker=True))
-        pictures.append(renderer.read_bgr().astype(float))
+        pictures.append(stage.picture(renderer, Scene(tracked, aside, covers_marker=True)).astype(float))
     T, camera = now.marker.T_cam_marker, now.camera
     x, y = np.mgrid[-PAPER_HALF:PAPER_HALF:60j, -PAPER_HALF:PAPER_HALF:60j]
     at = np.round(project_distorted(camera, T, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))).astype(int)

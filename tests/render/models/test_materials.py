@@ -686,8 +686,7 @@ def test_glass_goes_on_behind_the_rim_of_what_is_cut_out_before_it(make_renderer
     cut[..., 3] = np.clip(128 + 12 * (columns - 32) + 3 * (rows - 32), 0, 255)
     black = replace(_sheet(Material(base_map=cut, alpha=Alpha.CUT_OUT)), vertices=CORNERS + np.float32((0, 0, 0.02)))
     green = _sheet(Material(base_colour=(0.0, 0.5, 0.0, 0.94), alpha=Alpha.BLEND))
-    studio.renderer.render(Scene(studio.tracked, stage.placed(green, black)))
-    picture = studio.renderer.read_bgr()[..., ::-1].astype(float)
+    picture = stage.picture(studio.renderer, Scene(studio.tracked, stage.placed(green, black)))[..., ::-1].astype(float)
     xs, ys = np.linspace(-0.012, 0.012, 61), np.linspace(-0.01, 0.01, 41)
     red = np.array([studio.at(picture, (x, y, 0.03))[0] for x in xs for y in ys])
     assert red.max() < 0.05
