@@ -13,21 +13,15 @@ import av
 import numpy as np
 import pytest
 
-from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording import fragments as fragments_module
 from ashe_live.capture.recording.fragments import IN_THE_MAKING, made_playable
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.recording.transparent import TransparentRecorder
 from ashe_live.core.arrays import Image
-from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from tests.capture.conftest import frames_of
 
 Draw = Callable[[int], Image]
-
-
-def frames_of(path: Path) -> list[Frame]:
-    with ClipSource(path) as source:
-        return list(source)
 
 
 def test_round_trip_keeps_count_size_order_and_times(clip: Path, picture: Draw) -> None:
