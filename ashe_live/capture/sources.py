@@ -41,7 +41,6 @@ class Source(Protocol):
 
     def read(self) -> Frame | None:
         """The next frame, or None at the end (a live source has none). Raises SourceLost."""
-        ...
 
     def __iter__(self) -> Iterator[Frame]:
         """The frames from here to the end."""
@@ -50,7 +49,6 @@ class Source(Protocol):
 
     def rewind(self) -> None:
         """Starts again at frame 0; does nothing to a live source."""
-        ...
 
     def reopen(self) -> bool:
         """Tries once to get a lost live source back; True when frames can be read again."""
@@ -58,7 +56,6 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Frees the file or the camera; may be called twice."""
-        ...
 
     def __enter__(self) -> Self:
         return self
@@ -76,8 +73,6 @@ class Seekable(Protocol):
 
     def seek(self, time_s: float) -> None:
         """The next frame read is the one shown `time_s` after the first: the first before all, the last after all."""
-        ...
 
     def seek_frame(self, index: int) -> None:
         """The next frame read is number `index`, 0 before all, or the end when there is none."""
-        ...

@@ -68,7 +68,7 @@ class WebcamSource(Source):
 
     def __init__(
         self,
-        camera: int | str = 0,
+        camera: int | str,
         size_request: Size | None = None,
         open_capture: OpenCapture = open_opencv_capture,
         clock_s: Callable[[], float] = time.monotonic,

@@ -4,10 +4,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
+from ashe_live.core.types import Frame
 
 SIZE = (96, 64)
+
+
+def frames_of(path: Path) -> list[Frame]:
+    with ClipSource(path) as source:
+        return list(source)
 
 
 @pytest.fixture

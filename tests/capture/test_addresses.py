@@ -1,6 +1,5 @@
 """A clip is a file: no name and no content of one makes the program ask a network or open another file."""
 
-import os
 import socket
 import threading
 from collections.abc import Iterator
@@ -94,9 +93,3 @@ def test_a_list_of_addresses_is_no_clip(kind: str, target: str, clip: Path, list
     with pytest.raises(UserError, match="is not a clip"):
         ClipSource("list.mp4")
     assert listener.calls == 0
-
-
-def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "clip.mp4")
-    with pytest.raises(UserError, match="is a device or a pipe"):
-        open_source(tmp_path / "clip.mp4")

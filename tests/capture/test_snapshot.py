@@ -1,6 +1,5 @@
 """Pictures written whole, under names that never overwrite."""
 
-from datetime import datetime
 from pathlib import Path
 
 import cv2
@@ -10,9 +9,6 @@ import pytest
 
 from ashe_live.capture.snapshot import write_png
 from ashe_live.errors import UserError
-from ashe_live.files.writing import unused_name
-
-NOON = datetime(2026, 11, 21, 14, 3, 12)
 
 
 def test_png_holds_the_very_pixels(tmp_path: Path) -> None:
@@ -43,20 +39,6 @@ def test_existing_picture_is_replaced_only_on_request(tmp_path: Path) -> None:
     assert cv2.imread(str(path)).max() == 0
     write_png(path, white, overwrite=True)
     assert cv2.imread(str(path)).min() == 255
-
-
-def test_missing_folder_is_a_user_error(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="there is no folder"):
-        write_png(tmp_path / "missing" / "a.png", np.zeros((4, 4, 3), np.uint8))
-
-
-def test_unused_names_count_up(tmp_path: Path) -> None:
-    names = []
-    for _ in range(3):
-        path = unused_name(tmp_path, "ashe-live", ".png", NOON)
-        path.touch()
-        names.append(path.name)
-    assert names == [f"ashe-live-20261121-140312{more}.png" for more in ("", "-2", "-3")]
 
 
 @pytest.mark.parametrize("name", ["a.jpg", "a.JPEG", "a.webp"])

@@ -23,6 +23,7 @@ from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.occlusion.occlusion import Hidden, Known
 from ashe_live.render.renderer import SceneRenderer
+from ashe_live.render.scene import Scene
 from tests.render.uniform_audit import UniformAudit, begin_audit
 
 SIZE = (480, 360)
@@ -120,6 +121,18 @@ class Stage:
         camera = camera or Stage.camera((image.shape[1], image.shape[0]))
         marker = None if T_cam_marker is None else MarkerPose(T_cam_marker, np.zeros((4, 2)), 0.08, 0.0, None)
         return TrackedFrame(Frame(image, 0, 0.0), camera, marker)
+
+    @staticmethod
+    def picture(renderer: SceneRenderer, scene: Scene) -> np.ndarray:
+        """(h, w, 3) BGR, as the renderer draws the scene."""
+        renderer.render(scene)
+        return renderer.read_bgr()
+
+    @staticmethod
+    def rgb_at(picture: np.ndarray, tracked: TrackedFrame, point: tuple[float, ...]) -> np.ndarray:
+        """(3,) from 0 to 255, where a picture (h, w, 3) BGR shows a point of the marker frame."""
+        ((column, row),) = np.round(project(tracked.camera, tracked.marker.T_cam_marker, [point])).astype(int)
+        return picture[row, column, ::-1].astype(int)
 
     @staticmethod
     def placed(*parts: Mesh) -> PlacedModel:

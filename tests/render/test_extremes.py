@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from ashe_live.core.light import Illumination
-from ashe_live.core.transforms import project
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, QUALITIES
 from ashe_live.render.scene import Scene
@@ -35,15 +34,12 @@ def test_low_and_upright_lights_before_and_behind_the_camera(
     tracked = stage.tracked(200, stage.pose(-90, 40, 0.4))
     model = stage.placed(box((0.03, 0.03, 0.05), GREEN))
     scene = Scene(tracked, model, Illumination((stage.light(azimuth_deg, elevation_deg, RATIO),)), shows_light=True)
-    renderer.render(scene)
-    assert _is_green(renderer.read_bgr()).sum() > 500
-    renderer.render(replace(scene, shows_light=False))  # the arrow may lie over what is looked at
-    picture = renderer.read_bgr()
+    assert _is_green(stage.picture(renderer, scene)).sum() > 500
+    # The arrow may lie over what is looked at.
+    picture = stage.picture(renderer, replace(scene, shows_light=False))
     side = 1 if azimuth_deg < 0 else -1  # the shadow falls away from the light
-    (column, row), *_ = np.round(project(tracked.camera, tracked.marker.T_cam_marker, [(0, 0.1 * side, 0)])).astype(int)
-    assert (picture[row, column, 1] < 140) == (elevation_deg < 1)
-    (column, row), *_ = np.round(project(tracked.camera, tracked.marker.T_cam_marker, [(0.08, 0, 0)])).astype(int)
-    assert picture[row, column, 1] == 200
+    assert (stage.rgb_at(picture, tracked, (0, 0.1 * side, 0))[1] < 140) == (elevation_deg < 1)
+    assert stage.rgb_at(picture, tracked, (0.08, 0, 0))[1] == 200
 
 
 @pytest.mark.parametrize("side_m", [0.005, 2.0])
@@ -56,13 +52,10 @@ def test_smallest_and_largest_models_on_smallest_and_largest_markers(
     tracked = stage.tracked(200, stage.pose(-90, 40, 4 * size_m, target=(0, 0, size_m / 2)))
     tracked = replace(tracked, marker=replace(tracked.marker, side_m=side_m))
     model = stage.placed(box((size_m, size_m, size_m), GREEN))
-    renderer.render(Scene(tracked, model, Illumination((stage.light(180, 35, RATIO),))))
-    picture = renderer.read_bgr()
+    picture = stage.picture(renderer, Scene(tracked, model, Illumination((stage.light(180, 35, RATIO),))))
     assert 0.03 < _is_green(picture).mean() < 0.5
-    places = project(tracked.camera, tracked.marker.T_cam_marker, [(1.2 * size_m, 0, 0), (-1.2 * size_m, 0, 0)])
-    (dark, lit) = (picture[row, column, 1] for column, row in np.round(places).astype(int))
-    assert dark < 140
-    assert lit > 190
+    assert stage.rgb_at(picture, tracked, (1.2 * size_m, 0, 0))[1] < 140
+    assert stage.rgb_at(picture, tracked, (-1.2 * size_m, 0, 0))[1] > 190
 
 
 @pytest.mark.parametrize(
@@ -71,12 +64,11 @@ def test_smallest_and_largest_models_on_smallest_and_largest_markers(
 def test_camera_within_beneath_near_and_far(
     make_renderer, stage, quality: str, distance_m: float, elevation_deg: float
 ) -> None:
-    renderer = make_renderer(QUALITIES[quality].render)
     tracked = stage.tracked(200, stage.pose(-90, elevation_deg, distance_m, target=(0, 0, 0.02)))
-    renderer.render(
-        Scene(tracked, stage.placed(box((0.03, 0.03, 0.05), GREEN)), Illumination((stage.light(180, 35, RATIO),)))
-    )
-    picture = renderer.read_bgr().astype(int)
+    picture = stage.picture(
+        make_renderer(QUALITIES[quality].render),
+        Scene(tracked, stage.placed(box((0.03, 0.03, 0.05), GREEN)), Illumination((stage.light(180, 35, RATIO),))),
+    ).astype(int)
     assert not _is_green(picture).all()
     if distance_m > 0.1:  # else it is dark within the model, and rightly so
         assert picture.max(axis=2).min() > 40
@@ -92,24 +84,19 @@ def test_tiniest_windows(make_renderer, stage, quality: str, size: tuple[int, in
         stage.placed(box((0.1, 0.1, 0.1), GREEN)),
         Illumination((stage.light(180, 35),)),
     )
-    renderer.render(scene)
-    before = renderer.read_bgr()
+    before = stage.picture(renderer, scene)
     renderer.resize(size)
-    renderer.render(scene)
-    assert renderer.read_bgr().shape == (size[1], size[0], 3)
+    assert stage.picture(renderer, scene).shape == (size[1], size[0], 3)
     renderer.resize((0, 0))
     renderer.render(scene)
     renderer.resize((480, 360))
-    renderer.render(scene)
-    np.testing.assert_array_equal(renderer.read_bgr(), before)
+    np.testing.assert_array_equal(stage.picture(renderer, scene), before)
 
 
 def test_context_without_multisampling(ctx: moderngl.Context, make_renderer, stage, monkeypatch) -> None:
     monkeypatch.setattr(type(ctx), "max_samples", property(lambda _self: 0))
-    renderer = make_renderer(BALANCED.render)
     scene = Scene(stage.tracked(200, stage.pose(-90, 40)), stage.placed(box((0.05, 0.05, 0.05), GREEN)))
-    renderer.render(scene)
-    assert _is_green(renderer.read_bgr()).sum() > 1000
+    assert _is_green(stage.picture(make_renderer(BALANCED.render), scene)).sum() > 1000
 
 
 def test_opengl_3_3_is_enough() -> None:

@@ -162,23 +162,19 @@ def test_nothing_to_say_is_nothing_to_draw() -> None:
 
 
 def test_overlay_lies_where_it_says_pixel_by_pixel(make_renderer, stage) -> None:
-    renderer = make_renderer()
     rgba = np.random.default_rng(5).integers(0, 256, (20, 30, 4), dtype=np.uint8)
     rgba[..., 3] = 255
-    renderer.render(Scene(stage.tracked(7, None), overlays=(Overlay(rgba, 40, 50),)))
-    picture = renderer.read_bgr()
+    picture = stage.picture(make_renderer(), Scene(stage.tracked(7, None), overlays=(Overlay(rgba, 40, 50),)))
     np.testing.assert_array_equal(picture[50:70, 40:70, ::-1], rgba[..., :3])
     picture[50:70, 40:70] = 7
     assert (picture == 7).all()
 
 
 def test_inset_is_scaled_to_its_size_and_overlays_stack(make_renderer, stage) -> None:
-    renderer = make_renderer()
     white, black = (np.full((10, 10, 4), value, dtype=np.uint8) for value in (255, 0))
     black[..., 3] = 255
     inset, spot = Overlay(white, 100, 100, (200, 100)), Overlay(black, 150, 120)
-    renderer.render(Scene(stage.tracked(7, None), overlays=(inset, spot)))
-    picture = renderer.read_bgr()
+    picture = stage.picture(make_renderer(), Scene(stage.tracked(7, None), overlays=(inset, spot)))
     assert (picture == 255).all(axis=2).sum() == 200 * 100 - 100
     assert not picture[120:130, 150:160].any()
 

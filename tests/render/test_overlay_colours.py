@@ -87,10 +87,8 @@ def test_arrow_stands_out_from_any_video(make_renderer, stage, video: int) -> No
     light, model = stage.light(30, 50), stage.placed(box((0.08, 0.08, 0.1)))
     renderer = make_renderer()
     tracked = stage.tracked(video, stage.pose(30, 40))
-    renderer.render(Scene(tracked, model, Illumination((light,))))
-    without = renderer.read_bgr()
-    renderer.render(Scene(tracked, model, Illumination((light,)), True))
-    shown = renderer.read_bgr()
+    without = stage.picture(renderer, Scene(tracked, model, Illumination((light,))))
+    shown = stage.picture(renderer, Scene(tracked, model, Illumination((light,)), True))
     of_arrow = (shown != without).any(axis=2)
     assert of_arrow.sum() > 100
     ratios = contrast(LINEAR_FROM_SRGB_8BIT[shown[of_arrow][:, ::-1]], linear((video,) * 3))

@@ -16,6 +16,7 @@ from ashe_live.models.primitives import box
 from ashe_live.quality import ACCURATE, BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_reported, live_gl_objects
 from ashe_live.render.passes.surface import supported_samples
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Overlay, Scene
 
 
@@ -23,8 +24,7 @@ def test_frame_is_uploaded_once_however_often_it_is_shown(make_renderer, stage) 
     renderer = make_renderer()
     first, second = stage.tracked(stage.noise(1), None), stage.tracked(stage.noise(2), None)
     for tracked in (first, first, first, second, second):
-        renderer.render(Scene(tracked))
-        np.testing.assert_array_equal(renderer.read_bgr(), tracked.frame.image_bgr)
+        np.testing.assert_array_equal(stage.picture(renderer, Scene(tracked)), tracked.frame.image_bgr)
     assert renderer.video.uploads == 2
 
 
@@ -56,8 +56,7 @@ def test_picture_does_not_depend_on_what_was_drawn_before(make_renderer, stage) 
     used.render(Scene())
     used.preset = FAST.render
     used.resize((480, 360))
-    used.render(scene)
-    np.testing.assert_array_equal(used.read_bgr(), fresh.read_bgr())
+    np.testing.assert_array_equal(stage.picture(used, scene), fresh.read_bgr())
 
 
 @pytest.mark.parametrize("quality", [FAST, BALANCED, ACCURATE], ids=lambda quality: quality.name)
@@ -68,9 +67,7 @@ def test_shadows_of_former_models_and_lights_leave_nothing_behind(make_renderer,
     for model, azimuth_deg in ((tall, 10), (flat, 100), (tall, 200), (flat, 10)):
         scene = Scene(tracked, model, Illumination((stage.light(azimuth_deg, 30), stage.light(azimuth_deg + 50, 60))))
         renderer.render(scene)
-        fresh = make_renderer(quality.render)
-        fresh.render(scene)
-        np.testing.assert_array_equal(renderer.read_bgr(), fresh.read_bgr())
+        np.testing.assert_array_equal(renderer.read_bgr(), stage.picture(make_renderer(quality.render), scene))
 
 
 def test_without_a_marker_there_is_only_video(make_renderer, stage) -> None:
@@ -85,8 +82,7 @@ def test_without_a_marker_there_is_only_video(make_renderer, stage) -> None:
 def test_without_video_the_picture_is_black(make_renderer, stage) -> None:
     renderer = make_renderer()
     renderer.render(Scene(stage.tracked(200, None)))
-    renderer.render(Scene())
-    assert not renderer.read_bgr().any()
+    assert not stage.picture(renderer, Scene()).any()
 
 
 @pytest.mark.parametrize("size", [(960, 360), (480, 720), (1, 1), (7, 300)])
@@ -109,8 +105,7 @@ def test_a_large_picture_in_a_small_window_is_the_mean_of_its_pixels(make_render
     tracked = stage.tracked(np.ascontiguousarray(weave[..., None].repeat(3, axis=2)), None)
     renderer = make_renderer()
     for _ in range(2):
-        renderer.render(Scene(tracked))
-        seen = renderer.read_bgr().astype(float)
+        seen = stage.picture(renderer, Scene(tracked)).astype(float)
         blocks = weave.reshape(360, 4, 480, 4).mean(axis=(1, 3))
         np.testing.assert_allclose(seen, blocks[..., None].repeat(3, axis=2), atol=1)
     assert renderer.video.uploads == 1
@@ -121,9 +116,8 @@ def test_model_stays_on_its_marker_at_every_window_size(make_renderer, stage) ->
     model = stage.placed(box((0.03, 0.03, 0.03), (1, 1, 1, 1)))
     first = None
     for size in ((480, 360), (1200, 360), (240, 180), (960, 720)):
-        renderer = make_renderer(size=size)
-        renderer.render(Scene(tracked, model))
-        rows, columns = np.nonzero(renderer.read_bgr()[..., 1] > 60)
+        picture = stage.picture(make_renderer(size=size), Scene(tracked, model))
+        rows, columns = np.nonzero(picture[..., 1] > 60)
         scale = min(size[0] / 480, size[1] / 360)
         left = (size[0] - 480 * scale) / 2
         place = np.array([columns.mean() + 0.5 - left, rows.mean() + 0.5]) / scale
@@ -151,8 +145,7 @@ def test_video_is_freed_of_the_lens_so_that_the_model_fits(make_renderer, stage)
     dot = 255 * np.exp(-((columns - bent[0]) ** 2 + (rows - bent[1]) ** 2) / 18)
     image = np.repeat(dot.astype(np.uint8)[..., None], 3, axis=2)
     renderer = make_renderer(replace(FAST.render, matches_lens=False))
-    renderer.render(Scene(stage.tracked(image, T_cam_marker, camera)))
-    shown = renderer.read_bgr()[..., 0].astype(float)
+    shown = stage.picture(renderer, Scene(stage.tracked(image, T_cam_marker, camera)))[..., 0].astype(float)
     centre = np.array([(shown * columns).sum(), (shown * rows).sum()]) / shown.sum()
     np.testing.assert_allclose(centre, straight, atol=0.2)
 
@@ -170,12 +163,12 @@ def test_switching_models_and_presets_keeps_no_gl_objects(ctx, make_renderer, st
             renderer.preset = FAST.render if turn % 2 else BALANCED.render
             renderer.resize((480, 360 + turn % 2))
 
-    switch(2)
+    switch(4)
     ctx.gc_mode = "context_gc"  # collects what Python drops without its being released
     try:
         before = live_gl_objects()
         ctx.objects.clear()
-        switch(4)
+        switch(2)
         assert live_gl_objects() == before
         assert all(type(dropped).__name__ == "InvalidObject" for dropped in ctx.objects)  # released before
     finally:
@@ -187,9 +180,7 @@ def test_multisampling_smooths_edges_only(ctx, make_renderer, stage) -> None:
         pytest.skip("this OpenGL has one sample a pixel")
     scene = Scene(stage.tracked(0, stage.pose(-70, 40)), stage.placed(box((0.05, 0.05, 0.05))))
     rough, smooth = make_renderer(FAST.render), make_renderer(BALANCED.render.with_samples(4))
-    rough.render(scene)
-    smooth.render(scene)
-    a, b = rough.read_bgr()[..., 0].astype(int), smooth.read_bgr()[..., 0].astype(int)
+    a, b = (stage.picture(renderer, scene)[..., 0].astype(int) for renderer in (rough, smooth))
     differs = a != b
     edges = cv2.dilate(cv2.morphologyEx(a.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3))), np.ones((3, 3))) > 0
     assert differs.sum() > 50
@@ -214,21 +205,23 @@ def test_presenting_copies_the_picture(ctx, make_renderer, stage) -> None:
     np.testing.assert_array_equal(shown, image)
 
 
+def _sign_px(stage, renderer: SceneRenderer, scene: Scene) -> np.ndarray:
+    """(2,) the middle of what the light's sign changes in the picture."""
+    without, shown = (stage.picture(renderer, replace(scene, shows_light=each)) for each in (False, True))
+    rows, columns = np.nonzero((without != shown).any(axis=2))
+    assert len(rows) > 50
+    return np.array([columns.mean(), rows.mean()])
+
+
 def test_arrow_comes_from_the_light(make_renderer, stage) -> None:
     renderer = make_renderer()
     model = stage.placed(box((0.03, 0.03, 0.03)))
     tracked = stage.tracked(90, stage.pose(-90, 89, 0.5, target=(0, 0, 0)))
     foot = project(tracked.camera, tracked.marker.T_cam_marker, [(0, 0, 0.015)])[0]
     for azimuth_deg in (0, 90, 200):
-        light = stage.light(azimuth_deg, 20)
-        pictures = []
-        for shows_light in (False, True):
-            renderer.render(Scene(tracked, model, Illumination((light,)), shows_light))
-            pictures.append(renderer.read_bgr())
-        rows, columns = np.nonzero((pictures[0] != pictures[1]).any(axis=2))
-        assert len(rows) > 50
-        towards = np.array([columns.mean() - foot[0], foot[1] - rows.mean()])
-        bearing_deg = np.degrees(np.arctan2(towards[1], towards[0]))
+        scene = Scene(tracked, model, Illumination((stage.light(azimuth_deg, 20),)))
+        right, down = _sign_px(stage, renderer, scene) - foot
+        bearing_deg = np.degrees(np.arctan2(-down, right))
         assert abs((bearing_deg - azimuth_deg + 180) % 360 - 180) < 8
 
 
@@ -239,18 +232,13 @@ def test_a_lamp_in_view_has_a_bulb_in_its_place(make_renderer, stage) -> None:
     tracked = stage.tracked(90, stage.pose(-90, 60, 0.5, target=(0, 0, 0.05)))
     for place in ((0.1, 0.05, 0.1), (-0.08, -0.02, 0.12), (0.0, 0.0, 0.1), (2.0, 0.1, 1.0), (-1.0, -0.8, 0.3)):
         lamp = Light(place, inverse_distance=1 / np.linalg.norm(place), radius_m=0.01)
-        pictures = []
-        for shows_light in (False, True):
-            renderer.render(Scene(tracked, model, Illumination((lamp,)), shows_light))
-            pictures.append(renderer.read_bgr())
-        rows, columns = np.nonzero((pictures[0] != pictures[1]).any(axis=2))
-        assert len(rows) > 50
+        seen_px = _sign_px(stage, renderer, Scene(tracked, model, Illumination((lamp,))))
         expected = np.array(place)
         if np.linalg.norm(place) > 1:
             from_model = expected - (0, 0, 0.015)
             expected = (0, 0, 0.015) + 0.04 * from_model / np.linalg.norm(from_model)
         (expected_px,) = project(tracked.camera, tracked.marker.T_cam_marker, [expected])
-        assert np.hypot(*(expected_px - (columns.mean(), rows.mean()))) < 12
+        assert np.hypot(*(expected_px - seen_px)) < 12
 
 
 def test_a_driver_without_memory_left_is_reported_once_and_in_one_line(ctx, make_renderer, stage) -> None:

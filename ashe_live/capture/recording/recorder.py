@@ -59,11 +59,10 @@ class Recorder:
             # Nobody hears of what a signal's handler raises within FFmpeg's calls of Python.
             with signals_held():
                 self._begin(fps)
-        except (OSError, av.error.FFmpegError) as error:
+        except BaseException as error:
             self._fragments.discard()
-            raise cannot_write(self.path, error) from error
-        except BaseException:
-            self._fragments.discard()
+            if isinstance(error, OSError | av.error.FFmpegError):
+                raise cannot_write(self.path, error) from error
             raise
 
     def write(self, image_bgr: Image, time_s: float) -> None:

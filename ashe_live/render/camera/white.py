@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import mean_side_px, square_corners
+from ashe_live.core.transforms import camera_centre
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.in_frame import project_distorted
 from ashe_live.render.camera.paper_gloss import mirrored_by_paper
@@ -142,8 +143,7 @@ def _mirrored(tracked: TrackedFrame, lights: tuple[ShadingLight, ...]) -> Float:
     """(3,) what the print's middle mirrors of the lights into the camera, as `mirrored_by_paper`."""
     assert tracked.marker is not None
     middle = np.array([0.0, 0.0, print_height_m(tracked)])
-    T = tracked.marker.T_cam_marker
-    to_eye = -T[:3, :3].T @ T[:3, 3] - middle
+    to_eye = camera_centre(tracked.marker.T_cam_marker) - middle
     return mirrored_by_paper(lights, to_eye / np.linalg.norm(to_eye), middle)
 
 

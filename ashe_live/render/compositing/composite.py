@@ -124,21 +124,22 @@ class Composite:
 
     def _programs_for(self, onto: Footage, is_cut_out: bool) -> tuple[moderngl.Program, moderngl.Program]:
         """The program that chooses the pixels, and the one that composes them."""
-        blurs = onto.blurs
-        bends = {"bends": 1} if onto.lens is not None else {}
-        switches = {
-            "wide": blurs.widest > blurs.variance,
-            "coarse": onto.look.chroma_blur_px > 0,
-            "overexposed": onto.look.is_overexposed,
-            "covers": onto.cover is not None,
-            "relief": onto.relief is not None,
-            "cut_out": is_cut_out,
-        }
-        constants: dict[str, float] = {**bends, **{name: 1 for name, is_on in switches.items() if is_on}}
-        if onto.look.is_overexposed:
-            constants |= dict(zip(("clips_from", "clips_to"), OVEREXPOSED, strict=True))
-        composing = self._programs.get("compositing/composite", reach=blurs.reach, **constants)
-        return self._programs.get("compositing/touched", **bends), composing
+        blurs, bends = onto.blurs, onto.lens is not None
+        clips_from, clips_to = OVEREXPOSED
+        composing = self._programs.get(
+            "compositing/composite",
+            reach=blurs.reach,
+            bends=bends,
+            wide=blurs.widest > blurs.variance,
+            coarse=onto.look.chroma_blur_px > 0,
+            overexposed=onto.look.is_overexposed,
+            clips_from=clips_from,
+            clips_to=clips_to,
+            covers=onto.cover is not None,
+            relief=onto.relief is not None,
+            cut_out=is_cut_out,
+        )
+        return self._programs.get("compositing/touched", bends=bends), composing
 
     def release(self) -> None:
         self._coarse.release()

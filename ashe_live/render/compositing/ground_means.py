@@ -31,8 +31,7 @@ class GroundMeans:
         left, bottom, width, height = viewport
         means = float(MEANS_ACROSS), MEANS_ACROSS * height / width
         texture, framebuffer = self._canvas.of_size((MEANS_ACROSS, math.ceil(means[1])))
-        constants = {name: 1 for name, is_so in (("covers", cover is not None), ("bends", bends)) if is_so}
-        program = self._programs.get("compositing/ground_mean", **constants)
+        program = self._programs.get("compositing/ground_mean", covers=cover is not None, bends=bends)
         set_uniforms(program, viewport=tuple(map(float, viewport)), means=means)
         if cover is not None:
             cover.bind(program)

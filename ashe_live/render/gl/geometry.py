@@ -200,17 +200,18 @@ class GpuModel:
         """Draws into the bound depth buffer; of surfaces with holes or partial transparency only a part."""
         for part in self.parts:
             material = part.material
-            constants = {}
-            if material.alpha is not Alpha.OPAQUE:
-                constants = {material.alpha.name: 1}
-                if "base_map" in part.maps:
-                    constants |= {"base_map": 1, **layout_constants(part.mesh)}
-                if part.has_clear_vertices:
-                    constants["vertex_colours"] = 1
-            program = self._programs.get("lights/depth", **constants)
-            if "base_map" in constants:
+            has_holes = material.alpha is not Alpha.OPAQUE
+            is_by_picture = has_holes and "base_map" in part.maps
+            program = self._programs.get(
+                "lights/depth",
+                base_map=is_by_picture,
+                vertex_colours=has_holes and part.has_clear_vertices,
+                **{material.alpha.name: has_holes},
+                **(layout_constants(part.mesh) if is_by_picture else {}),
+            )
+            if is_by_picture:
                 part.maps["base_map"].use(UNIT_OF["base_map"])
-            set_uniforms(program, **layout_uniforms(part.mesh, constants))
+                set_uniforms(program, **layout_uniforms(part.mesh))
             set_uniforms(
                 program,
                 clip_from_marker=clip_from_marker,

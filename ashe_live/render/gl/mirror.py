@@ -4,6 +4,7 @@ import moderngl
 
 from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.programs import build_program, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 
 FROM_RIGHT_TO_LEFT = (1.0, -1.0, -1.0, 1.0)
@@ -15,7 +16,7 @@ class Mirror:
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
         self._program = build_program(ctx, "screen/screen")
-        self._rectangle = ctx.vertex_array(self._program, [])
+        self._rectangle = WholeRectangle(ctx)
         self._copy = Canvas(ctx)
 
     def turn(self, picture: moderngl.Framebuffer) -> None:
@@ -28,7 +29,7 @@ class Mirror:
         self._ctx.enable_only(moderngl.NOTHING)
         texture.use(UNIT_OF["picture"])
         set_uniforms(self._program, rectangle=FROM_RIGHT_TO_LEFT)
-        self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        self._rectangle.draw(self._program)
 
     def release(self) -> None:
         self._copy.release()

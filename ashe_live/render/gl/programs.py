@@ -23,7 +23,7 @@ class Programs:
 
     def get(self, name: str, **constants: float) -> moderngl.Program:
         """As `build_program`; the same program for the same constants."""
-        key = name, tuple(sorted(constants.items()))
+        key = name, tuple(sorted(_macros(constants).items()))
         if key not in self._built:
             self._built[key] = build_program(self._ctx, name, **constants)
         return self._built[key]
@@ -35,14 +35,21 @@ class Programs:
 
 
 def build_program(ctx: moderngl.Context, name: str, **constants: float) -> moderngl.Program:
-    """The program of the pass `name`, as "lights/depth", its samplers on their units; `constants` become macros."""
-    defines = "".join(f"#define {key.upper()} {value}\n" for key, value in constants.items())
+    """The program of the pass `name`, as "lights/depth", its samplers on their units.
+
+    `constants` become macros; one that is False is not defined.
+    """
+    defines = "".join(f"#define {key.upper()} {value}\n" for key, value in _macros(constants).items())
     vertex, fragment = (shader_source(file_name, defines) for file_name in shaders_of(name))
     # moderngl 5.13 calls Python for each uniform, and crashes when a signal's handler raises there.
     with signals_held():
         program = ctx.program(vertex_shader=vertex, fragment_shader=fragment)
     set_uniforms(program, **UNIT_OF)
     return program
+
+
+def _macros(constants: dict[str, float]) -> dict[str, float]:
+    return {name: 1 if value is True else value for name, value in constants.items() if value is not False}
 
 
 @cache

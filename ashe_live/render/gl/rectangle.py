@@ -1,4 +1,4 @@
-"""A rectangle over all of the viewport, for passes whose program changes with what a picture needs."""
+"""A rectangle of four corners, which the vertex shader of the program that draws it places: as a rule the viewport."""
 
 import moderngl
 

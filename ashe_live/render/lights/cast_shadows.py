@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, cross_2d
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import light_view
 from ashe_live.render.lights.lighting import ShadingLight
@@ -50,8 +50,7 @@ def _hull(points: Float) -> Float:
 def is_inside(hull: Float, points: Float) -> NDArray[np.bool_]:
     """(n,) whether points (n, 2) are within a convex polygon (m, 2)."""
     edges = np.roll(hull, -1, axis=0) - hull
-    x, y = np.moveaxis(points[:, None] - hull, 2, 0)
-    sides = edges[:, 0] * y - edges[:, 1] * x
+    sides = cross_2d(edges, points[:, None] - hull)
     return np.asarray((sides >= 0).all(axis=1) | (sides <= 0).all(axis=1))
 
 

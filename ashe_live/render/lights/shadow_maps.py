@@ -85,7 +85,7 @@ class ShadowMaps:
         is_soft = self._preset.soft_on_model or self._is_soft_on_model or self._is_dithered
         return {
             **self._lights,
-            **({"dithered": 1} if self._is_dithered else {}),
+            "dithered": self._is_dithered,
             "groups": self.group_count,
             "casters": self.group_count + self.real_shades_model,
             "pcf_radius": self._preset.pcf_radius,

@@ -2,10 +2,14 @@
 
 import moderngl
 
+from ashe_live.render.gl.rectangle import WholeRectangle
 
-def draw_added(ctx: moderngl.Context, framebuffer: moderngl.Framebuffer, rectangle: moderngl.VertexArray) -> None:
-    """Adds what the program of `rectangle`, whose four corners it makes itself, gives to all of `framebuffer`."""
+
+def draw_added(
+    ctx: moderngl.Context, framebuffer: moderngl.Framebuffer, rectangle: WholeRectangle, program: moderngl.Program
+) -> None:
+    """Adds what the program gives to all of `framebuffer`."""
     framebuffer.use()
     ctx.enable_only(moderngl.BLEND)
     ctx.blend_func = moderngl.ONE, moderngl.ONE
-    rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+    rectangle.draw(program)

@@ -16,6 +16,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.models.mesh import Mesh
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.adding import draw_added
@@ -53,7 +54,7 @@ class ContactPatch:
         self.model_bounds: Float = np.array([lower, upper])  # (2, 3) likewise
         self._ctx = ctx
         self._programs = programs
-        self._rectangle: moderngl.VertexArray | None = None
+        self._rectangle = WholeRectangle(ctx)
         self._texture = ctx.texture((PATCH_SIZE, PATCH_SIZE), 4, dtype="f2")
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = ctx.framebuffer([self._texture])
@@ -74,16 +75,14 @@ class ContactPatch:
         weight: of a direction straight above, as a share of the sky; others have it times their sine.
         """
         constants = depth_map.constants
-        if "dithered" not in constants:
+        if not constants["dithered"]:
             constants["blocker_taps"] = 0  # `smoothed` makes these shadows soft
         program = self._programs.get("occlusion/contact", **constants)
         depth_map.bind(program)
         points = np.zeros(int(constants["lights"]))
         # All patches share one program: another may have used it between two steps.
         set_uniforms(program, weight=weight, patch_bounds=tuple(self.bounds.ravel()), tan_half_size=points)
-        if self._rectangle is None:
-            self._rectangle = self._ctx.vertex_array(program, [])
-        draw_added(self._ctx, self._framebuffer, self._rectangle)
+        draw_added(self._ctx, self._framebuffer, self._rectangle, program)
 
     def smoothed(self, distances: Float) -> NDArray[np.float16]:
         """(PATCH_SIZE, PATCH_SIZE, 4) what the patch is to hold, once every direction of the sky has been added.
@@ -142,5 +141,4 @@ class ContactPatch:
 
     def release(self) -> None:
         for held in (self._framebuffer, self._texture, self._rectangle):
-            if held is not None:
-                held.release()
+            held.release()

@@ -13,6 +13,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.models.mesh import Mesh
 from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.adding import draw_added
@@ -41,7 +42,7 @@ class SelfOcclusion:
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self._framebuffer = ctx.framebuffer([self._hidden])
         self._framebuffer.clear()
-        self._rectangle: moderngl.VertexArray | None = None
+        self._rectangle = WholeRectangle(ctx)
         self._upward = self._pose(0.0)
 
     def add(self, depth_map: ShadowMaps, weight: float, time_s: float) -> None:
@@ -53,9 +54,7 @@ class SelfOcclusion:
         self._places.use(UNIT_OF["sample_places"])
         self._normals.use(UNIT_OF["sample_normals"])
         set_uniforms(program, weight=weight)
-        if self._rectangle is None:
-            self._rectangle = self._ctx.vertex_array(program, [])
-        draw_added(self._ctx, self._framebuffer, self._rectangle)
+        draw_added(self._ctx, self._framebuffer, self._rectangle, program)
 
     def openness(self) -> Iterator[Float]:
         """(n, 4) in [0, 1] of the vertices of each mesh, as `_openness`, once every direction was added."""
@@ -68,8 +67,7 @@ class SelfOcclusion:
 
     def release(self) -> None:
         for held in (self._framebuffer, self._places, self._normals, self._hidden, self._rectangle):
-            if held is not None:
-                held.release()
+            held.release()
 
     def _pose(self, time_s: float) -> Float:
         """Fills the textures with where the points are then; (n,) the normals' z."""

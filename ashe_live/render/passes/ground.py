@@ -78,18 +78,15 @@ class ShadowCatcher:
             return
         groups = shadows.group_count
         casters = groups + inputs.looked_up.shadows.shadows_meet
-        constants: dict[str, float] = {**lighting.constants, "groups": groups, "casters": casters}
-        if ground.cover is not None:
-            constants["covers"] = 1
-        if ground.border_px >= LEAST_BORDER_PX:
-            constants["soft_border"] = 1
+        soft_border = ground.border_px >= LEAST_BORDER_PX
+        constants = {**lighting.constants, "groups": groups, "casters": casters, "soft_border": soft_border}
         ground.video.bind()
         uniforms = _uniforms(inputs, ground)
         # Behind a model that is flat on the ground.
         self._ctx.polygon_offset = 1.0, 1.0
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         first, *others = models.members
-        program = self._programs.get("catchers/ground", **constants)
+        program = self._programs.get("catchers/ground", covers=ground.cover is not None, **constants)
         if ground.cover is not None:
             ground.cover.bind(program)
         self._draw_fan(program, first, self._walls[0], shadows, uniforms)
@@ -99,7 +96,6 @@ class ShadowCatcher:
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_COLOR
             # On the polygon that has just been drawn.
             self._ctx.depth_func = "<="
-            constants.pop("covers", None)
             program = self._programs.get("catchers/ground", contact_alone=1, **constants)
             for model, walls in zip(others, self._walls[1:], strict=False):
                 self._draw_fan(program, model, walls, shadows, uniforms)

@@ -122,7 +122,7 @@ class ModelPass:
     def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs, is_rim: bool = False) -> None:
         material = part.material
         program = self._bound_program(part, inputs.looked_up, is_rim)
-        set_uniforms(program, **layout_uniforms(part.mesh, layout_constants(part.mesh)))
+        set_uniforms(program, **layout_uniforms(part.mesh))
         set_uniforms(
             program,
             clip_from_marker=inputs.framing.clip_from_marker,
@@ -153,7 +153,7 @@ class ModelPass:
             "model/model",
             min_roughness=MIN_ROUGHNESS,
             **shading_constants(part),
-            **({"rim": 1} if is_rim else {}),
+            rim=is_rim,
             **looked_up.shadows.constants,
         )
         looked_up.shadows.bind(program)
@@ -171,28 +171,21 @@ def gl_flags(material: Material) -> int:
     return moderngl.DEPTH_TEST | (0 if material.double_sided else moderngl.CULL_FACE)
 
 
-def shading_constants(part: GpuPart) -> dict[str, int]:
+def shading_constants(part: GpuPart) -> dict[str, bool]:
     """Macros of the part's shader variant."""
-    material, mesh = part.material, part.mesh
-    found = dict.fromkeys(part.maps, 1)
-    if material.alpha is not Alpha.OPAQUE:
-        found[material.alpha.name] = 1
-    if mesh.colours is not None:
-        found["vertex_colours"] = 1
-    if part.is_rounded:
-        found["rounded"] = 1
-    if material.emissive == BLACK:
-        found.pop("emissive_map", None)
-    else:
-        found["emits"] = 1
-        if material.is_unlit:
-            found["unlit"] = 1
-    if not material.is_matt:
-        found["glossy"] = 1
-    if material.is_mirror:
-        found["mirrors"] = 1
-    if material.coat > 0:
-        found["coated"] = 1
-    if part.maps:
-        found |= {"has_maps": 1, **layout_constants(part.mesh)}
-    return found
+    material = part.material
+    emits = material.emissive != BLACK
+    return {
+        **dict.fromkeys(part.maps, True),
+        "emissive_map": emits and "emissive_map" in part.maps,
+        material.alpha.name: material.alpha is not Alpha.OPAQUE,
+        "vertex_colours": part.mesh.colours is not None,
+        "rounded": part.is_rounded,
+        "emits": emits,
+        "unlit": emits and material.is_unlit,
+        "glossy": not material.is_matt,
+        "mirrors": material.is_mirror,
+        "coated": material.coat > 0,
+        "has_maps": bool(part.maps),
+        **layout_constants(part.mesh),
+    }

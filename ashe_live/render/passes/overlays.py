@@ -6,6 +6,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.gl.programs import build_program, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.scene import Overlay
 
@@ -17,7 +18,7 @@ class OverlayPass:
         self.uploads = 0
         self._ctx = ctx
         self._program = build_program(ctx, "screen/screen")
-        self._rectangle = ctx.vertex_array(self._program, [])
+        self._rectangle = WholeRectangle(ctx)
         # A reference to the picture is kept with its texture, so that its id is not reused.
         self._textures: dict[int, tuple[Image, moderngl.Texture]] = {}
 
@@ -35,7 +36,7 @@ class OverlayPass:
             left, right = (2 * x / size[0] - 1 for x in (overlay.left_px, overlay.left_px + width))
             top, bottom = (1 - 2 * y / size[1] for y in (overlay.top_px, overlay.top_px + height))
             set_uniforms(self._program, rectangle=(left, bottom, right, top))
-            self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+            self._rectangle.draw(self._program)
 
     def release(self) -> None:
         self._drop_all_but(set())

@@ -11,6 +11,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.framing import Rectangle
 from ashe_live.render.gl.programs import build_program, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.passes.frame_texture import FrameTexture
 
@@ -26,7 +27,7 @@ class Video:
         self.uploads = 0
         self._ctx = ctx
         self._program = build_program(ctx, "screen/screen")
-        self._rectangle = ctx.vertex_array(self._program, [])
+        self._rectangle = WholeRectangle(ctx)
         self._texture: FrameTexture | None = None
         self._shown: TrackedFrame | None = None
         self._lens: tuple[Camera, Camera, Any, Any] | None = None
@@ -78,7 +79,7 @@ class Video:
         assert self._texture is not None
         self._texture.texture.use(UNIT_OF["picture"])
         set_uniforms(self._program, rectangle=WHOLE_VIEWPORT)
-        self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        self._rectangle.draw(self._program)
 
     def bind(self) -> None:
         """For programs that read it as `video`."""

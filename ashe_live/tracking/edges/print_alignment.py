@@ -192,7 +192,8 @@ class PrintAlignment(PrintLikeness):
                 return None
             if largest < SMALL_STEP:
                 covariance = by_unit @ seen.covariance @ by_unit.T
-                return AlignedCorners(corners, _inverse(covariance + MIN_SIGMA_PX**2 * np.eye(8)), seen)
+                information = np.linalg.inv(covariance + MIN_SIGMA_PX**2 * np.eye(8))
+                return AlignedCorners(corners, np.asarray(information, dtype=np.float64), seen)
             seen = self.look(self.sampled(view, corners, shade), mean_side_px(corners), shade)
         return None
 
@@ -232,7 +233,3 @@ def _bleed_solved(one_shift: Float) -> tuple[Light, float]:
     """
     spread = np.linalg.inv(one_shift.T @ one_shift + 1e-9 * np.eye(5))
     return np.linalg.pinv(one_shift).astype(np.float32), float(spread[4, 4])
-
-
-def _inverse(matrix: Float) -> Float:
-    return np.asarray(np.linalg.inv(matrix), dtype=np.float64)

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float, Image, distinct
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.square import side_lengths_px
 
@@ -103,9 +103,8 @@ def on_lighter(grey: Image, quads: list[Float]) -> list[Float]:
 
 def without_repeats(quads: list[Float]) -> list[Float]:
     """`quads` without those that lie where an earlier one does."""
-    kept: list[Float] = []
-    for quad in quads:
-        centre = quad.mean(axis=0)
-        if all(np.abs(other.mean(axis=0) - centre).max() > np.ptp(other, axis=0).max() / 4 for other in kept):
-            kept.append(quad)
-    return kept
+
+    def lies_on(quad: Float, other: Float) -> bool:
+        return bool(np.abs(other.mean(axis=0) - quad.mean(axis=0)).max() <= np.ptp(other, axis=0).max() / 4)
+
+    return distinct(quads, lies_on)

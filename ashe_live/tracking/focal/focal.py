@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, distinct
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
@@ -106,7 +106,7 @@ class FocalEstimator:
         if marker is None or marker.bridged or not _is_measured(marker, tracked.camera):
             return None
         view = _View.of(marker.corners_px, marker.measured_T_cam_marker[:3, :3])
-        if any(view.distance(kept) < self._spacing for kept in self._views):
+        if any(self._are_near(view, kept) for kept in self._views):
             return None
         self._views.append(view)
         self._seen += 1
@@ -121,11 +121,10 @@ class FocalEstimator:
     def _thin_out(self) -> None:
         while len(self._views) > 0.75 * MOST_VIEWS:
             self._spacing *= THINNING
-            kept: list[_View] = []
-            for view in self._views:
-                if all(view.distance(other) >= self._spacing for other in kept):
-                    kept.append(view)
-            self._views = kept
+            self._views = distinct(self._views, self._are_near)
+
+    def _are_near(self, view: _View, other: _View) -> bool:
+        return view.distance(other) < self._spacing
 
     def _fitted(self, camera: Camera) -> FocalEstimate | None:
         corners = np.array([view.corners_px for view in self._views])

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from operator import attrgetter
 
 import numpy as np
 
@@ -14,9 +15,8 @@ from ashe_live.tracking.poses.pose_refinement import PoseSolution
 DECISIVE_RATIO = 2.0
 FOCAL_SIGMAS = 2.0  # of the logarithm of the focal length: how much longer than stated it may be
 
-Unlikeliness = Callable[
-    [PoseSolution], float
-]  # prior cost of a pose: the less, the likelier before corners are looked at
+Unlikeliness = Callable[[PoseSolution], float]  # the less, the likelier is a pose before corners are looked at
+ERROR_PX = attrgetter("rms_px")
 
 
 def in_order(
@@ -31,7 +31,7 @@ def in_order(
     for the longest focal length that is possible, for which that must hold as well. Perspective grows as the focal
     length shrinks, and paper that curls against it looks like the perspective of the other pose.
     """
-    by_error = sorted(solutions, key=_error_px)
+    by_error = sorted(solutions, key=ERROR_PX)
     if _rules_out_the_likelier(solutions, unlikeliness, unexplained_px) and _rules_out_the_likelier(
         by_longest_focal(), unlikeliness, unexplained_px
     ):
@@ -43,14 +43,10 @@ def _rules_out_the_likelier(solutions: list[PoseSolution], unlikeliness: Unlikel
     """Whether the errors speak decisively for the solution that was not expected."""
     if len(solutions) < 2:
         return False
-    smaller, larger = sorted(solutions, key=_error_px)
+    smaller, larger = sorted(solutions, key=ERROR_PX)
     if larger.rms_px <= max(DECISIVE_RATIO * smaller.rms_px, math.hypot(smaller.rms_px, unexplained_px)):
         return False
     return unlikeliness(smaller) > unlikeliness(larger)
-
-
-def _error_px(solution: PoseSolution) -> float:
-    return solution.rms_px
 
 
 def longest_focal(camera: Camera) -> Float:

@@ -18,21 +18,16 @@ from ashe_live.capture.opening import open_source
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.sources import MAX_PIXELS
 from ashe_live.core.arrays import Image
-from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from tests.shared_data import SHARED
 
 REAL = SHARED / "real"
 
 
-def frames_of(source: ClipSource) -> list[Frame]:
-    return list(source)
-
-
 def test_whole_clip_has_no_note_and_stays_at_its_end(clip: Path) -> None:
     with ClipSource(clip) as source:
         assert (source.name, source.size, source.fps, source.is_live) == ("clip.mp4", (96, 64), 25.0, False)
-        assert len(frames_of(source)) == 60
+        assert len(list(source)) == 60
         assert source.read() is None
         assert source.note is None
 
@@ -44,7 +39,7 @@ def test_rewinding_gives_the_same_frames_again(clip: Path) -> None:
         second = [source.read() for _ in range(20)]
         source.seek_frame(12)
         source.rewind()
-        assert len(frames_of(source)) == 60
+        assert len(list(source)) == 60
     for before, after in zip(first, second, strict=True):
         assert before is not None
         assert after is not None
@@ -54,7 +49,7 @@ def test_rewinding_gives_the_same_frames_again(clip: Path) -> None:
 
 def test_frames_stay_valid_after_later_reads_and_closing(clip: Path, picture: Callable[[int], Image]) -> None:
     with ClipSource(clip) as source:
-        frames = frames_of(source)
+        frames = list(source)
     assert np.abs(frames[5].image_bgr.astype(int) - picture(5)).mean() < 6
 
 
@@ -70,13 +65,13 @@ def test_closed_source_is_at_its_end(clip: Path) -> None:
 @pytest.mark.parametrize("share", [0.9, 0.6])
 def test_truncated_clip_gives_the_readable_frames_and_says_so(clip: Path, share: float, tmp_path: Path) -> None:
     with ClipSource(clip) as source:
-        whole = frames_of(source)
+        whole = list(source)
     content = clip.read_bytes()
     cut = tmp_path / "cut.mp4"
     pictures = content.index(b"mdat")
     cut.write_bytes(content[: pictures + int((len(content) - pictures) * share)])
     with ClipSource(cut) as source:
-        frames = frames_of(source)
+        frames = list(source)
         assert 10 < len(frames) < 60
         assert source.note is not None
         assert f"only {len(frames)} frames" in source.note
@@ -97,7 +92,7 @@ def test_a_matroska_clip_that_is_cut_between_packets_says_so(clip: Path, share: 
     content = whole.read_bytes()
     cut.write_bytes(content[: int(len(content) * share)])
     with ClipSource(cut) as source:
-        frames = frames_of(source)
+        frames = list(source)
         assert (source.note is None) is (share == 1.0)
         assert len(frames) == 60 if share == 1.0 else f"only {len(frames)} frames" in source.note
 
@@ -112,7 +107,7 @@ def test_a_matroska_clip_whose_sound_goes_on_is_not_called_cut(picture: Callable
         silence.sample_rate = 8000
         written.mux([*stream.encode(None), *sound.encode(silence), *sound.encode(None)])
     with ClipSource(tmp_path / "a.mkv") as source:
-        assert len(frames_of(source)) == 10
+        assert len(list(source)) == 10
         assert source.note is None
 
 
@@ -132,20 +127,20 @@ def test_a_clip_that_does_not_state_its_duration_says_that_it_is_cut(
     with av.open(str(path)) as clip:
         starts = [packet.pos for packet in clip.demux(video=0) if packet.size]
     with ClipSource(path) as source:
-        assert len(frames_of(source)) == 30
+        assert len(list(source)) == 30
         assert source.note is None
     content = path.read_bytes()
     for size in (starts[20], starts[20] + 1, starts[20] + 100, starts[21] - 1):
         path.write_bytes(content[:size])
         with ClipSource(path) as source:
-            count = len(frames_of(source))
+            count = len(list(source))
             assert 19 <= count <= 21
             assert source.note == f"{name} is truncated or damaged: only {count} frames could be read"
 
 
 def test_damage_in_the_middle_does_not_end_the_clip(damaged_clip: Path) -> None:
     with ClipSource(damaged_clip) as source:
-        frames = frames_of(source)
+        frames = list(source)
         assert source.note is not None
     assert 10 < len(frames) <= 60
     assert (np.diff([frame.time_s for frame in frames]) > 0).all()
@@ -167,7 +162,7 @@ def test_what_follows_a_clip_is_not_searched_to_the_end(tmp_path: Path, containe
         written.mux(stream.encode(None))
     os.truncate(path, 1 << 40)
     with ClipSource(path) as source:
-        brightness = [frame.image_bgr.mean() for frame in frames_of(source)]
+        brightness = [frame.image_bgr.mean() for frame in list(source)]
         source.seek_frame(1)
         again = source.read()
         assert again is not None
@@ -245,7 +240,7 @@ def test_no_memory_is_spent_on_a_picture_of_too_many_pixels(
     with pytest.raises(UserError, match=r"has more than 110 million pixels: scale it down"):
         ClipSource(alone)
     with ClipSource(grows) as source:
-        assert len(frames_of(source)) == 2
+        assert len(list(source)) == 2
         assert source.note is not None
         assert "truncated or damaged" in source.note
 
@@ -258,7 +253,7 @@ def test_a_picture_of_very_many_scans_within_a_clip_is_damage(tmp_path: Path) ->
     path = tmp_path / "a.mkv"
     _write_packets(path, "mjpeg", "yuvj420p", [good, endless, good])
     with ClipSource(path) as source:
-        assert len(frames_of(source)) == 2
+        assert len(list(source)) == 2
         assert source.note is not None
         assert "truncated or damaged" in source.note
 
@@ -270,7 +265,7 @@ def test_a_time_beyond_all_clips_is_damage(tmp_path: Path, far: int) -> None:
     path, recorded = tmp_path / "a.nut", tmp_path / "recorded.mp4"
     _write_packets(path, "mjpeg", "yuvj420p", [jpeg] * 4, times=[0, 1, far, far + 1])
     with ClipSource(path) as source, Recorder(recorded, source.size, 30.0) as recorder:
-        frames = frames_of(source)
+        frames = list(source)
         for frame in frames:
             recorder.write(frame.image_bgr, frame.time_s)
         np.testing.assert_allclose([frame.time_s for frame in frames], np.arange(4) / 30, atol=1e-6)
@@ -278,7 +273,7 @@ def test_a_time_beyond_all_clips_is_damage(tmp_path: Path, far: int) -> None:
         assert (last := source.read()) is not None
         assert last.index == 3
     with ClipSource(recorded) as source:
-        assert len(frames_of(source)) == 4
+        assert len(list(source)) == 4
 
 
 def _write_packets(
@@ -305,7 +300,7 @@ def test_pictures_in_jpeg_one_after_the_other_are_a_clip_however_large_and_many(
     path.write_bytes(jpeg * pictures)
     with open_source(path) as source:
         assert isinstance(source, ClipSource)
-        assert [frame.size for frame in frames_of(source)] == [(640, 480)] * pictures
+        assert [frame.size for frame in list(source)] == [(640, 480)] * pictures
     # SOF0: length, precision, height, width.
     sizes = bytes.fromhex("ffc0001108 01e0 0280"), bytes.fromhex("ffc0001108 3fff 3fff")
     assert jpeg.count(sizes[0]) == 1
@@ -322,11 +317,11 @@ def test_pictures_in_jpeg_one_after_the_other_are_a_clip_and_those_of_another_sh
     path = tmp_path / "call.mjpeg"
     path.write_bytes(bright * 3 + half * 3)
     with open_source(path) as source:
-        assert [round(frame.image_bgr.mean(), -1) for frame in frames_of(source)] == [200] * 3 + [100] * 3
+        assert [round(frame.image_bgr.mean(), -1) for frame in list(source)] == [200] * 3 + [100] * 3
         assert source.note is None
     path.write_bytes(bright * 3 + upright * 3 + half * 2)
     with open_source(path) as source:
-        frames = frames_of(source)
+        frames = list(source)
         assert [round(frame.image_bgr.mean(), -1) for frame in frames] == [200] * 3 + [100] * 2
         assert {frame.size for frame in frames} == {(64, 48)}
         assert source.note is not None

@@ -15,6 +15,7 @@ from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.container import Searched
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
+from tests.capture.conftest import frames_of
 from tests.shared_data import SHARED
 
 REAL = SHARED / "real"
@@ -47,11 +48,6 @@ def film(tmp_path: Path, picture: Callable[[int], Image]) -> Callable[..., Path]
     return film
 
 
-def read_through(path: Path) -> list[Frame]:
-    with ClipSource(path) as source:
-        return list(source)
-
-
 def assert_same(frame: Frame | None, wanted: Frame) -> None:
     assert frame is not None
     assert (frame.index, frame.time_s) == (wanted.index, wanted.time_s)
@@ -60,7 +56,7 @@ def assert_same(frame: Frame | None, wanted: Frame) -> None:
 
 def assert_seeks_right(path: Path, count: int = COUNT) -> None:
     """By number, by time and between two times; then the clip goes on, through to its end."""
-    frames = read_through(path)
+    frames = frames_of(path)
     assert len(frames) == count
     with ClipSource(path) as source:
         for place in JUMPS:
@@ -116,20 +112,20 @@ def test_of_clips_that_were_joined_byte_by_byte(film, tmp_path: Path, shift_ms: 
     parts = [film([time + shift for time in EVEN], f"{shift}.ts", bf="2", g="12") for shift in (2000, 2000 + shift_ms)]
     joined = tmp_path / "joined.ts"
     joined.write_bytes(b"".join(part.read_bytes() for part in parts))
-    times_s = [frame.time_s for frame in read_through(joined)]
+    times_s = [frame.time_s for frame in frames_of(joined)]
     np.testing.assert_allclose(times_s, 0.04 * np.arange(2 * COUNT), atol=1e-6)
     assert_seeks_right(joined, 2 * COUNT)
 
 
 def test_where_pictures_are_decoded_in_another_order_and_no_times_say_which(film) -> None:
     path = film(EVEN, "film.avi", bf="2", g="12")
-    np.testing.assert_allclose([frame.time_s for frame in read_through(path)], 0.04 * np.arange(COUNT), atol=1e-6)
+    np.testing.assert_allclose([frame.time_s for frame in frames_of(path)], 0.04 * np.arange(COUNT), atol=1e-6)
     assert_seeks_right(path)
 
 
 def test_of_a_rotated_clip(film) -> None:
     path = film(UNEVEN, turns=1, bf="2", g="12")
-    assert read_through(path)[0].size == (64, 96)
+    assert frames_of(path)[0].size == (64, 96)
     assert_seeks_right(path)
 
 
@@ -196,7 +192,7 @@ def test_the_index_is_read_without_keeping_what_is_in_the_clip(film, monkeypatch
 
 def test_a_jump_decodes_from_the_keyframe_before_it_alone(film, monkeypatch) -> None:
     path = film(EVEN, bf="2", g="12", **{"x264-params": "scenecut=0"})
-    frames = read_through(path)
+    frames = frames_of(path)
     with ClipSource(path) as source:
         monkeypatch.setattr(source, "rewind", lambda: pytest.fail("opened again"))
         monkeypatch.setattr(source, "_kept", 2)
@@ -224,7 +220,7 @@ def test_an_index_that_is_wrong_is_not_believed(film, monkeypatch) -> None:
 
 def test_stepping_back_in_a_long_group_decodes_nothing_again(film, monkeypatch) -> None:
     path = film(EVEN, g="250")
-    frames = read_through(path)
+    frames = frames_of(path)
     with ClipSource(path) as source:
         source.seek_frame(60)
         monkeypatch.setattr(source, "_jump", lambda _keyframe: pytest.fail("decoded again"))
@@ -253,7 +249,7 @@ def test_where_a_jump_meets_damage_frames_are_counted_from_the_start(film) -> No
         start = content.index(bytes(1), at)  # behind Matroska's own words
         content[start + 8 : at + size] = bytes(at + size - start - 8)
     path.write_bytes(content)
-    frames = read_through(path)
+    frames = frames_of(path)
     assert COUNT - 40 < len(frames) < COUNT
     with ClipSource(path) as source:
         for place in (57, 33, 0):
@@ -277,7 +273,7 @@ def test_the_duration_is_known_before_the_end(film, name: str) -> None:
 @pytest.mark.skipif(not REAL.is_dir(), reason="no shared/real beside the checkout")
 def test_of_a_phones_clip() -> None:
     path = REAL / "vid_12.mp4"
-    frames = read_through(path)
+    frames = frames_of(path)
     with ClipSource(path) as source:
         for place in (70, 35, 0):
             source.seek(frames[place].time_s)

@@ -10,13 +10,13 @@ from typing import BinaryIO
 
 import pytest
 
-from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording import cut_short
 from ashe_live.capture.recording.cut_short import rescue_recordings
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
 from ashe_live.files import new_file
 from ashe_live.files.new_file import partial_path
+from tests.capture.conftest import frames_of
 from tests.checkout import CHECKOUT
 from tests.windows_files import as_on_windows
 
@@ -69,16 +69,11 @@ def abandoned(nine_seconds: Path, tmp_path: Path) -> Path:
     return Path(shutil.copy(nine_seconds, tmp_path))
 
 
-def frames_in(path: Path) -> int:
-    with ClipSource(path) as source:
-        return len(list(source))
-
-
 def test_it_gets_a_name_that_can_be_seen_at_once(abandoned: Path) -> None:
     (found,) = rescue_recordings(abandoned.parent)
     assert found.name == "walk-cut-short.mp4"
     assert list(found.parent.iterdir()) == [found]
-    assert frames_in(found) >= 40
+    assert len(frames_of(found)) >= 40
     assert rescue_recordings(abandoned.parent) == []
 
 
@@ -110,7 +105,7 @@ def test_what_is_being_recorded_is_left_alone_however_long_it_rests(tmp_path: Pa
         os.utime(partial, (0, 0))
         assert rescue_recordings(tmp_path) == []
         assert list(tmp_path.iterdir()) == [partial]
-    assert frames_in(tmp_path / "walk.mp4") == 60
+    assert len(frames_of(tmp_path / "walk.mp4")) == 60
 
 
 def contents(folder: Path) -> dict[str, bytes | str]:
@@ -163,7 +158,7 @@ def test_what_takes_its_place_while_it_is_copied_stays(abandoned: Path, monkeypa
 
     monkeypatch.setattr(cut_short, "copy_whole_fragments", copy_and_replace)
     (found,) = rescue_recordings(abandoned.parent)
-    assert frames_in(found) >= 40
+    assert len(frames_of(found)) >= 40
     assert abandoned.read_text() == "precious"
 
 

@@ -191,9 +191,8 @@ def test_models_edges_are_as_soft_as_the_markers(make_renderer, stage) -> None:
     """A white sheet in the marker's place has edges to the dark ground that the same measure finds as blurred."""
     tracked = _sheet(stage, (0.25, 0.25, 0.25), blur=1.4)
     model = stage.placed(box((SIDE, SIDE, 0.0), (0.0, 0.0, 0.0, 1.0)))
-    renderer = make_renderer(BALANCED.render)
-    renderer.render(Scene(tracked, model))
-    grey = cv2.cvtColor(renderer.read_bgr(), cv2.COLOR_BGR2GRAY)
+    picture = stage.picture(make_renderer(BALANCED.render), Scene(tracked, model))
+    grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
     # The sharp paper around it is left as it is; what the model covers is the whole of the square.
     assert edge_blur_px(grey, tracked.marker.corners_px) == pytest.approx(1.4, abs=0.5)
 
@@ -247,8 +246,7 @@ def test_models_noise_is_the_videos_and_new_in_every_frame(make_renderer, stage)
     far = cv2.dilate(inside, np.ones((61, 61))) == 0
     np.testing.assert_array_equal(pictures[0][far], tracked.frame.image_bgr[far])
     quiet = make_renderer(replace(FAST.render, matches_noise=False))
-    quiet.render(Scene(tracked, model))
-    assert quiet.read_bgr()[inside > 0].std() < 0.5
+    assert stage.picture(quiet, Scene(tracked, model))[inside > 0].std() < 0.5
 
 
 def test_exposure_and_white_balance_follow_the_camera(make_renderer, stage) -> None:
@@ -256,9 +254,8 @@ def test_exposure_and_white_balance_follow_the_camera(make_renderer, stage) -> N
     model = stage.placed(box((SIDE, SIDE, 0.0), (0.5, 0.5, 0.5, 1.0)))
     for white in ((0.9, 0.9, 0.9), (0.4, 0.4, 0.4), (0.8, 0.7, 0.5)):
         tracked = _sheet(stage, white)
-        renderer.render(Scene(tracked, model))
-        (column, row), *_ = np.round(project(tracked.camera, tracked.marker.T_cam_marker, [(0, 0, 0)])).astype(int)
-        shown = linear_from_srgb(renderer.read_bgr()[row, column, ::-1] / 255)
+        picture = stage.picture(renderer, Scene(tracked, model))
+        shown = linear_from_srgb(stage.rgb_at(picture, tracked, (0, 0, 0)) / 255)
         np.testing.assert_allclose(shown, 0.5 * np.array(white), rtol=0.04)
 
 

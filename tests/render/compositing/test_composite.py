@@ -52,11 +52,8 @@ def test_shadow_border_is_as_wide_as_the_cameras_blur_makes_it(make_renderer, st
     # A tall thin tower beside the marker, whose shadow falls on even ground; black, so that its sides light none of it.
     light = stage.light(45, 50, (0.2, 0.2, 0.2))
     points = box_corners(np.array([(-0.075, -0.02, 0.0), (-0.06, 0.02, HEIGHT)]))
-    renderer = make_renderer(QUALITIES[quality].render)
-    mesh = box((0.015, 0.04, HEIGHT), BLACK)
-    tower = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((-0.0675, 0.0, 0.0), np.float32)))
-    renderer.render(Scene(tracked, tower, Illumination((light,))))
-    picture = renderer.read_bgr()
+    tower = stage.placed(box((0.015, 0.04, HEIGHT), BLACK).moved(1.0, np.array((-0.0675, 0.0, 0.0))))
+    picture = stage.picture(make_renderer(QUALITIES[quality].render), Scene(tracked, tower, Illumination((light,))))
     places, outward = shadow_border(points, light.to_light_marker, tracked.camera, tracked.marker.T_cam_marker)
     widths = border_widths(picture, places, outward)
     # The far edge, where the sky that the tower hides changes no more; a sun of half a degree adds little.
@@ -81,8 +78,7 @@ def test_a_shadow_that_leaves_the_video_leaves_the_bars_beside_it_black(
     renderer.resize((width + 2 * bars_px, height) if across else (width, height + 2 * bars_px))
     tower = stage.placed(box((0.04, 0.04, 0.3), BLACK))
     for azimuth_deg in range(0, 360, 90):
-        renderer.render(Scene(tracked, tower, Illumination((stage.light(azimuth_deg, 10),))))
-        shown = renderer.read_bgr()
+        shown = stage.picture(renderer, Scene(tracked, tower, Illumination((stage.light(azimuth_deg, 10),))))
         bars = (shown[:, :bars_px], shown[:, -bars_px:]) if across else (shown[:bars_px], shown[-bars_px:])
         assert not np.any(bars)
 
@@ -99,11 +95,9 @@ def test_bars_beside_the_video_do_not_change_a_shadow_that_leaves_it(
     for azimuth_deg in range(0, 360, 90):
         scene = Scene(tracked, tower, Illumination((stage.light(azimuth_deg, 10),)))
         renderer.resize((width, height))
-        renderer.render(scene)
-        alone = renderer.read_bgr()
+        alone = stage.picture(renderer, scene)
         renderer.resize((width + 2 * across, height + 2 * up))
-        renderer.render(scene)
-        within = renderer.read_bgr()[up : up + height, across : across + width]
+        within = stage.picture(renderer, scene)[up : up + height, across : across + width]
         assert np.abs(within.astype(int) - alone).max() <= 1
 
 
@@ -125,8 +119,7 @@ def test_a_shadow_is_as_soft_as_the_real_one_though_the_camera_sharpens_its_mark
     linear = LINEAR_FROM_SRGB_8BIT[tracked.frame.image_bgr] * (1 - 0.8 * share)
     image = np.round(255 * srgb_from_linear(linear)).astype(np.uint8)
     tracked = replace(tracked, frame=replace(tracked.frame, image_bgr=image))
-    mesh = box((0.015, 0.04, HEIGHT), BLACK)
-    tower = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((-0.0675, 0.0, 0.0), np.float32)))
+    tower = stage.placed(box((0.015, 0.04, HEIGHT), BLACK).moved(1.0, np.array((-0.0675, 0.0, 0.0))))
     renderer = make_renderer(QUALITIES[quality].render)
     renderer.render(Scene(tracked, tower, Illumination((light,), real_object=post, seen_in=tracked)))
     points = box_corners(np.array([(-0.075, -0.02, 0.0), (-0.06, 0.02, HEIGHT)]))

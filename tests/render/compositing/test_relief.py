@@ -111,8 +111,7 @@ def test_a_light_on_its_way_is_not_measured_by(stage, light) -> None:
 
 def _drawn(make_renderer, stage, light, tracked: TrackedFrame, quality: str, ground: TrackedFrame) -> np.ndarray:
     """(h, w) linear brightness of a black tower's picture on `ground`, the light estimated in `tracked`."""
-    mesh = box((0.04, 0.04, 0.08), (0.0, 0.0, 0.0, 1.0))
-    tower = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((TOWER_AT, 0.0, 0.0), np.float32)))
+    tower = stage.placed(box((0.04, 0.04, 0.08), (0.0, 0.0, 0.0, 1.0)).moved(1.0, np.array((TOWER_AT, 0.0, 0.0))))
     renderer = make_renderer(QUALITIES[quality].render, tracked.frame.size)
     renderer.render(Scene(ground, tower, Illumination((light,), real_object=POST, seen_in=tracked)))
     return LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()] @ REC709_LUMINANCE[::-1]

@@ -54,8 +54,7 @@ def cube_and_shadow(tracked: TrackedFrame, table: Image) -> Mask:
 
 def far_away(stage):
     """Low, and beside all that is covered: a model must stand somewhere for anything to be drawn."""
-    mesh = box((0.004, 0.004, 0.002))
-    return stage.placed(replace(mesh, vertices=mesh.vertices + np.array((-0.14, 0.14, 0.0), np.float32)))
+    return stage.placed(box((0.004, 0.004, 0.002)).moved(1.0, np.array((-0.14, 0.14, 0.0))))
 
 
 @pytest.mark.parametrize("turned_rad", [0.0, 0.8 * TURNED_RAD])

@@ -106,15 +106,12 @@ def _difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 # Beside the marker and low, so that it hides nothing of the sheet: a model must stand there for anything to be drawn.
 def _aside(stage):
-    mesh = box((0.01, 0.01, 0.01))
-    return stage.placed(replace(mesh, vertices=mesh.vertices + np.array((-0.075, 0.06, 0.0), np.float32)))
+    return stage.placed(box((0.01, 0.01, 0.01)).moved(1.0, np.array((-0.075, 0.06, 0.0))))
 
 
 def test_sheet_is_covered_by_ground_like_that_around_it(make_renderer, stage) -> None:
     tracked, bare = _view(stage, noise=0.7), _view(stage, has_sheet=False)
-    renderer = make_renderer(BALANCED.render)
-    renderer.render(Scene(tracked, _aside(stage), covers_marker=True))
-    picture = renderer.read_bgr()
+    picture = stage.picture(make_renderer(BALANCED.render), Scene(tracked, _aside(stage), covers_marker=True))
     around = _on_sheet(tracked, 0.008)
     assert _difference(picture, bare.frame.image_bgr)[around].mean() < 3
     assert _difference(tracked.frame.image_bgr, bare.frame.image_bgr)[around].mean() > 20
@@ -226,12 +223,10 @@ def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage, kn
     tracked, bare = _view(stage, shaded=shaded), _view(stage, has_sheet=False, shaded=shaded)
     illumination = Illumination((light,), real_object=post, ground_rgb=np.array((0.42, 0.28, 0.16)))
     renderer = make_renderer(FAST.render)
-    mesh = box((0.006, 0.006, 0.002))
-    aside = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((0.09, -0.06, 0.0), np.float32)))
+    aside = stage.placed(box((0.006, 0.006, 0.002)).moved(1.0, np.array((0.09, -0.06, 0.0))))
     shown = replace(illumination, lights=(stage.light(65, 45, RATIO),)) if is_lit_by_hand else illumination
     lit_in_video = illumination if is_lit_by_hand else None
-    renderer.render(Scene(tracked, aside, shown, covers_marker=True, lit_in_video=lit_in_video))
-    picture = renderer.read_bgr()
+    picture = stage.picture(renderer, Scene(tracked, aside, shown, covers_marker=True, lit_in_video=lit_in_video))
     places = project(
         tracked.camera, tracked.marker.T_cam_marker, [(middle[0], y, 0.0) for y in np.linspace(0.03, -0.01, 9)]
     )
@@ -388,8 +383,7 @@ def test_a_recorded_picture_brings_no_other_cover_than_the_window_has(ctx, stage
 def test_what_is_saved_without_the_cover_leaves_it_to_the_window(make_renderer, stage) -> None:
     window, tracked = make_renderer(FAST.render), _view(stage)
     scene = Scene(tracked, _aside(stage), covers_marker=True)
-    window.render(scene)
-    covered = window.read_bgr()
+    covered = stage.picture(window, scene)
     saved = window.beside(window.size)
     saved.render(replace(scene, covers_marker=False))
     saved.release()
@@ -517,8 +511,7 @@ def test_on_white_ground_only_the_square_is_covered() -> None:
 def test_cover_has_the_videos_noise_from_frame_to_frame_also_in_the_models_shadow(make_renderer, stage) -> None:
     """The noise of the frame that it was made from stands still: a calm rectangle would be seen in a noisy video."""
     renderer, light = make_renderer(FAST.render), stage.light(180, 25, RATIO)
-    plate = box((0.01, 0.06, 0.08))
-    model = stage.placed(replace(plate, vertices=plate.vertices + np.array((-0.075, 0.0, 0.0), np.float32)))
+    model = stage.placed(box((0.01, 0.06, 0.08)).moved(1.0, np.array((-0.075, 0.0, 0.0))))
     frames = [_view(stage, noise=3.0, index=index) for index in range(12)]
     pictures = []
     for tracked in frames:

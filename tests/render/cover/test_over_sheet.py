@@ -1,7 +1,5 @@
 """A hand before the covered sheet is seen before it, and a shadow that comes onto the sheet goes on on its cover."""
 
-from dataclasses import replace
-
 import cv2
 import numpy as np
 import pytest
@@ -151,14 +149,12 @@ def test_a_sheet_that_a_hand_was_on_is_covered_once_it_has_gone(stage) -> None:
 
 
 def test_a_hand_is_drawn_before_the_cover_and_the_rest_stays_covered(make_renderer, stage) -> None:
-    mesh = box((0.01, 0.01, 0.01))
-    aside = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((-0.075, 0.06, 0.0), np.float32)))
+    aside = stage.placed(box((0.01, 0.01, 0.01)).moved(1.0, np.array((-0.075, 0.06, 0.0))))
     renderer = make_renderer(BALANCED.render)
     before, now = view(stage), view(stage, hand=finger)
     pictures = []
     for tracked in (before, now):
-        renderer.render(Scene(tracked, aside, covers_marker=True))
-        pictures.append(renderer.read_bgr().astype(float))
+        pictures.append(stage.picture(renderer, Scene(tracked, aside, covers_marker=True)).astype(float))
     T, camera = now.marker.T_cam_marker, now.camera
     x, y = np.mgrid[-PAPER_HALF:PAPER_HALF:60j, -PAPER_HALF:PAPER_HALF:60j]
     at = np.round(project_distorted(camera, T, np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))).astype(int)

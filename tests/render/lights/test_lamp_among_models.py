@@ -64,8 +64,7 @@ def test_their_shadows_fall_where_the_planar_projection_says(make_renderer, stag
             placement=first,
             others=tuple((pole, at) for at in others),
         )
-        renderer.render(scene)
-        is_model, is_shadow = split(renderer.read_bgr())
+        is_model, is_shadow = split(stage.picture(renderer, scene))
         inside = np.full(near.shape, -np.inf)
         for points in standing:
             cast = points + (points - LAMP) * (points[:, 2:] / (LAMP[2] - points[:, 2:]))
@@ -74,8 +73,7 @@ def test_their_shadows_fall_where_the_planar_projection_says(make_renderer, stag
             assert (is_shadow & near & (in_shadow > 1.5)).sum() > 300
             inside = np.maximum(inside, in_shadow)
         assert not is_shadow[near & (inside < -1.5)].any()
-        renderer.render(replace(scene, illumination=Illumination()))
-        dark, _ = split(renderer.read_bgr())
+        dark, _ = split(stage.picture(renderer, replace(scene, illumination=Illumination())))
         assert (dark == is_model).mean() > 0.999  # the lamp may be taken away again
 
 
@@ -100,8 +98,7 @@ def test_beside_three_other_lights_those_around_a_lamp_cast_shadows(stage, make_
     columns, rows = project(tracked.camera, tracked.marker.T_cam_marker, behind).round().astype(int).T
     seen = []
     for casts_shadow in (True, False):
-        renderer.render(replace(scene, casts_shadow=casts_shadow))
-        seen.append(renderer.read_bgr()[rows, columns, 1].astype(float))
+        seen.append(stage.picture(renderer, replace(scene, casts_shadow=casts_shadow))[rows, columns, 1].astype(float))
     # Beside the contact shadows, which are there in any case.
     assert (seen[0] < 0.93 * seen[1]).sum() >= (5 if real_object is None else 2)
 
@@ -118,8 +115,7 @@ def test_a_suns_shadows_stay_what_they_are_where_a_faint_lamp_is_among_them(make
         renderer = make_renderer(QUALITIES[quality].render)
         lit = Illumination(lights, real_object=cup, ground_rgb=np.full(3, 0.55), seen_in=tracked)
         places = ((plate, Placement(shift_m=(0.03, -0.02))), (white, RIGHT))
-        renderer.render(Scene(tracked, white, lit, placement=LEFT, others=places))
-        pictures.append(renderer.read_bgr().astype(int))
+        pictures.append(stage.picture(renderer, Scene(tracked, white, lit, placement=LEFT, others=places)).astype(int))
     points = np.concatenate([_of_pole(LEFT), _of_pole(RIGHT)])
     assert view_of(lighting_of((faint,)).lights[0], points) is None
     difference = np.abs(pictures[0] - pictures[1]).max(axis=2)

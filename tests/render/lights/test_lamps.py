@@ -93,8 +93,7 @@ def test_ground_is_darkened_by_what_is_blocked_there(make_renderer, stage) -> No
     renderer = make_renderer(BALANCED.render)
     tracked = stage.tracked(255, stage.pose(-90, 60, 0.9, target=(0.1, 0, 0)))
     wall = box((0.01, 0.3, 0.1), GREEN)
-    renderer.render(Scene(tracked, stage.placed(wall), Illumination((light,))))
-    picture = linear(renderer.read_bgr())
+    picture = linear(stage.picture(renderer, Scene(tracked, stage.placed(wall), Illumination((light,)))))
     for x in (0.17, 0.22, 0.27):
         distance = np.linalg.norm(place - (x, 0, 0)) / np.linalg.norm(place)
         lamp = (1 - ratio) / distance**3

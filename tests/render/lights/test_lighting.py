@@ -10,7 +10,9 @@ from ashe_live.core.light import Light
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.render.lights.lighting import (
     ASSUMED_SHADOW_RATIO,
+    GROUND_ALBEDO,
     LAMP_RADIUS_M,
+    LEAST_REST,
     MAX_ALBEDO,
     MAX_LIGHTS,
     MIN_BALANCED_SINE,
@@ -54,6 +56,10 @@ def test_sky_and_lights_make_the_light_of_level_ground(name: str, ambient: Float
     assert min(lighting.sky) > 0
 
 
+def test_shadows_that_each_claim_most_of_the_light_leave_some_where_both_fall() -> None:
+    np.testing.assert_allclose(lighting_of(SEVERAL["contradict each other"]).sky, LEAST_REST * (0.1 * RATIO) ** 2)
+
+
 def test_a_ratio_is_what_the_shadow_leaves_and_an_ambient_light_that_was_measured_precedes_it() -> None:
     first, second = light(0.0), light(2.0, ratio=1 - (1 - RATIO) / 2)
     by_ratios, by_ambient = lighting_of((first, second)), lighting_of((first, second), np.full(3, 0.1))
@@ -63,8 +69,8 @@ def test_a_ratio_is_what_the_shadow_leaves_and_an_ambient_light_that_was_measure
 
 
 def test_a_shadow_that_is_brighter_than_the_ground_around_it_is_of_no_light() -> None:
-    lighting = lighting_of((light(0.0, ratio=np.array([1.2, 0.5, 0.5])),))
-    np.testing.assert_allclose(lighting.ground_shares, [(0.0, 0.5, 0.5)])
+    lighting = lighting_of((light(0.0, ratio=np.array([1.2, -0.1, 0.5])),))  # and what is below black is black
+    np.testing.assert_allclose(lighting.ground_shares, [(0.0, 1.0, 0.5)])
 
 
 def test_a_share_that_was_measured_at_the_marker_precedes_what_was_measured_in_the_shadow() -> None:
@@ -82,8 +88,9 @@ def test_what_is_below_the_horizon_gives_nothing_and_no_light_is_invented() -> N
     below = light(1.0, -0.4)
     (above,) = lighting_of((below, light(0.0))).lights
     assert above.ground_share == pytest.approx(1 - RATIO)
-    assert lighting_of((below,), np.full(3, 0.3)).lights == ()
-    assert lighting_of((below,), np.full(3, 0.3)).sky == (1.0, 1.0, 1.0)
+    for none in ((), (below,), (light(1.0, 0.0),)):
+        assert lighting_of(none, np.full(3, 0.3)).lights == ()
+        assert lighting_of(none, np.full(3, 0.3)).sky == (1.0, 1.0, 1.0)
     many = tuple(light(0.1 * number) for number in range(MAX_LIGHTS + 2))
     shown = lighting_of(many).lights
     assert len(shown) == MAX_LIGHTS
@@ -96,25 +103,31 @@ def test_a_light_near_the_horizon_is_not_raised_beyond_bounds_to_make_its_share(
     assert (on_level_ground(low) < 1).all()
 
 
-@pytest.mark.parametrize("albedo", [np.array([0.2, 0.5, 0.7]), np.array([0.2, 0.5, 3.0])])
-def test_from_below_comes_the_grounds_light_in_its_own_colour(albedo: Float) -> None:
-    expected = np.minimum(albedo, MAX_ALBEDO)
+@pytest.mark.parametrize(
+    ("albedo", "expected"),
+    [
+        (np.array([0.2, 0.5, 0.7]), (0.2, 0.5, 0.7)),
+        (np.array([0.2, 0.5, 3.0]), (0.2, 0.5, MAX_ALBEDO)),
+        (None, (GROUND_ALBEDO,) * 3),
+    ],
+)
+def test_from_below_comes_the_grounds_light_in_its_own_colour(albedo: Float | None, expected: tuple) -> None:
     for lights in ((), (light(0.0),)):
         np.testing.assert_allclose(lighting_of(lights, ground_albedo=albedo).bounce, expected)
 
 
 @pytest.mark.parametrize("steepness", [0.1, 1.0, 20.0])
 def test_no_wall_gets_less_than_nothing_of_a_sky_that_leans(steepness: float) -> None:
+    assert not lighting_of(()).sky_slope.any()
     slope = steepness * np.array([[0.2, 0.1, 0.0], [-0.2, 0.3, 0.1]])
     for lighting in (lighting_of((), sky_slope_rgb=slope), lighting_of((light(0.0),), sky_slope_rgb=slope)):
         turns = np.linspace(0, 2 * np.pi, 90)
         walls = 0.5 * np.array(lighting.sky) + np.column_stack([np.cos(turns), np.sin(turns)]) @ lighting.sky_slope
         assert walls.min() > -1e-12
-        if steepness < 1:
-            np.testing.assert_array_equal(lighting.sky_slope, slope)
-        else:  # of each colour it leans where it leaned
-            shown = lighting.sky_slope / np.maximum(np.linalg.norm(lighting.sky_slope, axis=0), 1e-9)
-            np.testing.assert_allclose(shown, slope / np.linalg.norm(slope, axis=0), atol=1e-9)
+        # It leans where it leaned, as far as it may.
+        leans, lent = np.linalg.norm(lighting.sky_slope, axis=0), np.linalg.norm(slope, axis=0)
+        np.testing.assert_allclose(leans, np.minimum(lent, 0.5 * np.array(lighting.sky)))
+        np.testing.assert_allclose(lighting.sky_slope / leans, slope / lent)
 
 
 @pytest.mark.parametrize("height_m", [0.0, 0.1])

@@ -22,6 +22,7 @@ HEIGHT_M = 0.01
 CORNERS = np.float32(
     [(-0.03, -0.03, HEIGHT_M), (0.03, -0.03, HEIGHT_M), (0.03, 0.03, HEIGHT_M), (-0.03, 0.03, HEIGHT_M)]
 )
+LIFT = np.array((0.0, 0.0, 0.02))
 UVS = np.float32([(0, 0), (1, 0), (1, 1), (0, 1)])
 TRIANGLES = np.array([(0, 1, 2), (0, 2, 3)])
 
@@ -391,14 +392,10 @@ def test_cut_out_has_holes_in_the_model_and_in_its_shadow(make_renderer, stage) 
     studio = _Studio(make_renderer, stage, elevation_deg=70)
     texels = np.full((8, 8, 4), 255, dtype=np.uint8)
     texels[:, 4:, 3] = 100  # the half at +x
-    lifted = replace(
-        _sheet(Material(base_map=texels, alpha=Alpha.CUT_OUT, alpha_cutoff=0.5)),
-        vertices=CORNERS + np.float32((0, 0, 0.02)),
-    )
     light = stage.light(90, 45, (0.2, 0.2, 0.2))  # shadows fall 0.03 towards -y
     for cutoff, half_is_open in ((0.5, True), (0.3, False)):
-        sheet = replace(lifted, material=replace(lifted.material, alpha_cutoff=cutoff))
-        picture = studio.picture(sheet, light)
+        sheet = _sheet(Material(base_map=texels, alpha=Alpha.CUT_OUT, alpha_cutoff=cutoff))
+        picture = studio.picture(sheet.moved(1.0, LIFT), light)
         ground = float(linear_from_srgb(100 / 255))
         for x, is_open in ((-0.015, False), (0.015, half_is_open)):
             np.testing.assert_allclose(
@@ -491,11 +488,10 @@ def test_blended_surface_shows_what_is_behind_it_and_its_shadow_is_as_light(make
     studio = _Studio(make_renderer, stage, "accurate", elevation_deg=70)
     light = stage.light(90, 45, (0.2, 0.2, 0.2))
     ground = float(linear_from_srgb(100 / 255))
-    lifted = CORNERS + np.float32((0, 0, 0.02))
     reds, shadows = [], []
     for alpha in (0.0, 0.25, 0.5, 0.75, 1.0):
         material = Material(base_colour=(1.0, 0.0, 0.0, alpha), alpha=Alpha.BLEND)
-        picture = studio.picture(replace(_sheet(material), vertices=lifted), light)
+        picture = studio.picture(_sheet(material).moved(1.0, LIFT), light)
         reds.append(studio.at(picture, (0.0, 0.015, 0.03))[1])
         patch = [studio.at(picture, (x, -0.045 + y, 0)).mean() for x in (-2e-3, 0, 2e-3) for y in (-2e-3, 0, 2e-3)]
         shadows.append((1 - np.mean(patch) / ground) / 0.8)
@@ -510,10 +506,10 @@ def test_the_shadow_is_as_light_as_the_alpha_of_vertices_makes_the_surface(make_
     """From nothing at -x to all at +x: a blended shadow fades likewise, that of a cut-out ends in the middle."""
     studio = _Studio(make_renderer, stage, "accurate", elevation_deg=70)
     colours = np.float32([(1, 1, 1, x > 0) for x, *_ in CORNERS])
-    lifted = replace(
-        _sheet(Material(alpha=alpha), colours=colours), vertices=CORNERS + np.float32((0, 0, 0.02)), uvs=None
-    )
-    picture = studio.picture(lifted, stage.light(90, 45, (0.2, 0.2, 0.2)))  # shadows fall 0.03 towards -y
+    sheet = replace(_sheet(Material(alpha=alpha), colours=colours), uvs=None)
+    picture = studio.picture(
+        sheet.moved(1.0, LIFT), stage.light(90, 45, (0.2, 0.2, 0.2))
+    )  # shadows fall 0.03 towards -y
     ground = float(linear_from_srgb(100 / 255))
     for x in (-0.025, -0.015, 0.015, 0.025):
         patch = [studio.at(picture, (x + dx, -0.045 + dy, 0)).mean() for dx in (-2e-3, 0, 2e-3) for dy in (-2e-3, 2e-3)]
@@ -537,8 +533,7 @@ def test_the_shadow_of_a_ball_of_glass_is_darkest_at_its_rim(make_renderer, stag
     studio = _Studio(make_renderer, stage, "accurate", elevation_deg=70)
     light = stage.light(90, 45, (0.2, 0.2, 0.2))
     glass = _ball(Material(base_colour=(1.0, 1.0, 1.0, 0.1), alpha=Alpha.BLEND), radius_m=0.015)
-    ball = replace(glass, vertices=glass.vertices + np.float32((0, 0, 0.03)))
-    picture = studio.picture(ball, light)
+    picture = studio.picture(glass.moved(1.0, np.array((0, 0, 0.03))), light)
     ground = float(linear_from_srgb(100 / 255))
     middle, rim = (
         (1 - np.mean([studio.at(picture, (side * x, -0.045, 0)) for x in places for side in (-1, 1)]) / ground) / 0.8
@@ -554,7 +549,7 @@ def test_the_shadow_of_a_clear_sheet_is_even(make_renderer, stage, quality: str,
     studio = _Studio(make_renderer, stage, quality, grey=160, elevation_deg=70)
     below = _sheet(Material(base_colour=(0.5, 0.5, 0.5, 1.0), roughness=1.0))
     clear = _sheet(Material(base_colour=(1.0, 1.0, 1.0, alpha), alpha=Alpha.BLEND))
-    both = stage.placed(below, replace(clear, vertices=CORNERS + np.float32((0.0, 0.0, 0.02))))
+    both = stage.placed(below, clear.moved(1.0, LIFT))
     light = stage.light(-90, 55, (0.2, 0.2, 0.2))  # casts both shadows away from the camera
     studio.renderer.render(Scene(studio.tracked, both, Illumination((light,), seen_in=studio.tracked)))
     picture = studio.renderer.read_bgr()[..., ::-1]
@@ -571,8 +566,7 @@ def error_of_ball(make_renderer, stage):
     renderers = [make_renderer(preset, (480 * finer, 360 * finer)) for finer in (1, 8)]
 
     def error(tracked, material: Material, shift_m: float, *lights) -> float:
-        ball = _ball(material, radius_m=0.012)
-        ball = replace(ball, vertices=ball.vertices + np.float32((shift_m, 0.5 * shift_m, 0)))
+        ball = _ball(material, radius_m=0.012).moved(1.0, np.array((shift_m, 0.5 * shift_m, 0)))
         outline = project(tracked.camera, tracked.marker.T_cam_marker, ball.vertices).astype(int)
         (left, top), (right, bottom) = outline.min(axis=0) - 3, outline.max(axis=0) + 3
         seen = []
@@ -625,10 +619,7 @@ def test_the_order_of_triangles_in_a_glass_does_not_matter(make_renderer, stage)
 def test_near_blended_surface_covers_a_far_one_whatever_their_order(make_renderer, stage) -> None:
     studio = _Studio(make_renderer, stage, elevation_deg=80)
     red = _sheet(Material(base_colour=(1.0, 0.0, 0.0, 0.9), alpha=Alpha.BLEND))
-    blue = replace(
-        _sheet(Material(base_colour=(0.0, 0.0, 1.0, 0.9), alpha=Alpha.BLEND)),
-        vertices=CORNERS + np.float32((0, 0, 0.02)),
-    )
+    blue = _sheet(Material(base_colour=(0.0, 0.0, 1.0, 0.9), alpha=Alpha.BLEND)).moved(1.0, LIFT)
     for parts in ((red, blue), (blue, red)):
         studio.renderer.render(Scene(studio.tracked, stage.placed(*parts)))
         seen = studio.at(studio.renderer.read_bgr()[..., ::-1], (0, 0, 0.03))
@@ -684,10 +675,9 @@ def test_glass_goes_on_behind_the_rim_of_what_is_cut_out_before_it(make_renderer
     rows, columns = np.indices((64, 64))
     cut = np.zeros((64, 64, 4), np.uint8)
     cut[..., 3] = np.clip(128 + 12 * (columns - 32) + 3 * (rows - 32), 0, 255)
-    black = replace(_sheet(Material(base_map=cut, alpha=Alpha.CUT_OUT)), vertices=CORNERS + np.float32((0, 0, 0.02)))
+    black = _sheet(Material(base_map=cut, alpha=Alpha.CUT_OUT)).moved(1.0, LIFT)
     green = _sheet(Material(base_colour=(0.0, 0.5, 0.0, 0.94), alpha=Alpha.BLEND))
-    studio.renderer.render(Scene(studio.tracked, stage.placed(green, black)))
-    picture = studio.renderer.read_bgr()[..., ::-1].astype(float)
+    picture = stage.picture(studio.renderer, Scene(studio.tracked, stage.placed(green, black)))[..., ::-1].astype(float)
     xs, ys = np.linspace(-0.012, 0.012, 61), np.linspace(-0.01, 0.01, 41)
     red = np.array([studio.at(picture, (x, y, 0.03))[0] for x in xs for y in ys])
     assert red.max() < 0.05

@@ -154,8 +154,7 @@ def test_a_model_without_its_shadow_leaves_the_ground_as_it_is(make_renderer, st
     pictures = []
     for shown in (Scene(tracked), Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), sun)):
         for casts_shadow in (True, False):
-            renderer.render(dataclasses.replace(shown, casts_shadow=casts_shadow))
-            pictures.append(renderer.read_bgr().astype(int))
+            pictures.append(stage.picture(renderer, dataclasses.replace(shown, casts_shadow=casts_shadow)).astype(int))
     bare, _, whole, without = pictures
     darker = (bare - whole).max(axis=2) > 10
     assert (darker & ((bare - without).max(axis=2) <= 1)).sum() > 200  # where the shadow was, there is none
@@ -168,8 +167,7 @@ def test_half_of_a_split_picture_is_the_video(make_renderer, stage) -> None:
     whole = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), Illumination((Light((1.0, 0.2, 1.0)),)))
     pictures = []
     for scene in (whole, dataclasses.replace(whole, is_split=True)):
-        renderer.render(scene)
-        pictures.append(renderer.read_bgr())
+        pictures.append(stage.picture(renderer, scene))
     middle = renderer.size[0] // 2
     assert (pictures[0][:, :middle] != tracked.frame.image_bgr[:, :middle]).any()
     np.testing.assert_array_equal(pictures[1][:, :middle], tracked.frame.image_bgr[:, :middle])
@@ -223,12 +221,10 @@ def test_what_is_cut_out_gives_the_same_picture_over_the_video(make_renderer, st
     green = Material(base_colour=(0.0, 1.0, 0.0, 0.4), alpha=Alpha.BLEND)
     glass = dataclasses.replace(box((0.03, 0.03, 0.03)).moved(1.0, np.array((0.04, 0.0, 0.0))), material=green)
     whole = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03)), glass), sun)
-    renderer.render(whole)
-    wanted = renderer.read_bgr().astype(float)
+    wanted = stage.picture(renderer, whole).astype(float)
     for parts in ({}, {"shows_model": False}, {"casts_shadow": False}):
         scene = dataclasses.replace(whole, **parts)
-        renderer.render(scene)
-        wanted = renderer.read_bgr().astype(float)
+        wanted = stage.picture(renderer, scene).astype(float)
         renderer.render(dataclasses.replace(scene, is_cut_out=True))
         cut_out = renderer.read_bgra().astype(float)
         alpha = cut_out[..., 3:] / 255
@@ -246,8 +242,7 @@ def test_a_shadow_is_there_without_its_model(make_renderer, stage) -> None:
     scene = Scene(tracked, black, Illumination((Light((1.0, 0.2, 1.0)),)))
     pictures = []
     for shows_model in (True, False):
-        renderer.render(dataclasses.replace(scene, shows_model=shows_model))
-        pictures.append(renderer.read_bgr().astype(int))
+        pictures.append(stage.picture(renderer, dataclasses.replace(scene, shows_model=shows_model)).astype(int))
     whole, shadow = pictures
     assert shadow.max() <= 150  # nothing but darker ground
     assert ((whole < 120) & (shadow < 120)).any(axis=2).sum() > 200

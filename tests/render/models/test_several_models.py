@@ -45,9 +45,7 @@ def test_they_look_like_one_model_of_all_their_parts(make_renderer, stage, quali
         Scene(tracked, mug, lit, others=((goblet, RIGHT),)),
         Scene(tracked, _joined((mug, UNMOVED), (goblet, RIGHT)), lit),
     ):
-        renderer = make_renderer(QUALITIES[quality].render)
-        renderer.render(scene)
-        pictures.append(renderer.read_bgr().astype(float))
+        pictures.append(stage.picture(make_renderer(QUALITIES[quality].render), scene).astype(float))
     changed = np.abs(pictures[1] - GROUND).max(axis=2) > 8
     here = np.abs(pictures[0] - pictures[1]).max(axis=2)
     assert changed.sum() > 10_000
@@ -63,9 +61,7 @@ def test_each_shades_the_other(make_renderer, stage) -> None:
     tower = stage.placed(box((0.02, 0.06, 0.08), (1.0, 1.0, 1.0, 1.0)))
     tracked = stage.tracked(GROUND, stage.pose(-90, 60, 0.5))
     sun = Illumination((stage.light(0, 40, RATIO),))
-    where = make_renderer(BALANCED.render)
-    where.render(Scene(tracked, plate, sun))
-    seen = where.read_bgr().astype(int)
+    seen = stage.picture(make_renderer(BALANCED.render), Scene(tracked, plate, sun)).astype(int)
     is_plate = seen[..., 1] - seen[..., 2] > 60
     levels = []
     for others in ((), ((tower, Placement(shift_m=(0.05, 0.0))),), ((tower, Placement(shift_m=(-0.05, 0.0))),)):
@@ -102,9 +98,7 @@ def test_in_a_deep_shadow_a_foot_is_as_dark_whichever_model_comes_first(make_ren
         Scene(tracked, mug, deep, placement=LEFT, others=((cube, RIGHT),)),
         Scene(tracked, cube, deep, placement=RIGHT, others=((mug, LEFT),)),
     ):
-        renderer = make_renderer(BALANCED.render)
-        renderer.render(scene)
-        pictures.append(renderer.read_bgr().astype(float))
+        pictures.append(stage.picture(make_renderer(BALANCED.render), scene).astype(float))
     changed = np.abs(pictures[0] - GROUND).max(axis=2) > 8
     assert changed.sum() > 10_000
     assert np.abs(pictures[0] - pictures[1]).max() <= 3

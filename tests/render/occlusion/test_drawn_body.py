@@ -106,8 +106,7 @@ def test_object_hides_a_model_up_to_its_own_outline_and_casts_the_bodys_shadow(m
     inside = cv2.erode(inside, np.ones((5, 5), np.uint8))
     greens = []
     for illumination in (Illumination(real_object=body), Illumination(real_object=body).as_seen_in(tracked)):
-        renderer.render(Scene(tracked, model, illumination, placement=behind))
-        picture = renderer.read_bgr().astype(int)
+        picture = stage.picture(renderer, Scene(tracked, model, illumination, placement=behind)).astype(int)
         greens.append(((picture[..., 1] > picture[..., 2] + 60) & (inside > 0)).sum())
     assert greens[0] > 20
     assert greens[1] == 0

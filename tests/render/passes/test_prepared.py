@@ -82,8 +82,7 @@ def test_the_quality_may_change_while_a_model_of_several_parts_is_prepared(ctx, 
     renderer.render(Scene(tracked, goblet, lit), waits=False)
     shown = renderer.read_bgr()
     at_once = SceneRenderer(ctx, FAST.render, (480, 360))
-    at_once.render(Scene(tracked, goblet, lit))
-    np.testing.assert_array_equal(shown, at_once.read_bgr())
+    np.testing.assert_array_equal(shown, stage.picture(at_once, Scene(tracked, goblet, lit)))
     renderer.release()
     at_once.release()
     assert ctx.error == "GL_NO_ERROR"

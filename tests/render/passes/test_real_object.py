@@ -28,11 +28,6 @@ def _proxy_box(x: float, y: float, half: float, height: float) -> Proxy:
     return Proxy("box", np.array(corners))
 
 
-def _pixel(picture: np.ndarray, tracked, point: tuple[float, ...]) -> np.ndarray:
-    (column, row), *_ = project(tracked.camera, tracked.marker.T_cam_marker, [point])
-    return picture[round(row), round(column), ::-1]
-
-
 def _volume(points: np.ndarray, triangles: np.ndarray) -> float:
     """By the divergence theorem; positive for a closed surface whose triangles face outwards."""
     a, b, c = (points[triangles[:, corner]] for corner in range(3))
@@ -58,12 +53,11 @@ def test_model_behind_the_object_is_hidden_by_it(make_renderer, stage, preset) -
     point = (0.0, -0.015, 0.02)  # on the front of the model
     for caster, seen in ((in_front, GREY), (behind, None)):
         renderer.render(Scene(tracked, model, Illumination(real_object=caster)))
-        red, green, blue = (int(value) for value in _pixel(renderer.read_bgr(), tracked, point))
+        red, green, blue = stage.rgb_at(renderer.read_bgr(), tracked, point)
         assert (red, green, blue) == (seen,) * 3 if seen else green > red + 30
 
 
 def test_model_behind_a_hull_is_hidden_by_it_and_seen_past_it(make_renderer, stage) -> None:
-    renderer = make_renderer(PRESETS[0])
     tracked = stage.tracked(GREY, stage.pose(-90, 25, 0.5))
     model = stage.placed(box((0.05, 0.03, 0.05), (0.0, 1.0, 0.0, 1.0)))
     # An L, as voxels: its low part does not hide what the convex hull of both would.
@@ -73,9 +67,8 @@ def test_model_behind_a_hull_is_hidden_by_it_and_seen_past_it(make_renderer, sta
     assert _volume(points, triangles) == pytest.approx(occupied.sum() * 0.0025**3, rel=0.1)
     corners = np.column_stack([points, np.zeros((len(points), 2))])
     hull = Proxy("silhouettes", corners, ProxyMesh(points, triangles))
-    renderer.render(Scene(tracked, model, Illumination(real_object=hull)))
-    picture = renderer.read_bgr()
-    hidden, seen = (_pixel(picture, tracked, (x, -0.015, 0.02)).astype(int) for x in (-0.015, 0.018))
+    picture = stage.picture(make_renderer(PRESETS[0]), Scene(tracked, model, Illumination(real_object=hull)))
+    hidden, seen = (stage.rgb_at(picture, tracked, (x, -0.015, 0.02)) for x in (-0.015, 0.018))
     assert hidden.tolist() == [GREY] * 3
     assert seen[1] > seen[0] + 30
 
@@ -88,9 +81,9 @@ def test_object_shades_the_model(make_renderer, stage, preset) -> None:
     light = stage.light(180, 45, RATIO)  # the tall object at x = -0.1 throws its shadow up to x = 0.02
     brightness = []
     for caster in (None, _proxy_box(-0.1, 0.0, 0.02, 0.1)):
-        renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster)))
-        picture = renderer.read_bgr()
-        brightness.append([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, (x, 0.0, 0.01))] for x in (-0.02, 0.03)])
+        picture = stage.picture(renderer, Scene(tracked, model, Illumination((light,), real_object=caster)))
+        seen = [stage.rgb_at(picture, tracked, (x, 0.0, 0.01)) for x in (-0.02, 0.03)]
+        brightness.append(LINEAR_FROM_SRGB_8BIT[seen])
     np.testing.assert_allclose(brightness[0][0], ASSUMED_WHITE, rtol=0.02)
     np.testing.assert_allclose(brightness[1][0], ASSUMED_WHITE * np.array(RATIO), rtol=0.03)
     np.testing.assert_allclose(brightness[1][1], ASSUMED_WHITE, rtol=0.02)
@@ -108,9 +101,9 @@ def test_models_shadow_falls_on_the_object(make_renderer, stage, preset) -> None
     lighting = lighting_of((light,))
     upright = (np.array(lighting.sky) + np.array(lighting.bounce)) / 2
     sun = np.array(lighting.lights[0].irradiance) * np.cos(np.radians(30))
-    shaded = LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, (0.07, 0.015, 0.03))] / LINEAR_FROM_SRGB_8BIT[GREY]
+    shaded = LINEAR_FROM_SRGB_8BIT[stage.rgb_at(picture, tracked, (0.07, 0.015, 0.03))] / LINEAR_FROM_SRGB_8BIT[GREY]
     np.testing.assert_allclose(shaded, upright / (upright + sun), rtol=0.03)
-    np.testing.assert_array_equal(_pixel(picture, tracked, (0.07, 0.0, 0.1)), GREY)
+    np.testing.assert_array_equal(stage.rgb_at(picture, tracked, (0.07, 0.0, 0.1)), GREY)
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=IDS)
@@ -122,8 +115,7 @@ def test_a_model_without_its_shadow_shades_no_object(make_renderer, stage, prese
     on_lit_side = (0.07, 0.015, 0.03)
     seen = []
     for scene in (whole, replace(whole, casts_shadow=False)):
-        renderer.render(scene)
-        seen.append(_pixel(renderer.read_bgr(), tracked, on_lit_side).astype(int))
+        seen.append(stage.rgb_at(stage.picture(renderer, scene), tracked, on_lit_side))
     assert (seen[0] < GREY - 20).all()
     np.testing.assert_array_equal(seen[1], GREY)
 
@@ -139,13 +131,13 @@ def test_ground_in_the_objects_shadow_is_not_darkened_again(make_renderer, stage
     lone, shared = [], []
     for caster, found in ((None, lone), (object_, shared)):
         renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster)))
-        found += [_pixel(renderer.read_bgr(), tracked, place).astype(int) for place in places]
+        found += [stage.rgb_at(renderer.read_bgr(), tracked, place) for place in places]
     assert (lone[0] < GREY - 30).all()
     np.testing.assert_array_equal(shared[0], lone[0])
     np.testing.assert_array_equal(shared[2], GREY)
     overlap = _proxy_box(0.0, 0.0, 0.015, 0.05)  # the model's double: all of its shadow is there already
     renderer.render(Scene(tracked, model, Illumination((light,), real_object=overlap)))
-    np.testing.assert_allclose(_pixel(renderer.read_bgr(), tracked, (0.07, 0.0, 0.0)), GREY, atol=1)
+    np.testing.assert_allclose(stage.rgb_at(renderer.read_bgr(), tracked, (0.07, 0.0, 0.0)), GREY, atol=1)
 
 
 @pytest.mark.parametrize("off_m", [-0.0015, 0.0015])
@@ -167,7 +159,7 @@ def test_where_both_shadows_meet_there_is_no_seam_though_the_objects_outline_is_
         caster = _proxy_box(0.0, 0.06 + off_m, 0.02, 0.08)
         renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=ground_rgb)))
         picture = renderer.read_bgr()
-        left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in across]) / lit / RATIO
+        left = LINEAR_FROM_SRGB_8BIT[[stage.rgb_at(picture, tracked, place) for place in across]] / lit / RATIO
         if ground_rgb is None:
             assert left.min() < 0.6 or left.max() > 1.5
         else:
@@ -191,7 +183,7 @@ def test_a_shadow_in_the_video_is_not_darkened_again_where_a_poor_proxy_knows_of
     renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=np.full(3, lit))))
     picture = renderer.read_bgr()
     strip = [(0.08, y, 0.0) for y in np.linspace(0.0405, 0.0435, 7)]
-    left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in strip]) / lit / RATIO
+    left = LINEAR_FROM_SRGB_8BIT[[stage.rgb_at(picture, tracked, place) for place in strip]] / lit / RATIO
     np.testing.assert_allclose(left, 1, atol=0.3)
 
 
@@ -212,7 +204,7 @@ def test_no_bright_line_is_left_in_the_border_of_a_dark_soft_shadow(make_rendere
     renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=np.full(3, lit))))
     picture = renderer.read_bgr()
     across = [(0.08, y, 0.0) for y in np.linspace(0.034, 0.048, 29)]
-    left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in across]) / lit / dark
+    left = LINEAR_FROM_SRGB_8BIT[[stage.rgb_at(picture, tracked, place) for place in across]] / lit / dark
     assert left.max() < 1.4
     assert left.min() > 0.6
 
@@ -237,7 +229,7 @@ def test_ground_that_the_object_darkens_at_its_lit_foot_is_not_taken_for_its_sha
     for caster in (None, _proxy_box(0.1, 0.0, 0.02, 0.06)):
         renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=lit)))
         picture = renderer.read_bgr()
-        left.append([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in strip])
+        left.append(LINEAR_FROM_SRGB_8BIT[[stage.rgb_at(picture, tracked, place) for place in strip]])
     assert np.array(left[0]).max() < 0.7 * LINEAR_FROM_SRGB_8BIT[125]
     np.testing.assert_allclose(left[1], left[0], rtol=0.05)
 
@@ -274,8 +266,7 @@ def test_the_object_ends_a_shadow_behind_it_on_a_smooth_line_also_with_one_sampl
     pictures = []
     for samples in (0, 4):
         renderer = make_renderer(replace(FAST.render.with_samples(samples), matches_noise=False, matches_blur=False))
-        renderer.render(Scene(tracked, model, light))
-        pictures.append(renderer.read_bgr()[..., 1].astype(float))
+        pictures.append(stage.picture(renderer, Scene(tracked, model, light))[..., 1].astype(float))
     rough, fine = pictures
     sides = project(
         tracked.camera,

@@ -52,11 +52,6 @@ def test_nothing_is_found_where_there_is_no_board() -> None:
     assert BOARD.find(np.full((480, 640), 255, np.uint8)) is None
 
 
-def test_a_pdf_is_one_page(tmp_path: Path) -> None:
-    write_board_sheet(tmp_path / "board.pdf", BOARD, 0.025)
-    assert (tmp_path / "board.pdf").read_bytes().startswith(b"%PDF")
-
-
 @pytest.mark.parametrize("square_m", [0.0, 0.001, 0.5, float("nan")])
 def test_a_size_that_no_page_fits_is_refused(tmp_path: Path, square_m: float) -> None:
     with pytest.raises(UserError, match="no page fits"):

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, cross_2d
 from ashe_live.render.cover.inpainting.masked import HOLE_FROM, KNOWN_FROM, Box, blurred_within, box_around, reduced
 
 Indices = NDArray[np.intp]
@@ -118,7 +118,7 @@ def _cell(peaks: Float, strength: Float, sought: Indices) -> Float | None:
     cells = []
     for one, other in combinations(sought, 2):
         a, b = peaks[one], peaks[other]
-        area = abs(a[0] * b[1] - a[1] * b[0])
+        area = abs(float(cross_2d(a, b)))
         corners = [_near(peaks, strength, each) for each in (a + b, a - b)]
         if area > NOT_ALONG * np.linalg.norm(a) * np.linalg.norm(b) and None not in corners:
             cells.append((min(strength[[one, other, *corners]]), area, np.array([a, b])))

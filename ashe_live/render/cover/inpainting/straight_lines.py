@@ -11,7 +11,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, distinct
 from ashe_live.render.cover.inpainting.masked import blurred_within
 from ashe_live.render.cover.inpainting.turned_rows import GroundDetail, TurnedRows
 
@@ -84,12 +84,11 @@ def _telling_directions(ground: GroundDetail) -> Float:
     energies = np.array([TurnedRows(ground, each).energy for each in directions])
     is_peak = (energies > 0) & (energies >= np.roll(energies, 1)) & (energies > np.roll(energies, -1))
     peaks = np.flatnonzero(is_peak)
-    found: list[float] = []
-    for direction in directions[peaks[np.argsort(-energies[peaks])]]:
-        apart = [abs((direction - other + 90) % 180 - 90) for other in found]
-        if all(each < WAVY_DEG or each > CROSSING_DEG for each in apart):
-            found.append(float(direction))
-    return np.array(found[:MOST_DIRECTIONS])
+
+    def resemble(direction: float, other: float) -> bool:
+        return WAVY_DEG <= abs((direction - other + 90) % 180 - 90) <= CROSSING_DEG
+
+    return np.array(distinct(directions[peaks[np.argsort(-energies[peaks])]], resemble, MOST_DIRECTIONS))
 
 
 def _stronger(one: Float32, other: Float32) -> Float32:
