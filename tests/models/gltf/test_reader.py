@@ -260,6 +260,14 @@ def test_vertex_colours_without_alpha_are_opaque(tmp_path: Path) -> None:
     np.testing.assert_allclose(part.colours, [(0.1, 0.2, 0.3, 1)] * 4, atol=1e-6)
 
 
+def test_vertex_colours_reflect_no_more_than_all_light_and_no_less_than_none(tmp_path: Path) -> None:
+    """3.7.2.1: they are to be clamped to the range from 0 to 1."""
+    document = Document()
+    document.quad(COLOR_0=document.accessor(np.float32([(4, 0.5, -1, 1.5)] * 4)))
+    part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
+    np.testing.assert_array_equal(part.colours, [(1, 0.5, 0, 1)] * 4)
+
+
 def test_without_normals_every_triangle_is_a_plane(tmp_path: Path) -> None:
     """glTF 2.0, 3.7.2.1. Both sides of the ridge lean by 10 degrees, which in other formats is smooth."""
     height = np.tan(np.radians(10))
