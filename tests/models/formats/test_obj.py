@@ -291,6 +291,8 @@ def test_a_picture_is_enlarged_and_shifted_as_its_options_say(tmp_path: Path) ->
     at = np.reshape(layout.matrix, (2, 3)) @ (0.5, 0.125, 1.0)
     np.testing.assert_allclose(at, (0.5 * 2 + 0.25, 0.125 * 3 + 0.5))
     assert layout.repeats == (False, False)
+    assert surface(tmp_path, "map_Kd -CLAMP On red.png").layout("base_map").repeats == (False, False)
+    assert surface(tmp_path, "map_Kd -clamp off red.png").layout("base_map").repeats == (True, True)
     assert surface(tmp_path, "map_Kd -s 4 red.png").layout("base_map").matrix == (4, 0, 0, 0, 1, 0)
     assert surface(tmp_path, "map_Kd red.png").layout("base_map").is_plain
 
@@ -335,9 +337,31 @@ def test_curved_surfaces_are_said_to_be_left_out(tmp_path: Path) -> None:
         read(tmp_path, "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + curved)
 
 
-def test_a_mask_without_a_picture_is_said(tmp_path: Path) -> None:
-    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a="newmtl m\nmap_d mask.png\n")
-    assert model.notes == ("masks of its materials without a picture are left out",)
+@pytest.mark.parametrize("picture", ["", "map_Kd gone.png\n"])
+def test_a_mask_without_a_picture_cuts_out_the_materials_colour(tmp_path: Path, picture: str) -> None:
+    """As of leaves in one green. The mask lies as its own options say."""
+    holes = np.uint8([[0, 255], [255, 255]])
+    Image.fromarray(holes).save(tmp_path / "mask.png")
+    material = surface(tmp_path, f"Kd 0 1 0\n{picture}map_d -s 3 3 3 mask.png")
+    assert material.base_colour == (0, 1, 0, 1)
+    assert material.alpha is Alpha.CUT_OUT
+    np.testing.assert_array_equal(material.base_map[..., 3], holes)
+    assert (material.base_map[..., :3] == 255).all()
+    assert material.layout("base_map").matrix == (3, 0, 0, 0, 3, 0)
+    assert surface(tmp_path, f"Kd 0 1 0\nd 0.5\n{picture}map_d mask.png").alpha is Alpha.BLEND
+    (tmp_path / "mask.png").unlink()
+    assert surface(tmp_path, f"Kd 0 1 0\n{picture}map_d mask.png").alpha is Alpha.OPAQUE
+
+
+@pytest.mark.parametrize("libraries", ['"my looks.mtl"', '"b.mtl" "my.mtl"', '"my.mtl" b.mtl'])
+def test_the_names_of_libraries_may_be_quoted(tmp_path: Path, libraries: str) -> None:
+    model = read(
+        tmp_path,
+        f"mtllib {libraries}\nusemtl m\n{TRIANGLE}",
+        **{"my looks": "newmtl m\nKd 1 0 0\n", "my": "newmtl m\nKd 1 0 0\n", "b": ""},
+    )
+    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
+    assert not model.notes
 
 
 def test_colours_of_vertices_and_materials_together_are_said(tmp_path: Path) -> None:
