@@ -188,7 +188,7 @@ def _placed_motion(
 
 def _file_normals(raw: RawMesh, T: Float, triangles: Indices) -> Float32 | None:
     """(n, 3) unit, moved by T, and 0 for those that are no directions; None when the file brings none, or too few."""
-    if raw.normals is None or raw.normals.shape != raw.vertices.shape:
+    if raw.normals is None:
         return None
     T_normals = T[:3, :3]
     if not np.linalg.det(T_normals):
