@@ -428,6 +428,20 @@ def test_a_fan_of_many_keeps_its_sense(tmp_path: Path) -> None:
     np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-6)
 
 
+def test_a_strip_of_many_keeps_its_sense(tmp_path: Path) -> None:
+    """Every other triangle of it runs the other way round (3.7.2.1); without normals this alone tells its front."""
+    places = np.float32([(across, upwards, 0) for across in range(8) for upwards in (1, 0)])
+    document = Document()
+    document.quad()
+    primitive = {"attributes": {"POSITION": document.accessor(places)}, "mode": 5}
+    document.json["meshes"][0]["primitives"] = [primitive]
+    (part,) = load_model_file(document.save(tmp_path / "band.glb")).parts
+    assert len(part.triangles) == 14
+    np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-6)
+    areas = np.linalg.norm(face_normals(part.vertices, part.triangles), axis=1) / 2
+    np.testing.assert_allclose(areas, 0.5)
+
+
 def test_every_primitive_of_a_mesh_is_drawn(tmp_path: Path) -> None:
     document = Document()
     document.quad({"translation": [1, 0, 0]})
