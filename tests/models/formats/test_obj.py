@@ -193,8 +193,23 @@ def test_a_polygon_that_crosses_itself_has_triangles_of_its_corners() -> None:
     star = np.array([(np.cos(turn), np.sin(turn), 0.0) for turn in np.arange(5) * 0.8 * np.pi])
     triangles = triangulated(star, np.arange(5), np.array([5]))
     assert triangles.tolist() == [[0, 1, 2], [0, 2, 3], [0, 3, 4]]
+    # It turns both ways, and its halves lie on one another in part: what ears would cover is not what it encloses.
+    loop = np.array([(0.0, 0, 0), (4, 0, 0), (4, 3, 0), (1, -1, 0), (0, 3, 0)])
+    assert triangulated(loop, np.arange(5), np.array([5])).tolist() == [[0, 1, 2], [0, 2, 3], [0, 3, 4]]
     line = np.array([(x, 0.0, 0.0) for x in (0, 3, 1, 4, 2)])
     assert triangulated(line, np.arange(5), np.array([5])).shape == (3, 3)
+
+
+@pytest.mark.parametrize("place", ["nan 1 0", "0 inf 0"])
+def test_a_polygon_that_is_at_no_place_is_said(tmp_path: Path, place: str) -> None:
+    corners = "".join(f"v {x} {y} 0\n" for x, y in L_SHAPE[:5])
+    with pytest.raises(UserError, match="vertices hold a value that is not finite"):
+        read(tmp_path, f"{corners}v {place}\nf 1 2 3 4 5 6\n")
+
+
+def test_faces_of_two_corners_are_no_triangles(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="holds no triangles"):
+        read(tmp_path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 3\n")
 
 
 def test_polygons_of_all_sizes_stand_beside_one_another(tmp_path: Path) -> None:
