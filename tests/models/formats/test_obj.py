@@ -329,6 +329,8 @@ def test_colours_are_linear_where_blender_has_written_them(tmp_path: Path) -> No
     assert theirs.emissive == pytest.approx((0.1, 0, 0))
     assert (theirs.roughness, theirs.metallic) == pytest.approx((0.7, 0.75))
     assert others.metallic == 0
+    rough = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"{header}newmtl m\nNs 0\n").parts[0].material
+    assert rough.roughness == 1
     assert others.base_colour[1] == pytest.approx(0.214, abs=0.001)  # of sRGB's 0.5
 
 
