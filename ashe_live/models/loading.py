@@ -11,7 +11,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened, read_bytes
 from ashe_live.models.assembly import overlaps
-from ashe_live.models.assembly.geometry import RawMesh, placed_mesh
+from ashe_live.models.assembly.geometry import RawMesh, placed_mesh, used_vertices
 from ashe_live.models.assembly.merging import merged
 from ashe_live.models.assembly.mirroring import words_on_mirrors
 from ashe_live.models.assembly.up import Y_UP, guessed_up, z_up_from
@@ -98,7 +98,7 @@ def _read(path: Path, up: str | None) -> Model:
 def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Model:
     check_triangles(path, sum(len(mesh.triangles) for _, mesh in meshes))
     to_origin = np.eye(4)
-    to_origin[:3, 3] = _offset([_extremes(T, mesh) for T, mesh in meshes if len(mesh.vertices)])
+    to_origin[:3, 3] = _offset([_extremes(T, mesh) for T, mesh in meshes if len(mesh.triangles)])
     parts = merged(part for T, mesh in meshes if (part := placed_mesh(mesh, to_origin @ T)) is not None)
     if not parts:
         triangles = "triangle that has an area" if any(len(mesh.triangles) for _, mesh in meshes) else "triangles"
@@ -119,8 +119,10 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
 
 
 def _extremes(T: Float, mesh: RawMesh) -> Float:
-    """(2, 3) smallest and largest coordinates of the box around a mesh, where T (4, 4) brings it."""
-    of_file = [(column.min(), column.max()) for column in mesh.vertices.T]
+    """(2, 3) smallest and largest coordinates of the box around a mesh's triangles, where T (4, 4) brings it."""
+    is_used = used_vertices(mesh)
+    vertices = mesh.vertices if is_used.all() else mesh.vertices[is_used]
+    of_file = [(column.min(), column.max()) for column in vertices.T]
     corners = np.array(list(itertools.product(*of_file))) @ T[:3, :3].T + T[:3, 3]
     return np.stack([corners.min(axis=0), corners.max(axis=0)])
 

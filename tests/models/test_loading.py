@@ -97,6 +97,26 @@ def test_vertices_of_no_triangle_do_not_count(tmp_path: Path, suffix: str, with_
     np.testing.assert_allclose(model.bounds, np.outer((-0.5, 0.5), EXTENTS), atol=1e-6)
 
 
+@pytest.mark.parametrize("stray", ["0 0 0", "nan nan nan", "inf 0 0"])
+@pytest.mark.parametrize("normals", ["", " 0 0 1"])
+def test_what_no_triangle_names_may_be_anywhere(tmp_path: Path, stray: str, normals: str) -> None:
+    """Depth cameras write no numbers where they saw nothing, and a map's scan may have a point at the map's origin."""
+    corners = ((5_200_000.25, 4_100_000.5), (5_200_001.5, 4_100_000.5), (5_200_000.25, 4_100_001.0))
+    names = [*"xyz", *(("nx", "ny", "nz") if normals else ())]
+    header = ["ply", "format ascii 1.0", "element vertex 4", *(f"property double {name}" for name in names)]
+    header += ["element face 1", "property list uchar int vertex_indices", "end_header"]
+    lines = [f"{stray}{normals}", *(f"{x} {y} 0{normals}" for x, y in corners), "3 1 2 3", ""]
+    (tmp_path / "scan.ply").write_text("\n".join(header + lines))
+    (part,) = load_model_file(tmp_path / "scan.ply", "z").parts
+    np.testing.assert_array_equal(np.ptp(part.vertices, axis=0), (1.25, 0.5, 0))
+    np.testing.assert_array_equal(part.normals, [(0, 0, 1)] * 3)
+    text = (tmp_path / "scan.ply").read_text()
+    (tmp_path / "scan.ply").write_text(text.replace("3 1 2 3", "3 0 2 3"))
+    if stray != "0 0 0":
+        with pytest.raises(UserError, match="vertices hold a value that is not finite"):
+            load_model_file(tmp_path / "scan.ply")
+
+
 def test_computed_normals_are_smooth_on_a_sphere_and_sharp_on_a_box(tmp_path: Path) -> None:
     trimesh.creation.icosphere(subdivisions=3).export(tmp_path / "sphere.stl")
     part = load_model_file(tmp_path / "sphere.stl").parts[0]

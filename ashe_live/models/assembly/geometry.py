@@ -52,13 +52,15 @@ class RawMesh:
 def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
     """A mesh moved by T (4, 4) into the model's frame; None when no triangle of it has an area.
 
-    Raises MalformedError for indices out of range and for values that are not finite.
+    Raises MalformedError for indices out of range and for values that are not finite. Vertices of no triangle may have
+    such values: scanners write them where they saw nothing.
     """
-    moved = _moved(raw, T)
+    is_used = used_vertices(raw)
+    moved = _moved(raw, T, is_used)
     if moved is None:
         return None
     vertices, triangles = moved
-    attributes = _attributes(raw)
+    attributes = _attributes(raw, is_used)
     normals = _file_normals(raw, T, triangles)
     if normals is None:
         surface = _with_computed_normals(raw, vertices, triangles, attributes.values())
@@ -128,17 +130,22 @@ def _with_file_normals(raw: RawMesh, vertices: Float32, triangles: Indices, norm
     return _Surface(source, triangles, normals[source], motion_normals, faces_inwards)
 
 
-def _moved(raw: RawMesh, T: Float) -> tuple[Float32, Indices] | None:
+def used_vertices(raw: RawMesh) -> NDArray[np.bool_]:
+    """(n,) whether a triangle names the vertex. Raises MalformedError for indices out of range."""
+    is_used = np.zeros(len(raw.vertices), np.bool_)
+    if len(raw.triangles):
+        least, most = raw.triangles.min(), raw.triangles.max()
+        if least < 0 or most >= len(is_used):
+            raise MalformedError(f"a triangle names vertex {least if least < 0 else most} of {len(is_used)}")
+        is_used[raw.triangles.ravel()] = True
+    return is_used
+
+
+def _moved(raw: RawMesh, T: Float, is_used: NDArray[np.bool_]) -> tuple[Float32, Indices] | None:
     """(n, 3) vertices moved by T, and those triangles that have an area, with their fronts outside if T mirrors."""
-    if len(raw.triangles) == 0:
-        return None
-    if raw.triangles.min() < 0 or len(raw.vertices) <= raw.triangles.max():
-        named = raw.triangles.min() if raw.triangles.min() < 0 else raw.triangles.max()
-        raise MalformedError(f"a triangle names vertex {named} of {len(raw.vertices)}")
     vertices = raw.vertices if np.array_equal(T, np.eye(4)) else raw.vertices @ T[:3, :3].T + T[:3, 3]
     vertices = vertices.astype(np.float32)
-    if not np.isfinite(vertices).all():
-        raise MalformedError("vertices hold a value that is not finite")
+    _check_finite(vertices, is_used, "vertices")
     triangles = raw.triangles.astype(np.uint32)
     has_area = np.any(face_normals(vertices, triangles) != 0, axis=1)
     triangles = triangles if has_area.all() else triangles[has_area]
@@ -147,13 +154,18 @@ def _moved(raw: RawMesh, T: Float) -> tuple[Float32, Indices] | None:
     return vertices, triangles[:, ::-1] if np.linalg.det(T[:3, :3]) < 0 else triangles
 
 
-def _attributes(raw: RawMesh) -> dict[str, Float32]:
+def _check_finite(values: Float32, is_used: NDArray[np.bool_], name: str) -> None:
+    is_finite = np.isfinite(values)
+    if not is_finite.all() and not is_finite[is_used].all():
+        raise MalformedError(f"{name} hold a value that is not finite")
+
+
+def _attributes(raw: RawMesh, is_used: NDArray[np.bool_]) -> dict[str, Float32]:
     """The file's texture coordinates and colours, one a vertex, by their names in a Mesh."""
     given = {"uvs": raw.uvs, "more_uvs": raw.more_uvs, "colours": raw.colours}
     attributes = {name: values.astype(np.float32) for name, values in given.items() if values is not None}
     for name, values in attributes.items():
-        if not np.isfinite(values).all():
-            raise MalformedError(f"{name} hold a value that is not finite")
+        _check_finite(values, is_used, name)
     return attributes
 
 
@@ -176,7 +188,7 @@ def _placed_motion(
 
 def _file_normals(raw: RawMesh, T: Float, triangles: Indices) -> Float32 | None:
     """(n, 3) unit, moved by T, and 0 for those that are no directions; None when the file brings none, or too few."""
-    if raw.normals is None or raw.normals.shape != raw.vertices.shape:
+    if raw.normals is None:
         return None
     T_normals = T[:3, :3]
     if not np.linalg.det(T_normals):

@@ -13,10 +13,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.colour import linear_from_srgb
+from ashe_live.models.formats.mtl_lines import numbers_of, picture_of, text_of
 from ashe_live.models.material import PLAIN_LAYOUT, UNKNOWN, Alpha, MapLayout, Material
 from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import check_materials
-from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
 from ashe_live.models.parsing.pictures import Pictures, at_one_size, filled_beyond
 
@@ -25,12 +25,6 @@ from ashe_live.models.parsing.pictures import Pictures, at_one_size, filled_beyo
 # of illumination is one of mirrors the ambient colour is how much of a metal it is.
 BLENDERS_FIRST_WORDS, BLENDERS_SHININESS, MIRRORS = b"# Blender", 1000.0, (3, 6)
 COLOURS = {"ka": "ambient", "kd": "diffuse", "ke": "emission"}
-# How many numbers follow an option of a map; what is left is the file's name, spaces and all.
-OPTIONS = {
-    **dict.fromkeys(("-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-texres", "-type", "-bm", "-boost"), 1),
-    "-mm": 2,
-    **dict.fromkeys(("-o", "-s", "-t"), 3),
-}
 # Maps other than the diffuse one, of which none is drawn, with words for the notes.
 NOT_DRAWN = {
     "map_bump": "bump maps",
@@ -65,15 +59,8 @@ class _Described:
     picture: str | None = None
     layout: MapLayout = PLAIN_LAYOUT  # of the picture
     cut_out: str | None = None
+    cut_out_layout: MapLayout = PLAIN_LAYOUT  # without a picture; else it lies as that does
     has_opacity: bool = False
-
-
-def text_of(content: bytes) -> str:
-    """Text of another encoding is taken for Latin-1: only names may then look odd, and they are not shown."""
-    try:
-        return content.decode()
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
 
 
 def read_mtl(model: Path, content: bytes, pictures: Pictures, beside: str, notes: Notes) -> dict[str, Material]:
@@ -98,88 +85,35 @@ def read_mtl(model: Path, content: bytes, pictures: Pictures, beside: str, notes
             if key in NOT_DRAWN:
                 notes.add(f"{NOT_DRAWN[key]} of its materials are left out")
     is_blenders = content.lstrip().startswith(BLENDERS_FIRST_WORDS)
-    if any(one.cut_out is not None and one.picture is None for one in described.values()):
-        notes.add("masks of its materials without a picture are left out")
     texels = partial(pictures.named, covers=True, beside=beside)
     return {name: _material(one, texels, pictures.made, is_blenders) for name, one in described.items()}
 
 
 def _take(one: _Described, key: str, value: str) -> None:
     if key in COLOURS:
-        numbers = _numbers(value)
+        numbers = numbers_of(value)
         if len(numbers) in (1, 2):
             numbers = numbers[:1] * 3
         if len(numbers) >= 3:
             setattr(one, COLOURS[key], numbers[:3])
     elif key in ("d", "tr"):
         # 0 is invisible for the one, and opaque for the other, which some programs mix up: of both the first holds.
-        (*_, last) = _numbers(value.replace("-halo", "")) or (None,)
+        (*_, last) = numbers_of(value.replace("-halo", "")) or (None,)
         if last is not None and (key == "d" or not one.has_opacity):
             one.opacity = last if key == "d" else 1 - last
             one.has_opacity = key == "d"
     elif key == "ns":
-        one.shininess = next(iter(_numbers(value)), 0.0)
+        one.shininess = next(iter(numbers_of(value)), 0.0)
     elif key == "illum":
-        one.illumination = int(next(iter(_numbers(value)), 2))
+        one.illumination = int(next(iter(numbers_of(value)), 2))
     elif key == "pr":
-        one.roughness = next(iter(_numbers(value)), None)
+        one.roughness = next(iter(numbers_of(value)), None)
     elif key == "pm":
-        one.metallic = next(iter(_numbers(value)), None)
+        one.metallic = next(iter(numbers_of(value)), None)
     elif key == "map_kd":
-        one.picture, options = _file_name(value)
-        one.layout = _layout(options)
+        one.picture, one.layout = picture_of(value)
     elif key == "map_d":
-        one.cut_out, _ = _file_name(value)
-
-
-def _numbers(value: str) -> tuple[float, ...]:
-    """None of them for what is said in other terms, as a spectrum or in CIE XYZ. A comment may follow them."""
-    try:
-        numbers = tuple(float(word) for word in value.partition("#")[0].split())
-    except ValueError:
-        return ()
-    if not np.isfinite(numbers).all():
-        raise MalformedError("a material's number is not finite")
-    return numbers
-
-
-def _file_name(value: str) -> tuple[str, dict[str, list[str]]]:
-    """And the words of the options before it."""
-    options: dict[str, list[str]] = {}
-    word, rest = _first_word(value)
-    while (option := word.lower()) in OPTIONS:
-        said: list[str] = []
-        value = rest
-        word, rest = _first_word(value)
-        while word and len(said) < OPTIONS[option] and not _is_name(word):
-            said.append(word)
-            value = rest
-            word, rest = _first_word(value)
-        options[option] = said
-    return value.strip().strip('"'), options
-
-
-def _first_word(value: str) -> tuple[str, str]:
-    """And what follows it, spaces and all."""
-    word, rest = (*value.split(None, 1), "", "")[:2]
-    return word, rest
-
-
-def _layout(options: dict[str, list[str]]) -> MapLayout:
-    """How a picture is enlarged (-s), then shifted (-o), and whether it ends (-clamp)."""
-    scale, shift = (_numbers(" ".join(options.get(name, []))) for name in ("-s", "-o"))
-    # "The default for each is 1 1 1, or 0 0 0", also of those behind the first that are not given.
-    (across, upwards), (right, up) = (*scale, 1.0, 1.0)[:2], (*shift, 0.0, 0.0)[:2]
-    repeats = "on" not in options.get("-clamp", [])
-    return MapLayout(matrix=(across, 0.0, right, 0.0, upwards, up), repeats=(repeats, repeats))
-
-
-def _is_name(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return word.lower() not in ("on", "off", "r", "g", "b", "m", "l", "z")
-    return False
+        one.cut_out, one.cut_out_layout = picture_of(value)
 
 
 def _material(
@@ -200,16 +134,26 @@ def _material(
         roughness=float(np.clip(roughness, 0, 1)),
         alpha=Alpha.BLEND if opacity < 1 else Alpha.OPAQUE,
     )
-    if one.picture is None:
-        return plain
-    base_map = texels(one.picture)
-    if base_map is not None:
-        mask = None if one.cut_out is None else texels(one.cut_out)
-        if mask is not None:
-            base_map = made(("cut out", id(base_map), id(mask)), partial(_cut_out, base_map, mask))
-        return pictured(replace(plain, layouts={"base_map": one.layout}), base_map)
-    # Some programs write black beside a picture.
-    return plain if red + green + blue > 0 else replace(plain, base_colour=(*UNKNOWN.base_colour[:3], opacity))
+    return _with_pictures(plain, one, texels, made)
+
+
+def _with_pictures(
+    plain: Material, one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image]
+) -> Material:
+    """`plain` with its picture, as far as its mask leaves that; with a mask alone, its own colour cut out."""
+    base_map = None if one.picture is None else texels(one.picture)
+    mask = None if one.cut_out is None else texels(one.cut_out)
+    if one.picture is not None and base_map is None and not any(plain.base_colour[:3]):
+        # Some programs write black beside a picture.
+        plain = replace(plain, base_colour=(*UNKNOWN.base_colour[:3], plain.base_colour[3]))
+    if mask is not None:
+        colours = np.full_like(mask, 255) if base_map is None else base_map
+        cut_out = made(("cut out", id(base_map), id(mask)), partial(_cut_out, colours, mask))
+        if base_map is None:
+            alone = pictured(replace(plain, layouts={"base_map": one.cut_out_layout}), cut_out)
+            return replace(alone, base_colour=plain.base_colour)
+        base_map = cut_out
+    return plain if base_map is None else pictured(replace(plain, layouts={"base_map": one.layout}), base_map)
 
 
 def _roughness(shininess: float, is_blenders: bool) -> float:

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.assembly.geometry import RawMesh
-from ashe_live.models.formats.mtl import read_mtl, text_of
+from ashe_live.models.formats.mtl import read_mtl
+from ashe_live.models.formats.mtl_lines import text_of
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.formats.words import numbers_in
 from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Material
@@ -91,7 +92,7 @@ def _sorted(content: bytes) -> _Lines:
         elif key == b"usemtl":
             material = found.names.setdefault(rest.strip(), len(found.names))
         elif key == b"mtllib":
-            found.libraries.append(rest.strip())
+            found.libraries.append(rest.strip().strip(b'"'))
         elif key in (b"l", b"p"):
             found.has_lines = True
         elif key in (b"curv", b"surf"):
@@ -110,7 +111,7 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
             contents = {library: folder.get(text_of(library))}
         except MissingFileError:
             # Several names may stand on one line, and one name may hold spaces.
-            there = {name: _there(folder, name, notes) for name in library.split()}
+            there = {name: _there(folder, name, notes) for name in library.replace(b'"', b" ").split()}
             is_any_missing |= None in there.values()
             contents = {name: content for name, content in there.items() if content is not None}
         for path, content in contents.items():

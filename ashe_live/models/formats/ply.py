@@ -122,6 +122,10 @@ def _colours(element: Element) -> Float | None:
 
 
 def _whole(element: Element, name: str) -> float:
-    """The value of full intensity: 1 for fractions, else the largest number of the type."""
+    """The value of full intensity: 1 for fractions, else the largest number of the type, and 255 for integers of four
+    bytes, in which programs write those of one.
+    """
     kind = element.kinds[name]
-    return 1.0 if kind[0] == "f" else float(np.iinfo(np.dtype(kind)).max)
+    if kind[0] == "f":
+        return 1.0
+    return 255.0 if kind[1] == "4" else float(np.iinfo(np.dtype(kind)).max)

@@ -63,9 +63,9 @@ def _area_vectors(polygons: Float) -> Float:
 
 
 def _ears(polygon: Float) -> Indices | None:
-    """(k - 2, 3) corners of a polygon (k, 3), seen along its normal; None where it has no area or crosses itself."""
+    """(k - 2, 3) corners of a polygon (k, 3), seen along its normal; None where it crosses itself or is nowhere."""
     (normal,) = _area_vectors(polygon[None])
-    if not np.isfinite(normal).all() or not normal.any():
+    if not np.isfinite(normal).all():  # nor zero, as what has no area counts as convex
         return None
     dropped = int(np.abs(normal).argmax())
     flat = np.ascontiguousarray(np.delete(polygon - polygon[0], dropped, axis=1))

@@ -71,10 +71,11 @@ class Attributes:
         return self._arrays.numbers(self._primitive["indices"]).ravel().astype(np.int64)
 
     def colours(self) -> Float | None:
-        """(n, 4) linear; opaque where the file says nothing of alpha."""
+        """(n, 4) linear, from 0 to 1; opaque where the file says nothing of alpha."""
         if "COLOR_0" not in self:
             return None
-        given = self.floats("COLOR_0", are_shares=True)
+        # "All components of each COLOR_0 accessor element MUST be clamped to [0.0, 1.0] range" (3.7.2.1).
+        given = self.floats("COLOR_0", are_shares=True).clip(0, 1)
         return np.hstack([given, np.ones((len(given), 4 - given.shape[1]))])
 
     def shape(self, has_joints: bool) -> Shape:

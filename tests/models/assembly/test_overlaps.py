@@ -34,6 +34,12 @@ def test_colours_of_vertices_and_places_on_a_picture_count() -> None:
     assert not overlap_visibly([one, one])
 
 
+def test_metal_and_polish_count() -> None:
+    plain = Material(metallic=0.0, roughness=0.8)
+    for other in (replace(plain, metallic=1.0), replace(plain, roughness=0.2)):
+        assert overlap_visibly([_square(plain), _square(other)])
+
+
 def test_copies_neighbours_and_layers_are_not() -> None:
     assert not overlap_visibly([_square(RED), _square(RED, OTHER_DIAGONAL)])
     assert not overlap_visibly([_square(RED), _square(BLUE, offset=(1, 0, 0))])

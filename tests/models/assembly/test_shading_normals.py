@@ -30,3 +30,25 @@ def test_the_tip_of_a_cone_is_round_however_many_sides_it_has(sides: int, rising
     apart = np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", at_tip, expected), -1, 1)))
     assert apart.max() < 8
     assert apart.mean() < 3
+
+
+def test_edges_beside_a_crowded_tip_stay_sharp() -> None:
+    """A cone of many sides on a ledge: around its tip all are averaged, and at its foot each keeps its own plane."""
+    sides = 200
+    angles = 2 * np.pi * np.arange(sides) / sides
+    rim = np.stack([np.cos(angles), np.sin(angles), np.zeros(sides)], axis=1)
+    vertices = np.vstack([(0, 0, 1.0), (0, 0, 0), rim]).astype(np.float32)
+    here = 2 + np.arange(sides)
+    after = np.roll(here, -1)
+    sloping = np.stack([np.zeros(sides, int), here, after], axis=1)
+    ground = np.stack([np.ones(sides, int), after, here], axis=1)
+    normals = corner_normals(vertices, np.vstack([sloping, ground]).astype(np.uint32)).reshape(-1, 3, 3)
+    np.testing.assert_allclose(normals[sides:], np.tile((0, 0, -1), (sides, 3, 1)), atol=1e-6)
+    at_foot = normals[:sides, 1]
+    expected = np.column_stack([rim[:, :2], np.ones(sides)]) / math.sqrt(2)
+    assert np.einsum("ij,ij->i", at_foot, expected).min() > math.cos(math.radians(2))
+    at_tip = normals[:sides, 0]
+    middle = angles + np.pi / sides
+    lean = at_tip[:, 0] * np.cos(middle) + at_tip[:, 1] * np.sin(middle)
+    assert (lean > 0.3).all()
+    assert (at_tip[:, 2] > 0.5).all()

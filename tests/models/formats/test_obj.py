@@ -9,7 +9,7 @@ from PIL import Image
 from ashe_live.errors import UserError
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.loading import load_model_file
-from ashe_live.models.material import NO_COORDINATES, Alpha, Material
+from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Alpha, Material
 from ashe_live.models.mesh import Model, face_normals
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES
 
@@ -193,8 +193,23 @@ def test_a_polygon_that_crosses_itself_has_triangles_of_its_corners() -> None:
     star = np.array([(np.cos(turn), np.sin(turn), 0.0) for turn in np.arange(5) * 0.8 * np.pi])
     triangles = triangulated(star, np.arange(5), np.array([5]))
     assert triangles.tolist() == [[0, 1, 2], [0, 2, 3], [0, 3, 4]]
+    # It turns both ways, and its halves lie on one another in part: what ears would cover is not what it encloses.
+    loop = np.array([(0.0, 0, 0), (4, 0, 0), (4, 3, 0), (1, -1, 0), (0, 3, 0)])
+    assert triangulated(loop, np.arange(5), np.array([5])).tolist() == [[0, 1, 2], [0, 2, 3], [0, 3, 4]]
     line = np.array([(x, 0.0, 0.0) for x in (0, 3, 1, 4, 2)])
     assert triangulated(line, np.arange(5), np.array([5])).shape == (3, 3)
+
+
+@pytest.mark.parametrize("place", ["nan 1 0", "0 inf 0"])
+def test_a_polygon_that_is_at_no_place_is_said(tmp_path: Path, place: str) -> None:
+    corners = "".join(f"v {x} {y} 0\n" for x, y in L_SHAPE[:5])
+    with pytest.raises(UserError, match="vertices hold a value that is not finite"):
+        read(tmp_path, f"{corners}v {place}\nf 1 2 3 4 5 6\n")
+
+
+def test_faces_of_two_corners_are_no_triangles(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="holds no triangles"):
+        read(tmp_path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 3\n")
 
 
 def test_polygons_of_all_sizes_stand_beside_one_another(tmp_path: Path) -> None:
@@ -224,6 +239,35 @@ def test_corners_of_several_kinds_in_one_face_are_distinguished(tmp_path: Path) 
     assert len(np.unique(part.vertices, axis=0)) == 3
 
 
+def test_a_place_is_a_corner_for_each_coordinate_and_normal_that_it_has(tmp_path: Path) -> None:
+    """A box: sides that meet share coordinates and not normals, both triangles of a side the normal alone."""
+    places = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    normals = [(0, 0, -1), (0, 0, 1), (0, -1, 0), (0, 1, 0), (-1, 0, 0), (1, 0, 0)]
+    sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    uvs = [(number / 16, number % 4 / 4) for number in range(16)]
+    lines = [f"v {x} {y} {z}" for x, y, z in places] + [f"vn {x} {y} {z}" for x, y, z in normals]
+    lines += [f"vt {u} {v}" for u, v in uvs]
+    expected = set()
+    for side, corners in enumerate(sides):
+        for half, numbers in enumerate([(0, 1, 2), (0, 2, 3)]):
+            named = [(corners[number], 8 * (side % 2) + 4 * half + number, side) for number in numbers]
+            expected |= {(*places[v], *uvs[vt], *normals[vn]) for v, vt, vn in named}
+            lines.append("f " + " ".join(f"{v + 1}/{vt + 1}/{vn + 1}" for v, vt, vn in named))
+    (tmp_path / "a.obj").write_text("\n".join(lines))
+    (part,) = load_model_file(tmp_path / "a.obj", "z").parts
+    corners = np.hstack([part.vertices, part.uvs, part.normals])[part.triangles].reshape(-1, 8)
+    assert set(map(tuple, corners.tolist())) == expected
+
+
+def test_a_place_may_have_a_weight_and_a_coordinate_may_be_left_out(tmp_path: Path) -> None:
+    """The weight is of curves. What is left out of a texture coordinate is 0."""
+    text = "v 0 0 0 1\nv 2 0 0 1\nv 0 3 0 0.5\nvt 1\nvt 0.25 0.5 7\nvt 0.5 0.75\nf 1/1 2/2 3/3\n"
+    (tmp_path / "a.obj").write_text(text)
+    (part,) = load_model_file(tmp_path / "a.obj", "z").parts
+    found = dict(zip(map(tuple, part.vertices.tolist()), map(tuple, part.uvs.tolist()), strict=True))
+    assert found == {(0, 0, 0): (1, 0), (2, 0, 0): (0.25, 0.5), (0, 3, 0): (0.5, 0.75)}
+
+
 def test_negative_numbers_count_back_from_the_face(tmp_path: Path) -> None:
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\nv 9 8 9\nv 8 9 9\nf -3 -2 -1\n"
     model = read(tmp_path, text)
@@ -232,12 +276,24 @@ def test_negative_numbers_count_back_from_the_face(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "face",
-    ["f 0 1 2", "f 1 2 4", "f -4 1 2", "f 1/2 2/2 3/2", "f 1//2 2//2 3//2", "f a b c", "f 1.5 2 3", "f 1e300 2 3", "f"],
+    ("face", "said"),
+    [
+        ("f 0 1 2", "a face names vertex 0 of 3"),
+        ("f 1 2 4", "a face names vertex 4 of 3"),
+        ("f -4 1 2", "a face names vertex -4 of 3"),
+        ("f 1/2 2/2 3/2", "a face names texture coordinate 2 of 1"),
+        ("f 1/-2 2/1 3/1", "a face names texture coordinate -2 of 1"),
+        ("f 1//2 2//2 3//2", "a face names normal 2 of 1"),
+        ("f a b c", "a word stands where a number belongs"),
+        ("f 1.5 2 3", "a face names a vertex by what is no whole number"),
+        ("f 1e300 2 3", "a face names a vertex by what is no whole number"),
+        ("f", "a face has no corners"),
+    ],
 )
-def test_a_face_of_what_is_not_there_is_said(tmp_path: Path, face: str) -> None:
+def test_a_face_of_what_is_not_there_is_said(tmp_path: Path, face: str, said: str) -> None:
     for values in ("", "vt 0 0\nvn 0 0 1\n"):
-        with pytest.raises(UserError, match=r"a\.obj is malformed"):
+        of_those = said if values else said.replace("of 1", "of 0")
+        with pytest.raises(UserError, match=rf"a\.obj is malformed \({of_those}\)"):
             read(tmp_path, f"v 0 0 0\nv 1 0 0\nv 0 1 0\n{values}{face}\n")
 
 
@@ -273,6 +329,8 @@ def test_colours_are_linear_where_blender_has_written_them(tmp_path: Path) -> No
     assert theirs.emissive == pytest.approx((0.1, 0, 0))
     assert (theirs.roughness, theirs.metallic) == pytest.approx((0.7, 0.75))
     assert others.metallic == 0
+    rough = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"{header}newmtl m\nNs 0\n").parts[0].material
+    assert rough.roughness == 1
     assert others.base_colour[1] == pytest.approx(0.214, abs=0.001)  # of sRGB's 0.5
 
 
@@ -291,6 +349,8 @@ def test_a_picture_is_enlarged_and_shifted_as_its_options_say(tmp_path: Path) ->
     at = np.reshape(layout.matrix, (2, 3)) @ (0.5, 0.125, 1.0)
     np.testing.assert_allclose(at, (0.5 * 2 + 0.25, 0.125 * 3 + 0.5))
     assert layout.repeats == (False, False)
+    assert surface(tmp_path, "map_Kd -CLAMP On red.png").layout("base_map").repeats == (False, False)
+    assert surface(tmp_path, "map_Kd -clamp off red.png").layout("base_map").repeats == (True, True)
     assert surface(tmp_path, "map_Kd -s 4 red.png").layout("base_map").matrix == (4, 0, 0, 0, 1, 0)
     assert surface(tmp_path, "map_Kd red.png").layout("base_map").is_plain
 
@@ -305,6 +365,20 @@ def test_an_exponent_is_that_of_a_lobe_as_wide_as_its_roughness_says(tmp_path: P
     for exponent in (1, 10, 96, 900):
         alpha = surface(tmp_path, f"Kd 1 0 0\nNs {exponent}").roughness ** 2
         assert 2 / alpha**2 - 2 == pytest.approx(exponent)
+    for nothing in ("", "Ns 0", "Ns shiny"):  # which is no exponent, and as if there were no material
+        assert surface(tmp_path, f"Kd 1 0 0\n{nothing}").roughness == UNKNOWN.roughness
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_a_library_may_begin_with_a_byte_order_mark(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "a.mtl").write_text("newmtl m\nKd 1 0 0\n", encoding=encoding)
+    assert read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}").parts[0].material.base_colour == (1, 0, 0, 1)
+
+
+@pytest.mark.parametrize("line", ["Kd nan 0 0", "Ns 1e999", "map_Kd -s inf 1 1 red.png"])
+def test_a_number_of_a_material_that_is_none_is_said(tmp_path: Path, line: str) -> None:
+    with pytest.raises(UserError, match=r"a\.obj is malformed \(a material's number is not finite\)"):
+        surface(tmp_path, line)
 
 
 @pytest.mark.parametrize(
@@ -324,6 +398,8 @@ def test_a_material_that_no_library_has_is_said_and_one_that_nothing_uses_is_not
     model = read(tmp_path, f"mtllib a.mtl\nusemtl other\nusemtl gone\n{TRIANGLE}", a="newmtl m\nKd 1 0 0\n")
     assert model.notes == ("its material gone is in none of its libraries: it is drawn as plain plastic",)
     assert not read(tmp_path, f"mtllib a.mtl\nusemtl gone\nusemtl m\n{TRIANGLE}", a="newmtl m\nKd 1 0 0\n").notes
+    assert not read(tmp_path, f"mtllib a.mtl\n{TRIANGLE}v 0 0 1\nusemtl m\nf 1 2 4\n", a="newmtl m\nKd 1 0 0\n").notes
+    assert not read(tmp_path, f"usemtl gone\n{TRIANGLE}").notes
     (tmp_path / "a.mtl").unlink()
     assert len(read(tmp_path, f"mtllib a.mtl\nusemtl gone\n{TRIANGLE}").notes) == 1  # on the library alone
 
@@ -335,9 +411,31 @@ def test_curved_surfaces_are_said_to_be_left_out(tmp_path: Path) -> None:
         read(tmp_path, "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + curved)
 
 
-def test_a_mask_without_a_picture_is_said(tmp_path: Path) -> None:
-    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a="newmtl m\nmap_d mask.png\n")
-    assert model.notes == ("masks of its materials without a picture are left out",)
+@pytest.mark.parametrize("picture", ["", "map_Kd gone.png\n"])
+def test_a_mask_without_a_picture_cuts_out_the_materials_colour(tmp_path: Path, picture: str) -> None:
+    """As of leaves in one green. The mask lies as its own options say."""
+    holes = np.uint8([[0, 255], [255, 255]])
+    Image.fromarray(holes).save(tmp_path / "mask.png")
+    material = surface(tmp_path, f"Kd 0 1 0\n{picture}map_d -s 3 3 3 mask.png")
+    assert material.base_colour == (0, 1, 0, 1)
+    assert material.alpha is Alpha.CUT_OUT
+    np.testing.assert_array_equal(material.base_map[..., 3], holes)
+    assert (material.base_map[..., :3] == 255).all()
+    assert material.layout("base_map").matrix == (3, 0, 0, 0, 3, 0)
+    assert surface(tmp_path, f"Kd 0 1 0\nd 0.5\n{picture}map_d mask.png").alpha is Alpha.BLEND
+    (tmp_path / "mask.png").unlink()
+    assert surface(tmp_path, f"Kd 0 1 0\n{picture}map_d mask.png").alpha is Alpha.OPAQUE
+
+
+@pytest.mark.parametrize("libraries", ['"my looks.mtl"', '"b.mtl" "my.mtl"', '"my.mtl" b.mtl'])
+def test_the_names_of_libraries_may_be_quoted(tmp_path: Path, libraries: str) -> None:
+    model = read(
+        tmp_path,
+        f"mtllib {libraries}\nusemtl m\n{TRIANGLE}",
+        **{"my looks": "newmtl m\nKd 1 0 0\n", "my": "newmtl m\nKd 1 0 0\n", "b": ""},
+    )
+    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
+    assert not model.notes
 
 
 def test_colours_of_vertices_and_materials_together_are_said(tmp_path: Path) -> None:

@@ -72,7 +72,13 @@ def test_trimesh_reads_the_same_of_what_it_writes(tmp_path: Path, encoding: str)
 
 
 def test_colours_may_be_fractions_or_bytes_with_an_alpha(tmp_path: Path) -> None:
-    for kind, whole, alpha in (("uchar", 255, "alpha"), ("float", 1.0, "a"), ("ushort", 65535, "alpha")):
+    for kind, whole, alpha in (
+        ("uchar", 255, "alpha"),
+        ("float", 1.0, "a"),
+        ("ushort", 65535, "alpha"),
+        ("int", 255, "alpha"),
+        ("uint32", 255, "a"),
+    ):
         names = "".join(f"property {kind} {name}\n" for name in ("red", "green", "blue", alpha))
         given = [value * whole for value in (1.0, 0.0, 0.2, 0.6)]
         rows = "".join(f"{x} {y} {z} {' '.join(f'{value:g}' for value in given)}\n" for x, y, z in PLACES)

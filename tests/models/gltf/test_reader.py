@@ -260,6 +260,14 @@ def test_vertex_colours_without_alpha_are_opaque(tmp_path: Path) -> None:
     np.testing.assert_allclose(part.colours, [(0.1, 0.2, 0.3, 1)] * 4, atol=1e-6)
 
 
+def test_vertex_colours_reflect_no_more_than_all_light_and_no_less_than_none(tmp_path: Path) -> None:
+    """3.7.2.1: they are to be clamped to the range from 0 to 1."""
+    document = Document()
+    document.quad(COLOR_0=document.accessor(np.float32([(4, 0.5, -1, 1.5)] * 4)))
+    part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
+    np.testing.assert_array_equal(part.colours, [(1, 0.5, 0, 1)] * 4)
+
+
 def test_without_normals_every_triangle_is_a_plane(tmp_path: Path) -> None:
     """glTF 2.0, 3.7.2.1. Both sides of the ridge lean by 10 degrees, which in other formats is smooth."""
     height = np.tan(np.radians(10))
@@ -418,6 +426,20 @@ def test_a_fan_of_many_keeps_its_sense(tmp_path: Path) -> None:
     part = load_model_file(document.save(tmp_path / "disc.glb")).parts[0]
     assert len(part.triangles) == 19
     np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-6)
+
+
+def test_a_strip_of_many_keeps_its_sense(tmp_path: Path) -> None:
+    """Every other triangle of it runs the other way round (3.7.2.1); without normals this alone tells its front."""
+    places = np.float32([(across, upwards, 0) for across in range(8) for upwards in (1, 0)])
+    document = Document()
+    document.quad()
+    primitive = {"attributes": {"POSITION": document.accessor(places)}, "mode": 5}
+    document.json["meshes"][0]["primitives"] = [primitive]
+    (part,) = load_model_file(document.save(tmp_path / "band.glb")).parts
+    assert len(part.triangles) == 14
+    np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-6)
+    areas = np.linalg.norm(face_normals(part.vertices, part.triangles), axis=1) / 2
+    np.testing.assert_allclose(areas, 0.5)
 
 
 def test_every_primitive_of_a_mesh_is_drawn(tmp_path: Path) -> None:
