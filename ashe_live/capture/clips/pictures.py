@@ -17,6 +17,7 @@ from av.video.stream import VideoStream
 
 from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.capture.clips.index import LONGEST_S, ClipIndex
+from ashe_live.capture.clips.rate import frames_a_second
 from ashe_live.capture.clips.wide_gamut import srgb_converter
 from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_length, video_in
 from ashe_live.capture.sources import MAX_PIXELS, refuse_too_large
@@ -24,7 +25,6 @@ from ashe_live.errors import UserError
 from ashe_live.files.jpeg import why_endless
 from ashe_live.files.reading import opened
 
-FALLBACK_FPS = 30.0
 # A second decoding thread is taken from the renderer, so only frames too large for one get it.
 ONE_THREAD_PIXELS = 1_000_000
 # The duration that an undamaged clip states may exceed its frames by this many.
@@ -71,7 +71,7 @@ class ClipPictures:
         self._stream, codec = stream, stream.codec_context
         # FFmpeg takes a size beyond the limit for none.
         has_stated_size = codec.width > 0 and codec.height > 0
-        self.fps = float(self._stream.average_rate or self._stream.guessed_rate or FALLBACK_FPS)
+        self.fps = frames_a_second(path, stream)
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
         self._has_decoding_times = has_decoding_times_alone(self._container, stream)
