@@ -71,7 +71,9 @@ class ClipSource(Source):
         index = self._trusted_index()
         if index is not None:
             self.seek_frame(index.frame_at(time_s))
-            return
+            # Where that one is damaged, as the last of a clip that was cut, the next one is, or none.
+            if self._decoded_next() is not None and self._trusted_index() is not None:
+                return
         while self._behind and self._behind[-1].time_s > time_s:
             self._ahead.appendleft(self._behind.pop())
         if not self._behind:
@@ -113,13 +115,17 @@ class ClipSource(Source):
             return self._ahead[0].index
         return 0 if self._pictures is None else self._pictures.decoded
 
+    def _decoded_next(self) -> Picture | None:
+        """What is read next; None at the end."""
+        if not self._ahead and self._pictures is not None and (picture := self._pictures.next()) is not None:
+            self._ahead.append(picture)
+        return self._ahead[0] if self._ahead else None
+
     def _next(self) -> Picture | None:
         """Passes on to the next picture."""
-        if self._ahead:
-            picture: Picture | None = self._ahead.popleft()
-        else:
-            picture = None if self._pictures is None else self._pictures.next()
+        picture = self._decoded_next()
         if picture is not None:
+            self._ahead.popleft()
             self._behind.append(picture)
             if len(self._behind) > self._kept:
                 self._behind.popleft()
