@@ -20,6 +20,8 @@ UNSPECIFIED_MATRIX = 2
 HD_HEIGHT_PX = 720
 # Decoded pictures are kept up to this size, so that stepping back is as fast as stepping on: 46 of 1280x720.
 KEPT_BYTES = 64_000_000
+# Of a browser's clip ten minutes, whose frames are listed in half a second.
+QUICKLY_READ_BYTES = 200_000_000
 BYTES_PER_PIXEL = 1.5  # of decoded pictures in 4:2:0, as most cameras encode
 
 
@@ -40,6 +42,9 @@ class ClipSource(Source):
         self._behind: deque[Picture] = deque()  # pictures that were read or passed, the latest last
         self._ahead: deque[Picture] = deque()  # pictures that are read next, before any other is decoded
         self.rewind()
+        # Without a length there is no time bar: browsers write none, and no recorder that was killed.
+        if self.duration_s is None and self.path.stat().st_size <= QUICKLY_READ_BYTES:
+            self._trusted_index()
 
     def rewind(self) -> None:
         # Opened anew: seeking to the start is inexact in some containers and impossible in others.

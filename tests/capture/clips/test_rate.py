@@ -15,6 +15,7 @@ from ashe_live.core.arrays import Image
 
 # How long each frame is shown, as Matroska writes it; and what its readers pass over.
 DEFAULT_DURATION, VOID = b"\x23\xe3\x83", 0xEC
+DURATION = b"\x44\x89\x88"  # of all that is in the file, 8 bytes
 
 
 def browsers_clip(path: Path, picture: Callable[[int], Image], times_ms: Sequence[int]) -> Path:
@@ -48,6 +49,19 @@ def test_it_is_that_of_the_first_frames(
         frames = list(source)
         np.testing.assert_allclose([frame.time_s for frame in frames], np.array(times_ms) / 1000, atol=1e-6)
         assert source.note is None
+
+
+def test_the_length_is_known_though_it_is_not_stated(tmp_path: Path, picture: Callable[[int], Image]) -> None:
+    """Else the window has no time bar."""
+    path = browsers_clip(tmp_path / "a.webm", picture, [33 * i for i in range(30)])
+    content = path.read_bytes()
+    at = content.index(DURATION, 0, 1000)
+    path.write_bytes(content[:at] + bytes([VOID, 0x80 | 9]) + content[at + 2 :])
+    with ClipSource(path) as source:
+        assert source.duration_s == pytest.approx(0.033 * 29)
+        assert [frame.index for frame in source] == list(range(30))
+        source.rewind()
+        assert source.duration_s == pytest.approx(0.033 * 29)
 
 
 def test_a_single_frame_has_the_usual_one(tmp_path: Path, picture: Callable[[int], Image]) -> None:
