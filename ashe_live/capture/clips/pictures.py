@@ -19,7 +19,14 @@ from ashe_live.capture.clips.index import LONGEST_S, ClipIndex
 from ashe_live.capture.clips.rate import frames_a_second
 from ashe_live.capture.clips.refusals import begins_as_mp4, cut_short, no_clip, sound_alone, without_picture
 from ashe_live.capture.clips.wide_gamut import srgb_converter
-from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_length, video_in
+from ashe_live.capture.container import (
+    Searched,
+    has_decoding_times_alone,
+    opened_container,
+    stated_end_s,
+    stated_length,
+    video_in,
+)
 from ashe_live.capture.sources import refuse_too_large
 from ashe_live.errors import UserError
 from ashe_live.files.jpeg import why_endless
@@ -142,10 +149,12 @@ class ClipPictures:
         """From the first picture to the last, as the file has it."""
         if self._stream.duration and self._stream.time_base:
             stated_s = float(self._stream.duration * self._stream.time_base)
-        elif self._container.duration:
-            stated_s = self._container.duration / av.time_base - self._start_s()
         else:
-            return None
+            of_all = self._container.duration
+            end_s = stated_end_s(self._container, self._stream) or (of_all / av.time_base if of_all else None)
+            if end_s is None:
+                return None
+            stated_s = end_s - self._start_s()
         return max(0.0, stated_s - 1 / self.fps)
 
     def ends_early(self) -> bool:
@@ -159,10 +168,8 @@ class ClipPictures:
             return False
         if self._stream.duration:
             promised_s = float(stated_length(self._container, self._stream) * self._stream.time_base)
-        elif self._container.duration and len(self._container.streams) == 1:
-            promised_s = self._container.duration / av.time_base - self._start_s()
         else:
-            return False
+            promised_s = (stated_end_s(self._container, self._stream) or 0.0) - self._start_s()
         return promised_s - self._end_s > TOLERATED_GAP_FRAMES / self.fps
 
     def _start_s(self) -> float:
