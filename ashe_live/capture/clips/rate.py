@@ -15,6 +15,7 @@ from ashe_live.capture.container import Searched, opened_container, video_in
 from ashe_live.files.reading import opened
 
 FALLBACK_FPS = 30.0
+BARE = ("h264", "hevc")  # streams without a container: FFmpeg gives all of them 25, whatever they say
 MOST_BELIEVED_FPS = 480.0  # more is measured: cameras for it are rare
 FIRST_FRAMES = 100  # by which a rate is measured
 PAUSE = 1.5  # of the median: a longer time between two frames is a pause, of a screen on which nothing moves
@@ -22,7 +23,8 @@ PAUSE = 1.5  # of the median: a longer time between two frames is a pause, of a 
 
 def frames_a_second(path: Path, stream: VideoStream) -> float:
     """Nominal, of the stream of pictures of the clip at `path`."""
-    stated = float(stream.average_rate or 0)
+    is_bare = stream.container.format.name in BARE
+    stated = float((is_bare and stream.codec_context.framerate) or stream.average_rate or 0)
     if 0 < stated <= MOST_BELIEVED_FPS:
         return stated
     guessed = float(stream.guessed_rate or 0)

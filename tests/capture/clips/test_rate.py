@@ -79,3 +79,19 @@ def test_of_raw_dv_it_is_that_of_its_pictures_and_not_the_unit_of_their_times(tm
         container.mux(stream.encode(None))
     with ClipSource(tmp_path / "a.dv") as source:
         assert source.fps == pytest.approx(25)
+
+
+@pytest.mark.parametrize("fps", [50, 12])
+def test_of_a_stream_without_a_container_it_is_the_one_in_its_own_header(
+    tmp_path: Path, picture: Callable[[int], Image], fps: int
+) -> None:
+    """As small computers' cameras write them. FFmpeg gives each of these 25."""
+    with av.open(str(tmp_path / "a.h264"), "w") as container:
+        stream = container.add_stream("libx264", rate=fps)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for i in range(10):
+            container.mux(stream.encode(VideoFrame.from_ndarray(picture(i), "bgr24")))
+        container.mux(stream.encode(None))
+    with ClipSource(tmp_path / "a.h264") as source:
+        assert source.fps == fps
+        np.testing.assert_allclose([frame.time_s for frame in source], np.arange(10) / fps, atol=1e-9)
