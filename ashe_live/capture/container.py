@@ -4,6 +4,7 @@ A name could mean an address or a protocol to it (`http:`, `concat:`), and some 
 """
 
 import os
+import re
 from collections.abc import Iterator
 from typing import Any, BinaryIO, TypeVar
 
@@ -27,6 +28,7 @@ ANY_METADATA: dict[str, Any] = {"metadata_errors": "replace"} if int(av.__versio
 # Of any picture: no memory is spent on a larger one, be it the first or one that a clip of small ones ends with.
 DECODED = {"max_pixels": str(MAX_PIXELS)}
 ALLOWED = {"protocol_whitelist": "none", "format_whitelist": DEMUXERS}
+DURATION_TAG = re.compile(r"(\d+):(\d+):(\d+(?:\.\d+)?)")
 JPEG_BEGIN = b"\xff\xd8\xff"
 # A picture of 8K has fewer without compression: whoever reads so much and finds no packet will not find any.
 MOST_BYTES_TO_A_PACKET = 100_000_000
@@ -105,6 +107,19 @@ def stated_length(container: InputContainer, stream: VideoStream) -> int:
     if container.format.name == "avi":  # of one that is cut FFmpeg guesses it from the bytes that are left
         return stream.frames  # the unit is a picture
     return stream.duration or 0
+
+
+def stated_end_s(container: InputContainer, stream: VideoStream) -> float | None:
+    """When the last picture ends by a header that has no duration of the stream, from time 0; None where it is unknown.
+
+    FFmpeg's Matroska, as of OBS, has it as a tag. Without one, the duration of all is that of the sound as well.
+    """
+    of_all_s = container.duration / av.time_base if container.duration else None
+    tag = DURATION_TAG.fullmatch(stream.metadata.get("DURATION", ""))
+    if tag is None or of_all_s is None:
+        return of_all_s if len(container.streams) == 1 else None
+    hours, minutes, seconds = map(float, tag.groups())
+    return min(of_all_s, 3600 * hours + 60 * minutes + seconds)  # some programs keep the tag of what they cut
 
 
 class WrittenContainer:

@@ -170,7 +170,7 @@ def _settings() -> str:
     parsed(["webcam"])
     path = settings_path()
     if path.parent == NOWHERE:
-        return "none, as HOME names no folder (defaults hold)"
+        return "none, as HOME or XDG_CONFIG_HOME names no folder (defaults hold)"
     return str(path) if os.path.lexists(path) else f"{path} (not there, defaults hold)"
 
 

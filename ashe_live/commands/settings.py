@@ -36,7 +36,7 @@ def run(_options: argparse.Namespace) -> int:
 def _where_it_is(path: Path) -> str:
     """What is to be said of a file that is not read."""
     if path.parent == NOWHERE:
-        return " (there is no home folder: set HOME to one)"
+        return " (HOME or XDG_CONFIG_HOME names no folder: set it to one)"
     try:
         os.lstat(path)
     except (FileNotFoundError, NotADirectoryError):

@@ -57,7 +57,7 @@ class KeptObject:
                 held.callback(os.close, number)
                 until_s = time.monotonic() + LONGEST_WAIT_S
                 while _is_locked(number) and time.monotonic() < until_s:
-                    wait()
+                    _wait()
             yield
 
     def write(self, content: Mapping[str, Any]) -> None:
@@ -77,5 +77,5 @@ def _is_locked(number: int) -> bool:
     return False
 
 
-def wait() -> None:
+def _wait() -> None:
     time.sleep(LOOK_EVERY_S)

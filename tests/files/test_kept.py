@@ -25,8 +25,8 @@ def test_of_two_windows_that_change_it_at_once_both_are_kept(tmp_path: Path, mon
     """When both are closed by one signal, for example."""
     pytest.importorskip("fcntl", reason="folders are not locked here")
     goes_on = threading.Event()  # the other waits, or has not waited and is done
-    look = kept_module.wait
-    monkeypatch.setattr(kept_module, "wait", lambda: (goes_on.set(), look()))
+    look = kept_module._wait
+    monkeypatch.setattr(kept_module, "_wait", lambda: (goes_on.set(), look()))
 
     def change(name: str) -> None:
         kept = KeptObject(tmp_path / "a.json")
@@ -58,7 +58,7 @@ def test_nobody_waits_where_the_file_system_has_no_locks(tmp_path: Path, monkeyp
         raise OSError(errno.ENOLCK, "no locks available")
 
     monkeypatch.setattr(pytest.importorskip("fcntl"), "flock", refuse)
-    monkeypatch.setattr(kept_module, "wait", lambda: pytest.fail("waited"))
+    monkeypatch.setattr(kept_module, "_wait", lambda: pytest.fail("waited"))
     kept = KeptObject(tmp_path / "a.json")
     with kept.alone():
         kept.write({"a": 1})
@@ -128,8 +128,17 @@ def test_no_folder_of_the_current_one_is_the_users_own(monkeypatch: pytest.Monke
     assert not KeptObject(configuration_file("a.json")).read()
 
 
+def test_where_the_folder_for_settings_is_said_to_be_no_folder_home_is_not_blamed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As who wants nothing kept sets it."""
+    monkeypatch.setattr("platformdirs.user_config_path", lambda *_args, **_named: Path("/dev/null/ashe-live"))
+    assert cli.run(["settings"]) == 0
+    assert "HOME or XDG_CONFIG_HOME names no folder" in capsys.readouterr().out
+
+
 @pytest.mark.usefixtures("without_home")
 def test_without_a_home_the_program_runs_and_says_so(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.run(["settings"]) == 0
-    assert "there is no home folder: set HOME" in capsys.readouterr().out
-    assert "HOME names no folder" in doctor.CHECKS["settings"]()
+    assert "HOME or XDG_CONFIG_HOME names no folder: set it" in capsys.readouterr().out
+    assert "HOME or XDG_CONFIG_HOME names no folder" in doctor.CHECKS["settings"]()

@@ -20,6 +20,8 @@ UNSPECIFIED_MATRIX = 2
 HD_HEIGHT_PX = 720
 # Decoded pictures are kept up to this size, so that stepping back is as fast as stepping on: 46 of 1280x720.
 KEPT_BYTES = 64_000_000
+# Of a browser's clip ten minutes, whose frames are listed in half a second.
+QUICKLY_READ_BYTES = 200_000_000
 BYTES_PER_PIXEL = 1.5  # of decoded pictures in 4:2:0, as most cameras encode
 
 
@@ -40,6 +42,9 @@ class ClipSource(Source):
         self._behind: deque[Picture] = deque()  # pictures that were read or passed, the latest last
         self._ahead: deque[Picture] = deque()  # pictures that are read next, before any other is decoded
         self.rewind()
+        # Without a length there is no time bar: browsers write none, and no recorder that was killed.
+        if self.duration_s is None and self.path.stat().st_size <= QUICKLY_READ_BYTES:
+            self._trusted_index()
 
     def rewind(self) -> None:
         # Opened anew: seeking to the start is inexact in some containers and impossible in others.
@@ -71,7 +76,9 @@ class ClipSource(Source):
         index = self._trusted_index()
         if index is not None:
             self.seek_frame(index.frame_at(time_s))
-            return
+            # Where that one is damaged, as the last of a clip that was cut, the next one is, or none.
+            if self._decoded_next() is not None and self._trusted_index() is not None:
+                return
         while self._behind and self._behind[-1].time_s > time_s:
             self._ahead.appendleft(self._behind.pop())
         if not self._behind:
@@ -113,13 +120,17 @@ class ClipSource(Source):
             return self._ahead[0].index
         return 0 if self._pictures is None else self._pictures.decoded
 
+    def _decoded_next(self) -> Picture | None:
+        """What is read next; None at the end."""
+        if not self._ahead and self._pictures is not None and (picture := self._pictures.next()) is not None:
+            self._ahead.append(picture)
+        return self._ahead[0] if self._ahead else None
+
     def _next(self) -> Picture | None:
         """Passes on to the next picture."""
-        if self._ahead:
-            picture: Picture | None = self._ahead.popleft()
-        else:
-            picture = None if self._pictures is None else self._pictures.next()
+        picture = self._decoded_next()
         if picture is not None:
+            self._ahead.popleft()
             self._behind.append(picture)
             if len(self._behind) > self._kept:
                 self._behind.popleft()

@@ -35,7 +35,11 @@ def progressive(videos: Iterable[VideoFrame]) -> Iterator[VideoFrame]:
 
 
 class _Filter:
-    """For pictures of one size and format."""
+    """For pictures of one size and format.
+
+    It tells what moves by the pictures before and after. Without one before, it keeps every other line alone, of the
+    whole picture: so the second counts as the one before the first as well.
+    """
 
     def __init__(self, first: VideoFrame) -> None:
         self._kind = _kind(first)
@@ -48,19 +52,31 @@ class _Filter:
         source.link_to(weave)
         weave.link_to(sink)
         self._graph.configure()
-        self._held: deque[VideoFrame] = deque()  # of which nothing has come back yet
+        self._held: deque[VideoFrame | None] = deque()  # of which nothing has come back yet; None: not to be shown
+        self._first: VideoFrame | None = first  # until the second is there
 
     def takes(self, video: VideoFrame) -> bool:
         return _kind(video) == self._kind
 
     def passed(self, video: VideoFrame) -> Iterator[VideoFrame]:
-        self._held.append(video)
-        self._graph.push(video)
+        if self._first is video:
+            return
+        if self._first is not None:
+            self._push(video, is_shown=False)
+            self._push(self._first)
+            self._first = None
+        self._push(video)
         yield from self._pulled()
 
     def rest(self) -> Iterator[VideoFrame]:
+        if self._first is not None:  # there is one alone
+            self._push(self._first)
         self._graph.push(None)
         yield from self._pulled()
+
+    def _push(self, video: VideoFrame, is_shown: bool = True) -> None:
+        self._graph.push(video)
+        self._held.append(video if is_shown else None)
 
     def _pulled(self) -> Iterator[VideoFrame]:
         while self._held:
@@ -68,10 +84,11 @@ class _Filter:
                 picture = self._graph.vpull()
             except (av.error.BlockingIOError, av.error.EOFError):
                 return
-            # The filter counts in halves of the clip's unit.
             of = self._held.popleft()
-            picture.pts, picture.duration, picture.time_base = of.pts, of.duration, of.time_base
-            yield picture
+            if of is not None:
+                # The filter counts in halves of the clip's unit.
+                picture.pts, picture.duration, picture.time_base = of.pts, of.duration, of.time_base
+                yield picture
 
 
 def _kind(video: VideoFrame) -> tuple[int, int, str]:

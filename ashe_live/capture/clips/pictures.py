@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import BinaryIO
 
 import av
 from av.container import InputContainer
@@ -17,16 +16,26 @@ from av.video.stream import VideoStream
 
 from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.capture.clips.index import LONGEST_S, ClipIndex
+from ashe_live.capture.clips.rate import frames_a_second
+from ashe_live.capture.clips.refusals import begins_as_mp4, cut_short, no_clip, sound_alone, without_picture
 from ashe_live.capture.clips.wide_gamut import srgb_converter
-from ashe_live.capture.container import Searched, has_decoding_times_alone, opened_container, stated_length, video_in
-from ashe_live.capture.sources import MAX_PIXELS, refuse_too_large
+from ashe_live.capture.container import (
+    Searched,
+    has_decoding_times_alone,
+    opened_container,
+    stated_end_s,
+    stated_length,
+    video_in,
+)
+from ashe_live.capture.sources import refuse_too_large
 from ashe_live.errors import UserError
 from ashe_live.files.jpeg import why_endless
 from ashe_live.files.reading import opened
 
-FALLBACK_FPS = 30.0
 # A second decoding thread is taken from the renderer, so only frames too large for one get it.
 ONE_THREAD_PIXELS = 1_000_000
+# How often a picture is jumped to, from an earlier keyframe each time, before the clip is read from its start.
+JUMPS = 3
 # The duration that an undamaged clip states may exceed its frames by this many.
 TOLERATED_GAP_FRAMES = 2
 # A pixel's aspect ratio counts as 1 within the first (an encoder's rounding), and as damage beyond the second.
@@ -55,23 +64,24 @@ class ClipPictures:
         self.damaged = 0  # packets and pictures that could not be read, and pictures of another shape
         self.has_other_shapes = False
         self._first_size: tuple[int, int] | None = None  # as decoded
+        self._is_woven = False  # whether any picture was of two fields
         self.decoded = 0  # pictures, which gives the next one's index
         self._searched = Searched(self._file)
         try:
             self._container: InputContainer = opened_container(self._searched)
         except (av.error.FFmpegError, OSError):
-            is_begun = _begins_as_mp4(self._file)
+            is_begun = begins_as_mp4(self._file)
             self._file.close()
-            raise (_cut_short(path) if is_begun else _no_clip(path)) from None
+            raise (cut_short(path) if is_begun else no_clip(path)) from None
         stream = video_in(self._container)
         if stream is None or stream.codec_context is None:  # whatever the stub says: a codec that FFmpeg does not know
             is_sound = stream is None and bool(self._container.streams.audio)
             self.close()
-            raise _sound_alone(path) if is_sound else _no_clip(path)
+            raise sound_alone(path) if is_sound else no_clip(path)
         self._stream, codec = stream, stream.codec_context
         # FFmpeg takes a size beyond the limit for none.
         has_stated_size = codec.width > 0 and codec.height > 0
-        self.fps = float(self._stream.average_rate or self._stream.guessed_rate or FALLBACK_FPS)
+        self.fps = frames_a_second(path, stream)
         codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
         codec.thread_type = "FRAME"
         self._has_decoding_times = has_decoding_times_alone(self._container, stream)
@@ -83,7 +93,7 @@ class ClipPictures:
         first = next(self._videos, None)
         if first is None:
             self.close()
-            raise _without_picture(path, has_stated_size)
+            raise without_picture(path, has_stated_size)
         self.size = _with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
         try:
             refuse_too_large(path, self.size)
@@ -105,27 +115,46 @@ class ClipPictures:
 
     def jump(self, index: ClipIndex, keyframe: int) -> Picture | None:
         """Goes on from picture number `keyframe`, which it returns; None, and lost, where the container cannot."""
-        wanted_pts, damaged = index.pts[keyframe], self.damaged
+        damaged = self.damaged
+        # A picture of two fields is made of the one before it as well.
+        begin = keyframe - 1 if self._is_woven else keyframe
+        for _ in range(JUMPS):
+            if begin < 0:
+                break
+            begin = index.keyframe_before(begin)
+            landed = self._landed(index.pts[begin], index.pts[keyframe])
+            # Those before a keyframe lean on what was not decoded: broken, or not there at all.
+            self.damaged = damaged
+            if landed is not None:
+                self.decoded, self._latest_s = keyframe, 0.0
+                return self._numbered(landed)
+            # MPEG's streams are searched by the times of decoding, and lead to the keyframe after the one asked for.
+            begin -= 1
+        return None
+
+    def _landed(self, begin_pts: int, wanted_pts: int) -> VideoFrame | None:
         try:
-            self._container.seek(wanted_pts, stream=self._stream)
+            self._container.seek(begin_pts, stream=self._stream)
         except (av.error.FFmpegError, OSError):
             return None
         self._videos = progressive(self._decoded(self._container, self._stream))
+        lacks_one_before = self._is_woven
         for video in self._videos:
-            # Those before a keyframe lean on what was not decoded: broken, or not there at all.
             if video.pts is not None and video.pts >= wanted_pts:
-                self.decoded, self.damaged, self._latest_s = keyframe, damaged, 0.0
-                return self._numbered(video) if video.pts == wanted_pts else None
+                return video if video.pts == wanted_pts and not lacks_one_before else None
+            lacks_one_before = False
         return None
 
     def stated_duration_s(self) -> float | None:
         """From the first picture to the last, as the file has it."""
         if self._stream.duration and self._stream.time_base:
             stated_s = float(self._stream.duration * self._stream.time_base)
-        elif self._container.duration:
-            stated_s = self._container.duration / av.time_base - self._start_s()
         else:
-            return None
+            of_all = self._container.duration
+            end_s = stated_end_s(self._container, self._stream) or (of_all / av.time_base if of_all else None)
+            if end_s is None:
+                return None
+            stated_s = end_s - self._start_s()
         return max(0.0, stated_s - 1 / self.fps)
 
     def ends_early(self) -> bool:
@@ -139,10 +168,8 @@ class ClipPictures:
             return False
         if self._stream.duration:
             promised_s = float(stated_length(self._container, self._stream) * self._stream.time_base)
-        elif self._container.duration and len(self._container.streams) == 1:
-            promised_s = self._container.duration / av.time_base - self._start_s()
         else:
-            return False
+            promised_s = (stated_end_s(self._container, self._stream) or 0.0) - self._start_s()
         return promised_s - self._end_s > TOLERATED_GAP_FRAMES / self.fps
 
     def _start_s(self) -> float:
@@ -197,6 +224,7 @@ class ClipPictures:
                 if picture.is_corrupt or self._is_of_other_shape(picture):
                     self.damaged += 1
                 else:
+                    self._is_woven |= picture.interlaced_frame
                     yield picture
 
     def _is_of_other_shape(self, picture: VideoFrame) -> bool:
@@ -218,32 +246,3 @@ def _with_square_pixels(size: tuple[int, int], aspect: Fraction | None) -> tuple
         return size
     width, height = size
     return (round(width * aspect), height) if aspect > 1 else (width, round(height / aspect))
-
-
-def _no_clip(path: Path) -> UserError:
-    return UserError(f"{path} is not a clip or photo that can be read", "convert it to MP4 (H.264), JPEG or PNG")
-
-
-def _without_picture(path: Path, has_stated_size: bool) -> UserError:
-    limit = f"{MAX_PIXELS // 10**6} million pixels"
-    if has_stated_size:
-        return UserError(f"{path} has no readable picture in it", f"copy or record it again, or scale it to {limit}")
-    what = f"{path} has no readable picture in it: each is damaged, or has more than {limit}"
-    return UserError(what, "scale it down, or copy or record it again")
-
-
-def _begins_as_mp4(file: BinaryIO) -> bool:
-    """Whether it is an MP4 or MOV by its first bytes: ISO/IEC 14496-12, 4.3."""
-    file.seek(0)
-    return file.read(8)[4:] in (b"ftyp", b"moov", b"mdat", b"wide")
-
-
-def _cut_short(path: Path) -> UserError:
-    return UserError(
-        f"{path} begins as a clip and has no list of its pictures: it is cut short, or still being recorded",
-        "copy it again, whole, or record it again",
-    )
-
-
-def _sound_alone(path: Path) -> UserError:
-    return UserError(f"{path} has sound and no picture", "name the clip that the camera has recorded")

@@ -66,7 +66,7 @@ class CoverMaker:
         self._coming: Future[GroundCover | None] | None = None
         self._asked_for: tuple[TrackedFrame, Illumination] | None = None
         self._seen_lit_by: Illumination | None = None
-        self._failed_s: float | None = None
+        self._failed: tuple[TrackedFrame, Illumination] | None = None  # what no cover could be made from
         self._moved_s = -math.inf  # time of the video at which the sheet was moved last
 
     @property
@@ -98,7 +98,9 @@ class CoverMaker:
         # While a light eases to another one, or the sheet is moved, each frame has one of its own.
         lies_still = abs(tracked.frame.time_s - self._moved_s) >= LEFT_ALONE_S
         is_time = self.made is None or (lies_still and (steady or waits))
-        if not (is_time and self._is_due(tracked, illumination, is_touched)):
+        if not is_time or self._failed_just_now(tracked, illumination, steady or waits):
+            return
+        if not self._is_due(tracked, illumination, is_touched):
             return
         if waits:
             self._coming, self._asked_for = None, (tracked, illumination)
@@ -111,7 +113,7 @@ class CoverMaker:
 
     def forget(self) -> None:
         """There is no cover until another one is made: one that is still being made is not taken."""
-        self._coming = self.made = self._seen_lit_by = self._failed_s = None
+        self._coming = self.made = self._seen_lit_by = self._failed = None
 
     def release(self) -> None:
         if self._thread is not None:
@@ -122,13 +124,19 @@ class CoverMaker:
     def _accept(self, cover: GroundCover | None) -> None:
         assert self._asked_for is not None
         if cover is None:
-            self._failed_s = self._asked_for[0].frame.time_s
+            self._failed = self._asked_for
         else:
-            self.made, self._failed_s = MadeCover(cover, *self._asked_for), None
+            self.made, self._failed = MadeCover(cover, *self._asked_for), None
+
+    def _failed_just_now(self, tracked: TrackedFrame, illumination: Illumination, is_lasting: bool) -> bool:
+        """Whether no other attempt is worth it yet. In another light it is at once, as a photo's time stands still."""
+        if self._failed is None:
+            return False
+        then, lit = self._failed
+        is_soon = 0 <= tracked.frame.time_s - then.frame.time_s < RETRIED_S
+        return is_soon and not (is_lasting and not is_same_scene(illumination, lit))
 
     def _is_due(self, tracked: TrackedFrame, illumination: Illumination, is_touched: bool) -> bool:
-        if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
-            return False
         if self.made is None:
             return True
         if is_touched and not self.made.is_in_other_light(tracked, illumination):

@@ -6,76 +6,22 @@ is ever seen half changed, and no lock is held while a frame is read or tracked.
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from ashe_live.capture.sources import Seekable, Source, SourceLost
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
-from ashe_live.light.live.key_views import KeyViews
-from ashe_live.process.mailbox import Closed, LatestMailbox
-from ashe_live.tracking.preset import TrackingPreset
+from ashe_live.process.mailbox import Closed
 from ashe_live.tracking.tracker import MarkerTracker
+from ashe_live.viewer.sources.exchange import ClipPosition, Exchange, State, Wish
 from ashe_live.viewer.sources.pace import Pace
 from ashe_live.viewer.sources.scene_tracker import SceneTracker
-from ashe_live.viewer.sources.tracked_frames import AS_AT_FIRST, Following, TrackedFrames
 
 PHOTO_FPS = 30.0  # nominal: a photo has no rate of its own
 RECONNECT_EVERY_S = 0.5
 # Every wait has a timeout; a new wish, or the end, interrupts it at once.
 LONGEST_WAIT_S = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class ClipPosition:
-    """A frame of a clip."""
-
-    time_s: float
-    index: int | None = None  # None: the frame that is shown at `time_s`
-
-
-FIRST_FRAME = ClipPosition(0.0, 0)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Jump:
-    """A request to continue elsewhere. Compared by identity, because the same place may be asked for twice."""
-
-    position: ClipPosition
-    rewinds: bool = False  # to the first frame, with the tracker reset
-
-
-@dataclass(frozen=True, slots=True)
-class Wish:
-    """All current requests to the capture thread. A new wish replaces the previous one, even if not yet carried out."""
-
-    loop: bool
-    paused: bool = False
-    speed: float = 1.0  # times a clip's own pace
-    jump: Jump | None = None  # the latest; carried out once
-    tracking: TrackingPreset | None = None  # from the next frame on; None: the preset that the tracker was made with
-    following: Following = AS_AT_FIRST  # from the next frame on
-
-
-@dataclass(frozen=True, slots=True)
-class State:
-    """The state that the capture thread reports; only that thread replaces it."""
-
-    shown: ClipPosition = FIRST_FRAME  # the last frame that was handed over
-    at: ClipPosition = FIRST_FRAME  # the same, or the frame that a jump leads to
-    obeyed: Jump | None = None  # the latest jump that was carried out
-    has_ended: bool = False  # a clip has been played to its end
-    status: str | None = None  # a message for the user about the source
-    asked_s: float | None = None  # when the current read began, monotonic clock; None: no read is in progress
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Exchange:
-    """What the capture thread shares with the one that started it."""
-
-    wishes: LatestMailbox[Wish]
-    frames: TrackedFrames
-    key_views: KeyViews
 
 
 class CaptureLoop:
@@ -90,7 +36,7 @@ class CaptureLoop:
         tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None,
     ) -> None:
         self.state = State()
-        self._source = source
+        self._source, self._size = source, source.size
         self._scene = SceneTracker(tracker, exchange.key_views)
         self._clip = source if isinstance(source, Seekable) else None
         self._wish = wish
@@ -99,6 +45,7 @@ class CaptureLoop:
         self._frames = exchange.frames
         self._period_s = 1 / (source.fps or PHOTO_FPS)
         self._pace = Pace()
+        self._has_failed = False  # a clip, which is read from its start before anything else
         self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated
         self._left_out: Frame | None = None  # the last frame, if it was skipped for being late
         self._shown: Frame | None = None  # the last frame that was handed over
@@ -108,7 +55,12 @@ class CaptureLoop:
         """Runs until `wishes` is closed, or the source fails for good; then `frames` is closed with the error."""
         try:
             while True:
-                self.step()
+                try:
+                    self.step()
+                except UserError as error:
+                    if self._clip is None or self._shown is None:
+                        raise
+                    self._wait_for_another_try(error)
         except Closed:
             pass
         except BaseException as error:  # whatever it is, the main thread must hear of it
@@ -200,12 +152,19 @@ class CaptureLoop:
         self._wait(lambda: self._wish.loop and self._clip is not None)
         self._publish(has_ended=False)
 
+    def _wait_for_another_try(self, error: UserError) -> None:
+        """The last picture of a clip stays whose file has gone, or is another one: it may come back."""
+        self._has_failed = True
+        self._publish(at=self.state.shown, has_ended=True, status=f"{error.message}: R tries again")
+        self._wait(lambda: False)
+        self._publish(has_ended=False)
+
     def _read(self) -> Frame | None:
         self._publish(asked_s=time.monotonic())
         try:
             frame = self._source.read()
-            if frame is not None and frame.size != self._source.size:
-                given, wanted = (f"{width}x{height}" for width, height in (frame.size, self._source.size))
+            if frame is not None and frame.size != self._size:
+                given, wanted = (f"{width}x{height}" for width, height in (frame.size, self._size))
                 raise UserError(f"{self._source.name} gives a picture of {given} and not {wanted}", "start again")
             return frame
         except SourceLost as lost:
@@ -233,9 +192,10 @@ class CaptureLoop:
             return
         self._publish(obeyed=jump, at=jump.position)
         index = jump.position.index
-        if jump.rewinds:
+        if jump.rewinds or self._has_failed:
             self._rewind()
-        elif self._clip is not None:
+            self._has_failed = False
+        if self._clip is not None and not jump.rewinds:
             if index is None:
                 self._clip.seek(jump.position.time_s)
             else:

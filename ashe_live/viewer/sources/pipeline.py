@@ -12,15 +12,8 @@ from ashe_live.light.live.key_views import KeyViews
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
-from ashe_live.viewer.sources.capture_loop import (
-    FIRST_FRAME,
-    PHOTO_FPS,
-    CaptureLoop,
-    ClipPosition,
-    Exchange,
-    Jump,
-    Wish,
-)
+from ashe_live.viewer.sources.capture_loop import PHOTO_FPS, CaptureLoop
+from ashe_live.viewer.sources.exchange import FIRST_FRAME, ClipPosition, Exchange, Jump, Wish
 from ashe_live.viewer.sources.tracked_frames import TrackedFrames
 
 # Longer than a disk takes to wake up, or a camera to adjust itself.

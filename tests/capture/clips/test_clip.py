@@ -111,6 +111,31 @@ def test_a_matroska_clip_whose_sound_goes_on_is_not_called_cut(picture: Callable
         assert source.note is None
 
 
+@pytest.mark.parametrize("share", [1.0, 0.3])
+def test_of_a_matroska_clip_with_sound_its_tag_says_how_long_its_pictures_are(
+    picture: Callable[[int], Image], tmp_path: Path, share: float
+) -> None:
+    """The sound goes on for twice as long as they do."""
+    path = tmp_path / "a.mkv"
+    with av.open(str(path), "w") as written:
+        stream, sound = written.add_stream("mpeg4", rate=25), written.add_stream("pcm_s16le", rate=8000)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for index in range(50):
+            written.mux(stream.encode(VideoFrame.from_ndarray(picture(index), "bgr24")))
+            silence = av.AudioFrame.from_ndarray(np.zeros((1, 640), np.int16), format="s16", layout="mono")
+            silence.sample_rate, silence.pts = 8000, 640 * index
+            written.mux(sound.encode(silence))
+        written.mux([*stream.encode(None), *sound.encode(None)])
+    content = path.read_bytes()
+    path.write_bytes(content[: int(len(content) * share)])
+    with ClipSource(path) as source:
+        assert source.duration_s == pytest.approx(49 / 25, abs=2e-3)
+        count = len(frames_of(source))
+        assert source.note == (
+            None if share == 1.0 else f"a.mkv is truncated or damaged: only {count} frames could be read"
+        )
+
+
 @pytest.mark.parametrize(("name", "codec", "pixels"), [("a.avi", "rawvideo", "bgr24"), ("a.gif", "gif", "rgb8")])
 def test_a_clip_that_does_not_state_its_duration_says_that_it_is_cut(
     picture: Callable[[int], Image], tmp_path: Path, name: str, codec: str, pixels: str

@@ -190,8 +190,10 @@ def test_the_index_is_read_without_keeping_what_is_in_the_clip(film, monkeypatch
     assert max(alive) <= 2  # the one before is still held by the loops as the next one is asked for
 
 
-def test_a_jump_decodes_from_the_keyframe_before_it_alone(film, monkeypatch) -> None:
-    path = film(EVEN, bf="2", g="12", **{"x264-params": "scenecut=0"})
+@pytest.mark.parametrize("name", ["film.mp4", "film.mkv", "film.ts"])
+def test_a_jump_decodes_from_the_keyframe_before_it_alone(film, monkeypatch, name: str) -> None:
+    """Also in MPEG's streams, where FFmpeg goes to the keyframe after the one it is asked for."""
+    path = film(EVEN, name, bf="2", g="12", **{"x264-params": "scenecut=0"})
     frames = frames_of(path)
     with ClipSource(path) as source:
         monkeypatch.setattr(source, "rewind", lambda: pytest.fail("opened again"))
@@ -256,6 +258,22 @@ def test_where_a_jump_meets_damage_frames_are_counted_from_the_start(film) -> No
             source.seek_frame(place)
             assert_same(source.read(), frames[place])
             source.rewind()
+
+
+@pytest.mark.parametrize("frames_left", [60, 40, 25])
+def test_the_last_frame_of_a_clip_that_is_cut_is_found_at_once(film, frames_left: int) -> None:
+    """The index has the one that is cut as well, and nobody knows yet that it cannot be read."""
+    path = film(EVEN, "film.flv", codec="flv1", g="12")
+    with av.open(str(path)) as container:
+        starts = [each.pos for each in container.demux(video=0) if each.size]
+    path.write_bytes(path.read_bytes()[: (starts[frames_left] + starts[frames_left + 1]) // 2])
+    frames = frames_of(path)
+    assert len(frames) == frames_left
+    for time_s in (frames[-1].time_s, frames[-1].time_s + 0.05, 1e9):
+        with ClipSource(path) as source:
+            source.seek(time_s)
+            assert_same(source.read(), frames[-1])
+            assert source.read() is None
 
 
 @pytest.mark.parametrize("name", ["film.mp4", "film.mkv"])

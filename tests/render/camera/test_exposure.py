@@ -57,17 +57,22 @@ def _pattern(places: np.ndarray) -> np.ndarray:
     return 1 + 0.3 * np.sin(30 * places).sum(axis=-1, keepdims=True)
 
 
-@pytest.mark.parametrize("is_covered", [False, True])
-def test_gain_and_sheen_of_the_ground_are_found_also_where_things_lie_on_it(is_covered: bool) -> None:
-    """Painted by both: a dark thing covers a fifth of the ground, and places are looked up that are out of view."""
+@pytest.mark.parametrize("thing", [None, "dark", "as bright as the middle"])
+def test_gain_and_sheen_of_the_ground_are_found_also_where_things_lie_on_it(thing: str | None) -> None:
+    """Painted by both: a thing covers a fifth of the ground, and places are looked up that are out of view.
+
+    One that is as bright where the sheen is as other ground is elsewhere shows only once the sheen is known.
+    """
     gain, slope = np.array((1.3, 1.2, 1.1)), np.array((0.9, -0.6))
     columns, rows = np.meshgrid(*map(np.arange, CAMERA.size))
     pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1)
     plane = pixels @ np.linalg.inv(image_from_plane(CAMERA, T_CAM_MARKER)).T
     plane = plane[..., :2] / plane[..., 2:]
     linear = GROUND * _pattern(plane) * gain * np.exp(plane @ slope)[..., None]
-    if is_covered:
+    if thing == "dark":
         linear[:, : CAMERA.size[0] // 5] = 0.01
+    elif thing is not None:
+        linear[plane @ slope > 0.22] *= np.exp(-0.48)
     image = np.round(255 * srgb_from_linear(np.clip(linear, 0, 1))).astype(np.uint8)[..., ::-1].copy()
     marker = MarkerPose(T_CAM_MARKER, np.zeros((4, 2)), 0.08, 0.1, None)
     places = np.stack(np.meshgrid(*[np.linspace(-0.3, 0.3, 40)] * 2), axis=-1).reshape(-1, 2)
@@ -78,3 +83,15 @@ def test_gain_and_sheen_of_the_ground_are_found_also_where_things_lie_on_it(is_c
     np.testing.assert_allclose(found[1], slope, atol=0.1)
     nowhere = places + np.array((0.0, 50.0))
     assert gain_and_slope(TrackedFrame(Frame(image, 0, 0.0), CAMERA, marker), nowhere, before) is None
+
+
+@pytest.mark.parametrize(("before", "gain"), [(0.02, 2.5), (0.9, 0.4), (0.1, 2.16)])
+def test_a_gain_that_no_camera_makes_from_frame_to_frame_is_limited(before: float, gain: float) -> None:
+    """On even ground of 0.216, as linear RGB, something else is seen then."""
+    marker = MarkerPose(T_CAM_MARKER, np.zeros((4, 2)), 0.08, 0.1, None)
+    grey = TrackedFrame(Frame(np.full((*CAMERA.size[::-1], 3), 128, np.uint8), 0, 0.0), CAMERA, marker)
+    places = np.stack(np.meshgrid(*[np.linspace(-0.1, 0.1, 10)] * 2), axis=-1).reshape(-1, 2)
+    found = gain_and_slope(grey, places, np.full((len(places), 3), before))
+    assert found is not None
+    np.testing.assert_allclose(found[0], gain, rtol=2e-3)
+    np.testing.assert_allclose(found[1], 0, atol=1e-9)

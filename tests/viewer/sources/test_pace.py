@@ -72,6 +72,15 @@ def test_what_has_fallen_far_behind_goes_on_from_there_and_does_not_hurry() -> N
     assert player.shown_s[2:] == [held_s, held_s + PERIOD_S, held_s + 2 * PERIOD_S]
 
 
+def test_at_its_own_pace_every_frame_is_shown_however_many_a_second() -> None:
+    """Displays of 120 and 240 Hz show a clip of as many."""
+    pace, now_s, period_s = Pace(), 0.0, 1 / 256
+    for number in range(64):
+        due = pace.next(number * period_s, period_s, now_s)
+        assert due == (period_s if number else 0.0, True)
+        now_s += due.wait_s
+
+
 @pytest.mark.parametrize("speed", [2.0, 3.0, 4.0, 8.0])
 def test_no_more_frames_are_shown_than_a_display_has_and_they_come_evenly(speed: float) -> None:
     player = Player(speed)

@@ -464,6 +464,52 @@ def test_an_error_reaches_the_other_side(run, fakes, error):
     assert source.closed.wait(PATIENCE_S)
 
 
+def test_a_looped_clip_whose_file_has_gone_goes_on_once_it_is_back(run, fakes):
+    """Each round opens it anew. The last picture stays meanwhile."""
+    clip = fakes.Clip(4)
+    rewind, is_there = clip.rewind, threading.Event()
+
+    def look() -> None:
+        if not is_there.is_set():
+            raise UserError("there is no file clip.mp4", "check the name and the folder")
+        rewind()
+
+    clip.rewind = look
+    pipeline = run(clip, loop=True)
+    await_that(lambda: pipeline.has_ended)
+    assert pipeline.status == "there is no file clip.mp4: R tries again"
+    assert pipeline.frames.take(PATIENCE_S) is not None
+    for ask in (pipeline.restart, lambda: pipeline.seek(0.0)):
+        jump = pipeline._capture.state.obeyed
+        ask()
+        await_that(lambda jump=jump: pipeline._capture.state.obeyed is not jump and pipeline.has_ended)
+        assert not pipeline.frames.is_closed
+    is_there.set()
+    pipeline.seek(1 / clip.fps)
+    await_that(lambda: clip.rewinds > 2)
+    assert pipeline.frames.take(PATIENCE_S) is not None
+    assert pipeline.status is None
+    assert clip.sought[-1] == 1
+
+
+def test_a_clip_that_was_replaced_by_one_of_another_size_is_not_shown(run, fakes):
+    clip = fakes.Clip(4)
+    whole, rewind = clip.read, clip.rewind
+
+    def other() -> None:
+        rewind()
+        clip.size = (128, 96)
+        clip.read = lambda: (
+            None if (frame := whole()) is None else Frame(np.zeros((96, 128, 3), np.uint8), frame.index, 0.0)
+        )
+
+    clip.rewind = other
+    pipeline = run(clip, loop=True)
+    await_that(lambda: pipeline.has_ended)
+    assert pipeline.status is not None
+    assert "128x96 and not 64x48" in pipeline.status
+
+
 def test_a_picture_of_another_size_is_an_error_that_names_both(run, fakes):
     size = (128, 96)
     source = fakes.Source(5)
