@@ -61,6 +61,8 @@ def play_headless(
         session.take(tracked, shown_s)
         if session.watch.is_estimating:
             _finish_estimate(session, report, shown_s)
+        else:
+            session.show_light(shown_s)
 
         started = time.perf_counter()
         renderer.render(run.scene(session))

@@ -93,7 +93,7 @@ class Session:
         self.hand.see(tracked)
         self.room_light.see(tracked)
         if is_being_moved:
-            self._show(now_s)
+            self.show_light(now_s)
         self.table.motion.tick(now_s)
         self._stand_clear()
         is_steady = self.first.add(tracked)
@@ -156,16 +156,17 @@ class Session:
         if (news := self.watch.empty_table.take_news()) is not None:
             self.say(news, now_s)
         new = self._accepted(self.watch.wait(0.0), now_s)
-        self._show(now_s)
+        self.show_light(now_s)
         return new
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> NewAnswer | None:
-        """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
+        """Like `poll`, but waits for a requested estimate to end; the first is shown at once, as nothing was before."""
+        is_first = self.answer is None
         new = self._accepted(self.watch.wait(timeout_s), now_s)
-        self._show(None)
+        self.show_light(None if is_first else now_s)
         return new
 
-    def _show(self, now_s: float | None) -> None:
+    def show_light(self, now_s: float | None) -> None:
         """Shows the light set by hand at once, or the estimated one as far as it has eased by then; None: wholly."""
         by_hand, light = self.hand.light, self.room_light
         if by_hand is not None:

@@ -1,5 +1,8 @@
 """Playback without a window: which frames, which estimates, who gets the pictures."""
 
+import math
+from itertools import pairwise
+
 import pytest
 
 from ashe_live.errors import UserError
@@ -15,8 +18,10 @@ from ashe_live.viewer.session import Session
 class Play:
     """One playback with fakes behind it."""
 
-    def __init__(self, fakes, source, answer=None, renderer=None, **playback) -> None:
+    def __init__(self, fakes, source, answer=None, renderer=None, before_frame=None, **playback) -> None:
         self.source, self.tracker, self.worker = source, fakes.Tracker(), fakes.Worker()
+        if before_frame is not None:
+            source.hook = lambda index: before_frame(self, index)
         self.renderer = renderer or fakes.Renderer()
         self.worker.answer = answer
         self.session = Session(fakes.Shelf(), self.worker, FirstEstimate(Steadiness(3), on_first_steady=True))
@@ -47,6 +52,24 @@ def test_a_clip_is_lit_from_its_first_frame_on(fakes):
     play = Play(fakes, fakes.Source(6), fakes.estimate(2))
     assert all(scene.illumination.lights for scene in play.renderer.scenes)
     assert [estimate["frame"] for estimate in play.report.estimates] == [2]
+
+
+def test_a_light_that_is_found_anew_is_reached_without_a_jump(fakes):
+    """At 20 frames a second, so that it eases over six of them."""
+
+    def asks_again(play: Play, index: int) -> None:
+        if index == 8:
+            play.worker.answer = fakes.estimate(7, towards=(0.0, 1.0, 1.0))
+            assert play.session.request_estimate(7 / 20)
+
+    play = Play(fakes, fakes.Source(20, fps=20.0), fakes.estimate(2), before_frame=asks_again)
+    lights = [scene.illumination.lights[0].to_light_marker for scene in play.renderer.scenes]
+    turns = [math.degrees(math.acos(min(1.0, float(a @ b)))) for a, b in pairwise(lights)]
+    assert math.degrees(math.acos(float(lights[0] @ lights[-1]))) == pytest.approx(60.0, abs=1e-3)
+    assert max(turns) < 20.0
+    assert turns[:7] + turns[-5:] == [0.0] * 12
+    assert lights[-1] is play.session.estimate.lights[0].to_light_marker
+    assert [estimate["frame"] for estimate in play.report.estimates] == [2, 7]
 
 
 def test_no_frame_beyond_the_limit_is_estimated(fakes):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, linear_from_srgb, srgb_from_linear
 from ashe_live.core.square import along_sides, side_lengths_px
+from ashe_live.render.camera.white import OVEREXPOSED
 
 AROUND = 12  # places along each of a polygon's edges
 REACH_PX, STEP_PX = 7.0, 0.25  # of a profile across an edge, to both sides
@@ -29,26 +30,27 @@ MOST_SHARPENING = 2.0
 LEAST_OVERSHOOT = 0.05
 
 
-def edge_blur_px(grey: Image, corners_px: Float) -> float:
+def edge_blur_px(grey: Image, corners_px: Float, paper: float = 0.0) -> float:
     """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2).
 
-    0 if unknown, and at most 3: wider blurs do not fit into the profiles.
+    0 if unknown, and at most 3: wider blurs do not fit into the profiles. `paper`: linear brightness around the
+    polygon, where it may be more than the picture can show.
     """
     profile = _profile(grey, corners_px, REACH_PX)
-    return 0.0 if profile is None else blur_of_step_px(profile.step)
+    return 0.0 if profile is None else blur_of_step_px(profile.step, profile.height(paper))
 
 
-def blur_and_sharpening(grey: Image, corners_px: Float) -> tuple[float, float]:
+def blur_and_sharpening(grey: Image, corners_px: Float, paper: float = 0.0) -> tuple[float, float]:
     """Sigma of the blur, in pixels, and how much was sharpened then, of (h, w) uint8 at the black square (4, 2).
 
     A camera blurs linear light and sharpens encoded values e by adding s (e - blurred e), which over- and undershoots
-    beside an edge. Blurs are tried, each with the s of least squares.
+    beside an edge. Blurs are tried, each with the s of least squares. `paper`: as of `edge_blur_px`.
     """
     reach_px = float(np.clip(BORDER_SIDES * side_lengths_px(corners_px).min(), LEAST_REACH_PX, REACH_PX))
     profile = _profile(grey, corners_px, reach_px)
     if profile is None:
         return 0.0, 0.0
-    sigma_px = blur_of_step_px(profile.step)
+    sigma_px = blur_of_step_px(profile.step, profile.height(paper))
     seen = profile.encoded
     if np.ptp(seen) - (profile.light - profile.dark) < LEAST_OVERSHOOT * (profile.light - profile.dark):
         return sigma_px, 0.0
@@ -69,6 +71,16 @@ class Profile(NamedTuple):
     dark: float  # encoded, and so
     light: float
     used: NDArray[np.intp]  # (m,) indices of the places that it was measured at
+
+    def height(self, paper: float) -> float:
+        """Of the edge before the picture clipped it, over the part that it shows; 1 where its paper is not overexposed.
+
+        The brightness of shaded paper is its own, however bright the rest is.
+        """
+        dark, light = (float(value) for value in linear_from_srgb([self.dark, self.light]))
+        low, high = OVEREXPOSED
+        share = min(max((light - low) / (high - low), 0.0), 1.0)
+        return 1.0 + share * max((paper - light) / max(light - dark, LEAST_HEIGHT), 0.0)
 
 
 def _profile(grey: Image, corners_px: Float, reach_px: float) -> Profile | None:
@@ -126,14 +138,15 @@ def across(grey: Image, points: Float, outwards: Float, offsets: Float) -> Float
     return np.asarray(cv2.remap(part, x, y, cv2.INTER_LINEAR), np.float64)
 
 
-def blur_of_step_px(step: Float) -> float:
+def blur_of_step_px(step: Float, height: float = 1.0) -> float:
     """Sigma of the Gaussian that has blurred a step (k,), 0 and 1 at its ends, every STEP_PX.
 
-    Height over steepest slope is sqrt(2 pi) sigma; sharpening makes it less. Within BLUR_RANGE_PX.
+    Height over steepest slope is sqrt(2 pi) sigma; sharpening makes it less. Within BLUR_RANGE_PX. `height`: of all of
+    the step, where it is clipped above 1.
     """
     # Slopes are taken over half a pixel to both sides, so that noise does not steepen them.
     wide = int(0.5 / STEP_PX)
-    slope = float((step[2 * wide :] - step[: -2 * wide]).max()) / (2 * wide * STEP_PX)
+    slope = float((step[2 * wide :] - step[: -2 * wide]).max()) / (2 * wide * STEP_PX * height)
     variance = 1 / (2 * math.pi * max(slope, 1e-3) ** 2) - 4 * wide**2 * STEP_PX**2 / 12
     variance -= BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2
     return float(np.clip(math.sqrt(max(variance, 0.0)), *BLUR_RANGE_PX))

@@ -23,6 +23,7 @@ from ashe_live.render.camera.edges import (
     profile_at,
 )
 from ashe_live.render.camera.in_frame import project_distorted
+from ashe_live.render.camera.white import PAPER_ALBEDO, white_of
 from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.lighting import ShadingLight
 
@@ -64,7 +65,9 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, light: ShadingLig
     if profile is None:
         return 0.0
     radii = _penumbra_px(tracked.camera, T, below, above, light, outwards)[profile.used]
-    lens = math.sqrt(edge_blur_px(grey, tracked.marker.corners_px) ** 2 + BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2)
+    paper = PAPER_ALBEDO * float(np.array(white_of(tracked)) @ REC709_LUMINANCE)
+    of_print = edge_blur_px(grey, tracked.marker.corners_px, paper)
+    lens = math.sqrt(of_print**2 + BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2)
     explained = blur_of_step_px(_step_by(radii, lens, len(profile.step)))
     # The shadow maps' own texels blur about as much as a pixel does.
     rest = blur_of_step_px(profile.step) ** 2 - explained**2 - BOX_VARIANCE_PX2

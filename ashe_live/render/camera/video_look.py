@@ -51,9 +51,14 @@ class VideoLook:
 UNSEEN = VideoLook((1.0, 1.0, 1.0), None, SILENT)
 
 
-def sharpness_of(tracked: TrackedFrame) -> tuple[float, float]:
-    """Sigma of the blur, in pixels, and amount of sharpening at the marker of a frame, as `VideoLook` has them."""
-    return blur_and_sharpening(_grey(tracked.frame.image_bgr), print_corners_px(tracked))
+def sharpness_of(tracked: TrackedFrame, white_rgb: RGB) -> tuple[float, float]:
+    """Sigma of the blur, in pixels, and amount of sharpening at the marker of a frame, as `VideoLook` has them.
+
+    `white_rgb`: of that frame. An edge to paper that is overexposed is steeper, for the part of it that is shown, than
+    the lens made it.
+    """
+    paper = PAPER_ALBEDO * float(np.array(white_rgb) @ REC709_LUMINANCE)
+    return blur_and_sharpening(_grey(tracked.frame.image_bgr), print_corners_px(tracked), paper)
 
 
 def noise_of(tracked: TrackedFrame) -> NoiseLevels:

@@ -130,7 +130,7 @@ def test_of_a_matroska_clip_with_sound_its_tag_says_how_long_its_pictures_are(
     path.write_bytes(content[: int(len(content) * share)])
     with ClipSource(path) as source:
         assert source.duration_s == pytest.approx(49 / 25, abs=2e-3)
-        count = len(frames_of(source))
+        count = len(list(source))
         assert source.note == (
             None if share == 1.0 else f"a.mkv is truncated or damaged: only {count} frames could be read"
         )

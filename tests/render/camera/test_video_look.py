@@ -78,6 +78,10 @@ def _sheet(
     )
 
 
+def _sharpness(tracked: TrackedFrame) -> tuple[float, float]:
+    return sharpness_of(tracked, white_of(tracked))
+
+
 @pytest.mark.parametrize("white", [(0.7, 0.7, 0.7), (0.3, 0.3, 0.3), (0.9, 0.8, 0.6)])
 def test_white_is_the_papers(stage, white: tuple[float, ...]) -> None:
     np.testing.assert_allclose(white_of(_sheet(stage, white)), white, rtol=0.02)
@@ -146,7 +150,22 @@ def test_white_is_assumed_where_there_is_no_paper(stage) -> None:
 
 @pytest.mark.parametrize("blur", [0.0, 0.6, 1.0, 1.6, 2.2])
 def test_blur_is_measured_at_the_markers_edges(stage, blur: float) -> None:
-    assert sharpness_of(_sheet(stage, blur=blur, noise=1.0))[0] == pytest.approx(blur, abs=0.3)
+    assert _sharpness(_sheet(stage, blur=blur, noise=1.0))[0] == pytest.approx(blur, abs=0.2)
+
+
+@pytest.mark.parametrize("over", [1.1, 1.2, 1.3])  # brightness of the paper over what the picture can show
+@pytest.mark.parametrize("blur", [0.3, 0.5, 0.8, 1.2])
+def test_overexposed_paper_has_edges_as_soft_as_the_lens_made_them(stage, blur: float, over: float) -> None:
+    """A half of such an edge is cut off by the picture's white, which leaves it steeper."""
+    tracked = _sheet(stage, (over / PAPER_ALBEDO,) * 3, ink=INK_RATIO * over, blur=blur, noise=1.0)
+    assert _sharpness(tracked)[0] == pytest.approx(blur, abs=0.15)
+    unknown = sharpness_of(tracked, (1.0 / PAPER_ALBEDO,) * 3)[0]
+    assert unknown < _sharpness(tracked)[0] - 0.04
+
+
+def test_shaded_paper_has_its_own_edges_however_bright_lit_paper_is(stage) -> None:
+    shaded = _sheet(stage, blur=0.6)
+    assert sharpness_of(shaded, (1.6,) * 3) == sharpness_of(shaded, (0.7,) * 3)
 
 
 @pytest.mark.parametrize("noise", [1.0, 3.0, 8.0])
@@ -265,7 +284,7 @@ def test_of_a_cube_the_paper_on_its_top_is_white() -> None:
     tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
     # The picture is exposed so that white in the open table's light has this level.
     assert np.mean(white_of(tracked)) == pytest.approx(scene.exposure, rel=0.1)
-    assert sharpness_of(tracked)[0] == pytest.approx(0.9, abs=0.3)
+    assert _sharpness(tracked)[0] == pytest.approx(0.9, abs=0.3)
 
 
 def _white_beside_cube(light: PaintedLight) -> float:
@@ -330,12 +349,12 @@ def test_of_a_video_that_flows_on_the_exposure_follows_and_one_other_part_is_mea
         return [(look.blur_sigma_px, look.sharpening), look.noise_sigmas]
 
     first = seen_at(0.0, before)
-    whole = [sharpness_of(after), noise_of(after)]
+    whole = [_sharpness(after), noise_of(after)]
     looks = [first, *(seen_at(k / 60, after) for k in range(1, 30))]
     changes = [sum(map(ne, parts(a), parts(b))) for a, b in pairwise(looks)]
     assert max(changes) == 1
     assert parts(looks[math.ceil((LOOK_HELD_S + 2 / 60) * 60)]) == whole
-    assert parts(first) == [sharpness_of(before), noise_of(before)]
+    assert parts(first) == [_sharpness(before), noise_of(before)]
     assert first.white_rgb == pytest.approx(white_of(before), rel=1e-9)
     for look in looks[1:]:
         assert look.white_rgb == pytest.approx(white_of(after), rel=0.002)
