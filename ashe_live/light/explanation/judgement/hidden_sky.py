@@ -35,7 +35,7 @@ PLACES, LIT_SHARE = 9, 0.6
 # Least share of its seeming depth that a light's shadow has beside ground which sees as much sky. Stated: right answers
 # have 0.33 and more, cloudy skies 0.1 to 0.25 (docs/maths, "Confidence").
 LEAST_SHARE = 0.3
-# Standard deviations, of what a pattern makes of a depth, by which it must fall short of what it seems. Stated.
+# Sigmas, of what a pattern makes of a depth, by which it must fall short of what it seems. Stated.
 MISSING_SIGMAS = 2.0
 
 
@@ -43,7 +43,7 @@ class Depth(NamedTuple):
     """How much darker a shadow is than ground that sees as much sky, in log brightness: 0 for none."""
 
     value: float
-    sigma: float  # standard deviation, as lit ground of the shadow's shape is not as bright in all places: a pattern's
+    sigma: float  # of its error, as lit ground of the shadow's shape is not as bright in all places: a pattern's
 
 
 def depths_beyond_sky(view: View, proxy: Proxy, lights: Float) -> list[Depth | None]:
@@ -121,9 +121,10 @@ def _depth(brightness: Float32, sky: NDArray[np.intp], core: Mask, is_lit: Mask)
 
 
 def _scatter(brightness: Float32, core: Mask, is_lit: Mask) -> float:
-    """The standard deviation of the median `brightness` (h, w) of lit ground in places of the shape of `core`.
+    """By how much the median `brightness` (h, w) of lit ground differs between places of the shape of `core`.
 
-    0 where there are not two such places, so that a pattern cannot be told.
+    Half of the interval that holds 68 %, as other things stand in some places, which are no pattern. 0 where there are
+    not two places, so that a pattern cannot be told.
     """
     rows, columns = np.nonzero(core)
     height, width = core.shape
@@ -134,4 +135,4 @@ def _scatter(brightness: Float32, core: Mask, is_lit: Mask) -> float:
             lit = brightness[place][is_lit[place]]
             if len(lit) >= LIT_SHARE * len(rows):
                 medians.append(np.median(lit))
-    return float(np.std(medians)) if len(medians) > 1 else 0.0
+    return float(np.subtract(*np.quantile(medians, (0.84, 0.16))) / 2) if len(medians) > 1 else 0.0

@@ -105,6 +105,14 @@ def test_only_ground_near_the_body_is_compared() -> None:
     assert depths_beyond_sky(dark, BALL, light) == depths_beyond_sky(whole, BALL, light)
 
 
+def test_a_dark_thing_that_stands_beside_is_no_pattern() -> None:
+    light, plain = np.array([[*direction(200, 80), 0.0]]), view(0.0, 80)
+    ground = raycast_to_plane(plain.camera, plain.T_cam_marker, pixels())[:, :2].reshape(360, 480, 2)
+    thing = np.abs(ground - PLACE - (2.5 * RADIUS_M, 0.0)).max(axis=2) < 1.2 * RADIUS_M
+    beside = replace(plain, image_bgr=np.where(thing[..., None], 5, plain.image_bgr).astype(np.uint8))
+    assert is_of_sky_alone(depths_beyond_sky(beside, BALL, light), [0.5])
+
+
 @pytest.mark.parametrize("times", [0.2, 1.0, 5.0])
 def test_what_is_left_of_a_shadow_counts_beside_what_it_seems_and_what_a_pattern_may_hide(times: float) -> None:
     def is_sky(value: float, sigma: float) -> bool:
