@@ -13,7 +13,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.colour import linear_from_srgb
-from ashe_live.models.formats.mtl_lines import numbers_of, picture_of, text_of
+from ashe_live.models.formats.mtl_lines import numbers_of, picture_of, text_of, without_comment
 from ashe_live.models.material import PLAIN_LAYOUT, UNKNOWN, Alpha, MapLayout, Material
 from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import check_materials
@@ -75,7 +75,8 @@ def read_mtl(model: Path, content: bytes, pictures: Pictures, beside: str, notes
     for line in content.splitlines():
         word, rest = (*line.split(None, 1), b"", b"")[:2]
         # Each by itself, as the OBJ's names are: a path may be of another encoding, whose bytes may end lines of text.
-        key, value = text_of(word).lower(), text_of(rest.strip())
+        key = text_of(word).lower()
+        value = text_of((without_comment(rest) if key in ("map_kd", "map_d") else rest).strip())
         if key == "newmtl":
             one = described[value] = _Described()
             count += 1

@@ -520,6 +520,24 @@ def test_comments_may_stand_behind_a_materials_numbers(tmp_path: Path) -> None:
     assert material.roughness == 0.25
 
 
+@pytest.mark.parametrize("name", ["red.png", "red #1.png", "red # 1.png", '"red.png"', "-s 2 2 1.0 red.png"])
+@pytest.mark.parametrize("comment", ["# the diffuse map", "\t#it.is.red"])
+def test_comments_may_stand_behind_files_names(tmp_path: Path, name: str, comment: str) -> None:
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / name.strip('"').removeprefix("-s 2 2 1.0 "))
+    library = f"newmtl m\nmap_Kd {name} {comment}\n"
+    for libraries in (f"a.mtl {comment}", f"b.mtl a.mtl {comment}"):
+        model = read(tmp_path, f"mtllib {libraries}\nusemtl m\n{TRIANGLE}", a=library, b="")
+        assert model.parts[0].material.base_map is not None
+        assert not model.notes
+
+
+def test_coordinates_may_be_of_any_number_whatever_they_add_up_to(tmp_path: Path) -> None:
+    """Of a texture's three the last two may be left out, and are 0."""
+    text = TRIANGLE.replace("vt 0 0\nvt 1 0\nvt 0 1\n", "vt 0 1\nvt 0.5\nvt 1 1 1\nvt 0 0\n").replace("3/3", "3/4")
+    (part,) = read(tmp_path, text).parts
+    assert sorted(map(tuple, part.uvs)) == [(0, 0), (0, 1), (0.5, 0)]
+
+
 def test_a_picture_is_seen_wherever_there_are_texture_coordinates(tmp_path: Path) -> None:
     """One object has them; another of the same material has none, and the colour of the picture's corner."""
     Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
