@@ -189,6 +189,10 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
         r"primitives\[0\]: POSITION cannot be VEC3 of componentType 5125",
         _with("accessors", componentType=5125),
     ),
+    "corners by signed numbers": (
+        r"primitives\[0\]: indices cannot be SCALAR of componentType 5122",
+        lambda: changed(lambda _, it: it["accessors"][2].update(componentType=5122)),
+    ),
     "a stride beyond its part": (
         r"accessors\[0\] ends at byte 768 of a bufferView of 48",
         lambda: changed(lambda _, it: it["bufferViews"][0].update(byteStride=252)),

@@ -144,8 +144,8 @@ def _with_pictures(
     """`plain` with its picture, as far as its mask leaves that; with a mask alone, its own colour cut out."""
     base_map = None if one.picture is None else texels(one.picture)
     mask = None if one.cut_out is None else texels(one.cut_out)
-    if one.picture is not None and base_map is None and not any(plain.base_colour[:3]):
-        # Some programs write black beside a picture.
+    if one.picture is not None and not any(plain.base_colour[:3]):
+        # Some programs write black beside a picture, which may be missing.
         plain = replace(plain, base_colour=(*UNKNOWN.base_colour[:3], plain.base_colour[3]))
     if mask is not None:
         colours = np.full_like(mask, 255) if base_map is None else base_map

@@ -61,7 +61,7 @@ def _file_name(value: str) -> tuple[str, dict[str, list[str]]]:
         said: list[str] = []
         value = rest
         word, rest = _first_word(value)
-        while word and len(said) < OPTIONS[option] and not _is_name(word):
+        while len(said) < OPTIONS[option] and not _is_name(word):
             said.append(word.lower())
             value = rest
             word, rest = _first_word(value)

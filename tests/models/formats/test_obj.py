@@ -55,6 +55,32 @@ def test_a_mask_cuts_its_picture_out(tmp_path: Path) -> None:
     np.testing.assert_array_equal(material.base_map[..., 3], [[0, 255], [255, 255]])
 
 
+def test_of_a_picture_and_its_mask_nothing_but_their_opacity_is_of_the_material(tmp_path: Path) -> None:
+    """Nor does the mask lie otherwise than the picture."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    Image.fromarray(np.uint8([[0, 255], [255, 255]])).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "Kd 0.1 0.1 0.1\nd 0.5\nmap_Kd -s 2 2 red.png\nmap_d -s 3 3 mask.png")
+    assert material.base_colour == (1, 1, 1, 0.5)
+    assert material.layout("base_map").matrix == (2, 0, 0, 0, 2, 0)
+
+
+def test_what_is_black_is_black_unless_a_picture_is_missing_there(tmp_path: Path) -> None:
+    assert surface(tmp_path, "Kd 0 0 0").base_colour == (0, 0, 0, 1)
+    Image.new("L", (2, 2), 255).save(tmp_path / "mask.png")
+    assert surface(tmp_path, "Kd 0 0 0\nmap_d mask.png").base_colour == (0, 0, 0, 1)
+    assert surface(tmp_path, "Kd 0 0 0\nmap_Kd gone.png").base_colour == UNKNOWN.base_colour
+
+
+@pytest.mark.parametrize("line", ["map_Kd", "map_Kd ", "map_d", "bump ", "Kd", "d", "Ns"])
+def test_a_line_that_goes_on_with_nothing_says_nothing(tmp_path: Path, line: str) -> None:
+    """As exporters write where a material has no picture."""
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\nKd 1 0 0\n{line}\n")
+    found, plain = model.parts[0].material, surface(tmp_path, "Kd 1 0 0")
+    assert (found.base_colour, found.roughness, found.alpha) == (plain.base_colour, plain.roughness, plain.alpha)
+    assert found.base_map is None
+    assert not model.notes
+
+
 def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
     Image.new("RGB", (8, 4), (255, 0, 0)).save(tmp_path / "red.png")
     Image.fromarray(np.uint8([[0, 0, 255, 255]] * 2)).save(tmp_path / "mask.png")
@@ -355,6 +381,20 @@ def test_a_picture_is_enlarged_and_shifted_as_its_options_say(tmp_path: Path) ->
     assert surface(tmp_path, "map_Kd red.png").layout("base_map").is_plain
 
 
+OPTIONS = "blendu off,blendv on,boost 1.5,cc on,clamp off,mm 0.1 0.9,o 0 0 0,s 1 1 1,t 0 0 0,texres 512,bm 1"
+CHANNELS = "rgbmlz"  # of -imfchan
+
+
+@pytest.mark.parametrize("name", ["red.png", "2 red.png", "on red.png", "-x.png"])
+@pytest.mark.parametrize("option", [*OPTIONS.split(","), *(f"imfchan {channel}" for channel in CHANNELS)])
+def test_options_of_a_picture_end_where_its_name_begins(tmp_path: Path, option: str, name: str) -> None:
+    """Which may begin with what could be one more of an option's numbers."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / name)
+    material = surface(tmp_path, f"map_Kd -{option} {name}")
+    assert material.base_map is not None
+    assert material.layout("base_map").is_plain
+
+
 def test_roughness_and_metal_may_be_said(tmp_path: Path) -> None:
     material = surface(tmp_path, "Kd 1 0 0\nNs 10\nPr 0.25\nPm 0.75")
     assert (material.roughness, material.metallic) == (0.25, 0.75)
@@ -387,6 +427,13 @@ def test_a_number_of_a_material_that_is_none_is_said(tmp_path: Path, line: str) 
 )
 def test_one_number_is_a_grey_and_nothing_sends_back_more_light_than_falls_on_it(tmp_path, line, colour) -> None:
     assert surface(tmp_path, line).base_colour == surface(tmp_path, colour).base_colour
+
+
+@pytest.mark.parametrize("value", ["spectral red.rfl", "spectral red.rfl 0.5", "xyz 1 0 0"])
+@pytest.mark.parametrize("key", ["Ka", "Kd", "Ke"])
+def test_colours_in_other_terms_are_as_if_not_said(tmp_path: Path, key: str, value: str) -> None:
+    material = surface(tmp_path, f"{key} {value}")
+    assert (material.base_colour, material.emissive) == (surface(tmp_path, "").base_colour, (0, 0, 0))
 
 
 @pytest.mark.parametrize("lines", ["d 1\nTr 1", "Tr 1\nd 1"])
