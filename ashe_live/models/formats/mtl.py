@@ -56,9 +56,9 @@ class _Described:
     illumination: int = 2  # of the format's models, from 0 to 10
     roughness: float | None = None  # by names that were added to the format
     metallic: float | None = None
-    picture: str | None = None
+    picture: str = ""
     layout: MapLayout = PLAIN_LAYOUT  # of the picture
-    cut_out: str | None = None
+    cut_out: str = ""
     cut_out_layout: MapLayout = PLAIN_LAYOUT  # without a picture; else it lies as that does
     has_opacity: bool = False
 
@@ -142,9 +142,9 @@ def _with_pictures(
     plain: Material, one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image]
 ) -> Material:
     """`plain` with its picture, as far as its mask leaves that; with a mask alone, its own colour cut out."""
-    base_map = None if one.picture is None else texels(one.picture)
-    mask = None if one.cut_out is None else texels(one.cut_out)
-    if one.picture is not None and not any(plain.base_colour[:3]):
+    base_map = texels(one.picture) if one.picture else None
+    mask = texels(one.cut_out) if one.cut_out else None
+    if one.picture and not any(plain.base_colour[:3]):
         # Some programs write black beside a picture, which may be missing.
         plain = replace(plain, base_colour=(*UNKNOWN.base_colour[:3], plain.base_colour[3]))
     if mask is not None:

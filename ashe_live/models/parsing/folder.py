@@ -59,7 +59,7 @@ class Folder:
         if not is_elsewhere:
             # A downloaded file may have %20 in its name, and formats other than glTF have no such codes.
             for spelled in (relative, name.strip().replace("\\", "/")):
-                if (path := self._named_like(spelled)) is not None:
+                if (path := self._named_like(spelled)) is not None and not path.is_dir():
                     return path
         elif "\0" not in relative and "://" not in relative:
             parts = [part for part in PurePosixPath(relative).parts if part not in ("..", "/")]

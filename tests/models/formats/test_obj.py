@@ -71,7 +71,7 @@ def test_what_is_black_is_black_unless_a_picture_is_missing_there(tmp_path: Path
     assert surface(tmp_path, "Kd 0 0 0\nmap_Kd gone.png").base_colour == UNKNOWN.base_colour
 
 
-@pytest.mark.parametrize("line", ["map_Kd", "map_Kd ", "map_d", "bump ", "Kd", "d", "Ns"])
+@pytest.mark.parametrize("line", ["map_Kd", "map_Kd ", "map_d", 'map_Kd ""', "map_Kd -s 1 1 1", "bump ", "Kd"])
 def test_a_line_that_goes_on_with_nothing_says_nothing(tmp_path: Path, line: str) -> None:
     """As exporters write where a material has no picture."""
     model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\nKd 1 0 0\n{line}\n")
@@ -79,6 +79,25 @@ def test_a_line_that_goes_on_with_nothing_says_nothing(tmp_path: Path, line: str
     assert (found.base_colour, found.roughness, found.alpha) == (plain.base_colour, plain.roughness, plain.alpha)
     assert found.base_map is None
     assert not model.notes
+
+
+@pytest.mark.parametrize("name", ["maps/", "maps", ".", "D:\\work\\maps\\"])
+def test_a_picture_that_is_a_folder_is_left_out_and_said(tmp_path: Path, name: str) -> None:
+    """As the others that are not there."""
+    (tmp_path / "maps").mkdir()
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\nKd 1 0 0\nmap_Kd {name}\n")
+    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
+    (note,) = model.notes
+    assert note.endswith("is not beside it, and is left out")
+
+
+@pytest.mark.parametrize("line", ["mtllib", "mtllib maps", 'mtllib ""'])
+def test_a_library_that_is_none_is_as_if_it_were_missing(tmp_path: Path, line: str) -> None:
+    (tmp_path / "maps").mkdir()
+    model = read(tmp_path, f"{line}\nusemtl m\n{TRIANGLE}")
+    assert model.parts[0].material.base_colour == UNKNOWN.base_colour
+    (note,) = model.notes
+    assert note.endswith("it is drawn as plain plastic")
 
 
 def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
@@ -358,6 +377,14 @@ def test_colours_are_linear_where_blender_has_written_them(tmp_path: Path) -> No
     rough = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"{header}newmtl m\nNs 0\n").parts[0].material
     assert rough.roughness == 1
     assert others.base_colour[1] == pytest.approx(0.214, abs=0.001)  # of sRGB's 0.5
+
+
+@pytest.mark.parametrize(("illumination", "metallic"), [(1, 0), (2, 0), (3, 1), (4, 0), (5, 0), (6, 1), (7, 0), (9, 0)])
+def test_blenders_ambient_colour_is_metal_by_models_of_mirrors_alone(tmp_path, illumination, metallic) -> None:
+    """Of all others it is white, whatever the material."""
+    library = f"# Blender 4.2.0 MTL File: 'None'\n\nnewmtl m\nNs 250\nKa 1.0 1.0 1.0\nillum {illumination}\n"
+    (part,) = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=library).parts
+    assert part.material.metallic == metallic
 
 
 def test_a_picture_without_texture_coordinates_is_said(tmp_path: Path) -> None:
