@@ -94,6 +94,11 @@ def _sparse_beyond(document: Document, it: dict[str, Any]) -> None:
     it["accessors"][0]["sparse"] = {"count": 4, **parts}
 
 
+def _short_displacement(document: Document, it: dict[str, Any]) -> None:
+    of_three = document.accessor(np.zeros((3, 3), np.float32))
+    it["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": 0}, {"POSITION": of_three}]
+
+
 def _many_nodes(_: Document, it: dict[str, Any]) -> None:
     it["nodes"] = [{"mesh": 0}] * (limits.MAX_PARTS + 1)
     it["scenes"][0]["nodes"] = list(range(limits.MAX_PARTS + 1))
@@ -169,6 +174,10 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
     ),
     "places on a plane": (r"primitives\[0\]: POSITION cannot be VEC2", _with("accessors", type="VEC2")),
     "fewer normals than places": ("NORMAL has 4 items for 3 vertices", _with("accessors", count=3)),
+    "a displacement of fewer places": (
+        r"primitives\[0\]: targets\[1\].POSITION has 3 items for 4 vertices",
+        lambda: changed(_short_displacement),
+    ),
     "an array beyond its part": (
         r"accessors\[0\] ends at byte 60 of a bufferView of 48",
         _with("accessors", byteOffset=12),

@@ -1,5 +1,6 @@
 """OBJ and MTL as programs write them: what a person sees there is seen here."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -184,10 +185,19 @@ def test_a_picture_may_have_a_percent_sign_in_its_name(tmp_path: Path, name: str
     assert surface(tmp_path, f"map_Kd {name}").base_map is not None
 
 
-def test_a_picture_in_a_folder_beside_the_model_is_found_by_the_end_of_its_path(tmp_path: Path) -> None:
+@pytest.mark.parametrize("before", ["D:/work/", "D:/", "//server/work/", "/home/me/", "/", "../", "../../a/b/"])
+def test_a_picture_in_a_folder_beside_the_model_is_found_by_the_end_of_its_path(tmp_path: Path, before: str) -> None:
     (tmp_path / "Textures").mkdir()
     Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "Textures" / "my red.png")
-    assert surface(tmp_path, "map_Kd D:/work/textures/my red.png").base_map is not None
+    assert surface(tmp_path, f"map_Kd {before}textures/my red.png").base_map is not None
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere both names are of one file")
+@pytest.mark.parametrize("name", ["red.png", "RED.png", "Red.png"])
+def test_of_names_in_other_capitals_that_which_was_said_counts(tmp_path: Path, name: str) -> None:
+    for number, each in enumerate(("red.png", "RED.png", "Red.png")):
+        Image.new("RGB", (2, 2), (number, 0, 0)).save(tmp_path / each)
+    assert surface(tmp_path, f"map_Kd {name}").base_map[0, 0, 0] == ("red.png", "RED.png", "Red.png").index(name)
 
 
 @pytest.mark.parametrize("libraries", ["mtllib a.mtl\nmtllib b.mtl", "mtllib a.mtl b.mtl"])
