@@ -12,6 +12,7 @@ from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Alpha, Material
 from ashe_live.models.mesh import Model, face_normals
+from ashe_live.models.parsing.limits import MAX_NAMED_FILES
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
@@ -99,6 +100,20 @@ def test_a_library_that_is_none_is_as_if_it_were_missing(tmp_path: Path, line: s
     assert model.parts[0].material.base_colour == UNKNOWN.base_colour
     (note,) = model.notes
     assert note.endswith("it is drawn as plain plastic")
+
+
+def test_a_picture_that_is_seen_nowhere_is_as_it_is(tmp_path: Path) -> None:
+    """As a slot that the artist left empty: there is no seen colour to fill it with."""
+    Image.new("RGBA", (4, 2), (9, 8, 7, 0)).save(tmp_path / "clear.png")
+    np.testing.assert_array_equal(surface(tmp_path, "map_Kd clear.png").base_map, np.full((2, 4, 4), (9, 8, 7, 0)))
+
+
+def test_one_missing_picture_of_many_materials_is_said_once(tmp_path: Path) -> None:
+    """And looked for once, as a model may name so many files only."""
+    names = range(MAX_NAMED_FILES + 1)
+    library = "".join(f"newmtl m{number}\nmap_Kd gone.png\n" for number in names)
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m0\n{TRIANGLE}", a=library)
+    assert model.notes == ("its picture gone.png is not beside it, and is left out",)
 
 
 def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
