@@ -116,6 +116,19 @@ def test_one_missing_picture_of_many_materials_is_said_once(tmp_path: Path) -> N
     assert model.notes == ("its picture gone.png is not beside it, and is left out",)
 
 
+@pytest.mark.parametrize(("kind", "whole"), [(np.float32, 1.0), (np.uint16, 65535), (np.int32, 65535)])
+def test_grey_of_a_deep_picture_is_the_share_that_it_says(tmp_path: Path, kind: type, whole: float) -> None:
+    """Fractions, or 16 bits, also where these are kept in more; what is beyond white is white."""
+    shares = np.array([[0.0, 0.25, 0.5, 1.0]])
+    given = (shares * whole).astype(kind)
+    if kind is np.float32:
+        given = np.append(given, np.float32([[7.0, -1.0, np.nan]]), axis=1)
+        shares = np.append(shares, [[1.0, 0.0, 0.0]], axis=1)
+    Image.fromarray(given).save(tmp_path / "grey.tif")
+    texels = surface(tmp_path, "map_Kd grey.tif").base_map
+    np.testing.assert_allclose(texels[..., 0], 255 * shares, atol=0.51)
+
+
 def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
     Image.new("RGB", (8, 4), (255, 0, 0)).save(tmp_path / "red.png")
     Image.fromarray(np.uint8([[0, 0, 255, 255]] * 2)).save(tmp_path / "mask.png")
