@@ -16,7 +16,7 @@ from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import read_mtl
 from ashe_live.models.formats.mtl_lines import text_of, without_comment
 from ashe_live.models.formats.polygons import triangulated
-from ashe_live.models.formats.words import numbers_in
+from ashe_live.models.formats.words import numbers_in, with_plain_nan
 from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder, MissingFileError
 from ashe_live.models.parsing.malformed import MalformedError
@@ -78,7 +78,7 @@ def _sorted(content: bytes) -> _Lines:
     for line in content.splitlines():
         key, _, rest = line.strip().replace(b"\t", b" ").partition(b" ")
         if key in NUMBERED and b"#" in rest:
-            rest = rest[: rest.index(b"#")]  # a comment; in names it is a character
+            rest = with_plain_nan(rest).partition(b"#")[0]  # without a comment; in names # is a character
         if key == b"v":
             places.append(rest)
         elif key == b"f":

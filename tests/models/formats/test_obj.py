@@ -580,6 +580,26 @@ def test_comments_may_stand_behind_numbers(tmp_path: Path) -> None:
     np.testing.assert_array_equal(plain.parts[0].uvs, commented.parts[0].uvs)
 
 
+NO_NUMBERS = ("nan", "-nan", "-1.#IND00", "1.#QNAN", "-1.#J", "1.#INF00", "-nan(ind)", "nan(snan)")  # of C libraries
+
+
+@pytest.mark.parametrize("word", NO_NUMBERS)
+@pytest.mark.parametrize("suffix", ["obj", "ply"])
+def test_a_normal_that_is_no_number_is_that_of_the_surface(tmp_path: Path, word: str, suffix: str) -> None:
+    """Exporters write them for faces without an area, each C library in its own words."""
+    normal = f"{word} {word} {word}"
+    if suffix == "obj":
+        text = f"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn {normal} # none\nvn 0 0 1\nf 1//1 2//2 3//2\n"
+    else:
+        properties = "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
+        faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        text = f"ply\nformat ascii 1.0\nelement vertex 3\n{properties}{faces}"
+        text += f"0 0 0 {normal}\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"
+    (tmp_path / f"a.{suffix}").write_text(text)
+    (part,) = load_model_file(tmp_path / f"a.{suffix}", "z").parts
+    np.testing.assert_array_equal(part.normals, [(0, 0, 1)] * 3)
+
+
 def test_words_may_be_parted_by_any_space(tmp_path: Path) -> None:
     """Lines may be indented as well; and in a name # begins no comment."""
     lines = f"mtllib a.mtl\nusemtl a #1\n{TRIANGLE}p 1\n".replace(" ", "\t").replace("a\t#1", "a #1")
