@@ -138,6 +138,14 @@ def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
     assert (material.base_map[:, 5:, 3] > 128).all()
 
 
+def test_a_picture_and_its_mask_are_drawn_at_the_size_of_the_one_that_has_more_texels(tmp_path: Path) -> None:
+    Image.new("RGB", (8, 1), (255, 0, 0)).save(tmp_path / "red.png")
+    mask = np.uint8(np.indices((4, 4)).sum(axis=0) % 2 * 255)
+    Image.fromarray(mask).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "map_Kd red.png\nmap_d mask.png")
+    np.testing.assert_array_equal(material.base_map[..., 3], mask)
+
+
 def test_a_mask_may_be_larger_than_its_picture(tmp_path: Path) -> None:
     """As on leaves of one colour, whose shape the mask alone has."""
     Image.new("RGB", (1, 1), (255, 0, 0)).save(tmp_path / "red.png")
