@@ -61,7 +61,7 @@ class Folder:
             for spelled in (relative, name.strip().replace("\\", "/")):
                 if (path := self._named_like(spelled)) is not None and not path.is_dir():
                     return path
-        elif "\0" not in relative and "://" not in relative:
+        elif "\0" not in relative and not SCHEME.match(relative):
             parts = PurePosixPath(relative).parts
             for first in range(max(1, len(parts) - 3), len(parts)):
                 if (path := self._named_like("/".join(parts[first:]))) is not None and path.is_file():

@@ -221,11 +221,16 @@ def test_a_picture_may_have_a_percent_sign_in_its_name(tmp_path: Path, name: str
     assert surface(tmp_path, f"map_Kd {name}").base_map is not None
 
 
-@pytest.mark.parametrize("before", ["D:/work/", "D:/", "//server/work/", "/home/me/", "/", "../", "../../a/b/"])
+BLENDERS = (r"D:\\work\\", r"..\\", r"\\\\server\\")  # with two backslashes, as it wrote them once
+BEFORE = ("D:/work/", "D:/", "//server/work/", "/home/me/", "/", "../", "../../a/b/", *BLENDERS)
+
+
+@pytest.mark.parametrize("before", BEFORE)
 def test_a_picture_in_a_folder_beside_the_model_is_found_by_the_end_of_its_path(tmp_path: Path, before: str) -> None:
     (tmp_path / "Textures").mkdir()
     Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "Textures" / "my red.png")
-    assert surface(tmp_path, f"map_Kd {before}textures/my red.png").base_map is not None
+    end = "textures/my red.png".replace("/", r"\\" if "\\" in before else "/")
+    assert surface(tmp_path, f"map_Kd {before}{end}").base_map is not None
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere both names are of one file")
