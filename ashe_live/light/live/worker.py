@@ -6,7 +6,6 @@ A thread would share the interpreter's lock and its full priority with the loop;
 import multiprocessing
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from functools import partial
 from multiprocessing.connection import Connection
 from types import TracebackType
@@ -21,6 +20,7 @@ from ashe_live.process import children
 from ashe_live.process.awake import AwakeTime
 from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.process.pipes import receive_value, send_value
+from ashe_live.process.unexpected_errors import fault
 
 LIMITS = children.Limits(niceness=0)  # worker_process.py lowers its priority itself
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
@@ -94,8 +94,9 @@ class LightWorker:
             return None
         try:
             outcome = self._process.outcomes.take(timeout_s)
-        except EOFError:
-            outcome = WorkerFailure(self._asked_index, "the light estimator's process has died")
+        except Exception as error:
+            said = "the light estimator's process has died" if isinstance(error, EOFError) else fault(error)
+            outcome = WorkerFailure(self._asked_index, said)
             self._discard()
         if outcome is None and self.waited_s > LONGEST_ESTIMATE_S:
             outcome = WorkerFailure(self._asked_index, f"no answer in {LONGEST_ESTIMATE_S:.0f} s")
@@ -132,7 +133,11 @@ class LightWorker:
 
 
 class _Process:
-    """One instance of the process; when it ends, the mailbox of its outcomes is closed with EOFError."""
+    """One instance of the process.
+
+    When it ends, the mailbox of its outcomes is closed with EOFError; when a request or an outcome cannot be packed or
+    unpacked, as where memory is short, with what says so.
+    """
 
     def __init__(self, make: Callable[[ProxyPreset], Estimator]) -> None:
         self.outcomes: LatestMailbox[Outcome] = LatestMailbox()
@@ -164,7 +169,7 @@ class _Process:
         new = {number: view for number, view in self._held.items() if number not in before}
         doubted_number, empty_number = (None if each is None else numbers[id(each)] for each in (doubted, empty))
         request = EstimateRequest(tuple(numbers[id(view)] for view in views), doubted_number, empty_number, new, task)
-        self._threads[1:] = [self._thread(_send, self._connection, request)]
+        self._threads[1:] = [self._thread(_send, self._connection, request, self.outcomes)]
 
     def kill(self) -> None:
         self._process.kill()
@@ -182,15 +187,20 @@ class _Process:
         return thread
 
 
-def _send(connection: Connection, request: EstimateRequest) -> None:
-    # The receiving thread meets a broken pipe too, and reports it.
-    with suppress(OSError):
+def _send(connection: Connection, request: EstimateRequest, outcomes: LatestMailbox[Outcome]) -> None:
+    try:
         send_value(connection, request)
+    except OSError:
+        pass  # the receiving thread meets a broken pipe too, and reports it
+    except Exception as error:
+        outcomes.close(error)
 
 
 def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
     try:
         while True:
             outcomes.put(receive_value(connection))
-    except (EOFError, OSError):
+    except OSError:
         outcomes.close(EOFError())
+    except Exception as error:
+        outcomes.close(error)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.colour import linear_from_srgb
-from ashe_live.models.formats.mtl_lines import numbers_of, picture_of, text_of
+from ashe_live.models.formats.mtl_lines import numbers_of, picture_of, text_of, without_comment
 from ashe_live.models.material import PLAIN_LAYOUT, UNKNOWN, Alpha, MapLayout, Material
 from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import check_materials
@@ -56,9 +56,9 @@ class _Described:
     illumination: int = 2  # of the format's models, from 0 to 10
     roughness: float | None = None  # by names that were added to the format
     metallic: float | None = None
-    picture: str | None = None
+    picture: str = ""
     layout: MapLayout = PLAIN_LAYOUT  # of the picture
-    cut_out: str | None = None
+    cut_out: str = ""
     cut_out_layout: MapLayout = PLAIN_LAYOUT  # without a picture; else it lies as that does
     has_opacity: bool = False
 
@@ -75,7 +75,8 @@ def read_mtl(model: Path, content: bytes, pictures: Pictures, beside: str, notes
     for line in content.splitlines():
         word, rest = (*line.split(None, 1), b"", b"")[:2]
         # Each by itself, as the OBJ's names are: a path may be of another encoding, whose bytes may end lines of text.
-        key, value = text_of(word).lower(), text_of(rest.strip())
+        key = text_of(word).lower()
+        value = text_of((without_comment(rest) if key in ("map_kd", "map_d") else rest).strip())
         if key == "newmtl":
             one = described[value] = _Described()
             count += 1
@@ -141,10 +142,10 @@ def _with_pictures(
     plain: Material, one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image]
 ) -> Material:
     """`plain` with its picture, as far as its mask leaves that; with a mask alone, its own colour cut out."""
-    base_map = None if one.picture is None else texels(one.picture)
-    mask = None if one.cut_out is None else texels(one.cut_out)
-    if one.picture is not None and base_map is None and not any(plain.base_colour[:3]):
-        # Some programs write black beside a picture.
+    base_map = texels(one.picture) if one.picture else None
+    mask = texels(one.cut_out) if one.cut_out else None
+    if one.picture and not any(plain.base_colour[:3]):
+        # Some programs write black beside a picture, which may be missing.
         plain = replace(plain, base_colour=(*UNKNOWN.base_colour[:3], plain.base_colour[3]))
     if mask is not None:
         colours = np.full_like(mask, 255) if base_map is None else base_map

@@ -3,6 +3,8 @@
 http://paulbourke.net/dataformats/mtl/
 """
 
+import re
+
 import numpy as np
 
 from ashe_live.models.material import MapLayout
@@ -14,6 +16,7 @@ OPTIONS = {
     "-mm": 2,
     **dict.fromkeys(("-o", "-s", "-t"), 3),
 }
+COMMENT = re.compile(rb'(?<=\.)(\w+"?)\s+#.*')
 
 
 def text_of(content: bytes) -> str:
@@ -22,6 +25,11 @@ def text_of(content: bytes) -> str:
         return content.decode()
     except UnicodeDecodeError:
         return content.decode("latin-1")
+
+
+def without_comment(file: bytes) -> bytes:
+    """A file's name without the comment that follows it; in the name itself, up to its suffix, # is a character."""
+    return COMMENT.sub(rb"\1", file)
 
 
 def numbers_of(value: str) -> tuple[float, ...]:
@@ -53,7 +61,7 @@ def _file_name(value: str) -> tuple[str, dict[str, list[str]]]:
         said: list[str] = []
         value = rest
         word, rest = _first_word(value)
-        while word and len(said) < OPTIONS[option] and not _is_name(word):
+        while len(said) < OPTIONS[option] and not _is_name(word):
             said.append(word.lower())
             value = rest
             word, rest = _first_word(value)

@@ -14,9 +14,9 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import read_mtl
-from ashe_live.models.formats.mtl_lines import text_of
+from ashe_live.models.formats.mtl_lines import text_of, without_comment
 from ashe_live.models.formats.polygons import triangulated
-from ashe_live.models.formats.words import numbers_in
+from ashe_live.models.formats.words import numbers_in, with_plain_nan
 from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder, MissingFileError
 from ashe_live.models.parsing.malformed import MalformedError
@@ -78,7 +78,7 @@ def _sorted(content: bytes) -> _Lines:
     for line in content.splitlines():
         key, _, rest = line.strip().replace(b"\t", b" ").partition(b" ")
         if key in NUMBERED and b"#" in rest:
-            rest = rest[: rest.index(b"#")]  # a comment; in names it is a character
+            rest = with_plain_nan(rest).partition(b"#")[0]  # without a comment; in names # is a character
         if key == b"v":
             places.append(rest)
         elif key == b"f":
@@ -92,7 +92,7 @@ def _sorted(content: bytes) -> _Lines:
         elif key == b"usemtl":
             material = found.names.setdefault(rest.strip(), len(found.names))
         elif key == b"mtllib":
-            found.libraries.append(rest.strip().strip(b'"'))
+            found.libraries.append(without_comment(rest.strip()).strip(b'"'))
         elif key in (b"l", b"p"):
             found.has_lines = True
         elif key in (b"curv", b"surf"):
@@ -150,12 +150,9 @@ def _table(lines: list[bytes], least: int) -> Float:
     """(n, at least `least`) numbers of lines that have as many each, or the first `least` of each."""
     if not lines:
         return np.empty((0, least))
-    numbers = numbers_in(b" ".join(lines))
-    width, rest = divmod(len(numbers), len(lines))
-    if rest == 0 and width >= least and all(len(line.split()) == width for line in (lines[0], lines[-1])):
-        counts = {len(line.split()) for line in lines} if width > least else {width}
-        if len(counts) == 1:
-            return numbers.reshape(-1, width)
+    counts = {len(line.split()) for line in lines}
+    if len(counts) == 1 and min(counts) >= least:
+        return numbers_in(b" ".join(lines)).reshape(len(lines), -1)
     short = [(line.split() + [b"0"] * least)[:least] for line in lines]  # a coordinate may be left out of vt
     return numbers_in(b" ".join(word for words in short for word in words)).reshape(-1, least)
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
+from ashe_live.models.formats.words import with_plain_nan
 from ashe_live.models.parsing.malformed import MalformedError
 
 DTYPES = {
@@ -105,7 +106,7 @@ def _ended(element: Element) -> MalformedError:
 
 
 def _fill_from_text(elements: list[Element], text: bytes) -> None:
-    words = text.split()
+    words = with_plain_nan(text).split()
     at = 0
     for element in elements:
         least = element.count * max(1, len(element.properties))

@@ -59,11 +59,11 @@ class Folder:
         if not is_elsewhere:
             # A downloaded file may have %20 in its name, and formats other than glTF have no such codes.
             for spelled in (relative, name.strip().replace("\\", "/")):
-                if (path := self._named_like(spelled)) is not None:
+                if (path := self._named_like(spelled)) is not None and not path.is_dir():
                     return path
-        elif "\0" not in relative and "://" not in relative:
-            parts = [part for part in PurePosixPath(relative).parts if part not in ("..", "/")]
-            for first in range(max(1 if len(parts) > 1 else 0, len(parts) - 3), len(parts)):
+        elif "\0" not in relative and not SCHEME.match(relative):
+            parts = PurePosixPath(relative).parts
+            for first in range(max(1, len(parts) - 3), len(parts)):
                 if (path := self._named_like("/".join(parts[first:]))) is not None and path.is_file():
                     return path
         if SCHEME.match(relative):
@@ -82,7 +82,7 @@ class Folder:
         path = self._folder
         for part in PurePosixPath(relative).parts:
             inside = path / part
-            if part != ".." and not os.path.lexists(inside):
+            if not os.path.lexists(inside):
                 try:
                     with os.scandir(path) as entries:
                         alike = sorted(

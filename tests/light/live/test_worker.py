@@ -160,6 +160,43 @@ def test_a_process_killed_between_requests_is_replaced(worker, scene):
     assert isinstance(worker.wait(PATIENCE_S), Estimated)
 
 
+class Unreadable(str):
+    """Words that nobody can unpack, as what needs more memory than there is."""
+
+    __slots__ = ()
+
+    def __reduce__(self):
+        return refused, ()
+
+
+def refused() -> str:
+    raise MemoryError("no room for it")
+
+
+class AnsweringUnreadably:
+    name = "odd"
+
+    def __init__(self, _preset: ProxyPreset) -> None: ...
+
+    def estimate(self, tracked: TrackedFrame, _others: Sequence[TrackedFrame] = ()) -> LightEstimate:
+        return LightEstimate(self.name, tracked.frame.index, Illumination(), Unreadable("it is odd"))
+
+
+@pytest.mark.parametrize("is_of_request", [True, False])
+def test_what_cannot_be_packed_or_unpacked_is_reported_at_once_and_the_process_replaced(scene, is_of_request):
+    """Not after the time that the longest estimate may take."""
+    with LightWorker(quick if is_of_request else AnsweringUnreadably) as worker:
+        (first,) = children()
+        worker.request(scene.tracked, task=EstimateTask(BALANCED, (lambda *_: None) if is_of_request else None))
+        failure = worker.wait(PATIENCE_S)
+        assert isinstance(failure, WorkerFailure)
+        assert failure.frame_index == scene.tracked.frame.index
+        assert ("pickle" if is_of_request else "MemoryError: no room for it") in failure.message
+        assert worker.wait(0.0) is None
+        assert worker.request(scene.tracked, task=EstimateTask(BALANCED, steps_sheet))
+        assert children() != {first}
+
+
 def test_one_that_hangs_is_given_up_reported_once_and_replaced(scene, without_marker, monkeypatch):
     with LightWorker(endless) as worker:
         worker.request(without_marker)

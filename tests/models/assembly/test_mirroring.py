@@ -9,7 +9,7 @@ import pytest
 from ashe_live.models.assembly.mirroring import BOTH, ITSELF, SKY, words_on_mirrors
 from ashe_live.models.material import Material
 from ashe_live.models.mesh import Mesh
-from ashe_live.models.primitives import revolved
+from ashe_live.models.primitives import box, revolved
 
 METAL, PLASTIC = Material(metallic=1.0, roughness=0.2), Material(roughness=0.2)
 
@@ -56,6 +56,16 @@ def test_a_map_says_what_is_metal(metal: int, told: bool) -> None:
     texels = np.full((2, 2, 4), (0, 60, metal, 255), np.uint8)
     tray = _tray(Material(metallic=1.0, roughness=1.0, metallic_roughness_map=texels))
     assert mirrors_itself([tray, _ball(PLASTIC)]) is told
+
+
+@pytest.mark.parametrize("turn_deg", [0, 60, 180])
+def test_it_is_looked_at_from_all_around(turn_deg: float) -> None:
+    """A wall hides the metal before it from those who stand behind it."""
+    turn = np.radians(turn_deg)
+    R = np.array([(np.cos(turn), -np.sin(turn), 0), (np.sin(turn), np.cos(turn), 0), (0, 0, 1)])
+    floor, wall = replace(box((2, 2, 0.01)), material=METAL), box((0.01, 2, 4)).moved(1.0, np.array((-1.0, 0, 0)))
+    parts = [replace(part, vertices=part.vertices @ R.T, normals=part.normals @ R.T) for part in (floor, wall)]
+    assert words_on_mirrors(parts) == BOTH
 
 
 def test_a_mirrored_sky_is_reported_where_it_is_seen_clearly_from_above() -> None:

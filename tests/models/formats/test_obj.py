@@ -1,5 +1,6 @@
 """OBJ and MTL as programs write them: what a person sees there is seen here."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Alpha, Material
 from ashe_live.models.mesh import Model, face_normals
+from ashe_live.models.parsing.limits import MAX_NAMED_FILES
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
@@ -55,6 +57,78 @@ def test_a_mask_cuts_its_picture_out(tmp_path: Path) -> None:
     np.testing.assert_array_equal(material.base_map[..., 3], [[0, 255], [255, 255]])
 
 
+def test_of_a_picture_and_its_mask_nothing_but_their_opacity_is_of_the_material(tmp_path: Path) -> None:
+    """Nor does the mask lie otherwise than the picture."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    Image.fromarray(np.uint8([[0, 255], [255, 255]])).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "Kd 0.1 0.1 0.1\nd 0.5\nmap_Kd -s 2 2 red.png\nmap_d -s 3 3 mask.png")
+    assert material.base_colour == (1, 1, 1, 0.5)
+    assert material.layout("base_map").matrix == (2, 0, 0, 0, 2, 0)
+
+
+def test_what_is_black_is_black_unless_a_picture_is_missing_there(tmp_path: Path) -> None:
+    assert surface(tmp_path, "Kd 0 0 0").base_colour == (0, 0, 0, 1)
+    Image.new("L", (2, 2), 255).save(tmp_path / "mask.png")
+    assert surface(tmp_path, "Kd 0 0 0\nmap_d mask.png").base_colour == (0, 0, 0, 1)
+    assert surface(tmp_path, "Kd 0 0 0\nmap_Kd gone.png").base_colour == UNKNOWN.base_colour
+
+
+@pytest.mark.parametrize("line", ["map_Kd", "map_Kd ", "map_d", 'map_Kd ""', "map_Kd -s 1 1 1", "bump ", "Kd"])
+def test_a_line_that_goes_on_with_nothing_says_nothing(tmp_path: Path, line: str) -> None:
+    """As exporters write where a material has no picture."""
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\nKd 1 0 0\n{line}\n")
+    found, plain = model.parts[0].material, surface(tmp_path, "Kd 1 0 0")
+    assert (found.base_colour, found.roughness, found.alpha) == (plain.base_colour, plain.roughness, plain.alpha)
+    assert found.base_map is None
+    assert not model.notes
+
+
+@pytest.mark.parametrize("name", ["maps/", "maps", ".", "D:\\work\\maps\\"])
+def test_a_picture_that_is_a_folder_is_left_out_and_said(tmp_path: Path, name: str) -> None:
+    """As the others that are not there."""
+    (tmp_path / "maps").mkdir()
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\nKd 1 0 0\nmap_Kd {name}\n")
+    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
+    (note,) = model.notes
+    assert note.endswith("is not beside it, and is left out")
+
+
+@pytest.mark.parametrize("line", ["mtllib", "mtllib maps", 'mtllib ""'])
+def test_a_library_that_is_none_is_as_if_it_were_missing(tmp_path: Path, line: str) -> None:
+    (tmp_path / "maps").mkdir()
+    model = read(tmp_path, f"{line}\nusemtl m\n{TRIANGLE}")
+    assert model.parts[0].material.base_colour == UNKNOWN.base_colour
+    (note,) = model.notes
+    assert note.endswith("it is drawn as plain plastic")
+
+
+def test_a_picture_that_is_seen_nowhere_is_as_it_is(tmp_path: Path) -> None:
+    """As a slot that the artist left empty: there is no seen colour to fill it with."""
+    Image.new("RGBA", (4, 2), (9, 8, 7, 0)).save(tmp_path / "clear.png")
+    np.testing.assert_array_equal(surface(tmp_path, "map_Kd clear.png").base_map, np.full((2, 4, 4), (9, 8, 7, 0)))
+
+
+def test_one_missing_picture_of_many_materials_is_said_once(tmp_path: Path) -> None:
+    """And looked for once, as a model may name so many files only."""
+    names = range(MAX_NAMED_FILES + 1)
+    library = "".join(f"newmtl m{number}\nmap_Kd gone.png\n" for number in names)
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m0\n{TRIANGLE}", a=library)
+    assert model.notes == ("its picture gone.png is not beside it, and is left out",)
+
+
+@pytest.mark.parametrize(("kind", "whole"), [(np.float32, 1.0), (np.uint16, 65535), (np.int32, 65535)])
+def test_grey_of_a_deep_picture_is_the_share_that_it_says(tmp_path: Path, kind: type, whole: float) -> None:
+    """Fractions, or 16 bits, also where these are kept in more; what is beyond white is white."""
+    shares = np.array([[0.0, 0.25, 0.5, 1.0]])
+    given = (shares * whole).astype(kind)
+    if kind is np.float32:
+        given = np.append(given, np.float32([[7.0, -1.0, np.nan]]), axis=1)
+        shares = np.append(shares, [[1.0, 0.0, 0.0]], axis=1)
+    Image.fromarray(given).save(tmp_path / "grey.tif")
+    texels = surface(tmp_path, "map_Kd grey.tif").base_map
+    np.testing.assert_allclose(texels[..., 0], 255 * shares, atol=0.51)
+
+
 def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
     Image.new("RGB", (8, 4), (255, 0, 0)).save(tmp_path / "red.png")
     Image.fromarray(np.uint8([[0, 0, 255, 255]] * 2)).save(tmp_path / "mask.png")
@@ -62,6 +136,14 @@ def test_a_mask_may_be_smaller_than_its_picture(tmp_path: Path) -> None:
     assert material.alpha is Alpha.CUT_OUT
     assert (material.base_map[:, :3, 3] < 128).all()
     assert (material.base_map[:, 5:, 3] > 128).all()
+
+
+def test_a_picture_and_its_mask_are_drawn_at_the_size_of_the_one_that_has_more_texels(tmp_path: Path) -> None:
+    Image.new("RGB", (8, 1), (255, 0, 0)).save(tmp_path / "red.png")
+    mask = np.uint8(np.indices((4, 4)).sum(axis=0) % 2 * 255)
+    Image.fromarray(mask).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "map_Kd red.png\nmap_d mask.png")
+    np.testing.assert_array_equal(material.base_map[..., 3], mask)
 
 
 def test_a_mask_may_be_larger_than_its_picture(tmp_path: Path) -> None:
@@ -139,10 +221,24 @@ def test_a_picture_may_have_a_percent_sign_in_its_name(tmp_path: Path, name: str
     assert surface(tmp_path, f"map_Kd {name}").base_map is not None
 
 
-def test_a_picture_in_a_folder_beside_the_model_is_found_by_the_end_of_its_path(tmp_path: Path) -> None:
+BLENDERS = (r"D:\\work\\", r"..\\", r"\\\\server\\")  # with two backslashes, as it wrote them once
+BEFORE = ("D:/work/", "D:/", "//server/work/", "/home/me/", "/", "../", "../../a/b/", *BLENDERS)
+
+
+@pytest.mark.parametrize("before", BEFORE)
+def test_a_picture_in_a_folder_beside_the_model_is_found_by_the_end_of_its_path(tmp_path: Path, before: str) -> None:
     (tmp_path / "Textures").mkdir()
     Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "Textures" / "my red.png")
-    assert surface(tmp_path, "map_Kd D:/work/textures/my red.png").base_map is not None
+    end = "textures/my red.png".replace("/", r"\\" if "\\" in before else "/")
+    assert surface(tmp_path, f"map_Kd {before}{end}").base_map is not None
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere both names are of one file")
+@pytest.mark.parametrize("name", ["red.png", "RED.png", "Red.png"])
+def test_of_names_in_other_capitals_that_which_was_said_counts(tmp_path: Path, name: str) -> None:
+    for number, each in enumerate(("red.png", "RED.png", "Red.png")):
+        Image.new("RGB", (2, 2), (number, 0, 0)).save(tmp_path / each)
+    assert surface(tmp_path, f"map_Kd {name}").base_map[0, 0, 0] == ("red.png", "RED.png", "Red.png").index(name)
 
 
 @pytest.mark.parametrize("libraries", ["mtllib a.mtl\nmtllib b.mtl", "mtllib a.mtl b.mtl"])
@@ -334,6 +430,14 @@ def test_colours_are_linear_where_blender_has_written_them(tmp_path: Path) -> No
     assert others.base_colour[1] == pytest.approx(0.214, abs=0.001)  # of sRGB's 0.5
 
 
+@pytest.mark.parametrize(("illumination", "metallic"), [(1, 0), (2, 0), (3, 1), (4, 0), (5, 0), (6, 1), (7, 0), (9, 0)])
+def test_blenders_ambient_colour_is_metal_by_models_of_mirrors_alone(tmp_path, illumination, metallic) -> None:
+    """Of all others it is white, whatever the material."""
+    library = f"# Blender 4.2.0 MTL File: 'None'\n\nnewmtl m\nNs 250\nKa 1.0 1.0 1.0\nillum {illumination}\n"
+    (part,) = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=library).parts
+    assert part.material.metallic == metallic
+
+
 def test_a_picture_without_texture_coordinates_is_said(tmp_path: Path) -> None:
     Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
     bare = TRIANGLE.replace("1/1 2/2 3/3", "1 2 3")
@@ -353,6 +457,20 @@ def test_a_picture_is_enlarged_and_shifted_as_its_options_say(tmp_path: Path) ->
     assert surface(tmp_path, "map_Kd -clamp off red.png").layout("base_map").repeats == (True, True)
     assert surface(tmp_path, "map_Kd -s 4 red.png").layout("base_map").matrix == (4, 0, 0, 0, 1, 0)
     assert surface(tmp_path, "map_Kd red.png").layout("base_map").is_plain
+
+
+OPTIONS = "blendu off,blendv on,boost 1.5,cc on,clamp off,mm 0.1 0.9,o 0 0 0,s 1 1 1,t 0 0 0,texres 512,bm 1"
+CHANNELS = "rgbmlz"  # of -imfchan
+
+
+@pytest.mark.parametrize("name", ["red.png", "2 red.png", "on red.png", "-x.png"])
+@pytest.mark.parametrize("option", [*OPTIONS.split(","), *(f"imfchan {channel}" for channel in CHANNELS)])
+def test_options_of_a_picture_end_where_its_name_begins(tmp_path: Path, option: str, name: str) -> None:
+    """Which may begin with what could be one more of an option's numbers."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / name)
+    material = surface(tmp_path, f"map_Kd -{option} {name}")
+    assert material.base_map is not None
+    assert material.layout("base_map").is_plain
 
 
 def test_roughness_and_metal_may_be_said(tmp_path: Path) -> None:
@@ -387,6 +505,13 @@ def test_a_number_of_a_material_that_is_none_is_said(tmp_path: Path, line: str) 
 )
 def test_one_number_is_a_grey_and_nothing_sends_back_more_light_than_falls_on_it(tmp_path, line, colour) -> None:
     assert surface(tmp_path, line).base_colour == surface(tmp_path, colour).base_colour
+
+
+@pytest.mark.parametrize("value", ["spectral red.rfl", "spectral red.rfl 0.5", "xyz 1 0 0"])
+@pytest.mark.parametrize("key", ["Ka", "Kd", "Ke"])
+def test_colours_in_other_terms_are_as_if_not_said(tmp_path: Path, key: str, value: str) -> None:
+    material = surface(tmp_path, f"{key} {value}")
+    assert (material.base_colour, material.emissive) == (surface(tmp_path, "").base_colour, (0, 0, 0))
 
 
 @pytest.mark.parametrize("lines", ["d 1\nTr 1", "Tr 1\nd 1"])
@@ -468,6 +593,26 @@ def test_comments_may_stand_behind_numbers(tmp_path: Path) -> None:
     np.testing.assert_array_equal(plain.parts[0].uvs, commented.parts[0].uvs)
 
 
+NO_NUMBERS = ("nan", "-nan", "-1.#IND00", "1.#QNAN", "-1.#J", "1.#INF00", "-nan(ind)", "nan(snan)")  # of C libraries
+
+
+@pytest.mark.parametrize("word", NO_NUMBERS)
+@pytest.mark.parametrize("suffix", ["obj", "ply"])
+def test_a_normal_that_is_no_number_is_that_of_the_surface(tmp_path: Path, word: str, suffix: str) -> None:
+    """Exporters write them for faces without an area, each C library in its own words."""
+    normal = f"{word} {word} {word}"
+    if suffix == "obj":
+        text = f"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn {normal} # none\nvn 0 0 1\nf 1//1 2//2 3//2\n"
+    else:
+        properties = "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
+        faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        text = f"ply\nformat ascii 1.0\nelement vertex 3\n{properties}{faces}"
+        text += f"0 0 0 {normal}\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"
+    (tmp_path / f"a.{suffix}").write_text(text)
+    (part,) = load_model_file(tmp_path / f"a.{suffix}", "z").parts
+    np.testing.assert_array_equal(part.normals, [(0, 0, 1)] * 3)
+
+
 def test_words_may_be_parted_by_any_space(tmp_path: Path) -> None:
     """Lines may be indented as well; and in a name # begins no comment."""
     lines = f"mtllib a.mtl\nusemtl a #1\n{TRIANGLE}p 1\n".replace(" ", "\t").replace("a\t#1", "a #1")
@@ -518,6 +663,24 @@ def test_comments_may_stand_behind_a_materials_numbers(tmp_path: Path) -> None:
     assert material.base_colour == pytest.approx((1, 0, 0, 0.5))
     assert material.emissive == (0, 0, 1)
     assert material.roughness == 0.25
+
+
+@pytest.mark.parametrize("name", ["red.png", "red #1.png", "red # 1.png", '"red.png"', "-s 2 2 1.0 red.png"])
+@pytest.mark.parametrize("comment", ["# the diffuse map", "\t#it.is.red"])
+def test_comments_may_stand_behind_files_names(tmp_path: Path, name: str, comment: str) -> None:
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / name.strip('"').removeprefix("-s 2 2 1.0 "))
+    library = f"newmtl m\nmap_Kd {name} {comment}\n"
+    for libraries in (f"a.mtl {comment}", f"b.mtl a.mtl {comment}"):
+        model = read(tmp_path, f"mtllib {libraries}\nusemtl m\n{TRIANGLE}", a=library, b="")
+        assert model.parts[0].material.base_map is not None
+        assert not model.notes
+
+
+def test_coordinates_may_be_of_any_number_whatever_they_add_up_to(tmp_path: Path) -> None:
+    """Of a texture's three the last two may be left out, and are 0."""
+    text = TRIANGLE.replace("vt 0 0\nvt 1 0\nvt 0 1\n", "vt 0 1\nvt 0.5\nvt 1 1 1\nvt 0 0\n").replace("3/3", "3/4")
+    (part,) = read(tmp_path, text).parts
+    assert sorted(map(tuple, part.uvs)) == [(0, 0), (0, 1), (0.5, 0)]
 
 
 def test_a_picture_is_seen_wherever_there_are_texture_coordinates(tmp_path: Path) -> None:

@@ -74,6 +74,15 @@ def test_one_that_is_too_large_is_refused_by_its_header(tmp_path: Path, monkeypa
         read(tmp_path, zlib.decompress(base64.b64decode(FILES["UASTC"])))
 
 
+def test_they_count_among_all_that_is_decoded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    content = zlib.decompress(base64.b64decode(FILES["UASTC"]))
+    monkeypatch.setattr(limits, "MAX_DECODED_TEXELS", 16 * 16)
+    read(tmp_path, content)
+    monkeypatch.setattr(limits, "MAX_DECODED_TEXELS", 16 * 16 - 1)
+    with pytest.raises(UserError, match="more than 255 texels in their files"):
+        read(tmp_path, content)
+
+
 @pytest.mark.parametrize("kind", FILES)
 @pytest.mark.parametrize("length", [9, 40, 100, 300])
 def test_what_is_cut_off_is_said(tmp_path: Path, kind: str, length: int) -> None:

@@ -259,6 +259,13 @@ def test_a_compression_of_another_size_than_its_view_is_said(tmp_path: Path) -> 
         load_model_file(document.save(tmp_path / "a.glb"))
 
 
+def test_a_compression_that_is_none_is_said(tmp_path: Path) -> None:
+    document = of_meshopt()
+    document.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["mode"] = "INDICES"
+    with pytest.raises(UserError, match=r"bufferViews\[0\] cannot be decompressed \(indices of 8 bytes\)"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
 @pytest.mark.parametrize("stream", [b"\xe1" + bytes(60), b"\xa0", b"", b"\xa2" + bytes(60), b"\xa1" + bytes(23)])
 def test_another_stream_is_refused(stream: bytes) -> None:
     with pytest.raises((MalformedError, IndexError)):

@@ -239,7 +239,10 @@ def test_maps_of_the_older_kind_arrive(tmp_path: Path) -> None:
 
 def test_a_map_of_the_older_kind_that_is_laid_out_otherwise_is_averaged_and_said(tmp_path: Path) -> None:
     document = Document()
-    shine = {**document.embedded(png((188, 188, 188, 51))), "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}
+    encoded = io.BytesIO()
+    Image.fromarray(np.uint8([[(188, 188, 188, 0), (188, 188, 188, 102)]])).save(encoded, "PNG")
+    transform = {"KHR_texture_transform": {"scale": [2, 2]}}
+    shine = {**document.embedded(encoded.getvalue()), "extensions": transform}
     old = {
         "diffuseTexture": document.embedded(png((0, 0, 0, 255))),
         "specularFactor": [1.0, 0.8, 0.4],
@@ -364,13 +367,27 @@ def test_only_what_its_map_says_is_glass(tmp_path: Path, colours_px: tuple[int, 
     assert tuple(material.base_map[0, 0, :3]) == ((255, 255, 255) if colours_px is None else (200, 0, 0))
 
 
-def test_glass_whose_map_is_laid_out_otherwise_than_its_colours_is_as_clear_as_the_map_on_average(tmp_path) -> None:
+@pytest.mark.parametrize(
+    ("has_colours", "sets", "layout"),
+    [
+        (True, 1, {"extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}),
+        (True, 2, {"texCoord": 1}),
+        (True, 1, {"texCoord": 1}),  # which the mesh does not have
+        (False, 1, {"texCoord": 1}),
+    ],
+)
+def test_glass_whose_map_is_laid_out_otherwise_than_its_colours_is_as_clear_as_the_map_on_average(
+    tmp_path: Path, has_colours: bool, sets: int, layout: dict
+) -> None:
     document = Document()
-    texture = {**document.embedded(png((51, 0, 0))), "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}
-    glass = {"transmissionFactor": 1.0, "transmissionTexture": texture}
-    surface = {"metallicFactor": 0, "baseColorTexture": document.embedded(png((200, 0, 0)))}
+    glass = {"transmissionFactor": 1.0, "transmissionTexture": {**document.embedded(png((51, 0, 0))), **layout}}
+    surface = {"metallicFactor": 0}
+    if has_colours:
+        surface["baseColorTexture"] = document.embedded(png((200, 0, 0)))
     given = {"extensions": {"KHR_materials_transmission": glass}, "pbrMetallicRoughness": surface}
-    material = quad_of(tmp_path, given, document).parts[0].material
+    document.quad(material=given, **{f"TEXCOORD_{number}": document.accessor(UVS) for number in range(sets)})
+    material = load_model_file(document.save(tmp_path / "quad.glb")).parts[0].material
+    assert material.base_map is None or (material.base_map[..., 3] == 255).all()
     assert material.base_colour[3] == pytest.approx(1 - 51 / 255 * (1 - LEAST_COVER))
 
 

@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from ashe_live.errors import UserError
+from ashe_live.models.gltf.amounts import amounts_of
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import Alpha
 from ashe_live.models.mesh import face_normals
@@ -54,6 +55,16 @@ def test_every_number_and_map_arrives(tmp_path: Path) -> None:
     assert material.double_sided
     assert [texels[0, 0, 0] for texels in material.maps.values()] == [0, 10, 20, 30, 40]
     np.testing.assert_allclose(part.uvs, np.column_stack([UVS[:, 0], 1 - UVS[:, 1]]))
+
+
+@pytest.mark.parametrize(("mode", "triangles"), [(0, 0), (1, 0), (2, 0), (3, 0), (4, 2), (5, 4), (6, 4), (None, 2)])
+def test_six_corners_are_as_many_triangles_as_their_mode_says(mode: int | None, triangles: int) -> None:
+    """Of points and lines there are none, however many corners they have."""
+    document = Document()
+    document.quad()
+    if mode is not None:
+        document.json["meshes"][0]["primitives"][0]["mode"] = mode
+    assert amounts_of(document.json).triangles == triangles
 
 
 def test_what_is_not_said_has_gltfs_defaults(tmp_path: Path) -> None:
