@@ -15,8 +15,9 @@ from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.transforms import direction_from_angles, project, rigid
+from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.tracking.families.markers import parse_marker
+from tests.camera_poses import looking_at
 
 SIDE_M = 0.08
 FPS = 30.0
@@ -45,12 +46,7 @@ class Film:
 
 def pose_of(eye: tuple[float, float, float]) -> Float:
     """`T_cam_marker` of a camera at `eye` in the marker frame that looks at a point beside the marker."""
-    aim = np.array((0.04, 0.0, 0.0))
-    forward = (aim - eye) / np.linalg.norm(aim - eye)
-    right = np.cross(forward, (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right)
-    R = np.array([right, np.cross(forward, right), forward])
-    return rigid(R, -R @ np.asarray(eye))
+    return looking_at((0.04, 0.0, 0.0), eye)
 
 
 def painted_frame(camera: Camera, T_cam_marker: Float, to_light: Float) -> Image:

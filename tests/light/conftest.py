@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import direction_from_angles, project, rigid
+from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from tests.camera_poses import looking_at
 
 SIDE_M = 0.08
 GROUND, SHADOW, SHEET, INK = 150, 50, 230, 15
@@ -26,11 +27,7 @@ class PaintedScene:
 
 def camera_above(eye: tuple[float, float, float]) -> np.ndarray:
     """`T_cam_marker` of a camera at `eye` that looks at the marker."""
-    forward = -np.asarray(eye) / np.linalg.norm(eye)
-    right = np.cross(forward, (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right)
-    R = np.array([right, np.cross(forward, right), forward])
-    return rigid(R, -R @ np.asarray(eye))
+    return looking_at((0.0, 0.0, 0.0), eye)
 
 
 def prism(centre: tuple[float, float], side: float, height: float) -> np.ndarray:

@@ -12,7 +12,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.light import Light
-from ashe_live.core.transforms import direction_from_angles, project, rigid
+from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.material import Alpha, Material
@@ -24,6 +24,7 @@ from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.occlusion.occlusion import Hidden, Known
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
+from tests.camera_poses import looking_at
 from tests.render.uniform_audit import UniformAudit, begin_audit
 
 SIZE = (480, 360)
@@ -103,11 +104,7 @@ class Stage:
     ) -> np.ndarray:
         """T_cam_marker of a camera that looks at `target` from a direction of the marker frame, upright."""
         outwards = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
-        forward = -outwards
-        right = np.cross(forward, (0, 0, 1))
-        right /= np.linalg.norm(right)
-        R = np.array([right, np.cross(forward, right), forward])
-        return rigid(R, -R @ (np.array(target) + outwards * distance_m))
+        return looking_at(target, np.array(target) + outwards * distance_m)
 
     @staticmethod
     def camera(size: tuple[int, int] = SIZE) -> Camera:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float, Float32, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 
@@ -18,7 +18,7 @@ class Lens:
     """A camera and the ray of each of its (supersampled) pixels."""
 
     camera: Camera
-    rays: Float  # (h, w, 2) x/z and y/z
+    rays: Float32  # (h, w, 2) x/z and y/z
 
     @classmethod
     def of(cls, camera: Camera) -> "Lens":
@@ -28,20 +28,22 @@ class Lens:
         pixels = np.column_stack([columns.ravel(), rows.ravel()]).astype(np.float64)
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 60, 1e-10)
         rays = cv2.undistortPoints(pixels[:, None], fine.K, fine.dist, None, None, None, criteria)
-        return cls(camera, rays.reshape(*fine.size[::-1], 2))
+        return cls(camera, rays.reshape(*fine.size[::-1], 2).astype(np.float32))
 
     def picture(
         self, print_grey: Image, T_cam_print: Float, unit_px: float, noise: float = 2.0, seed: int = 0
     ) -> Image:
         """(h, w) uint8: the print (y down, origin at its top left corner, `unit_px` pixels a unit) on a grey ground."""
-        R, t = T_cam_print[:3, :3], T_cam_print[:3, 3]
+        R, t = T_cam_print[:3, :3].astype(np.float32), T_cam_print[:3, 3].astype(np.float32)
         x, y = self.rays[..., 0], self.rays[..., 1]
-        normal = R[:, 2]
-        depth = (normal @ t) / (normal[0] * x + normal[1] * y + normal[2])
-        points = np.stack([x * depth, y * depth, depth], axis=-1) - t
-        across, down = points @ R[:, 0], points @ R[:, 1]
+        right, down, normal = (axis[0] * x + axis[1] * y + axis[2] for axis in R.T)  # of each ray, in the print's frame
+        t_print = R.T @ t
+        depth = t_print[2] / normal
         valid = (depth > 0) & np.isfinite(depth)
-        maps = [np.where(valid, one * unit_px - 0.5, -1e6).astype(np.float32) for one in (across, down)]
+        maps = [
+            np.where(valid, (depth * ray - offset) * np.float32(unit_px) - np.float32(0.5), np.float32(-1e6))
+            for ray, offset in zip((right, down), t_print[:2], strict=True)
+        ]
         fine = cv2.remap(print_grey, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=GROUND)
         grey = cv2.resize(fine, self.camera.size, interpolation=cv2.INTER_AREA).astype(np.float64)
         grey = cv2.GaussianBlur(grey, (0, 0), 0.6)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, PrintedMarker
+from ashe_live.bench.track.measures import turn_deg
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
@@ -14,7 +15,6 @@ from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import BRIDGED_FRAMES, MarkerTracker
 from tests.tracking.conftest import SIDE_M, frame, pose
-from tests.tracking.test_tracker import turn_deg
 
 SPEC = "aruco:4x4_50:3"
 CAMERA = Camera.from_focal((640, 480), 900)

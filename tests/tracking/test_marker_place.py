@@ -2,7 +2,7 @@
 
 import math
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
@@ -47,7 +47,8 @@ def seen(T_cam_room: Float, T_room_marker: Float, time_s: float, grain: float = 
         corners = np.round(16 * project(CAMERA, T_cam_marker, square_corners(side))).astype(np.int32)
         cv2.fillConvexPoly(image, corners, (level,) * 3, cv2.LINE_AA, 4)
     rng = np.random.default_rng(int(1e3 * time_s))
-    image = np.clip(exposure * image + rng.normal(0, 2, image.shape), 0, 255).astype(np.uint8)
+    noise = 2 * rng.standard_normal((*image.shape[:2], 1), dtype=np.float32)
+    image = np.clip(np.float32(exposure) * image + noise, 0, 255).astype(np.uint8)
     corners_px = project(CAMERA, T_cam_marker, square_corners(SIDE_M))
     pose = MarkerPose(T_cam_marker, corners_px, SIDE_M, 0.1, None)
     return TrackedFrame(Frame(image, round(time_s * FPS), time_s), CAMERA, pose)
@@ -75,6 +76,18 @@ def assert_near(found: Float, true: Float, degrees: float, mm: float) -> None:
 
 
 TURNED = [lying(3.0 * k, 0.001 * k, -0.0005 * k) for k in range(31)]
+
+
+@cache
+def turned() -> list[TrackedFrame]:
+    """The sheet turned and moved before a still camera."""
+    return [seen(view(), place, k / FPS) for k, place in enumerate(TURNED)]
+
+
+@cache
+def resting() -> list[TrackedFrame]:
+    """Ten frames a second of a sheet that lies still."""
+    return [seen(view(), lying(0), k / 10) for k in range(30)]
 
 
 @pytest.mark.parametrize("exposure", [1.0, 0.75])
@@ -160,8 +173,8 @@ def test_a_sheet_on_the_table_is_not_tilted_by_the_errors_of_its_poses() -> None
 
 def test_a_marker_that_lies_still_again_has_one_place() -> None:
     """So that nothing is computed anew while nothing moves."""
-    frames = [seen(view(), place, k / FPS) for k, place in enumerate([*TURNED, *[TURNED[-1]] * 10])]
-    assert len({id(place) for place in followed(frames)[-6:]}) == 1
+    still = [seen(view(), TURNED[-1], (len(TURNED) + k) / FPS) for k in range(10)]
+    assert len({id(place) for place in followed([*turned(), *still])[-6:]}) == 1
 
 
 def test_what_cannot_be_compared_counts_as_unmoved() -> None:
@@ -174,15 +187,14 @@ def test_what_cannot_be_compared_counts_as_unmoved() -> None:
 @pytest.mark.parametrize("ends", ["rewind", "forget"])
 def test_a_cut_begins_anew(ends) -> None:
     marker_place = MarkerPlace()
-    turned = followed((seen(view(), place, k / FPS) for k, place in enumerate(TURNED)), marker_place)[-1]
+    last = followed(turned(), marker_place)[-1]
     getattr(marker_place, ends)()
     (next_one,) = followed([seen(view(50), lying(0), 9.0)], marker_place)
-    assert np.array_equal(next_one, np.eye(4)) if ends == "rewind" else next_one is turned
+    assert np.array_equal(next_one, np.eye(4)) if ends == "rewind" else next_one is last
 
 
 def test_stepped_back_and_forth_it_lies_where_it_lay_then() -> None:
-    frames = [seen(view(), place, k / FPS) for k, place in enumerate(TURNED)]
-    marker_place = MarkerPlace()
+    frames, marker_place = turned(), MarkerPlace()
     followed(frames, marker_place)
     for frame in reversed(frames[:-1]):
         marker_place.forget()
@@ -198,15 +210,15 @@ def test_stepped_back_and_forth_it_lies_where_it_lay_then() -> None:
 @pytest.mark.parametrize(("degrees", "mm"), [(0.4, 0.0), (0.0, 1.0), (0.4, 1.0)])
 def test_a_marker_that_is_moved_slowly_is_moved(degrees, mm) -> None:
     """Ten times a second by a little, before a camera that stands still."""
-    rest = [lying(0)] * 30
     slow = [lying(degrees * k, 0.001 * mm * k) for k in range(61)]
-    places = followed(seen(view(), place, k / 10) for k, place in enumerate([*rest, *slow]))
+    moved = [seen(view(), place, 3 + k / 10) for k, place in enumerate(slow)]
+    places = followed([*resting(), *moved])
     assert_near(places[-1], slow[-1], 4.0, 10)
 
 
 def test_a_marker_that_is_put_back_lies_where_it_lay() -> None:
-    there_and_back = [*TURNED[:11], *reversed(TURNED[:10]), *TURNED[:1] * 5]
-    places = followed(seen(view(), place, k / FPS) for k, place in enumerate(there_and_back))
+    back = [*reversed(TURNED[:10]), *TURNED[:1] * 5]
+    places = followed([*turned()[:11], *(seen(view(), place, k / FPS) for k, place in enumerate(back, 11))])
     assert_near(places[10], TURNED[10], 3.5, 2.5)
     assert_near(places[-1], lying(0), 0.01, 0.01)
 
@@ -242,20 +254,20 @@ def test_light_from_the_room_is_where_it_was() -> None:
 def test_another_marker_was_not_moved_where_the_one_before_it_was() -> None:
     """A step back in a clip, to before that was moved, would else turn the other's light."""
 
-    def of_marker(spec: str, places: list[Float]) -> MarkerTracker:
-        frames = {k: seen(view(), place, k / FPS) for k, place in enumerate(places)}
+    def of_marker(spec: str, seen_at: Sequence[TrackedFrame]) -> MarkerTracker:
         return cast(
             MarkerTracker,
             SimpleNamespace(
                 marker=SimpleNamespace(spec=spec),
                 preset=None,
-                track=lambda frame: frames[frame.index],
+                track=lambda frame: seen_at[frame.index],
                 jump=lambda: None,
                 reset=lambda: None,
             ),
         )
 
-    moved, still = of_marker("moved", TURNED), of_marker("still", [lying(0)] * len(TURNED))
+    moved = of_marker("moved", turned())
+    still = of_marker("still", [seen(view(), lying(0), k / FPS) for k in range(len(TURNED))])
     scene = SceneTracker(moved, KeyViews())
     frames = [Frame(np.zeros((480, 640, 3), np.uint8), k, k / FPS) for k in range(len(TURNED))]
     assert_near(np.asarray([scene.track(frame) for frame in frames][-1].T_room_marker), TURNED[-1], 0.5, 1)
@@ -263,7 +275,7 @@ def test_another_marker_was_not_moved_where_the_one_before_it_was() -> None:
     assert np.array_equal(scene.track(frames[0]).T_room_marker, np.eye(4))
     assert_near(np.asarray([scene.track(frame) for frame in frames[1:]][-1].T_room_marker), TURNED[-1], 0.5, 1)
     # Seen by another camera the same marker lies where it lay.
-    scene.follow(of_marker("moved", TURNED))
+    scene.follow(of_marker("moved", turned()))
     assert_near(np.asarray(scene.track(frames[-1]).T_room_marker), TURNED[-1], 0.5, 1)
     scene.jump()
     assert np.array_equal(scene.track(frames[0]).T_room_marker, np.eye(4))

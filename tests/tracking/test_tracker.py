@@ -1,11 +1,11 @@
 """The tracker on pictures of a known pose, and on pictures without a marker."""
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
+from ashe_live.bench.track.measures import turn_deg
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.square import square_corners
@@ -23,11 +23,6 @@ ARUCO = parse_marker("aruco:4x4_50:3")
 
 def tracker(marker: Marker = ARUCO, quality: Quality = BALANCED, camera: Camera = CAMERA) -> MarkerTracker:
     return MarkerTracker(marker, camera, SIDE_M, quality.tracking)
-
-
-def turn_deg(a: Float, b: Float) -> float:
-    """The angle between the rotations of two poses."""
-    return math.degrees(2 * math.asin(min(1.0, float(np.linalg.norm(a[:3, :3] - b[:3, :3])) / math.sqrt(8))))
 
 
 def check(found: MarkerPose | None, truth: Float, camera: Camera, within_deg: float = 1.0) -> None:

@@ -13,8 +13,9 @@ from ashe_live.light.edges.moved_views import moved_view, pose_cost, pose_offset
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.pixels.view import OVER_NOISE, View
-from tests.light.painted_scenes import BOX, direction, paint, tracked_frame
-from tests.light.synthetic_masks import camera_towards
+from tests.light.painted_scenes import BOX, tracked_frame
+from tests.light.painted_views import painted_from
+from tests.light.synthetic_masks import direction
 
 SIGMAS = np.array([0.01, 0.01, 0.01, 0.001, 0.001, 0.001])  # of poses: rad and metres
 # Each view is off by another turn and shift.
@@ -48,8 +49,7 @@ def test_a_pose_costs_what_it_has_been_moved_by() -> None:
 
 
 def test_views_whose_poses_are_off_move_to_where_one_body_fits_them_all() -> None:
-    true = [camera_towards((0.06, 0.0), 0.5, 45.0, heading) for heading in (70, 110, 90, 130)]
-    painted = [paint(BOX, azimuth_deg=200, elevation_deg=40, T_cam_marker=pose).tracked for pose in true]
+    painted = [painted_from(heading, BOX, size=(640, 480)).tracked for heading in (70, 110, 90, 130)]
 
     def estimated(covariance: Float | None) -> tuple[float, float]:
         """The light's error, and the root mean square of how far the views' poses are off, in sigmas."""
@@ -58,7 +58,7 @@ def test_views_whose_poses_are_off_move_to_where_one_body_fits_them_all() -> Non
         assert estimate.light is not None
         best = trace.judged[int(np.argmax(trace.probabilities))].alignment
         views = [one.costs.region.view for one in (best.placed, *best.elsewhere)]
-        assert len(views) == len(true)
+        assert len(views) == len(painted)
         away = [
             pose_offset(each) + off
             for frame, off in zip(frames, OFF, strict=True)

@@ -1,6 +1,7 @@
 """Steps of light across outlines: where they are, which way they rise, and when there is none."""
 
 import math
+from functools import cache
 
 import cv2
 import numpy as np
@@ -35,12 +36,18 @@ def disc(radius: float = RADIUS) -> Float:
     return np.asarray(CENTRE + radius * np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
-def picture(radius: float, ratio: float, blur_px: float = 0.7, noise: float = 0.0, slope: float = 0.0) -> Float32:
-    """(h, w, 3) linear light: a disc with so much of the light around it, blurred as a camera does, in linear light."""
+@cache
+def covered(radius: float, blur_px: float) -> Float:
+    """(h, w) how much of each pixel a disc covers, blurred as a camera does."""
     y, x = (np.indices((FINER * SHAPE[0], FINER * SHAPE[1])) + 0.5) / FINER - 0.5
     inside = np.hypot(x - CENTRE[0], y - CENTRE[1]) < radius
-    light = cv2.GaussianBlur(np.where(inside, ratio, 1.0), (0, 0), FINER * blur_px)
-    small = cv2.resize(light, SHAPE[::-1], interpolation=cv2.INTER_AREA)[..., None] * LIT
+    blurred = cv2.GaussianBlur(inside.astype(np.float64), (0, 0), FINER * blur_px)
+    return cv2.resize(blurred, SHAPE[::-1], interpolation=cv2.INTER_AREA)
+
+
+def picture(radius: float, ratio: float, blur_px: float = 0.7, noise: float = 0.0, slope: float = 0.0) -> Float32:
+    """(h, w, 3) linear light: a disc with so much of the light around it, blurred in linear light."""
+    small = (1 + (ratio - 1) * covered(radius, blur_px))[..., None] * LIT
     small *= np.exp(slope * (np.arange(SHAPE[1]) - CENTRE[0]))[:, None]
     return np.asarray(small + np.random.default_rng(0).normal(0, 1, small.shape) * noise, np.float32)
 

@@ -116,5 +116,5 @@ def test_the_papers_method_has_no_use_for_it() -> None:
         make_estimator("paper", BALANCED.assuming(caster=KNOWN["box"]))
 
 
-def test_a_dark_scene_has_no_light_with_a_known_body_either() -> None:
-    assert estimated(paint(), KNOWN["box"], replace(FAST)).light is None
+def test_an_empty_table_has_no_light_with_a_known_body_either() -> None:
+    assert estimated(paint(), KNOWN["box"], FAST).light is None

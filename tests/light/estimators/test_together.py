@@ -23,15 +23,15 @@ from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreeing_views import without_confirming
 from ashe_live.light.views.joint.aligned import in_each_view
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
-from tests.light.synthetic_masks import camera_towards, direction
+from tests.light.painted_views import painted_from
+from tests.light.synthetic_masks import direction
 
 STICKER = Caster("cylinder", (0.12, -0.07), 0.07, 1e-4, (0.03, 0.03, 0.035))
 
 
 @cache
 def seen_from(heading_deg: float, *casters: Caster, ground: str = "plain", index: int = 0, **rest) -> TrackedFrame:
-    pose = camera_towards((0.06, 0.0), 0.5, 45.0, heading_deg)
-    tracked = paint(*casters, ground=ground, T_cam_marker=pose, size=(480, 360), seed=index, **rest).tracked
+    tracked = painted_from(heading_deg, *casters, ground=ground, seed=index, **rest).tracked
     return dataclasses.replace(tracked, frame=Frame(tracked.frame.image_bgr, index, 0.0))
 
 

@@ -5,23 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
-from ashe_live.light.estimators.preset import FAST
-from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.hull.explained import without_replaced
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.views.joint.aligned import JointExplanation, JointStart, costs_of_views, explained_where_it_stands
-from tests.light.painted_scenes import BOX, paint
-from tests.light.synthetic_masks import camera_towards
+from tests.light.painted_views import explained_in_two_views
 
 
 @pytest.fixture(scope="module")
 def several() -> tuple[JointExplanation, JointExplanation, JointExplanation]:
     """By a family; by a hull of the same silhouettes; and the same body with a shadow to the other side."""
-    first, other = (
-        paint(BOX, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading)).tracked for heading in (90, 60)
-    )
-    _, trace = ProxyEstimator(FAST).traced(first, [other])
-    joint = trace.judged[int(np.argmax(trace.probabilities))]
+    joint = explained_in_two_views().joint
     lit, costs = joint.alignment.placed.lit, costs_of_views(joint)
     family = explained_where_it_stands(JointStart(joint, lit, costs))
     turned = LitBody(lit.body, np.array([[*(lit.to_lights_marker[0] * (-1, -1, 1)), 0.0]]))

@@ -19,8 +19,8 @@ from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import nearness_of
 from tests.light.lamps.test_hypotheses import FIT, LAMP_M, by_a_sun
 from tests.light.painted_regions import painted_region
-from tests.light.painted_scenes import BOX, paint
-from tests.light.synthetic_masks import camera_towards
+from tests.light.painted_scenes import BOX
+from tests.light.painted_views import painted_from
 
 NEARNESS = 1 / LAMP_M[2]
 HEADINGS_DEG = (90, 50)
@@ -57,12 +57,7 @@ def test_what_does_not_fit_in_the_only_view_is_no_explanation() -> None:
 
 @cache
 def in_two_views() -> tuple[Explanation, Sharpener]:
-    first, other = (
-        paint(
-            BOX, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading), lamp_m=np.array(LAMP_M), size=(320, 240)
-        )
-        for heading in HEADINGS_DEG
-    )
+    first, other = (painted_from(heading, BOX, lamp_m=np.array(LAMP_M), size=(320, 240)) for heading in HEADINGS_DEG)
     _, trace = ProxyEstimator(FAST.assuming(SUN)).traced(first.tracked, [other.tracked])
     likeliest = trace.judged[int(np.argmax(trace.probabilities))]
     assert likeliest.alignment.elsewhere

@@ -27,6 +27,7 @@ from ashe_live.light.live.key_views import (
     scaled,
     span_of,
 )
+from tests.camera_poses import looking_at
 
 SIZE = (640, 480)
 CAMERA = Camera.from_hfov(SIZE, 60)
@@ -39,11 +40,7 @@ def view(azimuth_deg: float, index: int = 0, time_s: float = 0.0, blur: float = 
     """The marker's square on white paper from 45 degrees above and half a metre, blurred by `blur` pixels."""
     azimuth = math.radians(azimuth_deg)
     centre = 0.5 * np.array([math.cos(azimuth), math.sin(azimuth), 1.0]) / math.sqrt(2)
-    forward = -centre / np.linalg.norm(centre)
-    right = np.cross(forward, (0, 0, 1))
-    right /= np.linalg.norm(right)
-    R = np.array([right, np.cross(forward, right), forward])
-    T_cam_marker = rigid(R, -R @ centre)
+    T_cam_marker = looking_at((0, 0, 0), centre)
     corners = project(camera, T_cam_marker, SQUARE)
     image = np.full((camera.size[1], camera.size[0], 3), 230, np.uint8)
     cv2.fillConvexPoly(image, np.round(corners * 16).astype(int), (20, 20, 20), cv2.LINE_AA, 4)

@@ -56,8 +56,8 @@ def test_reaches_are_those_of_the_bodys_points(name: str) -> None:
     family: Family = FAMILIES[name]
     parts = family.parts(member(name))[0]
     supports = outline_supports(P[None], parts, LIGHTS, DIRECTIONS.T[None])
-    points = Proxy(name, np.abs(parts[0]) * np.sign(np.where(parts[0] < 0, [1, 1, 1, -1, -1], 1)) * np.where(
-        parts[0] < 0, [-1, -1, -1, -1, -1], 1)).points_marker(400)  # fmt: skip
+    # A radius has no sign.
+    points = Proxy(name, np.column_stack([parts[0, :, :3], np.abs(parts[0, :, 3:])])).points_marker(400)
     outlines = [points]
     for x, y, z, w in LIGHTS[0]:
         # Where the line from the light through a point meets the plane.

@@ -16,18 +16,19 @@ from ashe_live.light.estimators.preset import FAST
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.views import ground_height
 from ashe_live.light.views.ground_height import height_above_ground, seen_from_ground, seen_from_marker
-from tests.light.painted_scenes import BOX, Caster, paint
-from tests.light.synthetic_masks import camera_towards, direction
+from tests.light.painted_scenes import BOX, Caster
+from tests.light.painted_views import painted_from
+from tests.light.synthetic_masks import direction
 
 CARD_M = 0.004
 
 
 @cache
 def painted(heading_deg: float, casters: tuple[Caster, ...], ground: str) -> TrackedFrame:
-    return paint(*casters, ground=ground, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading_deg)).tracked
+    return painted_from(heading_deg, *casters, ground=ground, size=(640, 480)).tracked
 
 
-def painted_from(
+def on_card(
     *headings_deg: float, card_m: float = 0.0, casters: tuple[Caster, ...] = (BOX,), ground: str = "bricks"
 ) -> list[TrackedFrame]:
     """Frames of a box on the ground, with poses of a marker that lies so far above it."""
@@ -36,13 +37,13 @@ def painted_from(
 
 @pytest.mark.parametrize("card_m", [CARD_M, 0.007])
 def test_texture_determines_how_far_the_ground_lies_below_the_marker(card_m: float) -> None:
-    assert height_above_ground(painted_from(90, 75, 105, card_m=card_m)) == pytest.approx(card_m, abs=5e-4)
+    assert height_above_ground(on_card(90, 75, 105, card_m=card_m)) == pytest.approx(card_m, abs=5e-4)
 
 
 @pytest.mark.parametrize("ground", ["plain", "bricks"])
 @pytest.mark.parametrize("headings_deg", [(90, 75, 105), (90, 89), (90, 90), (90,)])
 def test_a_sheet_that_lies_flat_is_not_said_to_be_on_card(headings_deg: tuple[float, ...], ground: str) -> None:
-    assert height_above_ground(painted_from(*headings_deg, ground=ground)) == 0
+    assert height_above_ground(on_card(*headings_deg, ground=ground)) == 0
 
 
 @pytest.mark.parametrize(("tilt_rad", "is_stated"), [(1e-4, True), (3e-3, False)])
@@ -50,25 +51,25 @@ def test_a_height_that_poses_may_feign_is_not_stated(tilt_rad: float, is_stated:
     noise = np.diag([tilt_rad, tilt_rad, tilt_rad, 1e-5, 1e-5, 1e-5]) ** 2
     frames = [
         replace(each, marker=each.marker and replace(each.marker, noise_covariance=noise))
-        for each in painted_from(90, 75, 105, card_m=CARD_M)
+        for each in on_card(90, 75, 105, card_m=CARD_M)
     ]
     assert (height_above_ground(frames) > 0) == is_stated
 
 
 def test_what_hardly_shows_is_not_stated() -> None:
-    assert height_above_ground(painted_from(90, 89.5, card_m=CARD_M)) == 0
-    assert height_above_ground(painted_from(90, 75, card_m=CARD_M, casters=(), ground="plain")) == 0
+    assert height_above_ground(on_card(90, 89.5, card_m=CARD_M)) == 0
+    assert height_above_ground(on_card(90, 75, card_m=CARD_M, casters=(), ground="plain")) == 0
 
 
 def test_the_answer_is_that_of_the_ground_and_its_body_stands_there() -> None:
-    on_card, flat = (
+    above, flat = (
         ProxyEstimator(FAST).estimate(first, others)
-        for first, *others in (painted_from(90, 60, 120, card_m=card_m) for card_m in (CARD_M, 0.0))
+        for first, *others in (on_card(90, 60, 120, card_m=card_m) for card_m in (CARD_M, 0.0))
     )
-    assert on_card.light is not None
+    assert above.light is not None
     assert flat.light is not None
-    assert math.degrees(angle_between(on_card.light.to_light_marker, flat.light.to_light_marker)) < 0.3
-    body = on_card.illumination.real_object
+    assert math.degrees(angle_between(above.light.to_light_marker, flat.light.to_light_marker)) < 0.3
+    body = above.illumination.real_object
     assert body is not None
     assert body.points_marker()[:, 2].min() == pytest.approx(-CARD_M, abs=5e-4)
 
@@ -88,7 +89,7 @@ def test_a_lamp_stays_where_it_is() -> None:
 
 
 def test_a_frame_without_a_marker_stays_as_it_is() -> None:
-    frame = replace(painted_from(90)[0], marker=None)
+    frame = replace(on_card(90)[0], marker=None)
     assert seen_from_ground(frame, CARD_M) is frame
 
 

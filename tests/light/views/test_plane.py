@@ -1,6 +1,7 @@
 """What several views tell about the plane: by geometry, on painted pictures of known scenes."""
 
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -12,14 +13,14 @@ from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View, plane_homography
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane, where_in
 from tests.light.painted_scenes import BOX, Caster, Painted, paint
+from tests.light.painted_views import painted_from
 from tests.light.synthetic_masks import camera_towards
 
 WIDTH = 320
 
 
-def painted_from(heading_deg: float, *casters: Caster, ground: str = "bricks", **rest) -> Painted:
-    pose = camera_towards((0.06, 0.0), 0.5, 45.0, heading_deg)
-    return paint(*casters, ground=ground, T_cam_marker=pose, **rest)
+def on_bricks(heading_deg: float, *casters: Caster, **how: Any) -> Painted:
+    return painted_from(heading_deg, *casters, **{"ground": "bricks", "size": (640, 480), **how})
 
 
 def ratio_of(first: TrackedFrame, *others: TrackedFrame) -> np.ndarray:
@@ -38,7 +39,7 @@ def small(mask: np.ndarray, margin_px: int = 2) -> np.ndarray:
 
 
 def test_the_homography_takes_points_of_the_plane_where_the_other_camera_sees_them() -> None:
-    one, other = (View.of(painted_from(heading).tracked, WIDTH) for heading in (80, 110))
+    one, other = (View.of(on_bricks(heading).tracked, WIDTH) for heading in (80, 110))
     points = np.array([(0.1, 0.05, 0), (-0.08, 0.02, 0), (0.2, -0.1, 0)])
     pixels = np.column_stack([project(one.camera, one.T_cam_marker, points), np.ones(3)])
     taken = pixels @ plane_homography(one, other).T
@@ -62,8 +63,8 @@ def test_what_another_camera_has_behind_it_is_in_no_mask_of_its_picture() -> Non
 
 @pytest.mark.parametrize("ground", ["plain", "bricks"])
 def test_a_shadow_stays_on_the_plane_and_a_box_does_not(ground: str) -> None:
-    first = painted_from(90, BOX, ground=ground)
-    ratio = ratio_of(first.tracked, *(painted_from(heading, BOX, ground=ground).tracked for heading in (75, 105)))
+    first = on_bricks(90, BOX, ground=ground)
+    ratio = ratio_of(first.tracked, *(on_bricks(heading, BOX, ground=ground).tracked for heading in (75, 105)))
     shadow, body = small(first.shadow), small(first.body, 1)
     # A plain face agrees with itself where it overlaps itself, which tells nothing: what is left decides.
     assert ratio[shadow].mean() > 0
@@ -75,20 +76,20 @@ def test_a_shadow_stays_on_the_plane_and_a_box_does_not(ground: str) -> None:
 @pytest.mark.parametrize(("heading_deg", "border"), [(105, np.s_[100:170, :4]), (75, np.s_[100:170, -4:])])
 def test_plain_ground_is_no_evidence_at_the_border_of_the_picture_either(heading_deg: float, border) -> None:
     """There, too, it looks the same wherever it is: what the other border of the picture shows is no neighbour."""
-    first, other = (painted_from(heading, ground="plain") for heading in (90, heading_deg))
+    first, other = (on_bricks(heading, ground="plain") for heading in (90, heading_deg))
     ratio = np.abs(ratio_of(first.tracked, other.tracked))
     assert ratio[border].mean() < 2 * ratio[100:170, 180:260].mean() < 0.2
 
 
 def test_a_flat_dark_thing_is_no_object() -> None:
     sticker = Caster(width_m=0.06, height_m=1e-4, rgb=(0.03, 0.03, 0.03))
-    first = painted_from(90, sticker)
-    ratio = ratio_of(first.tracked, *(painted_from(heading, sticker).tracked for heading in (75, 105)))
+    first = on_bricks(90, sticker)
+    ratio = ratio_of(first.tracked, *(on_bricks(heading, sticker).tracked for heading in (75, 105)))
     assert np.mean(ratio[small(first.body)] < -1) < 0.02
 
 
 def test_another_exposure_and_white_balance_change_nothing_on_the_plane() -> None:
-    first, other = painted_from(90, BOX), painted_from(105, BOX, exposure=0.7)
+    first, other = on_bricks(90, BOX), on_bricks(105, BOX, exposure=0.7)
     tinted = (other.tracked.frame.image_bgr * np.array([0.95, 1.0, 0.92])).astype(np.uint8)
     frame = TrackedFrame(Frame(tinted, 1, 0.0), other.tracked.camera, other.tracked.marker)
     ratio = ratio_of(first.tracked, frame)
@@ -98,18 +99,18 @@ def test_another_exposure_and_white_balance_change_nothing_on_the_plane() -> Non
 
 
 def test_views_from_one_place_are_no_evidence() -> None:
-    first, again = painted_from(90, BOX), painted_from(90, BOX, seed=1)
+    first, again = on_bricks(90, BOX), on_bricks(90, BOX, seed=1)
     np.testing.assert_array_equal(ratio_of(first.tracked, again.tracked), 0)
 
 
 def test_views_of_different_grounds_are_no_evidence() -> None:
     away = paint(size=(320, 240), T_cam_marker=camera_towards((5.0, 0.0), 0.5, 60.0))
-    here, there = (View.of(painted.tracked, WIDTH) for painted in (painted_from(90, BOX), away))
+    here, there = (View.of(painted.tracked, WIDTH) for painted in (on_bricks(90, BOX), away))
     assert on_plane(here, log_opponent(here.image_bgr), there, log_opponent(there.image_bgr)) is None
 
 
 def test_a_strip_that_is_narrower_than_the_reduced_picture_resolves_is_no_evidence() -> None:
-    here, there = (View.of(painted_from(heading).tracked, 160) for heading in (90, 95))
+    here, there = (View.of(on_bricks(heading).tracked, 160) for heading in (90, 95))
     strip = np.zeros_like(here.is_ground)
     strip[29:32] = here.is_ground[29:32]
     here = replace(here, is_ground=strip)

@@ -25,6 +25,7 @@ LYING = PlaneMarker(FLAT, np.array([0.1, 0.02]), 0.4, 0.05)
 ELSEWHERE = PlaneMarker(FLAT, np.array([0.1, 0.035]), 0.4, 0.05)
 MARGIN = 0.25  # of the paper around the square, over its side
 FINER = 4
+FARTHEST = 7  # place of the camera, degrees around the cube
 
 
 def with_flat(image: Image, T_cam_cube: Float, lying: PlaneMarker) -> Image:
@@ -42,15 +43,24 @@ def with_flat(image: Image, T_cam_cube: Float, lying: PlaneMarker) -> Image:
     return np.round(image * (1 - covered) + seen).astype(np.uint8)
 
 
+def place_of(index: int) -> int:
+    """Of the camera, which goes to and fro, so that few pictures make a long clip."""
+    return min(index % (2 * FARTHEST), -index % (2 * FARTHEST))
+
+
 def view_of(index: int) -> Float:
-    return looking(0.42, 48, 40 + index)
+    return looking(0.42, 48, 40 + place_of(index))
 
 
 @cache
+def picture_from(place: int, is_moved: bool) -> Image:
+    T = looking(0.42, 48, 40 + place)
+    painted = frame_of(CubeScene(CAMERA, T, [sun(200, 40)], seed=place)).image_bgr
+    return with_flat(painted, T, ELSEWHERE if is_moved else LYING)
+
+
 def frame_at(index: int, is_moved: bool = False) -> Frame:
-    T = view_of(index)
-    frame = frame_of(CubeScene(CAMERA, T, [sun(200, 40)], seed=index), index)
-    return Frame(with_flat(frame.image_bgr, T, ELSEWHERE if is_moved else LYING), index, index / 30)
+    return Frame(picture_from(place_of(index), is_moved), index, index / 30)
 
 
 def without_cube(frame: Frame, T_cam_cube: Float) -> Frame:

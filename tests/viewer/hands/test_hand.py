@@ -10,7 +10,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.contract import light_by_hand_json
 from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import angles_from_direction, direction_from_angles, rigid
+from ashe_live.core.transforms import angles_from_direction, direction_from_angles
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, Placement, placed_on_marker
@@ -36,6 +36,7 @@ from ashe_live.viewer.hands.hand import (
 )
 from ashe_live.viewer.hands.pointing import ground_at, picture_axes, pixel_of
 from ashe_live.viewer.hands.requests import Command, Drag, Request
+from tests.camera_poses import looking_at
 
 SIZE = (640, 480)
 SIDE_M = 0.08
@@ -64,12 +65,7 @@ NEAR = replace(ESTIMATED, lights=(replace(ESTIMATED.lights[0], inverse_distance=
 
 
 def seen_from(eye: tuple[float, float, float], camera: Camera = PINHOLE, aim=(0.0, 0.0, 0.0)) -> TrackedFrame:
-    forward = np.array(aim) - eye
-    forward = forward / np.linalg.norm(forward)
-    right = np.cross(forward, (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right)
-    R = np.array([right, np.cross(forward, right), forward])
-    pose = MarkerPose(rigid(R, -R @ np.array(eye)), np.zeros((4, 2)), SIDE_M, 0.1, None)
+    pose = MarkerPose(looking_at(aim, eye), np.zeros((4, 2)), SIDE_M, 0.1, None)
     return TrackedFrame(Frame(np.zeros((SIZE[1], SIZE[0], 3), np.uint8), 7, 0.0), camera, pose)
 
 

@@ -9,6 +9,7 @@ from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.viewer.hands.pointing import ground_at, in_mirror, in_video, picture_axes, pixel_of, source_pixel
 from ashe_live.viewer.hands.requests import Command, Drag, Files, Request
+from tests.camera_poses import looking_at
 
 SIZE = (640, 480)
 PINHOLE = Camera.from_focal(SIZE, 600.0)
@@ -17,13 +18,9 @@ BENT = Camera(SIZE, PINHOLE.K, np.array((-0.25, 0.08, 0.001, -0.001, 0.0)), "fil
 
 def seen_from(eye: tuple[float, float, float], camera: Camera = PINHOLE, roll_rad: float = 0.0) -> TrackedFrame:
     """A marker at which a camera looks from `eye`."""
-    forward = -np.array(eye) / np.linalg.norm(eye)
-    right = np.cross(forward, (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right)
-    down = np.cross(forward, right)
     cosine, sine = np.cos(roll_rad), np.sin(roll_rad)
-    R = np.array([cosine * right + sine * down, cosine * down - sine * right, forward])
-    pose = MarkerPose(rigid(R, -R @ np.array(eye)), np.zeros((4, 2)), 0.08, 0.1, None)
+    rolled = rigid([[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]], (0, 0, 0))
+    pose = MarkerPose(rolled @ looking_at((0, 0, 0), eye), np.zeros((4, 2)), 0.08, 0.1, None)
     return TrackedFrame(Frame(np.zeros((SIZE[1], SIZE[0], 3), np.uint8), 0, 0.0), camera, pose)
 
 

@@ -5,18 +5,12 @@ import dataclasses
 import numpy as np
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.estimators.preset import FAST
-from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.views.joint.aligned import JointStart, explained_in_views, turned_from
-from tests.light.painted_scenes import BOX, paint
+from tests.light.painted_bodies import explanation_of
+from tests.light.painted_regions import painted_region
+from tests.light.painted_scenes import BOX
 from tests.light.synthetic_masks import direction
-
-
-def explained() -> Explanation:
-    _, trace = ProxyEstimator(FAST).traced(paint(BOX).tracked)
-    return trace.judged[int(np.argmax(trace.probabilities))]
 
 
 def lit_from(lit: LitBody, azimuth_deg: float, elevation_deg: float) -> LitBody:
@@ -24,7 +18,7 @@ def lit_from(lit: LitBody, azimuth_deg: float, elevation_deg: float) -> LitBody:
 
 
 def test_a_start_that_alignment_turns_or_loses_is_kept_where_it_stood() -> None:
-    one = explained()
+    one = explanation_of(painted_region(BOX))
     here = one.alignment.placed.lit
     start, turned = (
         JointStart(one, lit, [one.costs]) for lit in (here, lit_from(here, azimuth_deg=225, elevation_deg=40))

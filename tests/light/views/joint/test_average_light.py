@@ -7,11 +7,10 @@ import pytest
 
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.preset import FAST
-from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import FittedLight
-from ashe_live.light.views.joint.aligned import JointExplanation, in_each_view, towards_light
+from ashe_live.light.views.joint.aligned import JointExplanation, towards_light
 from ashe_live.light.views.joint.average_light import (
     probabilities_by_pixels,
     probabilities_by_steps,
@@ -19,21 +18,20 @@ from ashe_live.light.views.joint.average_light import (
     with_average_light,
 )
 from ashe_live.light.views.joint.refinement import by_families
-from tests.light.painted_scenes import BOX, paint
-from tests.light.synthetic_masks import camera_towards, direction
+from tests.light.painted_views import explained_in_two_views, two_views
+from tests.light.synthetic_masks import direction
 
 OVERDISPERSION = 4.0
 
 
 @pytest.fixture(scope="module")
 def frames() -> list[TrackedFrame]:
-    return [paint(BOX, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading)).tracked for heading in (90, 60)]
+    return list(two_views())
 
 
 @pytest.fixture(scope="module")
-def explanation(frames: list[TrackedFrame]) -> JointExplanation:
-    _, trace = ProxyEstimator(FAST).traced(frames[0], frames[1:])
-    return in_each_view(trace.judged[int(np.argmax(trace.probabilities))])
+def explanation() -> JointExplanation:
+    return explained_in_two_views()
 
 
 def lit_from(explanation: JointExplanation, azimuth_deg: float, elevation_deg: float) -> JointExplanation:

@@ -7,18 +7,17 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Mask
-from ashe_live.light.estimators.preset import FAST
-from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.explanation.judgement.context import NO_CONTEXT, Context
 from ashe_live.light.explanation.judgement.judge import best_direction, fitted_judge, probabilities_of
 from ashe_live.light.ground.sheet_shadow import SheetShadow
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import plane_homography
-from ashe_live.light.views.joint.aligned import JointExplanation, in_each_view
+from ashe_live.light.views.joint.aligned import JointExplanation
 from ashe_live.light.views.joint.log_odds import joint_log_odds, joint_support, no_less_sure
 from tests.light.painted_regions import painted_region
-from tests.light.painted_scenes import BOX, paint
-from tests.light.synthetic_masks import camera_towards, direction
+from tests.light.painted_scenes import BOX
+from tests.light.painted_views import explained_in_two_views
+from tests.light.synthetic_masks import direction
 
 HERE, NEARBY, ELSEWHERE = direction(200, 40), direction(203, 41), direction(80, 50)
 
@@ -68,11 +67,7 @@ def test_what_shears_in_a_shadow_is_not_made_up_for_by_the_ground_around_it() ->
 
 
 def test_what_another_object_hides_in_one_view_does_not_shear_in_the_other() -> None:
-    first, other = (
-        paint(BOX, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading)).tracked for heading in (90, 60)
-    )
-    _, trace = ProxyEstimator(FAST).traced(first, [other])
-    found = in_each_view(trace.judged[int(np.argmax(trace.probabilities))])
+    found = explained_in_two_views()
     here, there = found.each
     shadow = here.predicted.shadow
     end = shadow & (np.arange(len(shadow))[:, None] < np.quantile(np.nonzero(shadow)[0], 0.3))
@@ -95,11 +90,7 @@ def test_what_another_object_hides_in_one_view_does_not_shear_in_the_other() -> 
 
 
 def test_what_else_a_picture_shows_counts_with_several_views_too() -> None:
-    first, other = (
-        paint(BOX, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading)).tracked for heading in (90, 60)
-    )
-    _, trace = ProxyEstimator(FAST).traced(first, [other])
-    found = in_each_view(trace.judged[int(np.argmax(trace.probabilities))])
+    found = explained_in_two_views()
     towards = found.joint.lights[0].to_light_marker[:2]
     confirmed, contradicted = (
         joint_log_odds(found, fitted_judge(), Context(sheet=SheetShadow(0.05 * away, 0.8)))

@@ -7,23 +7,16 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import normalised
-from ashe_live.light.estimators.preset import FAST
-from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.views.joint.aligned import JointExplanation, JointStart, costs_of_views, explained_where_it_stands
 from ashe_live.light.views.joint.repeated import counted_once, show_the_same
-from tests.light.painted_scenes import BOX, paint
-from tests.light.synthetic_masks import camera_towards
+from tests.light.painted_views import explained_in_two_views
 
 
 @pytest.fixture(scope="module")
 def found() -> JointExplanation:
     """A box in two views, by a family."""
-    first, other = (
-        paint(BOX, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading)).tracked for heading in (90, 60)
-    )
-    _, trace = ProxyEstimator(FAST).traced(first, [other])
-    joint = trace.judged[int(np.argmax(trace.probabilities))]
+    joint = explained_in_two_views().joint
     lit = joint.alignment.placed.lit
     return standing(JointStart(joint, lit, costs_of_views(joint)), lit)
 
