@@ -192,6 +192,7 @@ class FakeShelf:
     moves = False
     marker_side_m = 0.08
     shown = MODEL
+    awaited_name = None  # every model is there at once
 
     def __init__(self) -> None:
         self.names = ["cube", "lantern", "mug", "tree"]

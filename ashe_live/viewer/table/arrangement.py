@@ -183,10 +183,17 @@ class Arrangement:
         stand, shown = self._stands[self.in_hand], self._shelf.shown_name
         if shown == stand.name:
             return False
-        self._left.keep(replace(stand, placement=self._hand.placement), self._first)
-        self._stands[self.in_hand] = replace(stand, name=shown)
-        self._hand.placement = self._left.of(self._stands[self.in_hand], self._first)
+        in_hand = replace(stand, placement=self._hand.placement)
+        self._stands[self.in_hand] = self._left.exchanged(in_hand, shown, self._shelf.shown, self._first)
+        self._hand.placement = self._stands[self.in_hand].placement
         return True
+
+    def settle(self) -> None:
+        """Gives models that were put down while others were being loaded in their places those, once they are there."""
+        self._stands = [
+            stand if number == self.in_hand else self._left.settled(stand, self._first)
+            for number, stand in enumerate(self._stands)
+        ]
 
     def _first_of(self, stand: Stand) -> Placement:
         return self._first.of(stand.seat) if stand.marker is None else UNMOVED
@@ -209,8 +216,8 @@ class Arrangement:
 
     def _as_it_is(self) -> Stand:
         """How the model in hand stands now."""
-        name, model = self._shelf.shown_name, self._shelf.shown
-        return replace(self._stands[self.in_hand], name=name, model=model, placement=self._hand.placement)
+        at, shelf = self._stands[self.in_hand], self._shelf
+        return Stand(shelf.shown_name, shelf.shown, self._hand.placement, at.seat, at.marker, shelf.awaited_name)
 
     def _put_down(self) -> None:
         self.keep_places()
@@ -223,6 +230,8 @@ class Arrangement:
     def _take_up(self, number: int) -> None:
         self.in_hand, stand = number, self._stands[number]
         self._shelf.take_up(stand.name, stand.model)
+        if stand.awaited is not None:
+            self._shelf.await_again(stand.awaited)
         self._hand.placement = stand.placement
 
     def _free_seat(self, marker: str | None) -> int:

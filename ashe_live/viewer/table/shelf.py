@@ -72,10 +72,8 @@ class Shelf:
         self._chosen, self._shown, self._shown_name = self.names.index(name), model, name
         latest = self._loading.get(name)
         is_loaded = latest is not None and latest.done() and latest.exception() is None
-        if is_loaded and self._loading[name].result().model.up != model.model.up:
-            self._loading[name] = as_then = Future[PlacedModel]()
-            as_then.set_result(model)
-            self._ups[name] = model.model.up
+        if latest is None or (is_loaded and latest.result().model.up != model.model.up):
+            self._hold(name, model)
 
     def choose(self, index: int) -> bool:
         """Chooses a model by its place; returns False when there is none."""
@@ -141,25 +139,53 @@ class Shelf:
         """Whether the model that is shown moves."""
         return self._shown.model.duration_s > 0
 
+    @property
+    def awaited_name(self) -> str | None:
+        """The chosen model while it is being loaded, or on another side; None once it is shown."""
+        name, loading = self.chosen_name, self._loading.get(self.chosen_name)
+        return name if name != self._shown_name or loading is None or not loading.done() else None
+
+    def await_again(self, name: str) -> None:
+        """Chooses a model that was chosen before, and is being loaded; none if it turned out to be unreadable."""
+        if name in self.names:
+            self._chosen = self.names.index(name)
+
     def poll(self) -> None:
         """Shows the chosen model if it has been loaded since; begins to load it if nobody has."""
         name = self.chosen_name
+        try:
+            model = self.finished(name)
+        except UserError:
+            self._chosen = self.names.index(self._shown_name)
+            if name == self._shown_name:  # read anew, as it was dropped again or turned, and no longer readable
+                self._hold(name, self._shown)
+            return
+        if model is not None:
+            self._shown, self._shown_name = model, name
+
+    def finished(self, name: str) -> PlacedModel | None:
+        """The model if it has been loaded since; None until then. Begins to load it if nobody has.
+
+        Raises UserError, which `take_error` gives too, when it cannot be read.
+        """
         loading = self._load(name)
         if not loading.done():
-            return
+            return None
         try:
             model = loading.result()
         except UserError as error:
+            self._error = error
             del self._loading[name]  # so that a mended file can be chosen again
             if name in self._untried:
+                chosen = self.chosen_name
                 self._untried.remove(name)
                 self.names.remove(name)
-            self._error, self._chosen = error, self.names.index(self._shown_name)
-            return
+                self._chosen = self.names.index(self._shown_name if chosen == name else chosen)
+            raise
         self._untried.discard(name)
         if model is not self._shown:
             self._note(name, model)
-        self._shown, self._shown_name = model, name
+        return model
 
     def progress(self, is_drawn: bool) -> str | None:
         """A message until the chosen model is loaded and in the picture, if that takes long.
@@ -189,6 +215,12 @@ class Shelf:
     def take_error(self) -> UserError | None:
         error, self._error = self._error, None
         return error
+
+    def _hold(self, name: str, model: PlacedModel) -> None:
+        """Counts a model as loaded, as it was then, so that its file is not read again."""
+        self._loading[name] = as_then = Future[PlacedModel]()
+        as_then.set_result(model)
+        self._ups[name] = model.model.up
 
     def _up_of(self, name: str) -> str | None:
         remembered = None if self._memory is None or name in model_names() else self._memory.up(name)

@@ -1,8 +1,9 @@
 """Where a model stands, and how models were left at their places, in this run and in earlier ones."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ashe_live.core.types import TrackedFrame
+from ashe_live.errors import UserError
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.viewer.table.beside import FirstPlaces
 from ashe_live.viewer.table.shelf import Shelf
@@ -19,6 +20,8 @@ class Stand:
     placement: Placement = UNMOVED  # as set by hand, relative to its place
     seat: int = 0  # its place among the models on its marker: 0 in the middle, 1 to the right, 2 to the left, ...
     marker: str | None = None
+    # The model that was chosen for it last, until that is loaded; what is shown is the same whichever it is.
+    awaited: str | None = field(default=None, compare=False)
 
     @property
     def where(self) -> str:
@@ -79,6 +82,24 @@ class LeftPlaces:
             if self._left.get(stand.key) != kept:
                 self._left[stand.key] = kept
                 self._shelf.keep_placement(*stand.key, kept)
+
+    def exchanged(self, stand: Stand, name: str, model: PlacedModel, first: FirstPlaces) -> Stand:
+        """Another model at the place of `stand`, as it was left there; the same one stays as it stands."""
+        if name == stand.name:  # on another side
+            return replace(stand, model=model, awaited=None)
+        self.keep(stand, first)
+        other = replace(stand, name=name, model=model, awaited=None)
+        return replace(other, placement=self.of(other, first))
+
+    def settled(self, stand: Stand, first: FirstPlaces) -> Stand:
+        """`stand` with the model that it awaits, once that is loaded; without awaiting it where it cannot be read."""
+        if stand.awaited is None:
+            return stand
+        try:
+            model = self._shelf.finished(stand.awaited)
+        except UserError:
+            return replace(stand, awaited=None)
+        return stand if model is None else self.exchanged(stand, stand.awaited, model, first)
 
     def forget_this_run(self) -> None:
         """Forgets what another run would not know."""

@@ -96,6 +96,7 @@ class Table:
         `is_quiet`: no message is shown that a hint could hide.
         """
         self.shelf.poll()
+        self.arrangement.settle()
         if (error := self.shelf.take_error()) is not None:
             is_quiet = False
             self._say(str(error), now_s)

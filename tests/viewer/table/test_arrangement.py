@@ -2,6 +2,8 @@
 
 import itertools
 import math
+import threading
+from concurrent.futures import wait
 from dataclasses import replace
 
 import numpy as np
@@ -11,8 +13,10 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
+from ashe_live.errors import UserError
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import BESIDE_SIDES, UNMOVED, Placement
+from ashe_live.models.reading import read_model
 from ashe_live.tracking.cube.faces import CORNERS
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
@@ -20,10 +24,12 @@ from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import status_lines
+from ashe_live.viewer.table import shelf as shelf_module
 from ashe_live.viewer.table.shelf import Shelf
 
 SIDE_M = 0.08
 OTHER = "aruco:4x4_50:7"
+PATIENCE_S = 20.0
 
 
 @pytest.fixture
@@ -265,3 +271,72 @@ def test_another_clip_begins_with_all_of_them_at_their_places(make, fakes):
     session.begin_anew(is_photo=False)
     session.take(fakes.tracked(0), 0.0)
     assert places(session) == first
+
+
+@pytest.fixture
+def slow_models(monkeypatch):
+    """All models but the cube are loaded once this is set."""
+    go_on = threading.Event()
+
+    def slowly(name: str, side_m: float, up: str | None):
+        if name != "cube":
+            assert go_on.wait(PATIENCE_S)
+        if name == "broken.glb":
+            raise UserError("broken.glb is broken", "mend it")
+        return read_model(name, side_m, up)
+
+    monkeypatch.setattr(shelf_module, "read_model", slowly)
+    yield go_on
+    go_on.set()
+
+
+def loaded(session: Session, name: str, go_on: threading.Event) -> None:
+    """Lets `name` be loaded, and the session notice it."""
+    go_on.set()
+    wait([session.table.shelf._load(name)], PATIENCE_S)
+    session.poll(0.0)
+
+
+@pytest.mark.parametrize("left_by", [Command.NEXT_IN_HAND, Command.ADD_MODEL, Command.REMOVE_MODEL])
+def test_a_model_gets_the_one_that_was_chosen_for_it_also_where_another_is_taken_up_meanwhile(
+    make, fakes, slow_models, left_by
+):
+    session = make(ChosenModel("cube"))
+    session.take(fakes.tracked(0), 0.0)
+    shelf = session.table.shelf
+    asked(session, Request(Command.CHOOSE_MODEL, shelf.names.index("mug")), left_by)
+    taken_up = session.arrangement.in_hand
+    loaded(session, "mug", slow_models)
+    asked(session, *([Command.UNDO] if left_by is Command.REMOVE_MODEL else []))
+    expected = {Command.NEXT_IN_HAND: ["mug", "cube"], Command.ADD_MODEL: ["mug", "cube", "mug"]}
+    assert names(session) == expected.get(left_by, ["mug", "cube"])
+    assert session.arrangement.stands[0].model.model.name == shelf.loaded("mug").model.name
+    if left_by is Command.NEXT_IN_HAND:
+        assert session.arrangement.in_hand == taken_up == 1
+        assert session.table.model_name == "cube"
+
+
+def test_a_model_that_is_taken_up_again_still_awaits_the_one_that_was_chosen_for_it(make, fakes, slow_models):
+    session = make(ChosenModel("cube"))
+    session.take(fakes.tracked(0), 0.0)
+    shelf = session.table.shelf
+    asked(session, Request(Command.CHOOSE_MODEL, shelf.names.index("mug")), Command.NEXT_IN_HAND)
+    asked(session, Command.NEXT_IN_HAND, Request(Command.TURN_MODEL, 2))
+    assert names(session) == ["cube", "cube"]
+    loaded(session, "mug", slow_models)
+    assert names(session) == ["mug", "cube"]
+    assert session.table.in_hand_text == "mug (1 of 2)"
+
+
+def test_a_model_stays_where_the_one_that_was_chosen_for_it_cannot_be_read(make, fakes, slow_models):
+    session = make(ChosenModel("cube"))
+    session.take(fakes.tracked(0), 0.0)
+    shelf = session.table.shelf
+    shelf.add("broken.glb")
+    asked(session, Command.NEXT_IN_HAND)
+    shelf.add("other.glb")  # after it in the list, and chosen now
+    loaded(session, "broken.glb", slow_models)
+    assert names(session) == ["cube", "cube"]
+    assert "broken.glb is broken" in session.notice.text
+    assert shelf.names[-1] == shelf.chosen_name == "other.glb"
+    assert "broken.glb" not in shelf.names

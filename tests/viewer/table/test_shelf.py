@@ -175,6 +175,23 @@ def test_a_dropped_model_that_cannot_be_read_leaves_all_as_it_was(tmp_path, cont
     assert "broken.obj" in str(shelf.take_error())
 
 
+@pytest.mark.parametrize("ask", [Shelf.turn_up, lambda shelf: shelf.add(shelf.shown_name)])
+def test_a_shown_file_that_is_read_anew_and_broken_meanwhile_is_reported_once_and_stays(tmp_path, ask):
+    path = tmp_path / "tile.obj"
+    path.write_text(TILE)
+    shelf = Shelf(str(path), 0.08, up="y")
+    tile = shelf.shown
+    path.write_text("nonsense")
+    ask(shelf)
+    assert awaited(shelf) is tile
+    assert "tile.obj" in str(shelf.take_error())
+    assert awaited(shelf) is tile  # not read over and over
+    assert shelf.take_error() is None
+    path.write_text(TILE)
+    assert shelf.turn_up() == "z"
+    assert awaited(shelf).model.up == "z"
+
+
 def height_over_width(shelf: Shelf) -> float:
     (x, y, z), upper = shelf.shown.bounds
     return float((upper[2] - z) / max(upper[0] - x, upper[1] - y))
