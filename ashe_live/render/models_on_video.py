@@ -123,17 +123,20 @@ class ModelsOnVideo:
         self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
 
     def _smooth_edges(self, surface: Surface, models: StandingGroup, framed: Framed, viewport: Rectangle) -> None:
-        """Smooths outlines where one sample a pixel was drawn: the models', and the real object's before shadows."""
+        """Smooths outlines where one sample a pixel was drawn: the models', and the real object's where shadows end."""
 
         def around(points: Float) -> Rectangle:
             frame = framed(points)
             return EMPTY if frame is None else grown(frame.region, 1, surface.size)
 
         real = self.layers.real
-        before_shadows = EMPTY
+        at_shadows = EMPTY
         if real is not None:
-            before_shadows = common(around(real.drawn_points), around(self.layers.catcher.polygon))
-        for within in disjoint(around(models.corners), before_shadows):
+            shadowed = self.layers.catcher.polygon
+            if self.shadows.model_shades_real:
+                shadowed = np.concatenate([models.corners, shadowed])
+            at_shadows = common(around(real.drawn_points), around(shadowed))
+        for within in disjoint(around(models.corners), at_shadows):
             if min(within[2:]) > 0:
                 self._outlines.smooth(surface, within, viewport)
 

@@ -1,5 +1,5 @@
 // Morphological antialiasing (Reshetov, HPG 2009) of the model's outlines, of those of its parts before one another, and of
-// the real object's where it ends the model's shadow, in layers drawn with one sample a pixel. Such an outline is a
+// the real object's and its sides' where they end the model's shadow, in layers drawn with one sample a pixel. Such an outline is a
 // staircase. From how its steps follow one another it is computed what part of each pixel lies beyond the line that they
 // stand for; that part is given what the layers show beyond the step. Three passes: FIND the steps, compute what the layers
 // become there, and PUT_BACK the result.
@@ -20,7 +20,9 @@ const float SEEN = 0.35;  // the least difference at a step, as a share of the b
 const float LEAST_SEEN = 0.03;  // and in linear light
 const float OTHER_SURFACE = 0.004;  // difference of the numbers of two surfaces (model.frag): four steps of half precision
 
-const float ENDS = 0.1;  // the least difference in what is gone of the video's light where the real object ends a shadow
+const float ENDS = 0.1;  // the least difference in what is gone of the video's light where the real object's edge ends a shadow
+const float OBJECT = -0.2;  // below the ground's numbers and above those of the real object's sides (real_object.frag)
+const float FOLD = 0.05;  // the least difference of the numbers of two sides that meet in an edge and not in a round surface
 
 // A pixel's brightness, its coverage, the number of the surface that it shows, and what is gone there of the video's light.
 vec4 seen(ivec2 at) {
@@ -33,10 +35,12 @@ vec4 seen(ivec2 at) {
 float differs(vec4 one, vec4 other) {
     bool is_seen = abs(one.x - other.x) > max(SEEN * max(one.x, other.x), LEAST_SEEN);
     bool is_other = is_seen && abs(one.z - other.z) > OTHER_SURFACE;
-    // Of what no model covers, ground.frag gives the ground a number below 0, and the real object has 0. Rims of leaves, which
-    // are smooth already, have one above 0.
-    bool ground_ends = min(one.z, other.z) < 0.0 && max(one.z, other.z) == 0.0;
-    bool ends = max(one.y, other.y) < 0.5 && ground_ends && abs(one.w - other.w) > ENDS;
+    // Of what no model covers, ground.frag gives the ground a number below 0, and real_object.frag the sides of a real object
+    // that may be shaded lower ones. One that is not has 0, as has what is beyond the ground. Rims of leaves, which are smooth
+    // already, have one above 0.
+    float lower = min(one.z, other.z), upper = max(one.z, other.z);
+    bool is_outline = upper == 0.0 ? lower < 0.0 : upper < 0.0 && lower < OBJECT && upper - lower > FOLD;
+    bool ends = max(one.y, other.y) < 0.5 && is_outline && abs(one.w - other.w) > ENDS;
     return is_other || ends || abs(one.y - other.y) > 0.5 ? 1.0 : 0.0;
 }
 

@@ -6,7 +6,8 @@
 // shadows with depth maps", SIGGRAPH 1987). Otherwise percentage-closer soft shadows with SOFT_TAPS over the penumbra
 // (Fernando, SIGGRAPH 2005). Rays are parallel in a map's coordinates, also those of a lamp (render/lights/light_view.py),
 // so that the blocker search covers the disc of the light as seen from the receiver. DITHERED is defined where a caster is
-// clear in part, so that only some of its texels stop the light (depth.frag).
+// clear in part, so that only some of its texels stop the light (depth.frag). With OVER_PIXELS, what is not the caster itself
+// gets the mean over the area of its pixel as well, where that is larger than a texel: borders there would be staircases.
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
 
@@ -31,8 +32,9 @@ const float STEEPEST = 30.0, FARTHEST_TEXEL = 1.42, MOST_AHEAD = 1.0;
 struct Receiver {
     vec2 slope;
     float least_rise;
+    mat2 pixel;  // the sides of what a pixel shows of it, texels; counts only with OVER_PIXELS
 };
-const Receiver NOT_IN_MAP = Receiver(vec2(0.0), 0.0);
+const Receiver NOT_IN_MAP = Receiver(vec2(0.0), 0.0, mat2(0.0));
 // Hollow surfaces rise from their plane to all sides, the more, the more light grazes them (LEAST_RISE, and RISE_OF_SLOPE of
 // the slope), and block nothing: of a light of the radius r at a distance of 1, only what stands out by 1 / r of how far
 // aside it is takes any. No more than MOST_RISE of that is asked for. Chosen on a bowl and a mug (docs/rendering.md). With
@@ -45,6 +47,23 @@ vec2 in_texture(int map, vec2 texel) {
 }
 
 #if BLOCKER_TAPS > 0
+#ifdef OVER_PIXELS
+#define SPREAD mat2
+// From the unit disc to one of `radius` texels or, with OVER_PIXELS, to an ellipse that has the variance of that and of the
+// pixel together: of a disc it is a quarter along both axes, of a parallelogram a twelfth.
+mat2 spread(vec2 radius, Receiver receiver) {
+    mat2 both = mat2(radius.x * radius.x, 0.0, 0.0, radius.y * radius.y) + receiver.pixel * transpose(receiver.pixel) / 3.0;
+    // The root of a symmetric matrix without negative eigenvalues.
+    float root = sqrt(max(determinant(both), 0.0));
+    return (both + mat2(root)) / sqrt(both[0][0] + both[1][1] + 2.0 * root);
+}
+#else
+#define SPREAD vec2
+vec2 spread(vec2 radius, Receiver receiver) {
+    return radius;
+}
+#endif
+
 // Golden-angle spiral: points at radii of the square roots of equal steps are spread evenly over a disc (Vogel 1979).
 const mat2 GOLDEN_TURN = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
 // Texels, of a penumbra: a texel's own, or as much as averages a pattern that repeats itself every four texels.
@@ -77,13 +96,15 @@ Blockers blockers_of(int map, float tan_half, vec3 at, Receiver receiver, vec2 r
     vec2 centre = at.xy * shadow_map_size;
     vec2 search = max(vec2(1.5), at.z * shadow_extent[map].z * tan_half * texels_per_m);
     float least_rise = receiver.least_rise * at.z * tan_half;  // at the rim of what is searched
-    bool is_near = all(lessThan(abs(centre - 0.5 * shadow_map_size), 0.5 * shadow_map_size + search));
+    SPREAD searched = spread(search, receiver);
+    vec2 farthest = search + abs(receiver.pixel[0]) + abs(receiver.pixel[1]);
+    bool is_near = all(lessThan(abs(centre - 0.5 * shadow_map_size), 0.5 * shadow_map_size + farthest));
     float depths = 0.0;
     float blockers = 0.0;
     // A software rasteriser saves time when a loop ends early, but not when a branch is not taken.
     for (int k = 0; k < (is_near ? BLOCKER_TAPS : 0); ++k) {
         float away = sqrt((float(k) + 0.5) / float(BLOCKER_TAPS));
-        vec2 aside = ray * away * search;
+        vec2 aside = searched * (ray * away);
         float depth = texture(shadow_depths, in_texture(map, centre + aside)).r;
         float blocks = step(depth, min(at.z + dot(receiver.slope, aside) - least_rise * away, 0.99999));
         depths += blocks * depth;
@@ -107,10 +128,11 @@ bool is_penumbra(Blockers blockers) {
 float lit_fraction(int map, vec3 at, Receiver receiver, vec2 ray, Blockers blockers, vec2 radius) {
     vec2 centre = at.xy * shadow_map_size;
     float least_rise = receiver.least_rise * blockers.radius_m / shadow_extent[map].z;
+    SPREAD averaged = spread(radius, receiver);
     float lit = 0.0;
     for (int k = 0; k < (is_penumbra(blockers) ? SOFT_TAPS : 0); ++k) {
         float away = sqrt((float(k) + 0.5) / float(SOFT_TAPS));
-        vec2 aside = ray * away * radius;
+        vec2 aside = averaged * (ray * away);
 #ifdef DITHERED
         // Between four texels, so that four taps in a row see each of the pattern's sixteen texels once.
         vec2 between = vec2(k & 2, k << 1 & 2);
@@ -128,6 +150,27 @@ float lit_fraction(int map, float tan_half, vec3 at, Receiver receiver) {
     Blockers blockers = blockers_of(map, tan_half, at, receiver, ray);
     vec2 radius = max(vec2(LEAST_RADIUS), blockers.radius_m * shadow_map_size / shadow_extent[map].xy);
     return lit_fraction(map, at, receiver, ray, blockers, radius);
+}
+#else
+#ifdef OVER_PIXELS
+// Taps spread over a pixel, sixteenths of its sides: no two of them are in one row, in one column, or on one line of 45 degrees.
+const int TAPS_IN_PIXEL = 8;
+const vec2 IN_PIXEL[TAPS_IN_PIXEL] = vec2[](
+    vec2(1, -3), vec2(-1, 3), vec2(5, 1), vec2(-3, -5), vec2(-5, 5), vec2(-7, -1), vec2(3, 7), vec2(7, -7)
+);
+
+// Of what is not in the map.
+float lit_fraction(int map, float tan_half, vec3 at, Receiver receiver) {
+    mat2 sides = receiver.pixel;
+    for (int side = 0; side < 2; ++side) {
+        sides[side] *= max(float(2 * PCF_RADIUS + 1) / max(length(sides[side]), 1e-6), 1.0);
+    }
+    float lit = 0.0;
+    for (int k = 0; k < TAPS_IN_PIXEL; ++k) {
+        vec2 texel = at.xy * shadow_map_size + sides * IN_PIXEL[k] / 16.0;
+        lit += texture(shadow_maps, vec3(in_texture(map, texel), clamp(at.z, 0.0, 1.0)));
+    }
+    return lit / float(TAPS_IN_PIXEL);
 }
 #else
 // Along one axis, 2 r + 1 bilinear taps weight 2 r + 2 texels by 1-f, 1, ..., 1, f. One bilinear tap placed between two
@@ -154,6 +197,7 @@ float lit_fraction(int map, float tan_half, vec3 at, Receiver receiver) {
     return lit / float((2 * PCF_RADIUS + 1) * (2 * PCF_RADIUS + 1));
 }
 #endif
+#endif
 
 // A point's coordinates and depth in a map. `scale`: how much larger a texel is at the point than at the caster.
 vec3 in_map(int map, vec3 position, out float scale) {
@@ -174,7 +218,12 @@ float lit_past(int caster, int light, vec3 position) {
     int map = caster * LIGHTS + light;
     float scale;
     // The map's depth range ends behind the caster but the ground goes on: lit_fraction clamps points beyond the range.
-    return lit_fraction(map, tan_half_size[map], in_map(map, position, scale), NOT_IN_MAP);
+    vec3 at = in_map(map, position, scale);
+    Receiver receiver = NOT_IN_MAP;
+#ifdef OVER_PIXELS
+    receiver.pixel = shadow_map_size * mat2(dFdx(at.xy), dFdy(at.xy));
+#endif
+    return lit_fraction(map, tan_half_size[map], at, receiver);
 }
 
 // The same for all models together.
@@ -215,7 +264,7 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal, vec3 to
 #else
     float rise = max(min(RISE_OF_SLOPE * tangent, MOST_RISE / tan_half_size[map]), LEAST_RISE);
 #endif
-    return lit_fraction(map, tan_half_size[map], at, Receiver(slope, rise));
+    return lit_fraction(map, tan_half_size[map], at, Receiver(slope, rise, mat2(0.0)));
 }
 
 // The fraction of a light that reaches a point on a model. Of which group it is makes no difference worth a uniform.

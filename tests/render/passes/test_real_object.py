@@ -280,3 +280,36 @@ def test_the_object_ends_a_shadow_behind_it_on_a_smooth_line_also_with_one_sampl
     mixed = (near > 0) & (fine > GREY - 0.9 * step) & (fine < GREY - 0.1 * step)
     assert mixed.sum() > 20
     assert np.abs(rough - fine)[mixed].mean() < 0.15 * step
+
+
+@pytest.mark.parametrize("up_to_outline", [False, True], ids=["within a side", "up to the outline"])
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_where_a_shadow_on_the_object_ends_pixels_are_as_dark_as_the_part_of_them_in_it(
+    make_renderer, stage, preset, up_to_outline: bool
+) -> None:
+    """As the means of seven times as many pixels a side: a border is no staircase, and no wider than its pixels."""
+    times, preset = 7, replace(preset, matches_blur=False, matches_noise=False)
+    lit = Illumination((stage.light(180, 30, (0.2, 0.2, 0.2)),), real_object=_proxy_box(0.1, 0.0, 0.03, 0.12))
+    # Out of view beside the object, and so near that a bare sun's penumbra is narrower than a pixel.
+    plate = box((0.02, 0.1, 0.35)).moved(1.0, np.array([-0.15, 0.0, 0.0])) if up_to_outline else box((0.02, 0.03, 0.12))
+    rolled = np.eye(4)
+    rolled[:2, :2] = (0.9, -0.436), (0.436, 0.9)  # no border is upright in the picture
+    pose = rolled @ stage.pose(140, 20, 0.5, target=(0.07, 0, 0.08))
+    shares = []
+    for columns, rows in ((160, 120), (160 * times, 120 * times)):
+        camera = stage.camera((columns, rows)).from_hfov((columns, rows), 20)
+        tracked = stage.tracked(np.full((rows, columns, 3), GREY, np.uint8), pose, camera)
+        picture = stage.picture(make_renderer(preset, (columns, rows)), Scene(tracked, stage.placed(plate), lit))
+        shares.append(LINEAR_FROM_SRGB_8BIT[picture[..., 1]] / LINEAR_FROM_SRGB_8BIT[GREY])
+    found, true = shares[0], shares[1].reshape(120, times, 160, times).mean(axis=(1, 3))
+    # The side that is lit, at x = 0.07, but where it meets the ground.
+    side = np.array([(0.07, y, z) for y in (-0.03, 0.03) for z in (0.02, 0.12)])
+    corners = project(stage.camera((160, 120)).from_hfov((160, 120), 20), pose, side)
+    near = np.zeros(found.shape, np.uint8)
+    cv2.fillConvexPoly(near, cv2.convexHull(np.round(corners).astype(np.int32)), 1)
+    near = cv2.dilate(near, np.ones((3, 3))) if up_to_outline else cv2.erode(near, np.ones((5, 5)))
+    darkest, lightest = true[near > 0].min(), true[near > 0].max()
+    border = (near > 0) & (true > darkest + 0.02) & (true < lightest - 0.02)
+    assert border.sum() > 60
+    error = (found - true)[border] / (lightest - darkest)
+    assert np.sqrt(np.square(error).mean()) < (0.12 if up_to_outline else 0.07)
