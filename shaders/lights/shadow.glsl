@@ -48,7 +48,7 @@ vec2 in_texture(int map, vec2 texel) {
 
 #if BLOCKER_TAPS > 0
 #ifdef OVER_PIXELS
-#define SPREAD mat2
+#define Spread mat2
 // From the unit disc to one of `radius` texels or, with OVER_PIXELS, to an ellipse that has the variance of that and of the
 // pixel together: of a disc it is a quarter along both axes, of a parallelogram a twelfth.
 mat2 spread(vec2 radius, Receiver receiver) {
@@ -58,7 +58,7 @@ mat2 spread(vec2 radius, Receiver receiver) {
     return (both + mat2(root)) / sqrt(both[0][0] + both[1][1] + 2.0 * root);
 }
 #else
-#define SPREAD vec2
+#define Spread vec2
 vec2 spread(vec2 radius, Receiver receiver) {
     return radius;
 }
@@ -96,7 +96,7 @@ Blockers blockers_of(int map, float tan_half, vec3 at, Receiver receiver, vec2 r
     vec2 centre = at.xy * shadow_map_size;
     vec2 search = max(vec2(1.5), at.z * shadow_extent[map].z * tan_half * texels_per_m);
     float least_rise = receiver.least_rise * at.z * tan_half;  // at the rim of what is searched
-    SPREAD searched = spread(search, receiver);
+    Spread searched = spread(search, receiver);
     vec2 farthest = search + abs(receiver.pixel[0]) + abs(receiver.pixel[1]);
     bool is_near = all(lessThan(abs(centre - 0.5 * shadow_map_size), 0.5 * shadow_map_size + farthest));
     float depths = 0.0;
@@ -128,7 +128,7 @@ bool is_penumbra(Blockers blockers) {
 float lit_fraction(int map, vec3 at, Receiver receiver, vec2 ray, Blockers blockers, vec2 radius) {
     vec2 centre = at.xy * shadow_map_size;
     float least_rise = receiver.least_rise * blockers.radius_m / shadow_extent[map].z;
-    SPREAD averaged = spread(radius, receiver);
+    Spread averaged = spread(radius, receiver);
     float lit = 0.0;
     for (int k = 0; k < (is_penumbra(blockers) ? SOFT_TAPS : 0); ++k) {
         float away = sqrt((float(k) + 0.5) / float(SOFT_TAPS));

@@ -80,8 +80,8 @@ def test_framing_stays_sound_at_any_distance(stage, distance_m: float, elevation
 
 
 def test_nothing_is_framed_behind_the_camera_or_beside_the_picture(stage) -> None:
-    behind = stage.pose(20, 30, -1.0)
-    assert framing(stage.camera(), behind, box_corners(BOX), (0, 0, 480, 360)) is None
+    turned_away = np.diag([-1.0, 1.0, -1.0, 1.0])
+    assert framing(stage.camera(), turned_away @ stage.pose(20, 30, 1.0), box_corners(BOX), (0, 0, 480, 360)) is None
     beside = stage.pose(20, 30, 1.0, target=(5.0, math.pi, 0.0))
     assert framing(stage.camera(), beside, box_corners(BOX), (0, 0, 480, 360)) is None
 
