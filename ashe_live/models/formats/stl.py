@@ -23,6 +23,7 @@ from ashe_live.models.parsing.notes import Notes
 
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX = re.compile(rb"\bvertex\s", re.IGNORECASE)
+LOOP_END = re.compile(rb"\bendloop\b", re.IGNORECASE)
 # Lines that hold any words; a facet may follow on the same line.
 NAMES = re.compile(rb"^[ \t]*+(?:end)?solid\b(?:(?!\bfacet\s+normal\b)[^\n])*+", re.IGNORECASE | re.MULTILINE)
 MAGICS = b"COLOR="  # red, green, blue and alpha follow, a byte each
@@ -68,9 +69,7 @@ def _colours(header: bytes, attributes: NDArray[np.uint16]) -> Float | None:
 
 def _of_text(content: bytes) -> np.ndarray:
     """The corners, which stand between the word vertex and the end of the line or of the loop."""
-    content = NAMES.sub(b"", content.replace(b"\r", b"\n"))
-    for end in (b"endloop", b"ENDLOOP"):
-        content = content.replace(end, b"\n")
+    content = LOOP_END.sub(b"\n", NAMES.sub(b"", content.replace(b"\r", b"\n")))
     lines = [piece.split(b"\n", 1)[0] for piece in VERTEX.split(content)[1:]]
     numbers = numbers_in(b" ".join(lines))
     if numbers.size != 3 * len(lines) or len(lines) % 3:

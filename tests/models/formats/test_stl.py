@@ -1,5 +1,6 @@
 """STL as programs write it: names of solids, and colours of triangles in the two ways that are in use."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -87,12 +88,12 @@ def test_a_solid_may_have_any_name(tmp_path: Path, name: str, line_end: str) -> 
 
 
 @pytest.mark.parametrize("facet_end", [" ", "\n"])
-@pytest.mark.parametrize("is_in_capitals", [True, False])
-def test_lines_are_free(tmp_path: Path, is_in_capitals: bool, facet_end: str) -> None:
+@pytest.mark.parametrize("spelled", [str.lower, str.upper, str.title])
+def test_lines_are_free(tmp_path: Path, spelled: Callable[[str], str], facet_end: str) -> None:
     """A facet, or all of a file, may stand on one."""
     loop = "outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop"
     text = facet_end.join(["solid a facet", f"facet normal 0 0 1 {loop} endfacet", "endsolid a"])
-    (tmp_path / "a.stl").write_text(text.upper() if is_in_capitals else text)
+    (tmp_path / "a.stl").write_text(spelled(text))
     model = load_model_file(tmp_path / "a.stl", "z")
     np.testing.assert_array_equal(model.bounds, [(0, 0, 0), (1, 1, 0)])
 
