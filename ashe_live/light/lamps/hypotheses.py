@@ -68,8 +68,8 @@ class LampEvidence:
         if self.in_views:
             both = min(self.by_fall, self.by_outlines) > LEAST_IN_VIEWS and self.deviance > DEVIANCE_IN_VIEWS
         else:
-            agree = self.by_outlines != 0 and self.by_outlines > -MOST_BY_OUTLINES
-            both = agree and self.by_fall > LEAST_BY_FALL and self.deviance > LAMP_DEVIANCE
+            outlines_allow_it = self.by_outlines != 0 and self.by_outlines > -MOST_BY_OUTLINES
+            both = outlines_allow_it and self.by_fall > LEAST_BY_FALL and self.deviance > LAMP_DEVIANCE
         return self.lamp is not None and (both or self.deviance > ALONE_DEVIANCE)
 
 
