@@ -20,7 +20,7 @@ from ashe_live.light.lamps.doubt import CHANCE_DEVIANCE, LAMPS_NEARNESS
 from ashe_live.light.lamps.fall import fall_off, lit_samples
 from ashe_live.light.lamps.lamp import OPEN_NEARNESS_SIGMA
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
-from ashe_live.quality import BALANCED, FAST
+from ashe_live.quality import BALANCED, FAST, QUALITIES
 from ashe_live.render.camera.held_look import LOOK_HELD_S
 from ashe_live.render.camera.white import ASSUMED_WHITE, PAPER_ALBEDO
 from ashe_live.render.lights.lighting import LAMP_RADIUS_M, SUN_ANGULAR_SIZE_RAD
@@ -94,30 +94,63 @@ STATED = {
         (round(math.degrees(SUN_ANGULAR_SIZE_RAD), 6), 100 * LAMP_RADIUS_M),
     ),
     "exposure": (
-        "docs/rendering.md",
+        "docs/rendering/light.md",
         "divided by paper's albedo of {:g} and measured in each frame",
         (PAPER_ALBEDO,),
     ),
-    "blur and noise": ("docs/rendering.md", "Blur and noise are measured every {:g} s of the video", (LOOK_HELD_S,)),
+    "blur and noise": (
+        "docs/rendering/light.md",
+        "Blur and noise are measured every {:g} s of the video",
+        (LOOK_HELD_S,),
+    ),
     "exposure without paper": (
-        "docs/rendering.md",
+        "docs/rendering/light.md",
         "w stays as it was last, and is {:g} at the start",
         (ASSUMED_WHITE,),
     ),
     "the real shadow's rim": (
-        "docs/rendering.md",
+        "docs/rendering/shadows.md",
         "Within {:g} pixels of the real shadow's outline",
         (in_shader(r"RIM_PX = ([\d.]+)", "catchers/ground.frag"),),
     ),
     "the fixed filter": (
-        "docs/rendering.md",
+        "docs/rendering/shadows.md",
         "a fixed filter of {0} x {0} texels",
         (2 * FAST.render.pcf_radius + 1,),
     ),
     "the bias": (
-        "docs/rendering.md",
+        "docs/rendering/shadows.md",
         "moves no shadow aside, by {:g} texel at most",
         (in_shader(r"MOST_AHEAD = ([\d.]+)", "lights/shadow.glsl"),),
+    ),
+    "depth maps": (
+        "docs/rendering.md",
+        "| texels a side of a depth map | {} | {} | {} |",
+        [quality.render.shadow_map_size for quality in QUALITIES.values()],
+    ),
+    "shadows on the ground": (
+        "docs/rendering.md",
+        "| texels a side of a shadow on the ground | {} | {} | {} |",
+        [quality.render.ground_shadow_size for quality in QUALITIES.values()],
+    ),
+    "taps": (
+        "docs/rendering.md",
+        "over a penumbra | {}, {} | {}, {} | {}, {} |",
+        [taps for quality in QUALITIES.values() for taps in (quality.render.blocker_taps, quality.render.soft_taps)],
+    ),
+    "samples a pixel": (
+        "docs/rendering.md",
+        "on a software rasteriser | {}, {} | {}, {} | {}, {} |",
+        [
+            max(1, samples)
+            for quality in QUALITIES.values()
+            for samples in (quality.render.msaa_samples, quality.render.software_msaa_samples)
+        ],
+    ),
+    "what is mirrored": (
+        "docs/rendering.md",
+        "that polished surfaces mirror | {} | {} | {} |",
+        [quality.render.environment_size for quality in QUALITIES.values()],
     ),
     "auto's way down": (
         "docs/rendering.md",

@@ -37,8 +37,8 @@ struct Receiver {
 const Receiver NOT_IN_MAP = Receiver(vec2(0.0), 0.0, mat2(0.0));
 // Hollow surfaces rise from their plane to all sides, the more, the more light grazes them (LEAST_RISE, and RISE_OF_SLOPE of
 // the slope), and block nothing: of a light of the radius r at a distance of 1, only what stands out by 1 / r of how far
-// aside it is takes any. No more than MOST_RISE of that is asked for. Chosen on a bowl and a mug (docs/rendering.md). With
-// ALL_BLOCK nothing of it is asked for: of light from all around, what rises from a plane does take a share.
+// aside it is takes any. No more than MOST_RISE of that is asked for. Chosen on a bowl and a mug (docs/rendering/shadows.md).
+// With ALL_BLOCK nothing of it is asked for: of light from all around, what rises from a plane does take a share.
 const float LEAST_RISE = 1.0, RISE_OF_SLOPE = 0.7, MOST_RISE = 0.9;
 
 // From a tile's texels to texture coordinates. The tile's border is empty, so clamping leaves points beyond it lit.

@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, ShadingLight
 
 MIRRORED = 0.04  # of light that falls straight on paper or toner, whose refractive index is 1.5; as in model/glass.glsl
-# GGX, perceptual: of uncoated paper, whose gloss is a broad sheen. Chosen on rendered pictures (docs/rendering.md).
+# GGX, perceptual: of uncoated paper, a broad sheen. Chosen on rendered pictures (docs/rendering/light.md).
 ROUGHNESS = 0.7
 
 

@@ -26,7 +26,7 @@ SHEET = 2.0  # assumed side of the marker's sheet, over that of its square
 LEAST_SHARE = 0.001  # least share of the picture over which contrast is measured
 MAD_OF_SIGMA = 0.6745  # median of the absolute deviations of a normal distribution of standard deviation 1
 SPLINE = np.array([1.0, 4.0, 1.0]) / 6  # of a cubic B-spline, at the middles of the squares that it weights
-SKY_SHARES = 0.01, 0.99  # limits of the sky's share: (2a) of docs/rendering.md has no value at 0 and 1
+SKY_SHARES = 0.01, 0.99  # limits of the sky's share: (2a) of docs/rendering/shadows.md has no value at 0 and 1
 MOST_SIGMAS = 3.0  # deviations beyond this multiple of the contrast in the light are paint, not relief
 
 
