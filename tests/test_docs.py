@@ -255,3 +255,14 @@ def test_the_guide_says_what_every_reason_means() -> None:
     assert {module for module, _ in given} >= {"explanation/no_answer.py", "paper/estimator.py"}
     for module, reason in given:
         assert reason in guide, f"{module}: {reason}"
+
+
+def test_the_guide_quotes_what_the_window_says() -> None:
+    """Numbers stand for others."""
+    table = GUIDE.read_text(encoding="utf-8").partition("| line | what to do |\n|---|---|\n")[2].partition("\n\n")[0]
+    quoted = [line for row in table.splitlines() for line in re.findall(r'"([^"]+)"', row.split("|")[1])]
+    writers = ("viewer/status.py", "drawing/light_text.py")
+    said = "".join((CHECKOUT / "ashe_live" / name).read_text(encoding="utf-8") for name in writers)
+    assert len(quoted) > 5
+    for line in quoted:
+        assert all(part in said for part in re.split(r"\d+", line)), line
