@@ -15,11 +15,11 @@ class ExitStatus(IntEnum):
 
 
 class ModelWarning(UserWarning):
-    """A model is drawn otherwise than its file says; the text says what is left out."""
+    """A model is drawn differently from what its file says; the text says what differs."""
 
 
 class UserError(Exception):
-    """Something that the user can mend; ends as one line on stderr and exit status 2.
+    """Something that the user can put right; a command ends with it as one line on stderr and exit status 2.
 
     `message` says what is wrong, `remedy` what to do about it.
     """

@@ -63,23 +63,22 @@ class Renderer:
     ) -> Image:
         """(h, w, 3) uint8 BGR: the picture with a lit model on its marker, and the shadow that the model casts.
 
-        `up`: which axis of the first model's file is up: "y", "z", "x", "-y", "-z" or "-x". None: as the file says, or
-        a guess where it does not say.
+        tracked: the frame that is drawn into. Without a marker in it there is no model.
+        model: a shipped model's name (`model_names()`), or the path of a glTF, GLB, OBJ, PLY or STL file; either of
+        them with a Placement, (name, placement), which says how it is scaled, turned and shifted on the marker's plane;
+        or a list of up to nine of these. The list's models shade each other, and those without a placement stand side
+        by side: the first over the marker, the second to its right, the third to its left, and so on.
+        illumination: an estimate's (`LightEstimate.illumination`) or one of your own; None, or one without a light: the
+        sky alone gives light. Polished surfaces mirror the frame that it was seen in, whichever frame is drawn.
+        shows_light: also draws an arrow that comes from each light, or a bulb where a lamp is in view.
+        time_s: the time within a moving model's animation, seconds; it is looped.
+        is_cut_out: only model and shadow, (h, w, 4) uint8 BGRA with straight alpha; put over the frame, they give the
+        same picture as without it.
+        up: which axis of the first model's file is up: "y", "z", "x", "-y", "-z" or "-x". None: as the file says, or a
+        guess where it does not say.
 
-        `time_s`: of a model that moves, since its motion began; it is looped. `is_cut_out`: model and shadow alone,
-        (h, w, 4) uint8 BGRA with straight alpha, so that they give the same picture when put over the frame.
-
-        `shows_light`: with an arrow that comes from each light, or a bulb where a lamp is.
-
-        `model` is a shipped model's name (`model_names()`) or the path of a glTF, GLB, OBJ, PLY or STL file; or such a
-        name with a Placement, how it is scaled, turned and shifted on the marker's plane; or a list of up to nine of
-        both. The list's models shade each other, and those without a placement stand side by side: the first over the
-        marker, the second to its right, the third to its left, and so on.
-        `illumination` is an estimate's (`LightEstimate.illumination`) or one of your own; without it, or without a
-        light in it, the sky alone gives light. Polished surfaces mirror the frame that it was seen in, whichever is
-        drawn. Without a marker there is no model. What of a model is drawn otherwise than its file says is a
-        ModelWarning, once. Raises UserError for a model that is not there or cannot be read, ValueError or TypeError
-        for any other wrong argument.
+        Whatever is drawn differently from what a model's file says is a ModelWarning, once. Raises UserError for a
+        model that is not there or cannot be read, ValueError or TypeError for any other wrong argument.
         """
         from ashe_live.render.scene import Scene
 

@@ -23,10 +23,13 @@ def write_png(
     texts: Mapping[str, str] | None = None,
     beside: bool = False,
 ) -> Path:
-    """Writes (h, w, 3) uint8 BGR, or (h, w, 4) BGRA with straight alpha, and returns where it is.
+    """Writes (h, w, 3) uint8 BGR, or (h, w, 4) BGRA with straight alpha, as PNG; returns the path of the file.
 
-    That is `beside` a file that has appeared at `path` meanwhile. `texts` stand in it by keyword, in chunks of the kind
-    iTXt (PNG specification, 11.3.3.4). Raises UserError when `path` exists (without `overwrite`) or cannot be written,
+    overwrite: replaces a file that is there.
+    texts: are stored in it by keyword, in chunks of the kind iTXt (PNG specification, 11.3.3.4).
+    beside: if a file appears at `path` meanwhile, this one is written beside it, under another name.
+
+    Raises UserError when `path` exists (without `overwrite`) or cannot be written,
     ValueError for a name that says that it is no PNG and for another array, TypeError for what is no array.
     """
     target = arguments.path(path, "path")

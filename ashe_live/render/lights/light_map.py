@@ -52,7 +52,11 @@ def light_map(illumination: Illumination) -> NDArray[np.float32]:
 def write_light_map(
     path: str | Path, illumination: Illumination, overwrite: bool = False, beside: bool = False
 ) -> Path:
-    """Writes `light_map` as Radiance HDR; returns where it is: `beside` a file that has appeared at `path` meanwhile.
+    """Writes the sky with the lights in it as an equirectangular map, Radiance HDR; returns the path of the file.
+
+    The map is in the marker's frame (z up, x in the middle), in units in which lit level white ground has radiance 1.
+    overwrite: replaces a file that is there.
+    beside: if a file appears at `path` meanwhile, this one is written beside it, under another name.
 
     Raises UserError when `path` exists (without `overwrite`) or cannot be written, ValueError for a name that says that
     it is no HDR.
