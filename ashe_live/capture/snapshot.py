@@ -27,9 +27,9 @@ def write_png(
 
     overwrite: replaces a file that is there.
     texts: are stored in it by keyword, in chunks of the kind iTXt (PNG specification, 11.3.3.4).
-    beside: if a file appears at `path` meanwhile, this one is written beside it, under another name.
+    beside: where a file is at `path` that stays, this one is written beside it, as `NAME-2` and so on.
 
-    Raises UserError when `path` exists (without `overwrite`) or cannot be written,
+    Raises UserError when `path` exists (with neither of the two) or cannot be written,
     ValueError for a name that says that it is no PNG and for another array, TypeError for what is no array.
     """
     target = arguments.path(path, "path")

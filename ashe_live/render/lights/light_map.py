@@ -56,9 +56,9 @@ def write_light_map(
 
     The map is in the marker's frame (z up, x in the middle), in units in which lit level white ground has radiance 1.
     overwrite: replaces a file that is there.
-    beside: if a file appears at `path` meanwhile, this one is written beside it, under another name.
+    beside: where a file is at `path` that stays, this one is written beside it, as `NAME-2` and so on.
 
-    Raises UserError when `path` exists (without `overwrite`) or cannot be written, ValueError for a name that says that
+    Raises UserError when `path` exists (with neither of the two) or cannot be written, ValueError for a name that says that
     it is no HDR.
     """
     target = arguments.path(path, "path")
