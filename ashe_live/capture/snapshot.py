@@ -29,8 +29,8 @@ def write_png(
     texts: are stored in it by keyword, in chunks of the kind iTXt (PNG specification, 11.3.3.4).
     beside: where a file is at `path` that stays, this one is written beside it, as `NAME-2` and so on.
 
-    Raises UserError when `path` exists (with neither of the two) or cannot be written,
-    ValueError for a name that says that it is no PNG and for another array, TypeError for what is no array.
+    Raises UserError when `path` exists (with neither of the two) or cannot be written, ValueError for a name that says
+    that it is no PNG and for another array, TypeError for what is no array.
     """
     target = arguments.path(path, "path")
     if target.suffix.lower() not in (".png", ""):

@@ -58,8 +58,8 @@ def write_light_map(
     overwrite: replaces a file that is there.
     beside: where a file is at `path` that stays, this one is written beside it, as `NAME-2` and so on.
 
-    Raises UserError when `path` exists (with neither of the two) or cannot be written, ValueError for a name that says that
-    it is no HDR.
+    Raises UserError when `path` exists (with neither of the two) or cannot be written, ValueError for a name that says
+    that it is no HDR.
     """
     target = arguments.path(path, "path")
     if target.suffix.lower() not in (".hdr", ""):
