@@ -217,6 +217,20 @@ def test_code_that_the_pages_name_is_there() -> None:
         assert any(name in names_in(path) for path in homes), f"{stem}.{name}"
 
 
+def test_constants_and_quantities_that_the_pages_name_are_there() -> None:
+    """`CONSTANTS`, and names that end in a unit or a frame, which outlive what they name as well."""
+    sources = [path for top in ("ashe_live", "assets", "shaders") for path in (CHECKOUT / top).rglob("*")]
+    of_code = {path for path in sources if path.suffix in (".py", ".frag", ".vert", ".glsl")}
+    words = {word for path in of_code for word in re.findall(r"\w+", path.read_text(encoding="utf-8"))}
+    ends = "_(?:px|m|rad|rad2|deg|ms|rgb|bgr|ratio|marker)"
+    count = 0
+    for page in PAGES:
+        named = re.findall(rf"`([A-Z]+_[A-Z_]+|[A-Za-z]\w*{ends})`", page.read_text(encoding="utf-8"))
+        assert set(named) <= words, f"{page.name}: {set(named) - words}"
+        count += len(named)
+    assert count > 50
+
+
 def test_sections_and_equations_that_the_code_names_are_there() -> None:
     """`docs/maths, "A section"`, wherever a comment's line ends, and `(10) of docs/maths`."""
     text = "".join(page.read_text(encoding="utf-8") for page in OF_EQUATIONS)
