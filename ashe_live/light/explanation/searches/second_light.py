@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ashe_live.core.arrays import without
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.explain import aligned_explanations, explanation_criterion, proposal_of
@@ -45,12 +46,15 @@ def with_lights_counted(
     one = max(kept, key=log_odds, default=None)
     if one is None:
         return kept
-    if len(one.lights) > 1:
-        return [each for each in kept if not is_part_of(one, each)]
-    found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights, view.coarse, view.ground, TRIED)
-    tried = [_tried(one, candidate, view, region_px) for candidate in found]
-    several = [both for both in tried if both is not None]
-    return [*several, *(other for other in kept if not any(is_part_of(both, other) for both in several))]
+    # Where the likeliest has two lights, of which the region cut one's shadow, its first light alone finds all of that.
+    pairs = [one] if len(one.lights) > 1 else []
+    alone = [each for each in kept if is_part_of(one, each)] if pairs else [one]
+    known = max(alone, key=log_odds, default=None)
+    if known is not None:
+        found = shadow_candidates(known.proxy, known.alignment.placed.lit.lights, view.coarse, view.ground, TRIED)
+        tried = [_tried(known, candidate, view, region_px) for candidate in found]
+        pairs += [both for both in tried if both is not None]
+    return [*pairs, *(other for other in without(kept, pairs) if not any(is_part_of(both, other) for both in pairs))]
 
 
 def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:

@@ -1,6 +1,7 @@
 """The second light on painted scenes: found where there is one, however pale its shadow, and nowhere else."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.explanation.scene_view import SceneView
+from ashe_live.light.explanation.searches.second_light import with_lights_counted
 from ashe_live.light.explanation.searches.shadow_search import DIRECTIONS, _MatchedFilter, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
@@ -163,3 +166,25 @@ def test_contributions_may_exceed_all_light_by_their_noise_only(left: float, are
     if both is not None:
         deeper, paler, together = both.shifts
         assert together[0] < deeper[0] < paler[0]
+
+
+def test_a_pair_with_a_wrong_second_light_leaves_the_right_one_to_be_found() -> None:
+    """A region that cuts one of two shadows shows both, so that its pair is likelier than the first light alone."""
+    painted = paint(BOX, other=STRONG)
+    _, trace = ProxyEstimator().traced(painted.tracked)
+    both = trace.judged[int(np.argmax(trace.probabilities))]
+    known, other = both.lights
+    single = next(
+        each for each in trace.rough if angle_between(each.lights[0].to_light_marker, known.to_light_marker) < 0.1
+    )
+    wrong = replace(both, lights=(known, replace(other, light=at_infinity(direction(-100.0, 60.0)))))
+    view, ground = seen(painted)
+    scene = SceneView(0, View.of(painted.tracked, BALANCED.fine_width_px), view, ground)
+    found = with_lights_counted([wrong, single], [], scene, BALANCED.region_px, lambda one: float(len(one.lights)))
+    assert found[0] is wrong
+    assert any(
+        max(angle_between(light.to_light_marker, true) for light, true in zip(one.lights, pair, strict=True)) < 0.05
+        for one in found[1:]
+        for pair in ((painted.to_light, STRONG.to_light), (STRONG.to_light, painted.to_light))
+        if len(one.lights) == 2
+    )
