@@ -50,7 +50,8 @@ class _Described:
 
     diffuse: tuple[float, ...] | None = None
     emission: tuple[float, ...] = (0.0, 0.0, 0.0)
-    opacity: float = 1.0
+    dissolve: float | None = None  # how opaque
+    transparency: float | None = None
     shininess: float = 0.0
     ambient: tuple[float, ...] = (0.0, 0.0, 0.0)
     illumination: int = 2  # of the format's models, from 0 to 10
@@ -60,7 +61,18 @@ class _Described:
     layout: MapLayout = PLAIN_LAYOUT  # of the picture
     cut_out: str = ""
     cut_out_layout: MapLayout = PLAIN_LAYOUT  # without a picture; else it lies as that does
-    has_opacity: bool = False
+
+    @property
+    def opacity(self) -> float:
+        """From 0 to 1: `d`, or else `Tr`, which is not of the format.
+
+        Most programs mean transparency by it, and MeshLab opacity: 1 alone is what that writes for all that is opaque.
+        """
+        if self.dissolve is None:
+            said = 1.0 if self.transparency is None or self.transparency >= 1 else 1 - self.transparency
+        else:
+            said = 1.0 if self.dissolve == self.transparency == 0 else self.dissolve  # one of both shows it
+        return min(max(said, 0.0), 1.0)
 
 
 def read_mtl(model: Path, content: bytes, pictures: Pictures, beside: str, notes: Notes) -> dict[str, Material]:
@@ -98,11 +110,9 @@ def _take(one: _Described, key: str, value: str) -> None:
         if len(numbers) >= 3:
             setattr(one, COLOURS[key], numbers[:3])
     elif key in ("d", "tr"):
-        # 0 is invisible for the one, and opaque for the other, which some programs mix up: of both the first holds.
         (*_, last) = numbers_of(value.replace("-halo", "")) or (None,)
-        if last is not None and (key == "d" or not one.has_opacity):
-            one.opacity = last if key == "d" else 1 - last
-            one.has_opacity = key == "d"
+        if last is not None:
+            setattr(one, "dissolve" if key == "d" else "transparency", last)
     elif key == "ns":
         one.shininess = next(iter(numbers_of(value)), 0.0)
     elif key == "illum":
@@ -120,7 +130,6 @@ def _take(one: _Described, key: str, value: str) -> None:
 def _material(
     one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image], is_blenders: bool
 ) -> Material:
-    opacity = min(max(one.opacity, 0.0), 1.0)
     colours = np.clip([one.diffuse or (0.8, 0.8, 0.8), one.emission], 0, 1)
     (red, green, blue), (glow_red, glow_green, glow_blue) = (
         colours if is_blenders else linear_from_srgb(colours)
@@ -129,11 +138,11 @@ def _material(
     metallic = float(np.mean(one.ambient)) if is_blenders and one.illumination in MIRRORS else 0.0
     plain = replace(
         UNKNOWN,
-        base_colour=(red, green, blue, opacity),
+        base_colour=(red, green, blue, one.opacity),
         emissive=(glow_red, glow_green, glow_blue),
         metallic=float(np.clip(metallic if one.metallic is None else one.metallic, 0, 1)),
         roughness=float(np.clip(roughness, 0, 1)),
-        alpha=Alpha.BLEND if opacity < 1 else Alpha.OPAQUE,
+        alpha=Alpha.BLEND if one.opacity < 1 else Alpha.OPAQUE,
     )
     return _with_pictures(plain, one, texels, made)
 

@@ -514,9 +514,31 @@ def test_colours_in_other_terms_are_as_if_not_said(tmp_path: Path, key: str, val
     assert (material.base_colour, material.emissive) == (surface(tmp_path, "").base_colour, (0, 0, 0))
 
 
-@pytest.mark.parametrize("lines", ["d 1\nTr 1", "Tr 1\nd 1"])
-def test_of_two_opacities_that_of_the_format_holds(tmp_path: Path, lines: str) -> None:
-    assert surface(tmp_path, lines).base_colour[3] == 1
+@pytest.mark.parametrize(
+    ("lines", "opacity"),
+    [
+        ("d 1\nTr 1", 1),
+        ("Tr 1\nd 1", 1),
+        ("d 0.25\nTr 0.25", 0.25),
+        ("Tr 1\nd 0.25", 0.25),
+        ("d 0", 0),
+        ("d 0\nTr 1", 0),
+        ("Tr 0\nd 0", 1),
+        ("d 0.25\nTr x", 0.25),
+    ],
+)
+def test_of_two_opacities_that_of_the_format_holds(tmp_path: Path, lines: str, opacity: float) -> None:
+    """Where one of both hides what the other shows, it is shown."""
+    assert surface(tmp_path, lines).base_colour[3] == opacity
+
+
+def test_what_meshlab_writes_is_opaque(tmp_path: Path) -> None:
+    """`Tr 1.000000` stands in all that it wrote for years: scans and data sets of them were invisible."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "scan.png")
+    colours = "Ka 0.200000 0.200000 0.200000\nKd 0.501961 0.501961 0.501961\nKs 1.000000 1.000000 1.000000"
+    material = surface(tmp_path, f"{colours}\nTr 1.000000\nillum 2\nNs 0.000000\nmap_Kd scan.png")
+    assert material.base_colour == (1, 1, 1, 1)
+    assert material.alpha is Alpha.OPAQUE
 
 
 def test_a_material_that_no_library_has_is_said_and_one_that_nothing_uses_is_not(tmp_path: Path) -> None:
