@@ -14,7 +14,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import read_mtl
-from ashe_live.models.formats.mtl_lines import text_of, without_comment
+from ashe_live.models.formats.mtl_lines import plain_name, text_of, without_comment
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.formats.words import numbers_in, with_plain_nan
 from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Material
@@ -119,6 +119,10 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
             for name, material in read_mtl(folder.model, content, pictures, beside, notes).items():
                 found.setdefault(name, material)
     wanted = {name: text_of(name) for name in lines.names}
+    plain = {plain_name(name): material for name, material in reversed(found.items())}
+    for said in filter(None, wanted.values()):
+        if said not in found and plain_name(said) in plain:
+            found[said] = plain[plain_name(said)]
     used = set(lines.materials)
     unknown = [said for name, said in wanted.items() if said and said not in found and lines.names[name] in used]
     if lines.libraries and not is_any_missing and unknown:

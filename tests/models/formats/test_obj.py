@@ -541,6 +541,35 @@ def test_what_meshlab_writes_is_opaque(tmp_path: Path) -> None:
     assert material.alpha is Alpha.OPAQUE
 
 
+@pytest.mark.parametrize(
+    ("used", "described"),
+    [
+        ("red # of the mug", "red"),
+        ("red", "red # of the mug"),
+        ("red\t#", "red # of the mug"),
+        ('"red"', "red"),
+        ("red", '"red"'),
+        ("red\tmug", "red\tmug"),
+        ("red  mug", "red mug"),
+        ("Material #25", "Material #25 # of the mug"),
+    ],
+)
+def test_a_materials_name_is_found_whatever_stands_around_it(tmp_path: Path, used: str, described: str) -> None:
+    library = f"newmtl {described}\nKd 1 0 0\nnewmtl Material #26\nKd 0 1 0\n"
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl {used}\n{TRIANGLE}", a=library)
+    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
+    assert not model.notes
+
+
+def test_of_materials_of_nearly_one_name_the_very_one_counts_and_else_the_first(tmp_path: Path) -> None:
+    library = "".join(f"newmtl {name}\nKd {shade} 0 0\n" for name, shade in (("m # a", 0), ("m # b", 1), ("m", 0)))
+    for used, red in (("m # b", 1), ("m", 0), ("m # c", 0)):
+        model = read(tmp_path, f"mtllib a.mtl\nusemtl {used}\n{TRIANGLE}", a=library)
+        assert model.parts[0].material.base_colour[0] == red
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl Material #25\n{TRIANGLE}", a="newmtl Material #26\nKd 1 0 0\n")
+    assert model.notes == ("its material Material #25 is in none of its libraries: it is drawn as plain plastic",)
+
+
 def test_a_material_that_no_library_has_is_said_and_one_that_nothing_uses_is_not(tmp_path: Path) -> None:
     model = read(tmp_path, f"mtllib a.mtl\nusemtl other\nusemtl gone\n{TRIANGLE}", a="newmtl m\nKd 1 0 0\n")
     assert model.notes == ("its material gone is in none of its libraries: it is drawn as plain plastic",)
