@@ -17,14 +17,16 @@ from ashe_live.models.formats.mtl_lines import numbers_of, picture_of, text_of, 
 from ashe_live.models.material import PLAIN_LAYOUT, UNKNOWN, Alpha, MapLayout, Material
 from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import check_materials
-from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.notes import NAME_CHARACTERS, Notes
 from ashe_live.models.parsing.pictures import Pictures, at_one_size, filled_beyond
+from ashe_live.process.messages import printable
 
 # The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
 # files, which begin with these words, colours are linear, the exponent is 1000 (1 - roughness)^2, and where the model
 # of illumination is one of mirrors the ambient colour is how much of a metal it is.
 BLENDERS_FIRST_WORDS, BLENDERS_SHININESS, MIRRORS = b"# Blender", 1000.0, (3, 6)
 COLOURS = {"ka": "ambient", "kd": "diffuse", "ke": "emission"}
+DRAWN = ("map_kd", "map_d", "map_aat")  # the last asks for smooth edges
 # Maps other than the diffuse one, of which none is drawn, with words for the notes.
 NOT_DRAWN = {
     "map_bump": "bump maps",
@@ -97,9 +99,11 @@ def read_mtl(model: Path, content: bytes, pictures: Pictures, beside: str, notes
             _take(one, key, value)
             if key in NOT_DRAWN:
                 notes.add(f"{NOT_DRAWN[key]} of its materials are left out")
+            elif key.startswith("map_") and key not in DRAWN:
+                notes.add(f"{printable(key, NAME_CHARACTERS)} of its materials is left out")
     is_blenders = content.lstrip().startswith(BLENDERS_FIRST_WORDS)
     texels = partial(pictures.named, covers=True, beside=beside)
-    return {name: _material(one, texels, pictures.made, is_blenders) for name, one in described.items()}
+    return {name: _material(one, texels, pictures.made, is_blenders, notes) for name, one in described.items()}
 
 
 def _take(one: _Described, key: str, value: str) -> None:
@@ -128,7 +132,11 @@ def _take(one: _Described, key: str, value: str) -> None:
 
 
 def _material(
-    one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image], is_blenders: bool
+    one: _Described,
+    texels: Callable[[str], Image | None],
+    made: Callable[..., Image],
+    is_blenders: bool,
+    notes: Notes,
 ) -> Material:
     colours = np.clip([one.diffuse or (0.8, 0.8, 0.8), one.emission], 0, 1)
     (red, green, blue), (glow_red, glow_green, glow_blue) = (
@@ -144,11 +152,11 @@ def _material(
         roughness=float(np.clip(roughness, 0, 1)),
         alpha=Alpha.BLEND if one.opacity < 1 else Alpha.OPAQUE,
     )
-    return _with_pictures(plain, one, texels, made)
+    return _with_pictures(plain, one, texels, made, notes)
 
 
 def _with_pictures(
-    plain: Material, one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image]
+    plain: Material, one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image], notes: Notes
 ) -> Material:
     """`plain` with its picture, as far as its mask leaves that; with a mask alone, its own colour cut out."""
     base_map = texels(one.picture) if one.picture else None
@@ -162,6 +170,10 @@ def _with_pictures(
         if base_map is None:
             alone = pictured(replace(plain, layouts={"base_map": one.cut_out_layout}), cut_out)
             return replace(alone, base_colour=plain.base_colour)
+        if one.cut_out_layout != one.layout and cut_out is not base_map:
+            notes.add(
+                "a mask of holes (map_d) is enlarged, shifted and clamped as its picture is, and not by its options"
+            )
         base_map = cut_out
     return plain if base_map is None else pictured(replace(plain, layouts={"base_map": one.layout}), base_map)
 

@@ -66,6 +66,33 @@ def test_of_a_picture_and_its_mask_nothing_but_their_opacity_is_of_the_material(
     assert material.layout("base_map").matrix == (2, 0, 0, 0, 2, 0)
 
 
+@pytest.mark.parametrize(
+    ("picture", "mask", "is_said"),
+    [
+        ("red.png", "-s 3 3 mask.png", True),
+        ("-s 3 3 red.png", "mask.png", True),
+        ("-s 3 3 red.png", "-s 3 3 1 mask.png", False),
+        ("red.png", "-s 3 3 red.png", False),  # by which nothing is cut out
+        ("gone.png", "-s 3 3 mask.png", False),
+    ],
+)
+def test_a_mask_that_lies_otherwise_than_its_picture_is_said(
+    tmp_path: Path, picture: str, mask: str, is_said: bool
+) -> None:
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    Image.fromarray(np.uint8([[0, 255], [255, 255]])).save(tmp_path / "mask.png")
+    library = f"newmtl m\nmap_Kd {picture}\nmap_d {mask}\n"
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=library)
+    assert any(note.startswith("a mask of holes (map_d) is enlarged") for note in model.notes) is is_said
+
+
+@pytest.mark.parametrize("key", ["map_Tr", "map_opacity", "map_Pc", "MAP_Ps"])
+def test_maps_that_the_format_does_not_know_are_said_to_be_left_out(tmp_path: Path, key: str) -> None:
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\nKd 1 0 0\n{key} a.png\n")
+    assert model.notes == (f"{key.lower()} of its materials is left out",)
+    assert not read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\n{key}\nmap_aat on\n").notes
+
+
 def test_what_is_black_is_black_unless_a_picture_is_missing_there(tmp_path: Path) -> None:
     assert surface(tmp_path, "Kd 0 0 0").base_colour == (0, 0, 0, 1)
     Image.new("L", (2, 2), 255).save(tmp_path / "mask.png")
