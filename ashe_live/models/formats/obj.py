@@ -16,7 +16,7 @@ from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import read_mtl
 from ashe_live.models.formats.mtl_lines import plain_name, text_of, without_comment
 from ashe_live.models.formats.polygons import triangulated
-from ashe_live.models.formats.words import numbers_in, with_plain_nan
+from ashe_live.models.formats.words import full_intensity, numbers_in, with_plain_nan
 from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder, MissingFileError
 from ashe_live.models.parsing.malformed import MalformedError
@@ -146,7 +146,7 @@ def _places(lines: list[bytes]) -> tuple[Float, Float | None]:
     if table.shape[1] < 6:
         return table[:, :3], None
     # Of seven numbers the fourth is the weight of a curve's point.
-    encoded = np.clip(table[:, -3:], 0, 1)
+    encoded = np.clip(table[:, -3:] / full_intensity(table[:, -3:]), 0, 1)
     return table[:, :3], np.column_stack([linear_from_srgb(encoded), np.ones(len(table))])
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from ashe_live.core.colour import linear_from_srgb
 from ashe_live.errors import UserError
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.loading import load_model_file
@@ -429,6 +430,15 @@ def test_a_word_that_is_no_number_is_said(tmp_path: Path, word: str) -> None:
 def test_colours_behind_the_places_are_of_srgb(tmp_path: Path) -> None:
     part = read(tmp_path, "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n").parts[0]
     np.testing.assert_allclose(part.colours, [(1, 0, 0, 1)] * 3)
+
+
+def test_colours_behind_the_places_may_be_bytes(tmp_path: Path) -> None:
+    """As some scanners write them: all was white. What is dark in bytes is a fraction only where none is bright."""
+    text = "v 0 0 0 255 0 51\nv 1 0 0 1 0 0\nv 0 1 0 255 0 51\nf 1 2 3\n"
+    part = read(tmp_path, text).parts[0]
+    shares = part.colours[np.argsort(part.vertices[:, 0]), :3]
+    expected = linear_from_srgb(np.array([(255, 0, 51), (255, 0, 51), (1, 0, 0)]) / 255)
+    np.testing.assert_allclose(shares, expected, atol=1e-6)
 
 
 def test_colours_stand_last_and_behind_all_places_or_are_none(tmp_path: Path) -> None:
