@@ -1,5 +1,6 @@
 """OBJ and MTL as programs write them: what a person sees there is seen here."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -247,6 +248,31 @@ def test_a_picture_beside_the_model_is_found(tmp_path: Path, name: str) -> None:
 def test_a_picture_may_have_a_percent_sign_in_its_name(tmp_path: Path, name: str) -> None:
     Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / name.replace("MY%20RED", "my%20red"))
     assert surface(tmp_path, f"map_Kd {name}").base_map is not None
+
+
+LETTERS, ACCENTS_APART = "größé.png", "gro\u0308ße\u0301.png"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere both names are of one file")
+@pytest.mark.parametrize(
+    ("on_disk", "named"),
+    [
+        (ACCENTS_APART.encode(), LETTERS.encode()),
+        (LETTERS.encode(), ACCENTS_APART.encode()),
+        (LETTERS.encode(), ACCENTS_APART.upper().replace("SS", "ß").encode()),
+        (LETTERS.encode("latin-1"), LETTERS.encode("latin-1")),
+        (LETTERS.encode("latin-1"), LETTERS.encode()),
+        ("グ.png".encode("gbk"), "グ.png".encode("gbk")),
+    ],
+)
+def test_a_picture_is_found_however_its_letters_are_encoded(tmp_path: Path, on_disk: bytes, named: bytes) -> None:
+    """Macs part accents from letters, and archives bring names in the encoding of another system."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    (tmp_path / "red.png").rename(tmp_path / os.fsdecode(on_disk))
+    (tmp_path / "a.mtl").write_bytes(b"newmtl m\nmap_Kd " + named)
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}")
+    assert model.parts[0].material.base_map is not None
+    assert not model.notes
 
 
 BLENDERS = (r"D:\\work\\", r"..\\", r"\\\\server\\")  # with two backslashes, as it wrote them once
