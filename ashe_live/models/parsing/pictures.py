@@ -7,6 +7,7 @@ from collections.abc import Callable, Hashable
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PillowImage
+from PIL import UnidentifiedImageError
 
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
@@ -94,6 +95,9 @@ class Pictures:
             picture = PillowImage.open(readable(io.BytesIO(content))[0])
         except PillowImage.DecompressionBombError:
             raise too_large(self._model, "of more than 8192 x 8192") from None
+        except UnidentifiedImageError:
+            said = f"of the model file {self._model} its {name} cannot be read, as it is no picture of a known kind"
+            raise UserError(said, "save that as PNG or JPEG, or copy it again") from None
         except (OSError, ValueError, SyntaxError, TypeError):
             raise MalformedError(f"its {name} cannot be read") from None
         with picture:
