@@ -111,9 +111,13 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
             contents = {library: folder.get(text_of(library))}
         except MissingFileError:
             # Several names may stand on one line, and one name may hold spaces.
-            there = {name: _there(folder, name, notes) for name in library.replace(b'"', b" ").split()}
-            is_any_missing |= None in there.values()
+            there = {name: _there(folder, name) for name in library.replace(b'"', b" ").split()}
             contents = {name: content for name, content in there.items() if content is not None}
+            missing = [name for name, content in there.items() if content is None]
+            is_any_missing |= bool(missing)
+            for gone in missing if contents else [library] * bool(missing):
+                said = printable(text_of(gone), NAME_CHARACTERS)
+                notes.add(f"its materials {said} are missing: it is drawn as plain plastic")
         for path, content in contents.items():
             beside = text_of(path).replace("\\", "/").rpartition("/")[0]
             for name, material in read_mtl(folder.model, content, pictures, beside, notes).items():
@@ -131,12 +135,10 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
     return {name: found[said] for name, said in wanted.items() if said in found}
 
 
-def _there(folder: Folder, name: bytes, notes: Notes) -> bytes | None:
+def _there(folder: Folder, name: bytes) -> bytes | None:
     try:
         return folder.get(text_of(name))
     except MissingFileError:
-        said = printable(text_of(name), NAME_CHARACTERS)
-        notes.add(f"its materials {said} are missing: it is drawn as plain plastic")
         return None
 
 

@@ -308,6 +308,20 @@ def test_a_library_that_is_missing_is_said_and_plain_plastic_drawn(tmp_path: Pat
     assert model.parts[0].material.metallic == 0
 
 
+@pytest.mark.parametrize(
+    ("named", "said"),
+    [
+        ("my mug.mtl", ["my mug.mtl"]),
+        ('"my mug.mtl"', ["my mug.mtl"]),
+        ("a.mtl gone.mtl lost.mtl", ["gone.mtl", "lost.mtl"]),
+    ],
+)
+def test_a_missing_library_is_named_as_the_file_names_it(tmp_path: Path, named: str, said: list[str]) -> None:
+    """One with a space in its name was said to be two; of several those are said that are missing."""
+    model = read(tmp_path, f"mtllib {named}\nusemtl m\n{TRIANGLE}", a="newmtl m\nKd 1 0 0\n")
+    assert model.notes == tuple(f"its materials {name} are missing: it is drawn as plain plastic" for name in said)
+
+
 def test_what_is_not_drawn_of_a_material_is_said(tmp_path: Path) -> None:
     model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}l 1 2\n", a="newmtl m\nmap_Bump bumps.png\nKd 1 1 1")
     assert model.notes == ("points and lines are left out", "bump maps of its materials are left out")
