@@ -13,7 +13,7 @@ import PIL.Image
 from ashe_live.capture.sources import too_many_pixels
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
-from ashe_live.files.slow_pictures import refuse_slow, refuse_slow_decoder
+from ashe_live.files.slow_pictures import opened_picture, refuse_slow_decoder
 from ashe_live.process.children import Limits
 from ashe_live.process.isolated import NoAnswerError, isolated_call
 
@@ -54,11 +54,9 @@ def _read(path: Path, formats: tuple[str, ...], read: Callable[[Path, PIL.Image.
 
         register_heif_opener()
     try:
-        with opened(path) as file:
-            refuse_slow(path, file)
-            with PIL.Image.open(file, formats=formats) as picture:
-                refuse_slow_decoder(path, picture, file)
-                return read(path, picture)
+        with opened(path) as file, opened_picture(path, file, formats) as picture:
+            refuse_slow_decoder(path, picture, file)
+            return read(path, picture)
     except PIL.Image.DecompressionBombError:
         raise too_many_pixels(path) from None
     except PIL.UnidentifiedImageError:

@@ -19,7 +19,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened
-from ashe_live.files.slow_pictures import refuse_slow, refuse_slow_decoder
+from ashe_live.files.slow_pictures import opened_picture, refuse_slow_decoder
 
 FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
@@ -99,11 +99,10 @@ def looks_like_photo(path: Path) -> bool:
 
 def _open(path: Path, file: BinaryIO) -> PIL.Image.Image:
     """Reads the header only. Raises UserError for a photo that takes very long already there, as `refuse_slow`."""
-    refuse_slow(path, file)
     with warnings.catch_warnings():
         # Pillow warns of large pictures at a limit of its own; ours is MAX_PIXELS.
         warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
-        return PIL.Image.open(file, formats=FORMATS)
+        return opened_picture(path, file, FORMATS)
 
 
 def _size_bytes(file: BinaryIO) -> int:
@@ -147,7 +146,8 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
         ) from None
     # A damaged file can fail anywhere in Pillow's decoders: SyntaxError, ValueError, struct.error, OSError...
     except Exception as error:
-        raise UserError(f"{path} is damaged ({error})", "copy it again, or convert it to JPEG or PNG") from None
+        why = f" ({error})" if str(error) else ""
+        raise UserError(f"{path} is damaged{why}", "copy it again, or convert it to JPEG or PNG") from None
 
 
 def _decoded(path: Path, picture: PIL.Image.Image) -> tuple[Image, float | None]:

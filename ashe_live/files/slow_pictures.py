@@ -13,6 +13,7 @@ import PIL.Image
 
 from ashe_live.errors import UserError
 from ashe_live.files.jpeg import refuse_endless
+from ashe_live.files.png import readable
 
 # Pillow's names of these decoders.
 IN_PYTHON = ("ppm_plain", "ppm", "bmp_rle")
@@ -28,6 +29,19 @@ LONGEST_HEADER, MOST_COMMENTS = 65_536, 1000
 PNG, JPEG_2000, OF_BOXES = b"\x89PNG\r\n\x1a\n", b"\x00\x00\x00\x0cjP  ", (b"jp2h", b"res ")
 BEFORE_REST = (b"IEND", b"jp2c")  # the last that are read: an end, and what is decoded in C
 MOST_PARTS = 200_000  # they take a second; the largest photos have fifty thousand, of 8 KB each
+
+
+def opened_picture(path: Path, file: BinaryIO, formats: tuple[str, ...]) -> PIL.Image.Image:
+    """Reads a picture's header only, as PIL.Image.open, which raises whatever it does for one that is damaged.
+
+    Raises UserError as `refuse_slow`. The texts and profiles of a PNG are those of `readable`.
+    """
+    refuse_slow(path, file)
+    content, profile = readable(file)
+    picture = PIL.Image.open(content, formats=formats)
+    if profile is not None:
+        picture.info["icc_profile"] = profile
+    return picture
 
 
 def refuse_slow(path: Path, file: BinaryIO) -> None:

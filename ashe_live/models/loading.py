@@ -10,7 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened, read_bytes
-from ashe_live.models.assembly import overlaps
+from ashe_live.models.assembly import invisible, overlaps
 from ashe_live.models.assembly.geometry import RawMesh, placed_mesh, used_vertices
 from ashe_live.models.assembly.merging import merged
 from ashe_live.models.assembly.mirroring import words_on_mirrors
@@ -115,7 +115,8 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
         notes.add(overlaps.WORDS)
     if (words := words_on_mirrors(parts)) is not None:
         notes.add(words)
-    return replace(model, notes=notes.lines)
+    before_all = (invisible.WORDS,) if invisible.nothing_is_seen(parts) else ()
+    return replace(model, notes=(*before_all, *notes.lines))
 
 
 def _extremes(T: Float, mesh: RawMesh) -> Float:

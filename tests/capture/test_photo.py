@@ -343,6 +343,17 @@ def test_unreadable_files_are_one_clear_line(tmp_path: Path, name: str, content:
         open_source(tmp_path / name)
 
 
+def test_damage_of_which_the_decoder_gives_no_reason_is_said_without_one(tmp_path: Path) -> None:
+    """Of a PNG whose palette is missing Pillow says nothing, and "damaged ()" was said."""
+    path = tmp_path / "a.png"
+    PIL.Image.new("P", (4, 4)).save(path)
+    content = path.read_bytes()
+    begin, end = content.index(b"PLTE") - 4, content.index(b"IDAT") - 4
+    path.write_bytes(content[:begin] + content[end:])
+    with pytest.raises(UserError, match=r"a\.png is damaged: copy it again"):
+        open_source(path)
+
+
 @pytest.mark.parametrize("name", ["phone.heic", "phone.jpg", "phone.mov", "phone"])
 @pytest.mark.parametrize("orientation", [1, 6])
 def test_photos_of_iphones_are_read_whatever_their_name(

@@ -20,8 +20,8 @@ COLOURS = np.array(
 )
 
 
-def profile(xyz_from_rgb: Float) -> bytes:
-    """ICC.1:2010 with these primaries and sRGB's curve."""
+def profile(xyz_from_rgb: Float, more: bytes = b"") -> bytes:
+    """ICC.1:2010 with these primaries and sRGB's curve, and a private tag of `more`."""
 
     def fixed(*values: float) -> bytes:
         return b"".join(struct.pack(">i", round(value * 65536)) for value in values)
@@ -31,6 +31,8 @@ def profile(xyz_from_rgb: Float) -> bytes:
     for place, name in enumerate("rgb"):
         tags[f"{name}XYZ".encode()] = b"XYZ " + bytes(4) + fixed(*xyz_from_rgb[:, place])
         tags[f"{name}TRC".encode()] = curve
+    if more:
+        tags[b"test"] = b"data" + bytes(8) + more
     table, content = struct.pack(">I", len(tags)), b""
     begin = 128 + 4 + 12 * len(tags)
     for name, body in tags.items():
@@ -55,6 +57,14 @@ def test_display_p3_has_its_true_colours(tmp_path: Path) -> None:
     assert np.abs(coded.astype(int) - COLOURS).max() > 10
     seen = photo(tmp_path / "phone.png", coded, profile(DISPLAY_P3))
     np.testing.assert_allclose(seen.astype(int), COLOURS, atol=2)
+
+
+def test_a_profile_of_megabytes_counts_as_one_of_kilobytes(tmp_path: Path) -> None:
+    """As those of printers, which are tables. Pillow refuses a PNG for one."""
+    small, large = profile(DISPLAY_P3), profile(DISPLAY_P3, bytes(2_000_000))
+    seen = photo(tmp_path / "small.png", COLOURS, small)
+    assert np.abs(seen.astype(int) - COLOURS).max() > 5
+    np.testing.assert_array_equal(photo(tmp_path / "large.png", COLOURS, large), seen)
 
 
 def test_pictures_in_srgb_keep_their_bits(tmp_path: Path) -> None:

@@ -69,6 +69,18 @@ def test_a_texture_that_cannot_be_had_is_named(tmp_path: Path, texture: str, sai
     assert texture in caught.value.message
 
 
+@pytest.mark.parametrize("name", ["sky.exr", "leaf.ktx", "leaf.svg", "leaf.png"])
+def test_of_a_texture_of_an_unknown_kind_it_is_said_what_to_do_with_that(tmp_path: Path, name: str) -> None:
+    """Nothing is wrong with the model, which to export again would not help."""
+    (tmp_path / name).write_bytes(b"\x76\x2f\x31\x01" + bytes(99))
+    (tmp_path / "a.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\nusemtl m\n{TRIANGLE}")
+    with pytest.raises(UserError) as caught:
+        load_model_file(tmp_path / "a.obj")
+    assert caught.value.message.endswith(f"its texture {name} cannot be read, as it is no picture of a known kind")
+    assert caught.value.remedy == "save that as PNG or JPEG, or copy it again"
+
+
 @pytest.mark.parametrize("texture", ["gone.png", "D:\\maps\\gone.png", "/home/me/gone.png", "../gone.png"])
 def test_without_its_texture_a_material_has_its_colour(tmp_path: Path, texture: str) -> None:
     """Black, which some programs write beside every texture, is none."""

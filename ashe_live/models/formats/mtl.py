@@ -17,14 +17,16 @@ from ashe_live.models.formats.mtl_lines import numbers_of, picture_of, text_of, 
 from ashe_live.models.material import PLAIN_LAYOUT, UNKNOWN, Alpha, MapLayout, Material
 from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import check_materials
-from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.notes import NAME_CHARACTERS, Notes
 from ashe_live.models.parsing.pictures import Pictures, at_one_size, filled_beyond
+from ashe_live.process.messages import printable
 
 # The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
 # files, which begin with these words, colours are linear, the exponent is 1000 (1 - roughness)^2, and where the model
 # of illumination is one of mirrors the ambient colour is how much of a metal it is.
 BLENDERS_FIRST_WORDS, BLENDERS_SHININESS, MIRRORS = b"# Blender", 1000.0, (3, 6)
 COLOURS = {"ka": "ambient", "kd": "diffuse", "ke": "emission"}
+DRAWN = ("map_kd", "map_d", "map_aat")  # the last asks for smooth edges
 # Maps other than the diffuse one, of which none is drawn, with words for the notes.
 NOT_DRAWN = {
     "map_bump": "bump maps",
@@ -50,7 +52,8 @@ class _Described:
 
     diffuse: tuple[float, ...] | None = None
     emission: tuple[float, ...] = (0.0, 0.0, 0.0)
-    opacity: float = 1.0
+    dissolve: float | None = None  # how opaque
+    transparency: float | None = None
     shininess: float = 0.0
     ambient: tuple[float, ...] = (0.0, 0.0, 0.0)
     illumination: int = 2  # of the format's models, from 0 to 10
@@ -60,7 +63,18 @@ class _Described:
     layout: MapLayout = PLAIN_LAYOUT  # of the picture
     cut_out: str = ""
     cut_out_layout: MapLayout = PLAIN_LAYOUT  # without a picture; else it lies as that does
-    has_opacity: bool = False
+
+    @property
+    def opacity(self) -> float:
+        """From 0 to 1: `d`, or else `Tr`, which is not of the format.
+
+        Most programs mean transparency by it, and MeshLab opacity: 1 alone is what that writes for all that is opaque.
+        """
+        if self.dissolve is None:
+            said = 1.0 if self.transparency is None or self.transparency >= 1 else 1 - self.transparency
+        else:
+            said = 1.0 if self.dissolve == self.transparency == 0 else self.dissolve  # one of both shows it
+        return min(max(said, 0.0), 1.0)
 
 
 def read_mtl(model: Path, content: bytes, pictures: Pictures, beside: str, notes: Notes) -> dict[str, Material]:
@@ -85,9 +99,11 @@ def read_mtl(model: Path, content: bytes, pictures: Pictures, beside: str, notes
             _take(one, key, value)
             if key in NOT_DRAWN:
                 notes.add(f"{NOT_DRAWN[key]} of its materials are left out")
+            elif key.startswith("map_") and key not in DRAWN:
+                notes.add(f"{printable(key, NAME_CHARACTERS)} of its materials is left out")
     is_blenders = content.lstrip().startswith(BLENDERS_FIRST_WORDS)
     texels = partial(pictures.named, covers=True, beside=beside)
-    return {name: _material(one, texels, pictures.made, is_blenders) for name, one in described.items()}
+    return {name: _material(one, texels, pictures.made, is_blenders, notes) for name, one in described.items()}
 
 
 def _take(one: _Described, key: str, value: str) -> None:
@@ -98,11 +114,9 @@ def _take(one: _Described, key: str, value: str) -> None:
         if len(numbers) >= 3:
             setattr(one, COLOURS[key], numbers[:3])
     elif key in ("d", "tr"):
-        # 0 is invisible for the one, and opaque for the other, which some programs mix up: of both the first holds.
         (*_, last) = numbers_of(value.replace("-halo", "")) or (None,)
-        if last is not None and (key == "d" or not one.has_opacity):
-            one.opacity = last if key == "d" else 1 - last
-            one.has_opacity = key == "d"
+        if last is not None:
+            setattr(one, "dissolve" if key == "d" else "transparency", last)
     elif key == "ns":
         one.shininess = next(iter(numbers_of(value)), 0.0)
     elif key == "illum":
@@ -118,9 +132,12 @@ def _take(one: _Described, key: str, value: str) -> None:
 
 
 def _material(
-    one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image], is_blenders: bool
+    one: _Described,
+    texels: Callable[[str], Image | None],
+    made: Callable[..., Image],
+    is_blenders: bool,
+    notes: Notes,
 ) -> Material:
-    opacity = min(max(one.opacity, 0.0), 1.0)
     colours = np.clip([one.diffuse or (0.8, 0.8, 0.8), one.emission], 0, 1)
     (red, green, blue), (glow_red, glow_green, glow_blue) = (
         colours if is_blenders else linear_from_srgb(colours)
@@ -129,17 +146,17 @@ def _material(
     metallic = float(np.mean(one.ambient)) if is_blenders and one.illumination in MIRRORS else 0.0
     plain = replace(
         UNKNOWN,
-        base_colour=(red, green, blue, opacity),
+        base_colour=(red, green, blue, one.opacity),
         emissive=(glow_red, glow_green, glow_blue),
         metallic=float(np.clip(metallic if one.metallic is None else one.metallic, 0, 1)),
         roughness=float(np.clip(roughness, 0, 1)),
-        alpha=Alpha.BLEND if opacity < 1 else Alpha.OPAQUE,
+        alpha=Alpha.BLEND if one.opacity < 1 else Alpha.OPAQUE,
     )
-    return _with_pictures(plain, one, texels, made)
+    return _with_pictures(plain, one, texels, made, notes)
 
 
 def _with_pictures(
-    plain: Material, one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image]
+    plain: Material, one: _Described, texels: Callable[[str], Image | None], made: Callable[..., Image], notes: Notes
 ) -> Material:
     """`plain` with its picture, as far as its mask leaves that; with a mask alone, its own colour cut out."""
     base_map = texels(one.picture) if one.picture else None
@@ -153,6 +170,10 @@ def _with_pictures(
         if base_map is None:
             alone = pictured(replace(plain, layouts={"base_map": one.cut_out_layout}), cut_out)
             return replace(alone, base_colour=plain.base_colour)
+        if one.cut_out_layout != one.layout and cut_out is not base_map:
+            notes.add(
+                "a mask of holes (map_d) is enlarged, shifted and clamped as its picture is, and not by its options"
+            )
         base_map = cut_out
     return plain if base_map is None else pictured(replace(plain, layouts={"base_map": one.layout}), base_map)
 

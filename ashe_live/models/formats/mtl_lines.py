@@ -17,6 +17,7 @@ OPTIONS = {
     **dict.fromkeys(("-o", "-s", "-t"), 3),
 }
 COMMENT = re.compile(rb'(?<=\.)(\w+"?)\s+#.*')
+COMMENT_BEHIND_NAME = re.compile(r"\s+#(?:\s.*)?$")  # "Material #25" is a name
 
 
 def text_of(content: bytes) -> str:
@@ -30,6 +31,11 @@ def text_of(content: bytes) -> str:
 def without_comment(file: bytes) -> bytes:
     """A file's name without the comment that follows it; in the name itself, up to its suffix, # is a character."""
     return COMMENT.sub(rb"\1", file)
+
+
+def plain_name(name: str) -> str:
+    """A material's name without what may stand around it: a comment, quotation marks, tabs in place of spaces."""
+    return " ".join(COMMENT_BEHIND_NAME.sub("", name).strip('"').split())
 
 
 def numbers_of(value: str) -> tuple[float, ...]:

@@ -14,9 +14,9 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import read_mtl
-from ashe_live.models.formats.mtl_lines import text_of, without_comment
+from ashe_live.models.formats.mtl_lines import plain_name, text_of, without_comment
 from ashe_live.models.formats.polygons import triangulated
-from ashe_live.models.formats.words import numbers_in, with_plain_nan
+from ashe_live.models.formats.words import full_intensity, numbers_in, with_plain_nan
 from ashe_live.models.material import NO_COORDINATES, UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder, MissingFileError
 from ashe_live.models.parsing.malformed import MalformedError
@@ -111,14 +111,22 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
             contents = {library: folder.get(text_of(library))}
         except MissingFileError:
             # Several names may stand on one line, and one name may hold spaces.
-            there = {name: _there(folder, name, notes) for name in library.replace(b'"', b" ").split()}
-            is_any_missing |= None in there.values()
+            there = {name: _there(folder, name) for name in library.replace(b'"', b" ").split()}
             contents = {name: content for name, content in there.items() if content is not None}
+            missing = [name for name, content in there.items() if content is None]
+            is_any_missing |= bool(missing)
+            for gone in missing if contents else [library] * bool(missing):
+                said = printable(text_of(gone), NAME_CHARACTERS)
+                notes.add(f"its materials {said} are missing: it is drawn as plain plastic")
         for path, content in contents.items():
             beside = text_of(path).replace("\\", "/").rpartition("/")[0]
             for name, material in read_mtl(folder.model, content, pictures, beside, notes).items():
                 found.setdefault(name, material)
     wanted = {name: text_of(name) for name in lines.names}
+    plain = {plain_name(name): material for name, material in reversed(found.items())}
+    for said in filter(None, wanted.values()):
+        if said not in found and plain_name(said) in plain:
+            found[said] = plain[plain_name(said)]
     used = set(lines.materials)
     unknown = [said for name, said in wanted.items() if said and said not in found and lines.names[name] in used]
     if lines.libraries and not is_any_missing and unknown:
@@ -127,12 +135,10 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
     return {name: found[said] for name, said in wanted.items() if said in found}
 
 
-def _there(folder: Folder, name: bytes, notes: Notes) -> bytes | None:
+def _there(folder: Folder, name: bytes) -> bytes | None:
     try:
         return folder.get(text_of(name))
     except MissingFileError:
-        said = printable(text_of(name), NAME_CHARACTERS)
-        notes.add(f"its materials {said} are missing: it is drawn as plain plastic")
         return None
 
 
@@ -142,7 +148,7 @@ def _places(lines: list[bytes]) -> tuple[Float, Float | None]:
     if table.shape[1] < 6:
         return table[:, :3], None
     # Of seven numbers the fourth is the weight of a curve's point.
-    encoded = np.clip(table[:, -3:], 0, 1)
+    encoded = np.clip(table[:, -3:] / full_intensity(table[:, -3:]), 0, 1)
     return table[:, :3], np.column_stack([linear_from_srgb(encoded), np.ones(len(table))])
 
 

@@ -8,8 +8,9 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import pictured
-from ashe_live.models.formats.ply_elements import Element, Lists, elements_of
+from ashe_live.models.formats.ply_elements import HEADER_END, Element, Lists, elements_of
 from ashe_live.models.formats.polygons import triangulated
+from ashe_live.models.formats.words import full_intensity
 from ashe_live.models.material import UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.malformed import MalformedError
@@ -63,7 +64,7 @@ def read_ply(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
 
 
 def _material(content: bytes, folder: Folder, notes: Notes) -> Material:
-    header = content[: content.find(b"end_header")].splitlines()
+    header = HEADER_END.split(content, 1)[0].splitlines()
     names = [line.removeprefix(TEXTURE) for line in header if line.startswith(TEXTURE)]
     if not names:
         return UNKNOWN
@@ -110,22 +111,18 @@ def _colours(element: Element) -> Float | None:
     """(n, 4) linear; opaque where the file says nothing of alpha."""
     for names in COLOURS:
         if (rgb := _columns(element, names)) is not None:
-            alpha = element.numbers.get("alpha", element.numbers.get("a"))
-            shares = rgb / _whole(element, names[0])
-            opaque = (
-                np.ones(len(rgb))
-                if alpha is None
-                else alpha / _whole(element, "alpha" if "alpha" in element.kinds else "a")
-            )
+            shares = rgb / _whole(element.kinds[names[0]], rgb)
+            name = "alpha" if "alpha" in element.numbers else "a"
+            alpha = element.numbers.get(name)
+            opaque = np.ones(len(rgb)) if alpha is None else alpha / _whole(element.kinds[name], alpha)
             return np.column_stack([linear_from_srgb(np.clip(shares, 0, 1)), np.clip(opaque, 0, 1)])
     return None
 
 
-def _whole(element: Element, name: str) -> float:
-    """The value of full intensity: 1 for fractions, else the largest number of the type, and 255 for integers of four
-    bytes, in which programs write those of one.
+def _whole(kind: str, values: Float) -> float:
+    """The value of full intensity: of integers the largest number of the type, and 255 for those of four bytes, in
+    which programs write those of one.
     """
-    kind = element.kinds[name]
     if kind[0] == "f":
-        return 1.0
+        return full_intensity(values)
     return 255.0 if kind[1] == "4" else float(np.iinfo(np.dtype(kind)).max)

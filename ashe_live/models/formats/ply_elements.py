@@ -4,6 +4,7 @@ Greg Turk, "The PLY polygon file format", 1994. A reader of our own: others that
 for as long as the first, and refuse what Blender writes.
 """
 
+import re
 import struct
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -34,7 +35,7 @@ DTYPES = {
     "float64": "f8",
 }
 ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": ""}
-HEADER_END = b"end_header"
+HEADER_END = re.compile(rb"(?<=[\r\n])end_header")  # and not what a comment says of it
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +71,10 @@ def elements_of(content: bytes) -> dict[str, Element]:
 
 def _header(content: bytes) -> tuple[str, list[Element], int]:
     """The byte order, the elements without their items, and where these begin."""
-    end = content.find(HEADER_END)
-    if not content.startswith(b"ply") or end < 0:
+    found = HEADER_END.search(content)
+    if not content.startswith(b"ply") or found is None:
         raise MalformedError("it has no PLY header")
+    end = found.start()
     # The format was written for carriage returns alone; bytes that follow them may hold a line feed.
     newline = content.find(b"\n" if b"\n" in content[:end] else b"\r", end)
     begin = newline + 1 if newline >= 0 else len(content)
@@ -109,8 +111,9 @@ def _fill_from_text(elements: list[Element], text: bytes) -> None:
     words = with_plain_nan(text).split()
     at = 0
     for element in elements:
-        least = element.count * max(1, len(element.properties))
-        if element.properties and least > len(words) - at:
+        if not element.properties:
+            continue
+        if element.count * len(element.properties) > len(words) - at:
             raise _ended(element)
         try:
             at = _fill_with_words(element, words, at)
@@ -123,7 +126,7 @@ def _fill_from_text(elements: list[Element], text: bytes) -> None:
 def _fill_with_words(element: Element, words: list[bytes], at: int) -> int:
     width = len(element.properties)
     if all(length is None for *_, length in element.properties):
-        table = np.array(words[at : at + element.count * width], np.float64).reshape(element.count if width else 0, -1)
+        table = np.array(words[at : at + element.count * width], np.float64).reshape(element.count, width)
         element.numbers = {name: table[:, column] for column, (name, *_) in enumerate(element.properties)}
         return at + element.count * width
     columns: dict[str, list[bytes]] = {name: [] for name, *_ in element.properties}

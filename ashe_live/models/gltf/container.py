@@ -3,6 +3,7 @@
 import base64
 import binascii
 import json
+import re
 import struct
 from pathlib import Path
 from urllib.parse import unquote_to_bytes
@@ -14,6 +15,8 @@ from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.process.messages import printable
 
 GLB_JSON, GLB_BINARY = 0x4E4F534A, 0x004E4942
+DATA = "data:"
+IN_BASE64 = re.compile(r"; *base64 *$", re.IGNORECASE)
 
 
 def split(path: Path, content: bytes) -> tuple[Json, bytes | None]:
@@ -66,10 +69,12 @@ def _parsed(text: bytes) -> Json:
 
 def _check_version(path: Path, document: Json) -> None:
     asset = document.get("asset")
-    version = asset.get("version") if isinstance(asset, dict) else None
+    # Of a later version the file says in the second whether it can be read as 2.0.
+    for key in ("version", "minVersion"):
+        version = asset.get(key) if isinstance(asset, dict) else None
+        if isinstance(version, str) and (version.partition(".")[0] != "2" or (key != "version" and version > "2.0")):
+            raise _other_version(path, version)
     # In glTF 1.0 meshes have names instead of places, and the version may be missing.
-    if isinstance(version, str) and not version.startswith("2."):
-        raise _other_version(path, version)
     if isinstance(document.get("meshes"), dict):
         raise _other_version(path, "1.0")
 
@@ -105,15 +110,26 @@ class Buffers:
         return self._binary
 
 
+def is_data(uri: str) -> bool:
+    """Whether a URI holds what it stands for (RFC 2397)."""
+    return uri.lstrip()[: len(DATA)].lower() == DATA
+
+
 def named_content(uri: str, folder: Folder) -> bytes:
-    """The content that a URI names: the data within it, or a file of the model's folder."""
-    if not uri.startswith("data:"):
+    """The content that a URI names: the data within it, or a file of the model's folder.
+
+    Data are read as browsers read them: base64 may have spaces in it, and lack its padding.
+    """
+    if not is_data(uri):
         return folder.get(uri)
     kind, comma, data = uri.partition(",")
     if not comma:
         raise MalformedError("a data URI has no comma")
+    content = unquote_to_bytes(data)
+    if not IN_BASE64.search(kind):
+        return content
+    digits = content.translate(None, b" \t\n\f\r").rstrip(b"=")
     try:
-        content = unquote_to_bytes(data)
-        return base64.b64decode(content) if kind.endswith(";base64") else content
+        return base64.b64decode(digits + b"=" * (-len(digits) % 4), validate=True)
     except (binascii.Error, ValueError):
         raise MalformedError("a data URI is no base64") from None

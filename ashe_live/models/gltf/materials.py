@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.models.gltf.arrays import Arrays
-from ashe_live.models.gltf.container import named_content
+from ashe_live.models.gltf.container import is_data, named_content
 from ashe_live.models.gltf.maps import Maps, layout_of
 from ashe_live.models.gltf.specular import SpecularGlossiness
 from ashe_live.models.material import (
@@ -199,8 +199,8 @@ class GltfMaterials:
             if not basis.is_readable():
                 self._notes.add(basis.LEFT_OUT)
                 return None
-        uri = self._header["images"][source].get("uri", "data:")
-        if uri.startswith("data:"):
+        uri = self._header["images"][source].get("uri")
+        if uri is None or is_data(uri):
             return self._pictures.texels(source, lambda: self._image(source, name), name, covers)
         return self._pictures.named(uri, name, covers)
 

@@ -1,7 +1,10 @@
 """What a model file may read beside itself: files of its own folder, small enough together, never a network."""
 
+import contextlib
+import itertools
 import os
 import re
+import unicodedata
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from urllib.parse import unquote
 
@@ -10,7 +13,7 @@ from ashe_live.files.reading import read_bytes
 from ashe_live.models.parsing.limits import MAX_NAMED_FILES
 
 SCHEME = re.compile(r"[a-z][a-z0-9+.-]+:", re.IGNORECASE)  # of an address; one letter is a drive of Windows
-MOST_ENTRIES = 10_000  # of a folder that are looked at for a name in other capitals
+MOST_ENTRIES = 10_000  # of a folder that are looked at for a name that is written otherwise
 
 
 class MissingFileError(UserError):
@@ -20,9 +23,10 @@ class MissingFileError(UserError):
 class Folder:
     """Lets a model file read what lies in its own folder.
 
-    Names are taken as other systems write them: with backslashes, with other capitals, percent-encoded. Of a path that
-    leads elsewhere (absolute, `../textures/a.png`) the end is looked for within the folder: exporters write where a
-    picture lay on the machine of its maker, and people copy it beside the model.
+    Names are taken as other systems write them: with backslashes, with other capitals, with accents apart from their
+    letters, in other encodings, percent-encoded. Of a path that leads elsewhere (absolute, `../textures/a.png`) the end
+    is looked for within the folder: exporters write where a picture lay on the machine of its maker, and people copy it
+    beside the model.
     """
 
     def __init__(self, model: Path, most_bytes: int) -> None:
@@ -30,6 +34,7 @@ class Folder:
         self._folder = model.parent.resolve()
         self._bytes_left = most_bytes
         self._named = 0
+        self._names: dict[Path, dict[str, str]] = {}
         self.read: dict[Path, None] = {}  # the files that have been read, in order
 
     def get(self, name: str) -> bytes:
@@ -78,23 +83,39 @@ class Folder:
         return Path(os.path.realpath(self._folder / relative)).is_relative_to(self._folder)
 
     def _named_like(self, relative: str) -> Path | None:
-        """Within the folder, also in other capitals; None when there is nothing, or a link leads elsewhere."""
+        """Within the folder, also if `_folded` alike alone; None when there is nothing, or a link leads elsewhere."""
         path = self._folder
         for part in PurePosixPath(relative).parts:
             inside = path / part
             if not os.path.lexists(inside):
-                try:
-                    with os.scandir(path) as entries:
-                        alike = sorted(
-                            entry.name
-                            for entry, _ in zip(entries, range(MOST_ENTRIES), strict=False)
-                            if entry.name.casefold() == part.casefold()
-                        )
-                except OSError:
+                alike = self._names_in(path).get(_folded(part))
+                if alike is None:
                     return None
-                if not alike:
-                    return None
-                inside = path / alike[0]
+                inside = path / alike
             path = inside
         real = Path(os.path.realpath(path))
         return real if real.is_relative_to(self._folder) else None
+
+    def _names_in(self, folder: Path) -> dict[str, str]:
+        """Of those that are `_folded` alike the first by alphabet. A folder is looked through once."""
+        if folder not in self._names:
+            names: list[str] = []
+            with contextlib.suppress(OSError), os.scandir(folder) as entries:
+                names = sorted(entry.name for entry in itertools.islice(entries, MOST_ENTRIES))
+            self._names[folder] = {_folded(name): name for name in reversed(names)}
+        return self._names[folder]
+
+
+def _folded(name: str) -> str:
+    """Equal for names that look alike: Unicode's canonical caseless matching (section 3.13, D145).
+
+    Macs part accents from letters in names of files, and archives keep that. Bytes that are no UTF-8 are taken for
+    Latin-1, as they are in the text of models.
+    """
+    try:
+        text = os.fsencode(name).decode()
+    except UnicodeDecodeError:
+        text = os.fsencode(name).decode("latin-1")
+    except UnicodeEncodeError:  # a half of a pair, as JSON may have it
+        text = name
+    return unicodedata.normalize("NFD", unicodedata.normalize("NFD", text).casefold())

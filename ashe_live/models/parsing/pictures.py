@@ -7,9 +7,11 @@ from collections.abc import Callable, Hashable
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PillowImage
+from PIL import UnidentifiedImageError
 
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
+from ashe_live.files.png import readable
 from ashe_live.models.parsing import basis
 from ashe_live.models.parsing.folder import Folder, MissingFileError
 from ashe_live.models.parsing.limits import MAX_TEXTURE_PX, check_decoded, check_picture, check_texels, too_large
@@ -90,9 +92,12 @@ class Pictures:
             check_decoded(self._model, self._decoded)
             return _reduced(PillowImage.fromarray(texels), covers)
         try:
-            picture = PillowImage.open(io.BytesIO(content))
+            picture = PillowImage.open(readable(io.BytesIO(content))[0])
         except PillowImage.DecompressionBombError:
             raise too_large(self._model, "of more than 8192 x 8192") from None
+        except UnidentifiedImageError:
+            said = f"of the model file {self._model} its {name} cannot be read, as it is no picture of a known kind"
+            raise UserError(said, "save that as PNG or JPEG, or copy it again") from None
         except (OSError, ValueError, SyntaxError, TypeError):
             raise MalformedError(f"its {name} cannot be read") from None
         with picture:

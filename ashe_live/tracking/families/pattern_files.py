@@ -10,9 +10,8 @@ import PIL.Image
 
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
-from ashe_live.files.jpeg import refuse_endless
 from ashe_live.files.reading import read_bytes
-from ashe_live.files.slow_pictures import refuse_slow_decoder
+from ashe_live.files.slow_pictures import opened_picture, refuse_slow_decoder
 
 # An ARToolKit pattern file: for each of 4 rotations the blue, green and red channel, 16 rows of 16 numbers each.
 ROTATIONS, CHANNELS, ROWS = 4, 3, 16
@@ -59,13 +58,12 @@ def read_marker_picture(path: Path) -> Image:
     Raises UserError when it cannot be read or is not a square.
     """
     file = io.BytesIO(read_bytes(path, MAX_PICTURE_BYTES, may_be_empty=False))
-    refuse_endless(path, file)
     by_pattern = f", or one of ARToolKit's by pattern:{path}" if path.suffix.lower() == ".patt" else ""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", PIL.Image.DecompressionBombWarning)
             # Opening reads the header only, so the size is known before memory is spent on it.
-            with PIL.Image.open(file, formats=PICTURE_FORMATS) as picture:
+            with opened_picture(path, file, PICTURE_FORMATS) as picture:
                 _check_picture_size(path, picture.size)
                 refuse_slow_decoder(path, picture, file)
                 rgba = picture.convert("RGBA")

@@ -1,5 +1,6 @@
 """OBJ and MTL as programs write them: what a person sees there is seen here."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from ashe_live.core.colour import linear_from_srgb
 from ashe_live.errors import UserError
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.loading import load_model_file
@@ -64,6 +66,33 @@ def test_of_a_picture_and_its_mask_nothing_but_their_opacity_is_of_the_material(
     material = surface(tmp_path, "Kd 0.1 0.1 0.1\nd 0.5\nmap_Kd -s 2 2 red.png\nmap_d -s 3 3 mask.png")
     assert material.base_colour == (1, 1, 1, 0.5)
     assert material.layout("base_map").matrix == (2, 0, 0, 0, 2, 0)
+
+
+@pytest.mark.parametrize(
+    ("picture", "mask", "is_said"),
+    [
+        ("red.png", "-s 3 3 mask.png", True),
+        ("-s 3 3 red.png", "mask.png", True),
+        ("-s 3 3 red.png", "-s 3 3 1 mask.png", False),
+        ("red.png", "-s 3 3 red.png", False),  # by which nothing is cut out
+        ("gone.png", "-s 3 3 mask.png", False),
+    ],
+)
+def test_a_mask_that_lies_otherwise_than_its_picture_is_said(
+    tmp_path: Path, picture: str, mask: str, is_said: bool
+) -> None:
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    Image.fromarray(np.uint8([[0, 255], [255, 255]])).save(tmp_path / "mask.png")
+    library = f"newmtl m\nmap_Kd {picture}\nmap_d {mask}\n"
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=library)
+    assert any(note.startswith("a mask of holes (map_d) is enlarged") for note in model.notes) is is_said
+
+
+@pytest.mark.parametrize("key", ["map_Tr", "map_opacity", "map_Pc", "MAP_Ps"])
+def test_maps_that_the_format_does_not_know_are_said_to_be_left_out(tmp_path: Path, key: str) -> None:
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\nKd 1 0 0\n{key} a.png\n")
+    assert model.notes == (f"{key.lower()} of its materials is left out",)
+    assert not read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\n{key}\nmap_aat on\n").notes
 
 
 def test_what_is_black_is_black_unless_a_picture_is_missing_there(tmp_path: Path) -> None:
@@ -221,6 +250,31 @@ def test_a_picture_may_have_a_percent_sign_in_its_name(tmp_path: Path, name: str
     assert surface(tmp_path, f"map_Kd {name}").base_map is not None
 
 
+LETTERS, ACCENTS_APART = "größé.png", "gro\u0308ße\u0301.png"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere both names are of one file")
+@pytest.mark.parametrize(
+    ("on_disk", "named"),
+    [
+        (ACCENTS_APART.encode(), LETTERS.encode()),
+        (LETTERS.encode(), ACCENTS_APART.encode()),
+        (LETTERS.encode(), ACCENTS_APART.upper().replace("SS", "ß").encode()),
+        (LETTERS.encode("latin-1"), LETTERS.encode("latin-1")),
+        (LETTERS.encode("latin-1"), LETTERS.encode()),
+        ("グ.png".encode("gbk"), "グ.png".encode("gbk")),
+    ],
+)
+def test_a_picture_is_found_however_its_letters_are_encoded(tmp_path: Path, on_disk: bytes, named: bytes) -> None:
+    """Macs part accents from letters, and archives bring names in the encoding of another system."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    (tmp_path / "red.png").rename(tmp_path / os.fsdecode(on_disk))
+    (tmp_path / "a.mtl").write_bytes(b"newmtl m\nmap_Kd " + named)
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}")
+    assert model.parts[0].material.base_map is not None
+    assert not model.notes
+
+
 BLENDERS = (r"D:\\work\\", r"..\\", r"\\\\server\\")  # with two backslashes, as it wrote them once
 BEFORE = ("D:/work/", "D:/", "//server/work/", "/home/me/", "/", "../", "../../a/b/", *BLENDERS)
 
@@ -252,6 +306,20 @@ def test_a_library_that_is_missing_is_said_and_plain_plastic_drawn(tmp_path: Pat
     model = read(tmp_path, f"mtllib gone.mtl\nusemtl m\n{TRIANGLE}")
     assert model.notes == ("its materials gone.mtl are missing: it is drawn as plain plastic",)
     assert model.parts[0].material.metallic == 0
+
+
+@pytest.mark.parametrize(
+    ("named", "said"),
+    [
+        ("my mug.mtl", ["my mug.mtl"]),
+        ('"my mug.mtl"', ["my mug.mtl"]),
+        ("a.mtl gone.mtl lost.mtl", ["gone.mtl", "lost.mtl"]),
+    ],
+)
+def test_a_missing_library_is_named_as_the_file_names_it(tmp_path: Path, named: str, said: list[str]) -> None:
+    """One with a space in its name was said to be two; of several those are said that are missing."""
+    model = read(tmp_path, f"mtllib {named}\nusemtl m\n{TRIANGLE}", a="newmtl m\nKd 1 0 0\n")
+    assert model.notes == tuple(f"its materials {name} are missing: it is drawn as plain plastic" for name in said)
 
 
 def test_what_is_not_drawn_of_a_material_is_said(tmp_path: Path) -> None:
@@ -404,6 +472,15 @@ def test_colours_behind_the_places_are_of_srgb(tmp_path: Path) -> None:
     np.testing.assert_allclose(part.colours, [(1, 0, 0, 1)] * 3)
 
 
+def test_colours_behind_the_places_may_be_bytes(tmp_path: Path) -> None:
+    """As some scanners write them: all was white. What is dark in bytes is a fraction only where none is bright."""
+    text = "v 0 0 0 255 0 51\nv 1 0 0 1 0 0\nv 0 1 0 255 0 51\nf 1 2 3\n"
+    part = read(tmp_path, text).parts[0]
+    shares = part.colours[np.argsort(part.vertices[:, 0]), :3]
+    expected = linear_from_srgb(np.array([(255, 0, 51), (255, 0, 51), (1, 0, 0)]) / 255)
+    np.testing.assert_allclose(shares, expected, atol=1e-6)
+
+
 def test_colours_stand_last_and_behind_all_places_or_are_none(tmp_path: Path) -> None:
     """Of seven numbers the fourth is a weight, and more than full intensity is full."""
     part = read(tmp_path, "v 0 0 0 1 0 2 0\nv 1 0 0 1 0 2 0\nv 0 1 0 1 0 2 0\nf 1 2 3\n").parts[0]
@@ -514,9 +591,60 @@ def test_colours_in_other_terms_are_as_if_not_said(tmp_path: Path, key: str, val
     assert (material.base_colour, material.emissive) == (surface(tmp_path, "").base_colour, (0, 0, 0))
 
 
-@pytest.mark.parametrize("lines", ["d 1\nTr 1", "Tr 1\nd 1"])
-def test_of_two_opacities_that_of_the_format_holds(tmp_path: Path, lines: str) -> None:
-    assert surface(tmp_path, lines).base_colour[3] == 1
+@pytest.mark.parametrize(
+    ("lines", "opacity"),
+    [
+        ("d 1\nTr 1", 1),
+        ("Tr 1\nd 1", 1),
+        ("d 0.25\nTr 0.25", 0.25),
+        ("Tr 1\nd 0.25", 0.25),
+        ("d 0", 0),
+        ("d 0\nTr 1", 0),
+        ("Tr 0\nd 0", 1),
+        ("d 0.25\nTr x", 0.25),
+    ],
+)
+def test_of_two_opacities_that_of_the_format_holds(tmp_path: Path, lines: str, opacity: float) -> None:
+    """Where one of both hides what the other shows, it is shown."""
+    assert surface(tmp_path, lines).base_colour[3] == opacity
+
+
+def test_what_meshlab_writes_is_opaque(tmp_path: Path) -> None:
+    """`Tr 1.000000` stands in all that it wrote for years: scans and data sets of them were invisible."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "scan.png")
+    colours = "Ka 0.200000 0.200000 0.200000\nKd 0.501961 0.501961 0.501961\nKs 1.000000 1.000000 1.000000"
+    material = surface(tmp_path, f"{colours}\nTr 1.000000\nillum 2\nNs 0.000000\nmap_Kd scan.png")
+    assert material.base_colour == (1, 1, 1, 1)
+    assert material.alpha is Alpha.OPAQUE
+
+
+@pytest.mark.parametrize(
+    ("used", "described"),
+    [
+        ("red # of the mug", "red"),
+        ("red", "red # of the mug"),
+        ("red\t#", "red # of the mug"),
+        ('"red"', "red"),
+        ("red", '"red"'),
+        ("red\tmug", "red\tmug"),
+        ("red  mug", "red mug"),
+        ("Material #25", "Material #25 # of the mug"),
+    ],
+)
+def test_a_materials_name_is_found_whatever_stands_around_it(tmp_path: Path, used: str, described: str) -> None:
+    library = f"newmtl {described}\nKd 1 0 0\nnewmtl Material #26\nKd 0 1 0\n"
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl {used}\n{TRIANGLE}", a=library)
+    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
+    assert not model.notes
+
+
+def test_of_materials_of_nearly_one_name_the_very_one_counts_and_else_the_first(tmp_path: Path) -> None:
+    library = "".join(f"newmtl {name}\nKd {shade} 0 0\n" for name, shade in (("m # a", 0), ("m # b", 1), ("m", 0)))
+    for used, red in (("m # b", 1), ("m", 0), ("m # c", 0)):
+        model = read(tmp_path, f"mtllib a.mtl\nusemtl {used}\n{TRIANGLE}", a=library)
+        assert model.parts[0].material.base_colour[0] == red
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl Material #25\n{TRIANGLE}", a="newmtl Material #26\nKd 1 0 0\n")
+    assert model.notes == ("its material Material #25 is in none of its libraries: it is drawn as plain plastic",)
 
 
 def test_a_material_that_no_library_has_is_said_and_one_that_nothing_uses_is_not(tmp_path: Path) -> None:

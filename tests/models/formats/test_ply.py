@@ -75,6 +75,7 @@ def test_colours_may_be_fractions_or_bytes_with_an_alpha(tmp_path: Path) -> None
     for kind, whole, alpha in (
         ("uchar", 255, "alpha"),
         ("float", 1.0, "a"),
+        ("float", 255, "alpha"),
         ("ushort", 65535, "alpha"),
         ("int", 255, "alpha"),
         ("uint32", 255, "a"),
@@ -86,6 +87,36 @@ def test_colours_may_be_fractions_or_bytes_with_an_alpha(tmp_path: Path) -> None
         (part,) = load_model_file(tmp_path / "a.ply").parts
         assert part.colours is not None
         np.testing.assert_allclose(part.colours[0], (1, 0, linear_from_srgb(np.array(0.2)), 0.6), atol=1e-4)
+
+
+def test_alpha_is_of_the_largest_value_that_itself_shows(tmp_path: Path) -> None:
+    """And a colour a little brighter than white is no byte."""
+    names = "".join(f"property float {name}\n" for name in ("red", "green", "blue", "alpha"))
+    for rgb, alpha, shares in (("255 0 51", "0.6", (1, 0, 0.2, 0.6)), ("1.5 0 0.2", "153", (1, 0, 0.2, 0.6))):
+        rows = "".join(f"{x} {y} {z} {rgb} {alpha}\n" for x, y, z in PLACES)
+        (tmp_path / "a.ply").write_text(header("ascii", 1, vertex=names) + rows + "3 0 1 2\n")
+        (part,) = load_model_file(tmp_path / "a.ply").parts
+        assert part.colours is not None
+        expected = (*linear_from_srgb(np.array(shares[:3])), shares[3])
+        np.testing.assert_allclose(part.colours[0], expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+@pytest.mark.parametrize(
+    "before",
+    [
+        "comment what follows end_header is the mesh\n",
+        "element edge 0\nproperty int vertex1\nproperty int vertex2\n",
+        "element edge 0\nproperty list uchar int vertices\n",
+        "element nothing 3\n",
+    ],
+)
+def test_what_holds_nothing_and_what_comments_say_changes_nothing(tmp_path: Path, kind: str, before: str) -> None:
+    content = written(kind, tmp_path / "a.ply").read_bytes()
+    (tmp_path / "b.ply").write_bytes(content.replace(b"element vertex", before.encode() + b"element vertex"))
+    (plain,), (other,) = (load_model_file(tmp_path / name, up="z").parts for name in ("a.ply", "b.ply"))
+    np.testing.assert_array_equal(other.vertices, plain.vertices)
+    np.testing.assert_array_equal(other.triangles, plain.triangles)
 
 
 def test_corners_may_have_texture_coordinates_of_their_own(tmp_path: Path) -> None:

@@ -65,7 +65,9 @@ def test_what_a_file_is_counts_and_not_its_name(tmp_path: Path, suffix: str) -> 
         (glb(rest=lambda _: OTHER_CHUNK), r"buffers\[0\] has 0 bytes, and 48 are used"),
         (with_buffer(), r"buffers\[0\].uri is missing"),
         (with_buffer(uri="data:application/octet-stream;base64"), "a data URI has no comma"),
-        (with_buffer(uri="data:;base64,AAA"), "a data URI is no base64"),
+        (with_buffer(uri="data:;base64,AAAAA"), "a data URI is no base64"),
+        (with_buffer(uri="data:;base64,AA-_"), "a data URI is no base64"),
+        (with_buffer(uri="DATA:;BASE64,AA*A"), "a data URI is no base64"),
         (with_buffer(uri="data:;base64,AAAA"), r"buffers\[0\] has 3 bytes, and 48 are used"),
         (with_buffer(uri="data:,%00%00"), r"buffers\[0\] has 2 bytes, and 48 are used"),
         (b"[]", "its JSON is not an object"),
@@ -81,6 +83,32 @@ def test_what_is_wrong_with_it_is_said(tmp_path: Path, content: bytes, said: str
         load_model_file(tmp_path / "a.glb")
 
 
+def of_version(**asset: str) -> bytes:
+    content = json.loads(with_buffer(uri="data:;base64," + base64.b64encode(quad().buffer).decode()))
+    return json.dumps({**content, "asset": asset}).encode()
+
+
+@pytest.mark.parametrize(
+    ("asset", "is_read"),
+    [
+        ({"version": "2.0", "minVersion": "2.0"}, True),
+        ({"version": "2.1"}, True),
+        ({"version": "2"}, True),
+        ({"version": "2.1", "minVersion": "2.1"}, False),
+        ({"version": "20.0"}, False),
+        ({"version": "3.0", "minVersion": "2.0"}, False),
+    ],
+)
+def test_what_needs_a_later_version_is_refused(tmp_path: Path, asset: dict[str, str], is_read: bool) -> None:
+    """Section 3.2: of minor versions the file itself says from which on it can be read."""
+    (tmp_path / "a.gltf").write_bytes(of_version(**asset))
+    if is_read:
+        assert load_model_file(tmp_path / "a.gltf").triangle_count == 2
+    else:
+        with pytest.raises(UserError, match=f"is glTF {max(asset.values())}: export it as glTF 2.0"):
+            load_model_file(tmp_path / "a.gltf")
+
+
 def test_a_buffer_may_lie_in_a_file_beside_it(tmp_path: Path) -> None:
     (tmp_path / "its data.bin").write_bytes(quad().buffer)
     (tmp_path / "a.gltf").write_bytes(with_buffer(uri="its%20data.bin"))
@@ -92,6 +120,7 @@ def test_data_in_an_address_is_base64_where_that_is_said(tmp_path: Path) -> None
     for uri in (
         "data:;base64," + base64.b64encode(buffer).decode(),
         "data:application/gltf-buffer," + "".join(f"%{byte:02x}" for byte in buffer),
+        " Data:application/gltf-buffer; BASE64 , \r\n" + base64.b64encode(buffer + b"x").decode().rstrip("="),
     ):
         (tmp_path / "a.gltf").write_bytes(with_buffer(uri=uri))
         assert load_model_file(tmp_path / "a.gltf").triangle_count == 2
