@@ -131,14 +131,13 @@ def _path_of_uri(uri: str) -> str:
     return path[1:] if path[2:3] == ":" else path
 
 
-def first_of_each_kind(paths: Sequence[str]) -> tuple[str | None, str | None]:
-    """The first model among files that were dropped together, and the first source among the others.
+def of_each_kind(paths: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The models among files that were dropped together, and the sources; each once.
 
     Beside a model only a video counts as a source: pictures and other files that lie beside a model belong to it.
     """
+    paths = list(dict.fromkeys(paths))
     is_model = [Path(path).suffix.lower() in SUFFIXES for path in paths]
-    models = (path for path, is_one in zip(paths, is_model, strict=True) if is_one)
-    others = (path for path, is_one in zip(paths, is_model, strict=True) if not is_one)
-    if any(is_model):
-        others = (path for path in others if is_named_as_video(Path(path)))
-    return next(models, None), next(others, None)
+    models = [path for path, is_one in zip(paths, is_model, strict=True) if is_one]
+    others = [path for path, is_one in zip(paths, is_model, strict=True) if not is_one]
+    return models, [path for path in others if not models or is_named_as_video(Path(path))]

@@ -14,7 +14,7 @@ from ashe_live.capture.opening import open_source
 from ashe_live.errors import UserError
 from ashe_live.viewer.hands.requests import Command, Files, Request
 from ashe_live.viewer.sources import opening as opening_module
-from ashe_live.viewer.sources.opening import Opening, first_of_each_kind, paths_in
+from ashe_live.viewer.sources.opening import Opening, of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.windows.glfw_window import GlfwWindow
 
@@ -147,20 +147,24 @@ def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):
 
 
 @pytest.mark.parametrize(
-    ("paths", "model", "source"),
+    ("paths", "models", "sources"),
     [
-        (["/a/chair.OBJ"], "/a/chair.OBJ", None),
-        (["/a/clip.mov"], None, "/a/clip.mov"),
-        (["/a/photo.jpg", "/a/other.jpg"], None, "/a/photo.jpg"),
-        (["/a/wood.png", "/a/chair.obj", "/a/chair.mtl", "/a/chair.bin"], "/a/chair.obj", None),  # what belongs to it
-        (["/a/clip.mp4", "/a/one.glb", "/a/two.glb", "/a/late.webm"], "/a/one.glb", "/a/clip.mp4"),
-        (["a.obj", "http://[a/b.mp4"], "a.obj", "http://[a/b.mp4"),  # no address at all, and no reason to end
-        (["/a/notes.txt"], None, "/a/notes.txt"),  # which says that it is no clip
-        ([], None, None),
+        (["/a/chair.OBJ"], ["/a/chair.OBJ"], []),
+        (["/a/clip.mov"], [], ["/a/clip.mov"]),
+        (["/a/photo.jpg", "/a/other.jpg", "/a/photo.jpg"], [], ["/a/photo.jpg", "/a/other.jpg"]),
+        (["/a/wood.png", "/a/chair.obj", "/a/chair.mtl", "/a/chair.bin"], ["/a/chair.obj"], []),  # what belongs to it
+        (
+            ["/a/clip.mp4", "/a/one.glb", "/a/two.glb", "/a/late.webm"],
+            ["/a/one.glb", "/a/two.glb"],
+            ["/a/clip.mp4", "/a/late.webm"],
+        ),
+        (["a.obj", "http://[a/b.mp4"], ["a.obj"], ["http://[a/b.mp4"]),  # no address at all, and no reason to end
+        (["/a/notes.txt"], [], ["/a/notes.txt"]),  # which says that it is no clip
+        ([], [], []),
     ],
 )
-def test_of_several_files_the_first_of_each_kind_counts(paths, model, source):
-    assert first_of_each_kind(paths) == (model, source)
+def test_files_that_are_dropped_together_are_of_two_kinds(paths, models, sources):
+    assert of_each_kind(paths) == (models, sources)
 
 
 @pytest.mark.parametrize(
