@@ -19,7 +19,7 @@ from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.quality_choice import QualityChoice
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.followed_marker import FollowedMarker
-from ashe_live.viewer.sources.opening import Opener, Opening, first_of_each_kind, paths_in
+from ashe_live.viewer.sources.opening import Opener, Opening, of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.sources.played_source import PlayedSource
 from ashe_live.viewer.status import light_line
@@ -181,11 +181,15 @@ class LiveViewer:
     def _open(self, paths: tuple[str, ...], now_s: float) -> None:
         if not paths:
             self._session.say("nothing to open: copy a file, or its path, and press Ctrl+V", now_s)
-        model, source = first_of_each_kind(paths)
-        if model is not None:
-            self._session.table.shelf.add(model)
-        if source is not None:
-            self._opening.begin(Path(source))
+        models, sources = of_each_kind(paths)
+        if models:
+            self._session.table.shelf.add(*models)
+        if len(models) > 1:
+            self._session.say(f"{len(models)} models joined the others: Left and Right choose", now_s)
+        if sources:
+            self._opening.begin(Path(sources[0]))
+        if len(sources) > 1:
+            self._session.say(f"of {len(sources)} clips and photos the first one is opened", now_s)
 
     def _take_opened(self, now_s: float) -> bool:
         """Switches to a newly opened source; returns whether there was one. A recording ends with the old source."""

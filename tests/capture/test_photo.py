@@ -334,6 +334,7 @@ def test_kind_is_recognised_by_content_and_only_then_by_name(tmp_path: Path, rgb
         ("phone.mov", HEIC, "is damaged"),
         ("phone", HEIC, "is damaged"),
         ("text.txt", b"text" * 99, "not a clip or photo that can be read"),
+        ("hiro.patt", b" 255 0 12" * 99, "is a marker, and no clip or photo"),
     ],
 )
 def test_unreadable_files_are_one_clear_line(tmp_path: Path, name: str, content: bytes | None, says: str) -> None:

@@ -227,9 +227,9 @@ class FakeShelf:
         self.at = index
         return True
 
-    def add(self, path: str) -> None:
-        self.names.append(path)
-        self.at = len(self.names) - 1
+    def add(self, *paths: str) -> None:
+        self.at = len(self.names)
+        self.names += paths
 
     def step(self, by: int) -> None:
         self.at = (self.at + by) % len(self.names)

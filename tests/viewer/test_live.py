@@ -504,6 +504,25 @@ def test_a_dropped_model_is_chosen_and_the_source_stays(stage):
     assert viewer._source.pipeline is stage.pipeline
 
 
+def test_of_several_dropped_files_no_model_is_lost_and_the_first_clip_is_opened(stage):
+    stage.put(5)
+    stage.dropped.frames.put(stage.fakes.tracked(0))
+    before = len(stage.session.table.shelf.names)
+    stage.run(dropped("/far/chair.obj", "/far/table.glb", "/far/chair.obj", "/far/lamp.stl"), None)
+    assert stage.session.table.model_name == "chair.obj"
+    assert stage.session.table.shelf.names[before:] == ["/far/chair.obj", "/far/table.glb", "/far/lamp.stl"]
+    assert "3 models joined" in stage.session.notice.text
+    stage.run(Command.NEXT_MODEL, None)
+    assert stage.session.table.model_name == "table.glb"
+
+    def is_there() -> bool:
+        return stage.window.title == "ashe-live: sun.mp4"
+
+    stage.run(dropped("/far/sun.mp4", "/far/moon.mp4"), *waited_for(is_there), None)
+    assert is_there()
+    assert "of 2 clips and photos the first" in stage.session.notice.text
+
+
 def test_escape_leaves_what_was_entered_last(stage):
     def is_help_closed() -> None:
         assert not stage.session.view.help.is_shown

@@ -8,6 +8,8 @@ from ashe_live.errors import UserError
 
 
 def no_clip(path: Path) -> UserError:
+    if path.suffix.lower() == ".patt":
+        return UserError(f"{path} is a marker, and no clip or photo", f"start with --marker pattern:{path}")
     return UserError(f"{path} is not a clip or photo that can be read", "convert it to MP4 (H.264), JPEG or PNG")
 
 

@@ -10,8 +10,7 @@ from ashe_live.commands.flags.setup import camera_chooser, make_tracker
 from ashe_live.core.camera import Camera
 from ashe_live.process.messages import print_message
 from ashe_live.tracking.families.in_view import in_view_text, markers_in_view
-from ashe_live.tracking.families.layout import is_of_cube, parse_target, the_marker
-from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.families.layout import is_of_cube, members_of, parse_target, the_marker
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
 
@@ -72,14 +71,15 @@ def marker_in(
     Of several, it is the only one that has no model of its own; where that leaves a choice, the user is told of it, and
     the one in `options` is kept. The source is rewound.
     """
-    named = parse_marker(options.marker)
+    named = [member.marker for member in members_of(parse_target(options.marker))]
     try:
         for _ in range(LOOKED_AT):
             frame = source.read()
             if frame is None:
                 break
             in_view = markers_in_view(frame.image_bgr)
-            if options.marker in in_view or (not in_view and named.find(frame.image_bgr[..., 1].copy())):
+            green = frame.image_bgr[..., 1].copy()
+            if options.marker in in_view or (not in_view and any(marker.find(green) for marker in named)):
                 return str(options.marker)
             free = in_view if len(in_view) == 1 else without_model(options, in_view)
             if len(free) == 1:

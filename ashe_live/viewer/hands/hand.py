@@ -80,6 +80,10 @@ class Hand:
         """The frame that is shown from now on."""
         self._tracked = tracked
 
+    def take_up(self, placement: Placement) -> None:
+        """Another model, as it stands: a drag that grabbed the one before has nothing to move any more."""
+        self.placement, self._held = placement, None
+
     def reset(self) -> None:
         self.set_light, self.placement, self._held = None, UNMOVED, None
 

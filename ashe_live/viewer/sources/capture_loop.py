@@ -24,6 +24,10 @@ RECONNECT_EVERY_S = 0.5
 LONGEST_WAIT_S = 1.0
 
 
+class _OtherSizeError(UserError):
+    """A picture of another size than the first one."""
+
+
 class CaptureLoop:
     """Used by the capture thread only, except for `state`, which any thread may read."""
 
@@ -155,7 +159,8 @@ class CaptureLoop:
     def _wait_for_another_try(self, error: UserError) -> None:
         """The last picture of a clip stays whose file has gone, or is another one: it may come back."""
         self._has_failed = True
-        self._publish(at=self.state.shown, has_ended=True, status=f"{error.message}: R tries again")
+        remedy = "drop the file here to play it as it is now" if isinstance(error, _OtherSizeError) else "R tries again"
+        self._publish(at=self.state.shown, has_ended=True, status=f"{error.message}: {remedy}")
         self._wait(lambda: False)
         self._publish(has_ended=False)
 
@@ -165,7 +170,7 @@ class CaptureLoop:
             frame = self._source.read()
             if frame is not None and frame.size != self._size:
                 given, wanted = (f"{width}x{height}" for width, height in (frame.size, self._size))
-                raise UserError(f"{self._source.name} gives a picture of {given} and not {wanted}", "start again")
+                raise _OtherSizeError(f"{self._source.name} gives a picture of {given} and not {wanted}", "start again")
             return frame
         except SourceLost as lost:
             self._publish(asked_s=None, status=f"{lost.message}: waiting for it to come back")
@@ -194,7 +199,7 @@ class CaptureLoop:
         index = jump.position.index
         if jump.rewinds or self._has_failed:
             self._rewind()
-            self._has_failed = False
+            self._has_failed, self._flaw = False, None  # it may have been mended: the end will tell
         if self._clip is not None and not jump.rewinds:
             if index is None:
                 self._clip.seek(jump.position.time_s)

@@ -1,5 +1,7 @@
 """Opens a dropped file off the main thread; a file that cannot be shown changes nothing."""
 
+import os
+import re
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -17,6 +19,10 @@ from ashe_live.viewer.sources.pipeline import Pipeline
 LONGEST_S = 20.0
 FILE_URI = "file://"
 MOST_CHARACTERS = 300_000  # of copied text, which may be anything
+QUOTES = "\"'"
+QUOTE_IN_QUOTES = "'\\''"
+ESCAPED = re.compile(r"\\(\W)")
+LONGEST_NAME = 255  # characters, of a file or folder on the systems in use
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,10 +101,26 @@ def _close_pipeline(coming: "Future[Opened]") -> None:
 
 def paths_in(text: str) -> tuple[str, ...]:
     """The files named in copied text, one a line, as file managers and shells write paths."""
-    lines = [line for raw in text[:MOST_CHARACTERS].splitlines() if (line := raw.strip().strip("\"'"))]
+    lines = [line for raw in text[:MOST_CHARACTERS].splitlines() if (line := raw.strip())]
     # Beside addresses, some file managers copy words of their own ("copy", "x-special/nautilus-clipboard").
-    uris = [line for line in lines if line.startswith(FILE_URI)]
-    return tuple(map(_path_of_uri, uris) if uris else lines)
+    uris = [line for raw in lines if (line := raw.strip(QUOTES)).startswith(FILE_URI)]
+    if uris:
+        return tuple(map(_path_of_uri, uris))
+    # A paragraph names no file, and would fill the window with the line that says so.
+    return tuple(path for line in lines if (path := _path_of_line(line)) and not _is_too_long(path))
+
+
+def _path_of_line(line: str) -> str:
+    """A path as terminals write it: within quotes, with backslashes before its spaces, or in the home folder."""
+    path = line.strip(QUOTES)
+    if os.name == "posix":  # elsewhere a backslash separates folders, and no name has such a quote
+        path = ESCAPED.sub(r"\1", path) if path == line else path.replace(QUOTE_IN_QUOTES, "'")
+    # Path.expanduser would raise an error where there is no home folder.
+    return os.path.expanduser(path) if path.startswith("~/") else path  # noqa: PTH111
+
+
+def _is_too_long(path: str) -> bool:
+    return any(len(part) > LONGEST_NAME for part in re.split(r"[/\\]", path))
 
 
 def _path_of_uri(uri: str) -> str:
@@ -109,14 +131,13 @@ def _path_of_uri(uri: str) -> str:
     return path[1:] if path[2:3] == ":" else path
 
 
-def first_of_each_kind(paths: Sequence[str]) -> tuple[str | None, str | None]:
-    """The first model among files that were dropped together, and the first source among the others.
+def of_each_kind(paths: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The models among files that were dropped together, and the sources; each once.
 
     Beside a model only a video counts as a source: pictures and other files that lie beside a model belong to it.
     """
+    paths = list(dict.fromkeys(paths))
     is_model = [Path(path).suffix.lower() in SUFFIXES for path in paths]
-    models = (path for path, is_one in zip(paths, is_model, strict=True) if is_one)
-    others = (path for path, is_one in zip(paths, is_model, strict=True) if not is_one)
-    if any(is_model):
-        others = (path for path in others if is_named_as_video(Path(path)))
-    return next(models, None), next(others, None)
+    models = [path for path, is_one in zip(paths, is_model, strict=True) if is_one]
+    others = [path for path, is_one in zip(paths, is_model, strict=True) if not is_one]
+    return models, [path for path in others if not models or is_named_as_video(Path(path))]

@@ -232,7 +232,7 @@ class Arrangement:
         self._shelf.take_up(stand.name, stand.model)
         if stand.awaited is not None:
             self._shelf.await_again(stand.awaited)
-        self._hand.placement = stand.placement
+        self._hand.take_up(stand.placement)
 
     def _free_seat(self, marker: str | None) -> int:
         taken = {stand.seat for stand in self._stands if stand.marker == marker}

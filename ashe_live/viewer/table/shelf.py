@@ -85,16 +85,18 @@ class Shelf:
     def step(self, by: int) -> None:
         self._chosen = (self._chosen + by) % len(self.names)
 
-    def add(self, path: str) -> None:
-        """Adds a model file at the end and chooses it; one that is there already is read anew.
+    def add(self, *paths: str) -> None:
+        """Adds model files at the end and chooses the first of them; those that are there already are read anew.
 
-        A file that turns out to be unreadable, and was never read, is taken off again.
+        `paths`: each one once. A file that turns out to be unreadable, and was never read, is taken off again.
         """
-        if path not in self.names:
-            self.names.append(path)
-            self._untried.add(path)
-        self._loading.pop(path, None)
-        self._chosen = self.names.index(path)
+        known = set(self.names)
+        new = [path for path in paths if path not in known]
+        self.names += new
+        self._untried.update(new)
+        for path in paths:
+            self._loading.pop(path, None)
+        self._chosen = self.names.index(paths[0])
 
     def turn_up(self, by: int = 1) -> str:
         """Turns the chosen model onto another of its sides, `by` on in their order; returns which axis is up then."""

@@ -19,6 +19,7 @@ from ashe_live.commands.viewing.setup import ViewerSetup
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from ashe_live.tracking.families.markers import parse_marker
+from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 from tests.viewer.conftest import FakeSource
 
 PICTURE = np.full((48, 64, 3), 200, np.uint8)
@@ -121,6 +122,20 @@ def test_each_file_has_its_own_marker_where_nobody_named_any(tmp_path: Path) -> 
         pipeline = LaterSources(options)(tmp_path / "3.png")
         pipeline.close()
         assert pipeline.marker == f"aruco:4x4_50:{marker}"
+
+
+def test_files_are_opened_also_where_the_first_one_showed_the_paper_cube(tmp_path: Path) -> None:
+    scene = CubeScene(CAMERA, looking(0.4, 45, 30), [sun(200, 35)])
+    PIL.Image.fromarray(painted(scene)[..., ::-1]).save(tmp_path / "cube.png")
+    save_photo_of(7, tmp_path / "7.png")
+    PIL.Image.fromarray(PICTURE).save(tmp_path / "none.png")
+    with open_source(tmp_path / "cube.png") as source:
+        chosen = with_marker_in(source, options_of("play", str(tmp_path / "cube.png"), "--hfov", "60"))
+    assert chosen.marker == "cube"
+    for name, marker in (("7", "aruco:4x4_50:7"), ("none", "cube"), ("cube", "cube")):
+        pipeline = LaterSources(chosen)(tmp_path / f"{name}.png")
+        pipeline.close()
+        assert pipeline.marker == marker
 
 
 def test_beside_the_demo_as_well(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

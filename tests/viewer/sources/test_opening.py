@@ -14,7 +14,7 @@ from ashe_live.capture.opening import open_source
 from ashe_live.errors import UserError
 from ashe_live.viewer.hands.requests import Command, Files, Request
 from ashe_live.viewer.sources import opening as opening_module
-from ashe_live.viewer.sources.opening import Opening, first_of_each_kind, paths_in
+from ashe_live.viewer.sources.opening import Opening, of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.windows.glfw_window import GlfwWindow
 
@@ -147,20 +147,24 @@ def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):
 
 
 @pytest.mark.parametrize(
-    ("paths", "model", "source"),
+    ("paths", "models", "sources"),
     [
-        (["/a/chair.OBJ"], "/a/chair.OBJ", None),
-        (["/a/clip.mov"], None, "/a/clip.mov"),
-        (["/a/photo.jpg", "/a/other.jpg"], None, "/a/photo.jpg"),
-        (["/a/wood.png", "/a/chair.obj", "/a/chair.mtl", "/a/chair.bin"], "/a/chair.obj", None),  # what belongs to it
-        (["/a/clip.mp4", "/a/one.glb", "/a/two.glb", "/a/late.webm"], "/a/one.glb", "/a/clip.mp4"),
-        (["a.obj", "http://[a/b.mp4"], "a.obj", "http://[a/b.mp4"),  # no address at all, and no reason to end
-        (["/a/notes.txt"], None, "/a/notes.txt"),  # which says that it is no clip
-        ([], None, None),
+        (["/a/chair.OBJ"], ["/a/chair.OBJ"], []),
+        (["/a/clip.mov"], [], ["/a/clip.mov"]),
+        (["/a/photo.jpg", "/a/other.jpg", "/a/photo.jpg"], [], ["/a/photo.jpg", "/a/other.jpg"]),
+        (["/a/wood.png", "/a/chair.obj", "/a/chair.mtl", "/a/chair.bin"], ["/a/chair.obj"], []),  # what belongs to it
+        (
+            ["/a/clip.mp4", "/a/one.glb", "/a/two.glb", "/a/late.webm"],
+            ["/a/one.glb", "/a/two.glb"],
+            ["/a/clip.mp4", "/a/late.webm"],
+        ),
+        (["a.obj", "http://[a/b.mp4"], ["a.obj"], ["http://[a/b.mp4"]),  # no address at all, and no reason to end
+        (["/a/notes.txt"], [], ["/a/notes.txt"]),  # which says that it is no clip
+        ([], [], []),
     ],
 )
-def test_of_several_files_the_first_of_each_kind_counts(paths, model, source):
-    assert first_of_each_kind(paths) == (model, source)
+def test_files_that_are_dropped_together_are_of_two_kinds(paths, models, sources):
+    assert of_each_kind(paths) == (models, sources)
 
 
 @pytest.mark.parametrize(
@@ -179,12 +183,39 @@ def test_of_several_files_the_first_of_each_kind_counts(paths, model, source):
         ("file:///a/caf%E9.mp4", (os.fsdecode(b"/a/caf\xe9.mp4"),)),  # a name that is not UTF-8
         ("file://[a/b.mp4", ("/b.mp4",)),  # no address at all, and no reason to end
         ("file://", ("/",)),
+        ("it's.mp4\nrock'n'roll.mp4", ("it's.mp4", "rock'n'roll.mp4")),
+        ("~clip.mp4", ("~clip.mp4",)),
+        ("/a/" + 50 * "word " + "name\n/a/b.mp4", ("/a/" + 50 * "word " + "name", "/a/b.mp4")),
+        (60 * "word " + "\n/a/b.mp4", ("/a/b.mp4",)),  # no name of a file is as long as a paragraph
         ("\n  \n", ()),
         ("", ()),
     ],
 )
 def test_copied_text_names_files(text, paths):
     assert paths_in(text) == paths
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a backslash separates folders there")
+@pytest.mark.parametrize(
+    ("written", "path"),
+    [  # as bash completes it, and as GNOME's terminal and Konsole write what is dropped on them
+        (r"/a\ b/my\ clip\ \(1\).mp4", "/a b/my clip (1).mp4"),
+        (r"/a\ b/it\'s\ mine.mp4", "/a b/it's mine.mp4"),
+        (r"/a\ b/\$5\ \&\ Küche.mp4", "/a b/$5 & Küche.mp4"),
+        ("'/a b/my clip (1).mp4' ", "/a b/my clip (1).mp4"),
+        (r"'/a b/it'\''s mine.mp4' ", "/a b/it's mine.mp4"),
+        (r"'/a b/100 %\ \(2).mp4'", r"/a b/100 %\ \(2).mp4"),  # within quotes a backslash is one
+        (r"/a/b\c.mp4", r"/a/b\c.mp4"),  # a shell would put two
+    ],
+)
+def test_a_path_may_be_copied_as_a_shell_writes_it(written, path):
+    assert paths_in(f"{written}\n") == (path,)
+
+
+def test_a_path_in_the_home_folder_is_found(monkeypatch, tmp_path):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    assert [Path(path) for path in paths_in('~/clip.mp4\n"~/b c.mp4"')] == [tmp_path / "clip.mp4", tmp_path / "b c.mp4"]
 
 
 def test_the_windows_drop_is_a_request():

@@ -162,6 +162,18 @@ def test_a_looped_clip_still_reports_that_it_is_damaged(run, fakes):
     assert pipeline.status == "the clip is truncated"
 
 
+def test_of_a_looped_clip_that_was_mended_it_is_no_longer_said_that_it_is_damaged(run, fakes):
+    """Once it is started again, and not only at its end."""
+    source = fakes.Clip(3)
+    source.note = "the clip is truncated"
+    pipeline = run(source, loop=True)
+    await_that(lambda: pipeline.status is not None)
+    source._count = 10_000  # first, so that no round ends from now on
+    source.note = None
+    pipeline.restart()
+    await_that(lambda: pipeline.status is None)
+
+
 def test_a_looped_photo_is_read_once(run, fakes):
     source = fakes.Source(1, fps=None, is_photo=True)
     pipeline = run(source, loop=True)
@@ -508,6 +520,8 @@ def test_a_clip_that_was_replaced_by_one_of_another_size_is_not_shown(run, fakes
     await_that(lambda: pipeline.has_ended)
     assert pipeline.status is not None
     assert "128x96 and not 64x48" in pipeline.status
+    # However often it is tried again, this window has the other size.
+    assert "drop the file here" in pipeline.status
 
 
 def test_a_picture_of_another_size_is_an_error_that_names_both(run, fakes):

@@ -211,6 +211,28 @@ def test_a_drag_takes_up_the_model_that_it_begins_on(make, fakes):
         assert moved == [each == number for each in range(2)]
 
 
+@pytest.mark.parametrize("command", [Command.NEXT_IN_HAND, Command.ADD_MODEL, Command.REMOVE_MODEL])
+def test_a_drag_moves_no_model_but_the_one_that_it_grabbed(make, fakes, command):
+    """Shift is held then, and with it T, by which one is added, takes one away."""
+    session = make(ChosenModel("mug"))
+    tracked = fakes.tracked(0, tilt_deg=40.0)
+    session.take(tracked, 0.0)
+    middle = np.array([(*places(session)[0].shift_m, 0.02)])
+    ((x, y),) = project(tracked.camera, tracked.marker.T_cam_marker, middle)
+
+    def drag(begin: float, now: float) -> None:
+        asked(session, Request(Command.MOVE_MODEL, Drag((x + begin, y), (x + now, y), is_first=now == begin + 5)))
+
+    drag(0, 5)
+    assert session.arrangement.in_hand == 0
+    asked(session, command)
+    before = places(session)
+    drag(0, 30)
+    assert places(session) == before
+    drag(30, 35)  # the button goes down again
+    assert places(session) != before
+
+
 def test_a_model_stands_on_its_own_marker_and_is_as_large_as_that(make, fakes):
     session = make(ChosenModel("mug", OTHER))
     session.take(fakes.tracked(0), 0.0)

@@ -2,6 +2,7 @@
 
 import threading
 from concurrent.futures import wait
+from pathlib import Path
 
 import pytest
 
@@ -159,6 +160,25 @@ def test_a_dropped_model_joins_after_the_others_and_is_chosen(tmp_path):
     shelf.add(str(path))
     assert awaited(shelf) is not cube  # the last that was good
     assert "tile.obj" in str(shelf.take_error())
+
+
+def test_of_models_dropped_together_the_first_is_chosen_and_the_others_join(tmp_path):
+    paths = [str(tmp_path / f"{name}.obj") for name in ("b", "a", "c")]
+    for path in paths[1:]:
+        Path(path).write_text(TILE)
+    shelf = Shelf("cube", 0.08)
+    cube = shelf.shown
+    shelf.add(paths[1])
+    awaited(shelf)
+    shelf.add(*paths)
+    assert shelf.chosen_name == paths[0]
+    assert shelf.names == [*model_names(), paths[1], paths[0], paths[2]]
+    assert awaited(shelf) is not cube
+    assert "b.obj" in str(shelf.take_error())  # no file is there: it alone is taken off again
+    assert shelf.names == [*model_names(), *paths[1:]]
+    shelf.step(+1)
+    awaited(shelf)
+    assert shelf.shown_name == paths[2]
 
 
 @pytest.mark.parametrize("content", [None, "", "nonsense", "v 0 0 0\nf 1 2 3\n"])
