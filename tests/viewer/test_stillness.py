@@ -52,3 +52,16 @@ def test_no_more_pictures_a_second_are_told_than_the_display_shows(monkeypatch: 
         told = stillness.fps(is_idle=False)
         assert told is None or told <= 60.0
     assert stillness.fps(is_idle=False) == pytest.approx(2 / 0.504)
+
+
+def test_two_pictures_within_a_tick_of_a_coarse_clock_tell_no_rate(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of Windows, where the first two are handed over at once."""
+    now_s = 0.0
+    monkeypatch.setattr(stillness_module.time, "monotonic", lambda: now_s)
+    stillness = Stillness()
+    for _ in range(2):
+        stillness.shown()
+        assert stillness.fps(is_idle=False) is None
+    now_s += 0.0625
+    stillness.shown()
+    assert stillness.fps(is_idle=False) == 2 / 0.0625
