@@ -116,7 +116,5 @@ def first_of_each_kind(paths: Sequence[str]) -> tuple[str | None, str | None]:
     """
     is_model = [Path(path).suffix.lower() in SUFFIXES for path in paths]
     models = (path for path, is_one in zip(paths, is_model, strict=True) if is_one)
-    others = (path for path, is_one in zip(paths, is_model, strict=True) if not is_one)
-    if any(is_model):
-        others = (path for path in others if is_named_as_video(Path(path)))
-    return next(models, None), next(others, None)
+    sources = (path for path in paths if not any(is_model) or is_named_as_video(Path(path)))
+    return next(models, None), next(sources, None)
