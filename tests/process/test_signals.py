@@ -110,9 +110,7 @@ def test_a_blocked_ctrl_c_is_heard_afterwards():
             signal.pthread_kill(threading.get_ident(), signal.SIGINT)
             done.append("all of it")
 
-    with ended_by_signals() as end_if_asked:
-        with pytest.raises(KeyboardInterrupt):
-            work()
-            end_if_asked()
+    with ended_by_signals(), pytest.raises(KeyboardInterrupt):
+        work()
     assert done
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
