@@ -17,6 +17,7 @@ from ashe_live.quality import ACCURATE, FAST
 from ashe_live.viewer.sources import capture_loop
 from ashe_live.viewer.sources import pipeline as pipeline_module
 from ashe_live.viewer.sources.capture_loop import CaptureLoop
+from ashe_live.viewer.sources.pace import FALLEN_BEHIND_S
 from ashe_live.viewer.sources.pipeline import Pipeline
 
 PATIENCE_S = 20.0
@@ -409,6 +410,17 @@ def test_speed_changes_the_pace_and_never_the_lag(make, fakes, clock, speed, hz)
     stepped(pipeline, 240)
     assert max(map(abs, lags_s)) < 1e-9
     assert (len(seen) - 1) / (seen[-1] - seen[0]) == pytest.approx(hz, rel=0.02)
+
+
+def test_after_a_short_pause_nothing_is_left_out(make, fakes, clock):
+    """A longer one than FALLEN_BEHIND_S would be taken for a slow machine, which shows what comes next too."""
+    pipeline = make(fakes.Clip(10, fps=30.0))
+    assert stepped(pipeline, 3) == [0, 1, 2]
+    pipeline.pause(True)
+    clock.now += 0.8 * FALLEN_BEHIND_S  # then the clock's wait returns at once
+    assert stepped(pipeline, 1) == [3]
+    pipeline.pause(False)
+    assert stepped(pipeline, 3) == [4, 5, 6]
 
 
 def test_a_slow_tracker_drops_frames_instead_of_lagging(make, fakes, clock):
