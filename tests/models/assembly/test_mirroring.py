@@ -65,9 +65,7 @@ def test_it_is_looked_at_from_all_around(turn_deg: float) -> None:
     R = np.array([(np.cos(turn), -np.sin(turn), 0), (np.sin(turn), np.cos(turn), 0), (0, 0, 1)])
     floor, back = replace(box((2, 2, 0.01)), material=METAL), box((0.01, 2, 4)).moved(1.0, np.array((-1.0, 0, 0)))
     sides = [box((2, 0.01, 4)).moved(1.0, np.array((0.0, y, 0))) for y in (-1.0, 1.0)]
-    parts = [
-        replace(part, vertices=part.vertices @ R.T, normals=part.normals @ R.T) for part in (floor, back, *sides)
-    ]
+    parts = [replace(part, vertices=part.vertices @ R.T, normals=part.normals @ R.T) for part in (floor, back, *sides)]
     assert mirrors_itself(parts)
 
 

@@ -109,14 +109,17 @@ def stepped(pipeline: Pipeline, times: int) -> list[int | None]:
     return shown
 
 
-def test_frames_come_in_order_and_the_end_holds(run, fakes):
-    pipeline = run(fakes.Source(6))
+@pytest.mark.parametrize("kind", ["Source", "Clip"])
+def test_frames_come_in_order_and_the_end_holds(run, fakes, kind):
+    source = getattr(fakes, kind)(6)
+    pipeline = run(source)
     taken = indices(pipeline, until=5)
     assert taken == sorted(taken)
     await_that(lambda: pipeline.status is not None)
     assert "R starts it again" in pipeline.status
     assert pipeline.frames.take(A_WHILE_S) is None
     assert not pipeline.frames.is_closed
+    assert source.reads == 7, "nobody looks again and again whether there is more"
 
 
 def test_the_last_frame_is_shown_however_late(make, fakes, clock):
@@ -152,6 +155,21 @@ def test_a_loop_goes_round(run, fakes):
     assert source.rewinds >= 2
     assert tracker.resets >= 2
     assert pipeline.status is None
+
+
+def test_every_round_of_a_short_clip_is_shown_whole(make, fakes, clock):
+    """Its first frame is due a period after the last of the round before."""
+    pipeline = make(fakes.Clip(4, fps=32.0), loop=True)
+    assert stepped(pipeline, 15) == [0, 1, 2, 3, None] * 3
+    assert clock.now == 11 / 32
+
+
+def test_a_clip_that_ends_early_says_so_at_its_end(run, fakes):
+    source = fakes.Source(3)
+    source.note = "the clip is truncated"
+    pipeline = run(source)
+    await_that(lambda: pipeline.status is not None)
+    assert pipeline.status == "the clip is truncated"
 
 
 def test_a_looped_clip_still_reports_that_it_is_damaged(run, fakes):
@@ -347,6 +365,7 @@ def test_stepping_off_the_ends_stays_there(run, fakes, loop):
     pipeline.step(1)
     await_that(lambda: pipeline._wish.jump is pipeline._capture.state.obeyed and pipeline._capture.state.at.index == 9)
     assert pipeline.frames.take(A_WHILE_S) is None
+    assert (pipeline.has_ended, pipeline.status, source.rewinds) == (False, None, 0)
     pipeline.step(-1)
     assert_settles(pipeline, at=8)
     pipeline.step(-20)
@@ -496,6 +515,7 @@ def test_a_looped_clip_whose_file_has_gone_goes_on_once_it_is_back(run, fakes):
         ask()
         await_that(lambda jump=jump: pipeline._capture.state.obeyed is not jump and pipeline.has_ended)
         assert not pipeline.frames.is_closed
+    assert clip.sought == [], "first it is opened anew"
     is_there.set()
     pipeline.seek(1 / clip.fps)
     await_that(lambda: clip.rewinds > 2)
@@ -596,8 +616,8 @@ def test_an_error_of_the_tracker_reaches_the_other_side(run, fakes):
         run(fakes.Source(5), tracker=tracker).frames.take(PATIENCE_S)
 
 
-def test_the_tracking_preset_changes_between_frames_and_never_within_one(run, fakes):
-    """The main thread asks for another quality while a frame is being tracked."""
+def test_the_tracking_preset_changes_between_frames_and_never_within_one(make, fakes):
+    """The main thread asks for another quality while a frame is being tracked. Of other wishes none changes it."""
     tracker, gate, used = fakes.Tracker(), Gate(), []
     tracker.preset = FAST.tracking
 
@@ -607,7 +627,9 @@ def test_the_tracking_preset_changes_between_frames_and_never_within_one(run, fa
         used.append(tracker.preset)
 
     tracker.hook = track
-    pipeline = run(fakes.Clip(10_000), tracker=tracker)
+    pipeline = make(fakes.Clip(10_000), tracker=tracker)
+    pipeline.play(2.0, loop=False)
+    pipeline.start()
     assert gate.reached.wait(PATIENCE_S)
     pipeline.track_with(ACCURATE.tracking)
     gate.opened.set()
