@@ -61,6 +61,14 @@ def assert_settles(pipeline: Pipeline, at: int) -> None:
     assert pipeline.frames.take(A_WHILE_S) is None
 
 
+def pause(pipeline: Pipeline) -> None:
+    """Pauses it, and takes what was under way when the pause came."""
+    pipeline.pause(True)
+    await_that(lambda: pipeline._capture._wish.paused)
+    while pipeline.frames.take(A_WHILE_S) is not None:
+        pass
+
+
 @pytest.fixture
 def make(fakes) -> Iterator[Callable[..., Pipeline]]:
     """Makes a pipeline, and closes it in the end."""
@@ -194,23 +202,21 @@ def test_pause_holds_and_goes_on_where_it_was(run, fakes):
     source = fakes.Source(10_000)
     pipeline = run(source)
     indices(pipeline, until=0)
-    pipeline.pause(True)
-    while pipeline.frames.take(A_WHILE_S) is not None:  # what was under way when the pause came
-        pass
+    pause(pipeline)
     next_index = source.reads
     assert pipeline.frames.take(A_WHILE_S) is None
     assert source.reads == next_index
+    taken = threading.Event()
+    source.hook = lambda index: index == next_index or taken.wait(PATIENCE_S)  # else those after it may overtake it
     pipeline.pause(False)
-    resumed = pipeline.frames.take(PATIENCE_S)
-    assert next_index <= resumed.frame.index <= next_index + 2
+    assert pipeline.frames.take(PATIENCE_S).frame.index == next_index
+    taken.set()
 
 
 def test_restart_while_paused_shows_the_first_frame_and_stays_paused(run, fakes):
     pipeline = run(fakes.Source(10_000))
     indices(pipeline, until=5)
-    pipeline.pause(True)
-    while pipeline.frames.take(A_WHILE_S) is not None:
-        pass
+    pause(pipeline)
     pipeline.restart()
     assert pipeline.frames.take(PATIENCE_S).frame.index == 0
     assert pipeline.frames.take(A_WHILE_S) is None
@@ -294,9 +300,7 @@ def test_where_nobody_can_seek_seeks_and_steps_change_nothing(run, fakes):
     indices(pipeline, until=3)
     pipeline.step(-1)
     assert min(indices(pipeline, until=8)) > 3  # it is not paused
-    pipeline.pause(True)
-    while pipeline.frames.take(A_WHILE_S) is not None:
-        pass
+    pause(pipeline)
     pipeline.seek(0.0)
     assert pipeline.frames.take(A_WHILE_S) is None
 
@@ -471,10 +475,29 @@ def test_a_lost_camera_is_reported_and_comes_back(run, fakes, monkeypatch):
     await_that(lambda: pipeline.status is not None)
     assert "waiting for it to come back" in pipeline.status
     assert not pipeline.frames.is_closed
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.0)
+    assert pipeline.stall is None, "it hangs nowhere"
     plugged_in.set()
     await_that(lambda: pipeline.status is None)
     assert pipeline.frames.take(PATIENCE_S) is not None
     assert tracker.resets == 1
+
+
+def test_a_lost_camera_is_not_looked_for_all_the_time_because_somebody_wants_the_first_frame(run, fakes, monkeypatch):
+    """Which a camera does not have."""
+    monkeypatch.setattr(capture_loop, "RECONNECT_EVERY_S", PATIENCE_S)
+    source, looks = fakes.Source(10_000, is_live=True), []
+
+    def lose(_index: int) -> None:
+        raise SourceLost("the camera gives no more pictures", "plug it in")
+
+    source.hook, source.reopen = lose, lambda: looks.append(True)
+    pipeline = run(source)
+    await_that(lambda: pipeline.status is not None)
+    pipeline.restart()
+    await_that(lambda: pipeline._capture.state.obeyed is pipeline._wish.jump)
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert len(looks) <= 2
 
 
 @pytest.mark.parametrize("error", [UserError("the disk is gone", "look for it"), RuntimeError("a bug"), MemoryError()])
@@ -498,9 +521,10 @@ def test_an_error_reaches_the_other_side(run, fakes, error):
 def test_a_looped_clip_whose_file_has_gone_goes_on_once_it_is_back(run, fakes):
     """Each round opens it anew. The last picture stays meanwhile."""
     clip = fakes.Clip(4)
-    rewind, is_there = clip.rewind, threading.Event()
+    rewind, is_there, looks = clip.rewind, threading.Event(), []
 
     def look() -> None:
+        looks.append(True)
         if not is_there.is_set():
             raise UserError("there is no file clip.mp4", "check the name and the folder")
         rewind()
@@ -510,6 +534,8 @@ def test_a_looped_clip_whose_file_has_gone_goes_on_once_it_is_back(run, fakes):
     await_that(lambda: pipeline.has_ended)
     assert pipeline.status == "there is no file clip.mp4: R tries again"
     assert pipeline.frames.take(PATIENCE_S) is not None
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert len(looks) == 1, "it is looked for when somebody asks"
     for ask in (pipeline.restart, lambda: pipeline.seek(0.0)):
         jump = pipeline._capture.state.obeyed
         ask()
@@ -520,7 +546,7 @@ def test_a_looped_clip_whose_file_has_gone_goes_on_once_it_is_back(run, fakes):
     pipeline.seek(1 / clip.fps)
     await_that(lambda: clip.rewinds > 2)
     assert pipeline.frames.take(PATIENCE_S) is not None
-    assert pipeline.status is None
+    assert (pipeline.status, pipeline.has_ended) == (None, False)
     assert clip.sought[-1] == 1
 
 
