@@ -284,6 +284,18 @@ def test_views_stay_when_the_marker_is_moved() -> None:
         assert now == pytest.approx(was)
 
 
+def test_a_marker_that_is_turned_little_by_little_takes_all_views_along() -> None:
+    """Each time by less than counts as elsewhere, but for the views of before the last time."""
+    kept = KeyViews()
+    for at, degrees in enumerate((0.0, 0.7, 1.4)):
+        lies = turned(degrees)
+        for index in (2 * at, 2 * at + 1):  # it is at rest in the second
+            last = dataclasses.replace(view(10.0 * at, index), T_room_marker=lies)
+            kept.add(last)
+    assert len(kept.views) == 3
+    assert all(lies_as_in(each, last) for each in kept.views)
+
+
 def test_a_marker_that_is_lifted_from_its_table_shows_another_scene() -> None:
     lies, kept = place(np.eye(4)), KeyViews()
     for frame in orbit(range(0, 40, 4)):

@@ -16,7 +16,7 @@ from ashe_live.process.mailbox import Closed
 from ashe_live.quality import ACCURATE, FAST
 from ashe_live.viewer.sources import capture_loop
 from ashe_live.viewer.sources import pipeline as pipeline_module
-from ashe_live.viewer.sources.capture_loop import CaptureLoop
+from ashe_live.viewer.sources.capture_loop import PHOTO_FPS, CaptureLoop
 from ashe_live.viewer.sources.pace import FALLEN_BEHIND_S
 from ashe_live.viewer.sources.pipeline import Pipeline
 
@@ -404,6 +404,16 @@ def test_a_seek_back_from_the_end_plays_on(run, fakes):
     pipeline.play(1.0, loop=True)
     await_that(lambda: not pipeline.has_ended)
     assert pipeline.frames.take(PATIENCE_S) is not None
+
+
+def test_what_is_known_of_a_source_before_it_is_read(make, fakes):
+    clip, photo = make(fakes.Clip(11, fps=10.0)), make(fakes.Source(1, fps=None, is_photo=True))
+    assert (clip.is_clip, clip.fps, clip.duration_s, clip.marker) == (True, 10.0, 1.0, fakes.Tracker.marker.spec)
+    assert (photo.is_clip, photo.fps, photo.duration_s) == (False, PHOTO_FPS, None)
+    other = make(fakes.Clip(2), tracker_for=lambda _spec, _hfov_deg: fakes.Tracker())
+    other.follow("cube")
+    other.see_by(50.0)
+    assert other.marker == "cube"
 
 
 def test_what_is_no_clip_cannot_be_gone_through(run, fakes):
