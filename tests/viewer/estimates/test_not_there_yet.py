@@ -40,3 +40,5 @@ def test_that_there_are_no_steps_is_said_while_they_are_to_be_shown(stage, with_
     assert notice.shown(0.2) is None
     there.show_steps(answer(True, with_steps), 0.3)
     assert notice.shown(0.4) == (None if with_steps else ANSWER_ALONE)
+    there.take_answer(answer(True, with_steps=True), True, 0.5)
+    assert notice.shown(0.6) is None

@@ -75,6 +75,7 @@ def test_a_marker_that_is_out_of_view_may_have_been_moved_before() -> None:
     room.take(estimate.illumination, FIRST)
     assert room.now(gone).light is SUN
     assert room.seen_by(gone, estimate) is room.seen_by(None, estimate) is estimate
+    assert room.show_by_hand(gone, by_hand := Illumination((LAMP,))) is by_hand
 
 
 def test_until_the_first_estimate_what_mirrors_mirrors_the_first_picture_with_the_marker() -> None:

@@ -299,7 +299,8 @@ def test_where_nobody_can_seek_seeks_and_steps_change_nothing(run, fakes):
     pipeline = run(source)
     indices(pipeline, until=3)
     pipeline.step(-1)
-    assert min(indices(pipeline, until=8)) > 3  # it is not paused
+    assert not pipeline._wish.paused
+    assert min(indices(pipeline, until=8)) > 3
     pause(pipeline)
     pipeline.seek(0.0)
     assert pipeline.frames.take(A_WHILE_S) is None
@@ -414,6 +415,20 @@ def test_what_is_known_of_a_source_before_it_is_read(make, fakes):
     other.follow("cube")
     other.see_by(50.0)
     assert other.marker == "cube"
+
+
+@pytest.mark.parametrize(("duration_s", "at"), [(4.995, 799), (None, 999)])
+def test_who_seeks_beyond_the_end_goes_back_from_there_where_it_is_known(held, duration_s, at):
+    """Else from where it was sent; the clip itself stays at its last frame."""
+    pipeline, source, _ = held
+    source.duration_s = duration_s
+    source.hook = gate = Gate()
+    pipeline.step(1)
+    assert gate.reached.wait(PATIENCE_S)
+    pipeline.seek(100.0)
+    pipeline.seek_by(-1.0)
+    gate.opened.set()
+    assert_settles(pipeline, at=at)
 
 
 def test_what_is_no_clip_cannot_be_gone_through(run, fakes):
