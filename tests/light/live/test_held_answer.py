@@ -273,6 +273,25 @@ def test_a_light_is_the_same_after_the_marker_was_turned(turn_deg: float) -> Non
     assert error_deg(answer, lamp) < 1e-6
 
 
+def test_before_there_is_an_answer_and_where_no_marker_is_seen_nothing_is_moved() -> None:
+    """And nothing is out of view."""
+    elsewhere = seen(rigid(cv2.Rodrigues(np.radians([0, 0, 40.0]))[0], [0.02, 0.0, 0.0]))
+    nowhere = dataclasses.replace(seen(np.eye(4)), marker=None)
+    answer = HeldAnswer()
+    assert not answer.is_news
+    assert answer.is_shown
+    for frame in (seen(np.eye(4)), elsewhere, nowhere):
+        answer.move_to(frame)
+        assert answer.estimate is None
+        assert answer.is_shown
+    assert not answer.follow(NONE)
+    answer.move_to(elsewhere)
+    answer.offer(found := estimate(light(SUN)))
+    answer.move_to(nowhere)
+    assert answer.estimate is found
+    assert answer.is_shown
+
+
 def test_a_marker_that_is_lifted_and_put_back_has_lost_nothing() -> None:
     answer, lying = HeldAnswer(), seen(np.eye(4))
     answer.move_to(lying)
