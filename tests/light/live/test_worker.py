@@ -380,6 +380,19 @@ class Plates:
         return LightEstimate(self.name, views[0], Illumination(), reason, views=views)
 
 
+class PlatesOfOneFrame(Plates):
+    """As the paper's estimator, which makes no use of a clean plate."""
+
+    name = "paper"
+
+
+def test_an_estimator_of_one_frame_is_given_no_clean_plate():
+    with LightWorker(PlatesOfOneFrame) as worker:
+        answer = answered(worker, view(0), (), empty=view(1, is_empty=True))
+        assert answer.estimate.reason == "alone"
+        assert not answer.is_over_empty_table
+
+
 def test_a_frame_is_estimated_over_the_empty_table_where_that_tells_more():
     here, empty = view(0), view(1, is_empty=True)
     with LightWorker(Plates) as worker:
