@@ -20,7 +20,7 @@ def stage(make, fakes, monkeypatch):
 
     def stage(name: str) -> SimpleNamespace:
         clock = SimpleNamespace(now_s=100.0, draw_s=0.0, finished=0)
-        monkeypatch.setattr(quality_choice, "time", SimpleNamespace(monotonic=lambda: clock.now_s))
+        monkeypatch.setattr(quality_choice, "time", SimpleNamespace(perf_counter=lambda: clock.now_s))
         session, renderer = make(), fakes.Renderer()
 
         def finish() -> None:
