@@ -93,7 +93,7 @@ class LiveViewer:
             ending.callback(lambda: self._keeper.finish(time.monotonic()))
             while not (self._quit or self._window.is_closing):
                 end_if_asked()
-                now_s = time.monotonic()
+                now_s, begun_s = time.monotonic(), time.perf_counter()
                 due_s = max(due_s + self._interval_s, now_s)
                 for request in self._window.take_requests(0.0):
                     self._obey(request, now_s)
@@ -102,7 +102,7 @@ class LiveViewer:
                 is_new = self._take_opened(now_s) or self._source.take_frame(now_s)
                 self._draw(now_s)
                 if not self._is_idle:  # which says nothing of how long a picture takes
-                    self._quality.adapt(self._source.pipeline, now_s)
+                    self._quality.adapt(self._source.pipeline, begun_s)
                 self._window.swap()
                 self._stillness.shown()
                 is_counted = is_new or self._source.is_at_last_frame

@@ -54,7 +54,8 @@ class Stillness:
         """The display's frame rate; None until two pictures were shown. `is_idle`: whether no pictures are drawn."""
         if is_idle:
             self._shown_s.clear()  # the gap until the next picture says nothing about the display
-        if self._unchanged < HELD_AFTER_PICTURES and len(self._shown_s) >= 2:
-            fps = (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
-            self._fps = min(fps, self._display_hz)
+        if self._unchanged < HELD_AFTER_PICTURES and self._shown_s:
+            took_s = self._shown_s[-1] - self._shown_s[0]
+            if took_s > 0:  # Windows' clock, up to Python 3.12, goes on every 16 ms only
+                self._fps = min((len(self._shown_s) - 1) / took_s, self._display_hz)
         return self._fps

@@ -182,6 +182,14 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
         r"accessors\[0\] ends at byte 60 of a bufferView of 48",
         _with("accessors", byteOffset=12),
     ),
+    "an item beyond its part": (
+        r"accessors\[3\] ends at byte 52 of a bufferView of 48",
+        lambda: changed(
+            lambda _, it: it["accessors"].append(
+                {"bufferView": 0, "byteOffset": 40, "componentType": 5126, "count": 1, "type": "VEC3"}
+            )
+        ),
+    ),
     "a part beyond the buffer": (r"bufferViews\[0\] ends at byte 999999", _with("bufferViews", byteLength=999999)),
     "a part of no buffer": (r"bufferViews\[0\].buffer is 4, and there are 1 buffers", _with("bufferViews", buffer=4)),
     "two corners": (

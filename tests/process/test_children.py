@@ -183,6 +183,23 @@ def test_it_takes_so_much_memory_and_no_more():
         isolated_call(bytes, (500_000_000,), "test", limits, PATIENCE_S)
 
 
+@POSIX_ONLY
+def test_it_has_the_niceness_that_is_asked_for_and_leaves_no_picture_of_its_memory_behind():
+    import resource
+
+    assert isolated_call(os.nice, (0,), "test", Limits(niceness=3), PATIENCE_S) == min(19, os.nice(0) + 3)
+    soft, _ = isolated_call(resource.getrlimit, (resource.RLIMIT_CORE,), "test", FREE, PATIENCE_S)
+    assert soft == 0
+
+
+@pytest.mark.parametrize("by_the_user", ["", "3"])
+def test_it_takes_one_core_for_arithmetic_unless_the_user_says_otherwise(monkeypatch, by_the_user):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", by_the_user)
+    given = isolated_call(os.getenv, ("OPENBLAS_NUM_THREADS",), "test", FREE, PATIENCE_S)
+    assert given == (by_the_user or "1")
+    assert os.environ["OPENBLAS_NUM_THREADS"] == by_the_user
+
+
 def test_what_it_prints_can_be_silenced(capfd):
     isolated_call(os.write, (2, b"seen"), "test", FREE, PATIENCE_S)
     isolated_call(os.write, (2, b"unseen"), "test", Limits(niceness=0, silent=True), PATIENCE_S)

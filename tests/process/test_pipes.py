@@ -16,6 +16,7 @@ def test_arrays_arrive_as_they_were_sent() -> None:
     received = receive_value(receiver)
     assert received["name"] == "a"
     np.testing.assert_array_equal(received["picture"], np.arange(12).reshape(3, 4))
+    assert not received["picture"].flags.writeable, "it lies where it came, and was not copied"
 
 
 @pytest.mark.parametrize("sent", [b"", struct.pack("!i", 100) + b"half"])

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from ashe_live.process.signals import called_from_c, ended_by_signals, signals_held
+from ashe_live.process.signals import called_from_c, ctrl_c_blocked, ended_by_signals, signals_held
 
 ENDS = {signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: SystemExit}
 
@@ -99,3 +99,18 @@ def test_other_threads_hold_nothing_as_no_handler_runs_in_them():
     thread.start()
     thread.join()
     assert handlers == [signal.default_int_handler]
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="Windows has no such masks")
+def test_a_blocked_ctrl_c_is_heard_afterwards():
+    done = []
+
+    def work():
+        with ctrl_c_blocked():
+            signal.pthread_kill(threading.get_ident(), signal.SIGINT)
+            done.append("all of it")
+
+    with ended_by_signals(), pytest.raises(KeyboardInterrupt):
+        work()
+    assert done
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())

@@ -35,6 +35,18 @@ def test_it_goes_up_where_there_is_room_but_slowly():
     assert run(auto, cost_ms, 20) == []
 
 
+@pytest.mark.parametrize("busy_ms", [0.6 * INTERVAL_MS, 2 * INTERVAL_MS], ids=["full", "too slow"])
+def test_there_is_room_if_all_of_the_last_windows_had_some(busy_ms: float):
+    """At the lowest, where none is too slow to stay."""
+    auto = AutoQuality(INTERVAL_MS, FAST)
+    idle, busy = {FAST: 1.0, BALANCED: 1.0}, {FAST: busy_ms}
+    for _ in range(5):
+        assert run(auto, idle, CALM_WINDOWS - 1) == []
+        assert run(auto, busy, 1) == []
+    assert run(auto, idle, CALM_WINDOWS) == [BALANCED]
+    assert run(auto, idle, CALM_WINDOWS - 1) == [], "the windows before the step do not count again"
+
+
 @pytest.mark.parametrize("start", [FAST, BALANCED, ACCURATE])
 def test_it_does_not_swing(start):
     changes = run(AutoQuality(INTERVAL_MS, start), {FAST: 2, BALANCED: 5, ACCURATE: 30}, 200)

@@ -3,7 +3,6 @@
 import errno
 import json
 import math
-import threading
 import time
 from pathlib import Path
 
@@ -431,9 +430,18 @@ def dropped(*paths: str) -> Request:
     return Request(Command.OPEN, Files(paths))
 
 
-def waited_for(viewer_is_done) -> list:
-    """Steps of the script that wait for the thread that opens files."""
-    return [lambda: viewer_is_done() or threading.Event().wait(0.02)] * 100
+def awaited(stage, condition, then: Command | None = None):
+    """A step that comes again until the condition holds."""
+    begin_s = time.monotonic()
+
+    def step():
+        if not condition() and time.monotonic() - begin_s < PATIENCE_S:
+            stage.window.steps.insert(0, step)
+            return None
+        assert condition()
+        return then
+
+    return step
 
 
 def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording(stage, tmp_path, capfd):
@@ -448,7 +456,7 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
 
     viewer = stage.run(
         *(Command.ESTIMATE, answer, None, Command.RECORD, None, None, None, dropped("/far/sun.mp4")),
-        *waited_for(is_there),
+        awaited(stage, is_there),
         None,
     )
     assert is_there()
@@ -469,7 +477,7 @@ def test_views_that_a_dropped_clip_has_shown_by_then_stay(stage):
     first = paint(BOX).tracked
     assert stage.dropped.key_views.add(first)
     stage.dropped.frames.put(first)
-    stage.run(dropped("/far/sun.mp4"), *waited_for(lambda: stage.window.title == "ashe-live: sun.mp4"), None)
+    stage.run(dropped("/far/sun.mp4"), awaited(stage, lambda: stage.window.title == "ashe-live: sun.mp4"), None)
     assert stage.session.watch.key_views is stage.dropped.key_views
     assert [view.frame.index for view in stage.dropped.key_views.views] == [first.frame.index]
 
@@ -480,7 +488,7 @@ def test_what_cannot_be_opened_is_one_line_and_changes_nothing(stage, capfd):
     def is_said() -> bool:
         return "is not a clip" in (stage.session.notice.text or "")
 
-    viewer = stage.run(Command.RECORD, None, dropped("/far/notes.txt"), *waited_for(is_said), None)
+    viewer = stage.run(Command.RECORD, None, dropped("/far/notes.txt"), awaited(stage, is_said), None)
     assert viewer._source.pipeline is stage.pipeline
     assert stage.session.tracked.frame.index == 5
     refused, saved = capfd.readouterr().out.splitlines()
@@ -548,20 +556,6 @@ def others(stage, monkeypatch) -> list[str]:
     monkeypatch.setattr(marker_hunt, "EVERY_S", 0.0)
     stage.pipeline.may_follow_others = True
     return seen
-
-
-def awaited(stage, condition, then: Command | None = None):
-    """A step that comes again until the condition holds."""
-    begin_s = time.monotonic()
-
-    def step():
-        if not condition() and time.monotonic() - begin_s < PATIENCE_S:
-            stage.window.steps.insert(0, step)
-            return None
-        assert condition()
-        return then
-
-    return step
 
 
 @pytest.mark.parametrize("takes_any_marker", [True, False])

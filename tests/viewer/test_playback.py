@@ -92,6 +92,13 @@ def test_p_at_the_end_starts_again(stage):
     assert stage.ask(Command.PAUSE) == [("restart",)]
 
 
+def test_p_after_a_pause_at_the_end_goes_on(stage):
+    """It was stepped there, or paused at its last frame: nothing was asked to begin again."""
+    stage.ask(Command.PAUSE)
+    stage.pipeline.has_ended = True
+    assert stage.ask(Command.PAUSE) == [("pause", False)]
+
+
 @pytest.mark.parametrize("command", OF_TIME)
 def test_photos_and_cameras_say_why_nothing_happens(fakes, command):
     for kind, why in (({"is_photo": True}, "a photo is one moment"), ({}, "a camera shows what is there now")):
@@ -114,10 +121,40 @@ def test_the_bar_is_there_while_it_stands_still_or_the_pointer_is_near(stage):
     assert stage.moment().time_s == stage.shown.frame.time_s
     assert stage.moment().frame is None
     assert stage.moment(BAR_SHOWN_S + 0.1) is None
-    stage.ask(Command.SEEK, -5)
-    assert stage.moment() is not None
     stage.ask(Command.PAUSE)
     assert stage.moment(1e9).frame == 30
+    assert stage.playback.moment(None, 0.0) is None, "there is no frame yet"
+
+
+@pytest.mark.parametrize(("command", "argument"), [(Command.SEEK, -5), (Command.SPEED, 1), (Command.LOOP, 0)])
+def test_what_a_key_changes_the_bar_shows_for_a_while(stage, command, argument):
+    stage.ask(command, argument)
+    assert stage.moment(BAR_SHOWN_S - 0.1) is not None
+    assert stage.moment(BAR_SHOWN_S + 0.1) is None
+
+
+def test_after_a_drag_the_bar_stays_for_a_while(stage):
+    """However far from it the pointer was."""
+    stage.mouse(MouseAction.PRESSED, 0.2)
+    stage.mouse(MouseAction.MOVED, 0.5, y_px=-100, now_s=60.0)
+    stage.mouse(MouseAction.RELEASED, 0.5, y_px=-100, now_s=60.1)
+    assert stage.moment(60.0 + BAR_SHOWN_S - 0.1) is not None
+    assert stage.moment(60.0 + BAR_SHOWN_S + 0.2) is None
+
+
+def test_at_the_end_the_bar_stays_with_the_frames_number(stage):
+    stage.pipeline.has_ended = True
+    assert stage.moment(1e9).frame == 30
+
+
+def test_what_a_key_has_changed_is_said(stage):
+    said = []
+    for command, argument in ((Command.PAUSE, 0), (Command.PAUSE, 0), (Command.LOOP, 0), (Command.LOOP, 0)):
+        stage.ask(command, argument)
+        said.append(stage.session.notice.text)
+    assert said == ["paused: P goes on", "playing", "played again and again: O ends it", "played once"]
+    stage.ask(Command.SPEED, -1)
+    assert stage.session.notice.text == "speed 0.5x"
 
 
 def test_a_press_on_the_bar_goes_there_and_dragging_on_and_on(stage):

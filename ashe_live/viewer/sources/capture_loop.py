@@ -205,7 +205,7 @@ class CaptureLoop:
                 self._clip.seek(jump.position.time_s)
             else:
                 self._clip.seek_frame(index)
-            if index is None or before.index is None or index != before.index + 1:
+            if before.index is None or index != before.index + 1:
                 self._scene.jump()
         self._pace.begin_anew()
 

@@ -139,5 +139,4 @@ def of_each_kind(paths: Sequence[str]) -> tuple[list[str], list[str]]:
     paths = list(dict.fromkeys(paths))
     is_model = [Path(path).suffix.lower() in SUFFIXES for path in paths]
     models = [path for path, is_one in zip(paths, is_model, strict=True) if is_one]
-    others = [path for path, is_one in zip(paths, is_model, strict=True) if not is_one]
-    return models, [path for path in others if not models or is_named_as_video(Path(path))]
+    return models, [path for path in paths if not models or is_named_as_video(Path(path))]

@@ -104,6 +104,20 @@ def test_answers_that_are_each_a_little_vaguer_do_not_take_the_light_step_by_ste
     assert answer.offer(estimate(light(SUN, 1.5))), "a sharper one is taken as ever"
 
 
+def test_a_surer_answer_that_is_as_sharp_gains_too() -> None:
+    answer = held(estimate(light(SUN, 2.0, 0.7)))
+    assert answer.offer(estimate(light(SUN, 2.0, 0.8)))
+    assert not answer.offer(estimate(light(SUN, 2.0, 0.8)))
+
+
+def test_a_doubtful_answer_that_seems_sharper_does_not_keep_out_newer_ones_that_are_as_good_as_the_held_one() -> None:
+    answer = held(estimate(light(SUN, 2.0, 0.9)))
+    assert not answer.offer(estimate(light(SUN, 0.5, 0.6)))
+    newer = estimate(light(SUN, 2.0, 0.9))
+    answer.offer(newer)
+    assert answer.estimate is newer
+
+
 def test_an_answer_as_good_is_taken_as_it_is_newer_but_gains_nothing() -> None:
     answer = held(estimate(light(SUN)))
     newer = estimate(light(turned(SUN, 1, 0)))
@@ -124,6 +138,15 @@ def test_an_outlier_changes_nothing() -> None:
     assert error_deg(answer, SUN) < 1e-6
 
 
+def test_outliers_between_answers_that_confirm_the_held_one_are_never_believed() -> None:
+    """Also where these are vaguer than the held one, and so not taken."""
+    answer = held(estimate(light(SUN)))
+    for _ in range(2 * CHANGED_AFTER):
+        assert not answer.offer(estimate(light(LAMP)))
+        assert not answer.offer(estimate(light(SUN, 4.0)))
+    assert error_deg(answer, SUN) < 1e-6
+
+
 def test_a_doubtful_first_answer_gives_way_at_once_to_a_surer_one() -> None:
     assert error_deg(held(estimate(light(LAMP, confidence=0.3)), estimate(light(SUN))), SUN) < 1e-6
     assert error_deg(held(NONE, estimate(light(SUN, confidence=0.3))), SUN) < 1e-6
@@ -133,6 +156,15 @@ def test_more_views_disprove_a_less_sure_answer_from_one_at_once() -> None:
     alone = estimate(light(LAMP, confidence=0.7))
     assert error_deg(held(alone, estimate(light(SUN, confidence=0.9), views=5)), SUN) < 1e-6
     assert error_deg(held(alone, estimate(light(SUN, confidence=0.6), views=5)), LAMP) < 1e-6
+
+
+def test_more_frames_from_one_side_or_fewer_from_several_disprove_nothing_at_once() -> None:
+    few = estimate(light(LAMP, confidence=0.7), views=3)
+    sure = light(SUN, confidence=0.9)
+    for views, span_rad in ((5, few.span_rad), (2, 2 * few.span_rad)):
+        new = dataclasses.replace(estimate(sure, views=views), span_rad=span_rad)
+        assert error_deg(held(few, new), LAMP) < 1e-6
+    assert error_deg(held(few, estimate(sure, views=5)), SUN) < 1e-6
 
 
 OTHERS = [estimate(light(LAMP)), estimate(light(SUN), light(LAMP)), estimate(light(SUN, depth=0.75)), NONE]
@@ -148,11 +180,13 @@ def test_another_light_is_believed_after_a_few_answers(other) -> None:
 
 def test_where_the_views_show_that_the_scene_has_changed_a_light_is_believed_at_once_but_no_light_is_not() -> None:
     """A hand before the camera changes the scene as well."""
-    answer = held(estimate(light(SUN)))
-    answer.offer(NONE, is_of_changed_scene=True)
-    assert answer.estimate.light is not None
-    assert answer.offer(estimate(light(LAMP, confidence=0.6)), is_of_changed_scene=True)
-    assert error_deg(answer, LAMP) < 1e-6
+    for confidence in (0.8, 0.4):
+        answer = held(estimate(light(SUN, confidence=confidence)))
+        answer.offer(NONE, is_of_changed_scene=True)
+        assert answer.estimate.light is not None
+        assert answer.offer(estimate(light(LAMP, confidence=0.6)), is_of_changed_scene=True)
+        assert error_deg(answer, LAMP) < 1e-6
+        assert answer.is_news
 
 
 def test_that_there_is_no_light_any_more_is_believed_where_its_shadows_are_gone_or_it_stays_so() -> None:
@@ -206,6 +240,20 @@ def test_a_slow_sun_is_followed() -> None:
         assert error_deg(answer, now) < 4
 
 
+def test_a_light_in_single_frames_has_moved_by_more_than_its_uncertainty_or_is_the_held_one() -> None:
+    """Of two it is enough that one has moved."""
+    for sigma_deg in (1.0, 4.0):
+        lights = [light(SUN, sigma_deg), light(LAMP, sigma_deg)]
+        twice_deg = math.degrees(2 * lights[0].sigma_rad)
+        for moved_deg, has_moved in ((twice_deg - 0.5, False), (twice_deg + 2.0, True)):
+            answer = held(before := estimate(*lights))
+            answer.offer(estimate(light(turned(SUN, 40, 0))))
+            now = estimate(lights[0], light(turned(LAMP, moved_deg, 0), sigma_deg))
+            assert answer.follow(now) is answer.is_news is has_moved
+            assert answer.estimate is (now if has_moved else before)
+            assert not answer.is_disputed
+
+
 @pytest.mark.parametrize("turn_deg", [30.0, 170.0])
 def test_a_light_is_the_same_after_the_marker_was_turned(turn_deg: float) -> None:
     """It is compared with later answers by the marker's frame as it lies then; what disagreed before still does."""
@@ -223,6 +271,25 @@ def test_a_light_is_the_same_after_the_marker_was_turned(turn_deg: float) -> Non
         answer.offer(estimate(light(lamp, 1.0, 0.9)))
     assert answer.is_news
     assert error_deg(answer, lamp) < 1e-6
+
+
+def test_before_there_is_an_answer_and_where_no_marker_is_seen_nothing_is_moved() -> None:
+    """And nothing is out of view."""
+    elsewhere = seen(rigid(cv2.Rodrigues(np.radians([0, 0, 40.0]))[0], [0.02, 0.0, 0.0]))
+    nowhere = dataclasses.replace(seen(np.eye(4)), marker=None)
+    answer = HeldAnswer()
+    assert not answer.is_news
+    assert answer.is_shown
+    for frame in (seen(np.eye(4)), elsewhere, nowhere):
+        answer.move_to(frame)
+        assert answer.estimate is None
+        assert answer.is_shown
+    assert not answer.follow(NONE)
+    answer.move_to(elsewhere)
+    answer.offer(found := estimate(light(SUN)))
+    answer.move_to(nowhere)
+    assert answer.estimate is found
+    assert answer.is_shown
 
 
 def test_a_marker_that_is_lifted_and_put_back_has_lost_nothing() -> None:

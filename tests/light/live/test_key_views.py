@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float, frozen_floats
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, inverse_rigid, project, rigid, transform_points, view_direction
@@ -131,6 +132,22 @@ def test_a_blurred_frame_is_not_kept() -> None:
     assert not kept.add(dataclasses.replace(smeared, frame=Frame(image, 0, 0.0)))
 
 
+@pytest.mark.parametrize(("blur", "is_kept"), [(1.5 * MOST_BLUR_PX, True), (2.5 * MOST_BLUR_PX, False)])
+def test_the_blur_of_a_large_picture_counts_as_it_is_in_the_view_that_is_kept(blur, is_kept) -> None:
+    """Of half its size."""
+    large = Camera.from_hfov((1280, 960), 60)
+    assert kept_size(large.size) == SIZE
+    assert KeyViews().add(view(0, blur=blur, camera=large)) is is_kept
+
+
+def test_one_view_is_no_set_of_several() -> None:
+    with pytest.raises(ValueError, match="1 views are not several"):
+        KeyViews(1)
+    two = KeyViews(2)
+    assert [two.add(frame) for frame in orbit((0, 10, 40, 35))] == [True, True, True, False]
+    assert len(two.views) == 2
+
+
 @pytest.mark.parametrize("blur", [1.5, 2.5, 4.0])
 @pytest.mark.parametrize("azimuth_deg", [0, 20, 45])
 def test_blur_is_measured_in_pixels(blur, azimuth_deg) -> None:
@@ -228,17 +245,26 @@ def test_views_are_dropped_some_or_all() -> None:
     assert kept.add(view(0))
 
 
-def turned(degrees: float) -> np.ndarray:
+def place(T_room_marker) -> Float:
+    """Of a marker that lies there for several frames: that it does is known by the array's identity."""
+    return frozen_floats(T_room_marker, (4, 4), "T_room_marker")
+
+
+def turned(degrees: float) -> Float:
     """T_room_marker of a sheet that is turned on its table."""
-    return rigid(cv2.Rodrigues(np.radians([0.0, 0.0, degrees]))[0], [0.01, 0.0, 0.0])
+    return place(rigid(cv2.Rodrigues(np.radians([0.0, 0.0, degrees]))[0], [0.01, 0.0, 0.0]))
 
 
 def test_views_stay_when_the_marker_is_moved() -> None:
     """By its frame where it lies then; none is added while it moves."""
-    lies, kept = np.eye(4), KeyViews()
+    lies, kept = place(np.eye(4)), KeyViews()
     for frame in orbit(range(0, 40, 4)):
         kept.add(dataclasses.replace(frame, T_room_marker=lies))
     before = kept.views
+    assert before[0].frame.index == 0
+    assert len(before) == 10
+    assert not kept.add(dataclasses.replace(frame, T_room_marker=lies))
+    assert kept.views is before, "whoever looks at them sees that nothing is new"
     for degrees in range(2, 60, 2):
         assert not kept.add(dataclasses.replace(view(80.0, degrees), T_room_marker=turned(degrees)))
     assert kept.views == before
@@ -258,11 +284,24 @@ def test_views_stay_when_the_marker_is_moved() -> None:
         assert now == pytest.approx(was)
 
 
-def test_a_marker_that_is_lifted_from_its_table_shows_another_scene() -> None:
+def test_a_marker_that_is_turned_little_by_little_takes_all_views_along() -> None:
+    """Each time by less than counts as elsewhere, but for the views of before the last time."""
     kept = KeyViews()
+    for at, degrees in enumerate((0.0, 0.7, 1.4)):
+        lies = turned(degrees)
+        for index in (2 * at, 2 * at + 1):  # it is at rest in the second
+            last = dataclasses.replace(view(10.0 * at, index), T_room_marker=lies)
+            kept.add(last)
+    assert len(kept.views) == 3
+    assert all(lies_as_in(each, last) for each in kept.views)
+
+
+def test_a_marker_that_is_lifted_from_its_table_shows_another_scene() -> None:
+    lies, kept = place(np.eye(4)), KeyViews()
     for frame in orbit(range(0, 40, 4)):
-        kept.add(dataclasses.replace(frame, T_room_marker=np.eye(4)))
-    lifted = rigid(cv2.Rodrigues(np.radians([30.0, 0.0, 0.0]))[0], [0.0, 0.0, 0.1])
+        kept.add(dataclasses.replace(frame, T_room_marker=lies))
+    assert len(kept.views) > 2
+    lifted = place(rigid(cv2.Rodrigues(np.radians([30.0, 0.0, 0.0]))[0], [0.0, 0.0, 0.1]))
     held = dataclasses.replace(view(0.0, 99), T_room_marker=lifted)
     kept.add(held)
     kept.add(held)

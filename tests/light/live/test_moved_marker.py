@@ -128,6 +128,17 @@ def test_moved_twice_the_sheet_lies_in_a_view_only_where_it_lay_then() -> None:
     )
 
 
+@pytest.mark.parametrize("beyond_m", [0.0, 0.5], ids=["half of it", "all of it"])
+def test_no_view_is_kept_of_a_place_that_lies_behind_the_camera(beyond_m: float) -> None:
+    before = seen(T_room_marker=np.eye(4))
+    ahead = before.marker.T_cam_marker[2]  # a point's depth, by where it lies on the plane
+    level = ahead[:2] / np.linalg.norm(ahead[:2])
+    at_the_camera = -ahead[3] / np.linalg.norm(ahead[:2]) * level
+    for along, is_kept in ((0.5 * at_the_camera, True), (at_the_camera - beyond_m * level, False)):
+        lies = rigid(np.eye(3), [*along, 0.0])
+        assert (seen_before_move(before, lies) is not None) is is_kept
+
+
 def test_no_view_is_kept_of_a_marker_that_was_lifted_or_of_a_cube() -> None:
     assert seen_before_move(seen(T_room_marker=np.eye(4)), inverse_rigid(TILTED)) is None
     cube = seen(T_room_marker=np.eye(4))
@@ -158,15 +169,34 @@ def test_what_was_read_in_the_picture_is_known_by_the_marker_as_it_lay_there() -
     assert moved_illumination(once, TURNED, PRINT).as_read is lit
 
 
+def test_on_its_table_a_sheet_may_be_turned_and_all_that_was_measured_of_a_sun_stays() -> None:
+    """Also where it contradicts itself, or is incomplete."""
+    sun = Light(np.array([0.6, 0.0, 0.8]), shadow_rgb_ratio=np.full(3, 0.3))
+    for ambient in (np.full(3, 0.5), None):
+        moved = moved_illumination(Illumination((sun,), ambient), TURNED, PRINT)
+        assert moved.lights[0].shadow_rgb_ratio == pytest.approx(sun.shadow_rgb_ratio)
+        assert moved.ambient_rgb_ratio == (None if ambient is None else pytest.approx(ambient))
+
+
+def test_what_was_not_measured_is_not_made_up_where_the_sheet_is_tilted() -> None:
+    sun, unknown = Light(np.array([0.6, 0.0, 0.8]), shadow_rgb_ratio=np.full(3, 0.3)), Light(np.array([0.0, 0.6, 0.8]))
+    ambient = np.full(3, 0.5)
+    assert moved_illumination(Illumination((), ambient), TILTED, PRINT).ambient_rgb_ratio == pytest.approx(ambient)
+    assert moved_illumination(Illumination((sun,)), TILTED, PRINT).ambient_rgb_ratio is None
+    moved = moved_illumination(Illumination((sun, unknown), ambient), TILTED, PRINT)
+    assert [light.shadow_rgb_ratio is None for light in moved.lights] == [False, True]
+    assert moved.ambient_rgb_ratio == pytest.approx(ambient)
+
+
 def test_a_light_gives_a_tilted_sheet_as_much_as_its_cosine_says() -> None:
+    """The sky gives what was measured of it, though with the sun that was more than all there was."""
     light = Light(np.array([0.6, 0.0, 0.8]), shadow_rgb_ratio=np.full(3, 0.4))
-    lit = Illumination((light,), np.full(3, 0.4))
-    for motion in (TURNED, TILTED):
-        moved = moved_illumination(lit, motion, PRINT)
-        (now,) = moved.lights
-        sun_over_sky = (1 - now.shadow_rgb_ratio) / moved.ambient_rgb_ratio
-        assert sun_over_sky == pytest.approx(0.6 / 0.4 * now.to_light_marker[2] / 0.8)
-        assert 1 - now.shadow_rgb_ratio + moved.ambient_rgb_ratio == pytest.approx(1)
+    lit = Illumination((light,), np.full(3, 0.5))
+    moved = moved_illumination(lit, TILTED, PRINT)
+    (now,) = moved.lights
+    sun_over_sky = (1 - now.shadow_rgb_ratio) / moved.ambient_rgb_ratio
+    assert sun_over_sky == pytest.approx(0.6 / 0.5 * now.to_light_marker[2] / 0.8)
+    assert 1 - now.shadow_rgb_ratio + moved.ambient_rgb_ratio == pytest.approx(1)
     away = rigid(cv2.Rodrigues(np.radians([0.0, 80.0, 0.0]))[0], [0.0, 0.0, 0.1])
     (behind,) = moved_illumination(lit, away, PRINT).lights
     assert behind.to_light_marker[2] < 0
@@ -180,7 +210,7 @@ def test_so_does_a_lamp_and_less_with_the_square_of_its_distance(tilt_deg: float
     over_sky = 1.5
     lamp = Light(
         np.array([0.6, 0.0, 0.8]),
-        inverse_distance=2.0,
+        inverse_distance=0.5,
         shadow_rgb_ratio=np.full(3, 0.3 if is_measured else 1 / (1 + over_sky)),
         intensity_rgb_ratio=np.full(3, over_sky) if is_measured else None,
     )
@@ -195,9 +225,10 @@ def test_so_does_a_lamp_and_less_with_the_square_of_its_distance(tilt_deg: float
 
 
 def test_beside_a_lamp_that_is_farther_the_sun_has_a_larger_share() -> None:
+    """The lamp's intensity counts, and not the ambient light, which contradicts it."""
     sun = Light(np.array([0.0, 0.6, 0.8]), shadow_rgb_ratio=np.full(3, 0.7))
     lamp = Light(np.array([0.0, 0.0, 1.0]), inverse_distance=2.0, intensity_rgb_ratio=np.full(3, 1.0))
-    before = Illumination((lamp, sun), np.full(3, 0.2))
+    before = Illumination((lamp, sun), np.full(3, 0.4))
     now, sun_now = moved_illumination(before, rigid(np.eye(3), [0.3, 0.0, 0.0]), PRINT).lights
     fallen = (1 + 0.6**2) ** -1.5  # the lamp's light, half a metre above, at 0.6 of that aside
     total = 0.2 + 0.3 + 0.5 * fallen

@@ -3,10 +3,13 @@
 import multiprocessing
 import os
 import signal
+import sys
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -30,6 +33,7 @@ from ashe_live.light.live.worker_messages import (
     Unchanged,
     WorkerFailure,
 )
+from ashe_live.light.live.worker_process import LOWEST_PRIORITY
 from ashe_live.light.paper.estimator import PaperEstimator
 from ashe_live.process import awake
 from tests.light.painted_scenes import BOX
@@ -341,6 +345,26 @@ def test_a_scene_that_one_frame_shows_alone_is_estimated_only_for_a_person_who_w
         assert answer.outdated == (0, 1, 2)
 
 
+class TellingHow:
+    """Answers with the priority of its thread, and the number of OpenCV's."""
+
+    name = "how"
+
+    def __init__(self, _preset: ProxyPreset) -> None: ...
+
+    def estimate(self, tracked: TrackedFrame, _others: Sequence[TrackedFrame] = ()) -> LightEstimate:
+        priority = os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
+        return LightEstimate(self.name, tracked.frame.index, Illumination(), f"{priority} {cv2.getNumThreads()}")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere threads have no priority of their own")
+def test_an_estimate_gives_way_to_the_viewer_unless_a_person_waits_for_it():
+    with LightWorker(TellingHow) as worker:
+        for is_awaited, priority in ((True, os.nice(0)), (False, LOWEST_PRIORITY), (True, os.nice(0))):
+            answer = answered(worker, view(0), (), is_awaited=is_awaited)
+            assert answer.estimate.reason == f"{priority} 1"
+
+
 class Plates:
     """Answers with whether it was given a clean plate; of a frame that is the plate, that nothing stands there."""
 
@@ -354,6 +378,19 @@ class Plates:
         is_empty = plate is not None and np.array_equal(plate, tracked.frame.image_bgr)
         reason = NOTHING_THERE if is_empty else "alone" if plate is None else "over a plate"
         return LightEstimate(self.name, views[0], Illumination(), reason, views=views)
+
+
+class PlatesOfOneFrame(Plates):
+    """As the paper's estimator, which makes no use of a clean plate."""
+
+    name = "paper"
+
+
+def test_an_estimator_of_one_frame_is_given_no_clean_plate():
+    with LightWorker(PlatesOfOneFrame) as worker:
+        answer = answered(worker, view(0), (), empty=view(1, is_empty=True))
+        assert answer.estimate.reason == "alone"
+        assert not answer.is_over_empty_table
 
 
 def test_a_frame_is_estimated_over_the_empty_table_where_that_tells_more():
@@ -389,11 +426,19 @@ def test_views_from_one_side_are_left_out_as_they_add_no_information():
     assert answer.outdated == ()
 
 
+def test_what_cannot_be_compared_with_a_doubted_frame_does_not_show_that_the_scene_has_changed():
+    with LightWorker(Telling) as worker:
+        here = [view(index, 4.0 * index) for index in range(3)]
+        now, aside = view(4, 2.0, light_deg=20.0), view(5, 120.0, light_deg=20.0)
+        assert isinstance(answered(worker, now, here, doubted=aside), OtherScene)
+
+
 def test_what_is_known_of_an_unchanged_scene_still_holds():
     known = LightEstimate("telling", 0, Illumination((Light((0.0, 0.3, 1.0)),)))
     with LightWorker(Telling) as worker:
         here = [view(index, 4.0 * index) for index in range(3)]
         assert isinstance(answered(worker, here[0], here[1:], held=known, follows=True), Unchanged)
+        assert isinstance(answered(worker, here[0], here[1:], held=known), Estimated)
         now = view(5, light_deg=20.0)
         assert answered(worker, now, here, held=known, follows=True, is_awaited=True).estimate.views == (5,)
         assert answered(worker, now, (), held=known, follows=True).estimate.views == (5,)

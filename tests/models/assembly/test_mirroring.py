@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.models.assembly.mirroring import BOTH, ITSELF, SKY, words_on_mirrors
+from ashe_live.models.assembly.mirroring import BOTH, ITSELF, LEAST_SHARE, SKY, words_on_mirrors
 from ashe_live.models.material import Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import box, revolved
@@ -58,14 +58,25 @@ def test_a_map_says_what_is_metal(metal: int, told: bool) -> None:
     assert mirrors_itself([tray, _ball(PLASTIC)]) is told
 
 
-@pytest.mark.parametrize("turn_deg", [0, 60, 180])
+@pytest.mark.parametrize("turn_deg", range(0, 360, 60))
 def test_it_is_looked_at_from_all_around(turn_deg: float) -> None:
-    """A wall hides the metal before it from those who stand behind it."""
+    """The floor of a deep niche is seen from the front alone."""
     turn = np.radians(turn_deg)
     R = np.array([(np.cos(turn), -np.sin(turn), 0), (np.sin(turn), np.cos(turn), 0), (0, 0, 1)])
-    floor, wall = replace(box((2, 2, 0.01)), material=METAL), box((0.01, 2, 4)).moved(1.0, np.array((-1.0, 0, 0)))
-    parts = [replace(part, vertices=part.vertices @ R.T, normals=part.normals @ R.T) for part in (floor, wall)]
-    assert words_on_mirrors(parts) == BOTH
+    floor, back = replace(box((2, 2, 0.01)), material=METAL), box((0.01, 2, 4)).moved(1.0, np.array((-1.0, 0, 0)))
+    sides = [box((2, 0.01, 4)).moved(1.0, np.array((0.0, y, 0))) for y in (-1.0, 1.0)]
+    parts = [replace(part, vertices=part.vertices @ R.T, normals=part.normals @ R.T) for part in (floor, back, *sides)]
+    assert mirrors_itself(parts)
+
+
+@pytest.mark.parametrize(("height", "is_seen"), [(0.12, False), (0.4, True)])
+def test_a_floor_mirrors_a_wall_as_far_as_that_is_high_over_the_tangent_of_35_degrees(height, is_seen) -> None:
+    """Of six views three show it, of which two see the wall from aside; in all they show the floor 24 square metres."""
+    floor, wall = box((2, 2, 0.01)), box((0.01, 2, height)).moved(1.0, np.array((-1.0, 0, 0)))
+    mirrored = 2 * height / math.tan(math.radians(35)) * (1 + 2 * math.cos(math.radians(60)))
+    assert (mirrored > 1.4 * LEAST_SHARE * 24) is is_seen
+    assert (mirrored < 0.7 * LEAST_SHARE * 24) is not is_seen
+    assert mirrors_itself([replace(floor, material=METAL), wall]) is is_seen
 
 
 def test_a_mirrored_sky_is_reported_where_it_is_seen_clearly_from_above() -> None:

@@ -259,6 +259,13 @@ def test_a_compression_of_another_size_than_its_view_is_said(tmp_path: Path) -> 
         load_model_file(document.save(tmp_path / "a.glb"))
 
 
+def test_compressed_data_beyond_its_buffer_is_said(tmp_path: Path) -> None:
+    document = of_meshopt()
+    document.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["byteOffset"] = 1_000_000
+    with pytest.raises(UserError, match=r"bufferViews\[0\] ends at byte 1000"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
 def test_a_compression_that_is_none_is_said(tmp_path: Path) -> None:
     document = of_meshopt()
     document.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["mode"] = "INDICES"

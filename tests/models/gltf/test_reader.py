@@ -78,6 +78,22 @@ def test_what_is_not_said_has_gltfs_defaults(tmp_path: Path) -> None:
     assert not material.double_sided
 
 
+def test_a_part_begins_at_its_buffers_start_and_the_first_scene_is_shown_where_nothing_else_is_said(
+    tmp_path: Path,
+) -> None:
+    """Such a part may be all of its buffer."""
+    document = Document()
+    document.json["meshes"].append({"primitives": [{"attributes": {"POSITION": document.accessor(CORNERS[:3])}}]})
+    document.json["nodes"] = [{"mesh": 0}, {"mesh": 0, "scale": [3, 3, 3]}]
+    document.json["scenes"] = [{"nodes": [0]}, {"nodes": [1]}]
+    del document.json["scene"], document.json["bufferViews"][0]["byteOffset"]
+    (part,) = load_model_file(document.save(tmp_path / "a.gltf")).parts
+    assert np.ptp(part.vertices, axis=0).max() == pytest.approx(1.0)
+    document.json["scene"] = 1
+    (part,) = load_model_file(document.save(tmp_path / "a.gltf")).parts
+    assert np.ptp(part.vertices, axis=0).max() == pytest.approx(3.0)
+
+
 @pytest.mark.parametrize("suffix", [".glb", ".gltf"])
 def test_textures_come_from_wherever_they_lie(tmp_path: Path, suffix: str) -> None:
     (tmp_path / "my picture.png").write_bytes(png(RED))

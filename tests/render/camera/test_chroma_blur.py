@@ -45,3 +45,30 @@ def test_a_picture_without_colour_or_without_edges_gives_no_measurement() -> Non
     assert chroma_blur_px(np.full((160, 160, 3), (40, 90, 160), np.uint8)) is None
     assert chroma_blur_px(np.full((6, 5, 3), (40, 90, 160), np.uint8)) is None
     assert not has_coarse_chroma(grey)
+
+
+def _border(colour: tuple[int, int, int], other: tuple[int, int, int]) -> np.ndarray:
+    """(160, 160, 3) YCrCb of two surfaces."""
+    picture = np.full((160, 160, 3), colour, np.float32)
+    picture[:, 80:] = other
+    return cv2.GaussianBlur(picture, (0, 0), 0.6)
+
+
+def test_one_border_of_two_colours_is_enough_and_a_tint_of_grey_is_too_little() -> None:
+    coloured, grey = _border((70, 150, 100), (200, 120, 140)), _border((70, 126, 129), (200, 130, 127))
+    coloured[..., 1:] = cv2.GaussianBlur(coloured[..., 1:], (0, 0), 2.0)
+    assert chroma_blur_px(_photo(coloured)) == pytest.approx(2.0, abs=0.2)
+    assert chroma_blur_px(_photo(grey)) is None
+
+
+def test_noise_of_one_channel_is_no_border_of_two_surfaces() -> None:
+    """Colour and brightness go together in it, from pixel to pixel."""
+    picture = np.full((160, 160, 3), 120, np.uint8)
+    picture[..., 2] = np.clip(120 + np.random.default_rng(1).normal(0, 20, (160, 160)), 0, 255)
+    assert chroma_blur_px(picture) is None
+
+
+def test_colours_that_do_not_go_with_brightness_tell_nothing() -> None:
+    rng = np.random.default_rng(1)
+    patches = np.stack([rng.normal(mean, sigma, (40, 40)) for mean, sigma in ((120, 40), (128, 15), (128, 15))], axis=2)
+    assert chroma_blur_px(_photo(patches.repeat(4, axis=0).repeat(4, axis=1))) is None

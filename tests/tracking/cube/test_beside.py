@@ -8,13 +8,15 @@ import pytest
 
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.square import PlaneMarker, square_corners
+from ashe_live.core.square import PlaneMarker, mean_side_px, square_corners
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.pixels.view import View
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.cube.beside import PLACED_AFTER
+from ashe_live.tracking.cube.beside import BESIDE_NUMBER, MOVED, PLACED_AFTER, FlatBeside
+from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
+from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import parse_target, usual_side_m
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
@@ -136,6 +138,41 @@ def test_one_that_is_moved_is_learned_anew_and_does_not_pull_the_cube_along(know
         assert turn_deg(tracked.marker.measured_T_cam_marker, view_of(index)) < 0.5
     (lying,) = tracked.others
     assert lying.centre_m == pytest.approx(ELSEWHERE.centre_m, abs=1e-3)
+
+
+@pytest.fixture
+def placed() -> tuple[FlatBeside, dict[int, FittedSquare], MarkerPose]:
+    """A marker whose place is known, the squares of a frame by their numbers (a face of the cube, and it), the pose."""
+    beside, T = FlatBeside(parse_marker(FLAT)), view_of(0)
+    beside.placed, beside.corners = LYING, LYING.on_plane(square_corners(LYING.side_m))
+    seen = project(CAMERA, T, EDGE_M * FACES[0].corners(TAG_SHARE)), project(CAMERA, T, beside.corners)
+    squares = {number: FittedSquare.guessed(px, 0.05) for number, px in zip((0, BESIDE_NUMBER), seen, strict=True)}
+    return beside, squares, MarkerPose(T, seen[0], EDGE_M, 0.1, None)
+
+
+def test_one_that_is_taken_away_is_missed_after_a_while_in_which_the_cube_is_seen(placed) -> None:
+    """And not because a hand covers it for a moment, or because the cube is covered."""
+    beside, squares, pose = placed
+    cube, flat = {0: squares[0]}, {BESIDE_NUMBER: squares[BESIDE_NUMBER]}
+    for _ in range(3):
+        assert not any(beside.has_moved(cube, pose, CAMERA) for _ in range(PLACED_AFTER - 1))
+        assert not beside.has_moved(squares, pose, CAMERA)
+    for unseen in ({}, flat):
+        assert not any(beside.has_moved(unseen, pose, CAMERA) for _ in range(2 * PLACED_AFTER))
+    assert [beside.has_moved(cube, pose, CAMERA) for _ in range(PLACED_AFTER)] == [False] * (PLACED_AFTER - 1) + [True]
+    beside.forget()
+    assert not any(beside.has_moved(cube, pose, CAMERA) for _ in range(2 * PLACED_AFTER)), "it lies nowhere"
+
+
+def test_it_has_moved_where_it_is_seen_a_tenth_of_its_side_from_where_it_lay(placed) -> None:
+    beside, squares, pose = placed
+    there = squares[BESIDE_NUMBER].corners_px
+    for share, has_moved in ((0.0, False), (0.8 * MOVED, False), (1.25 * MOVED, True)):
+        off = there + share * mean_side_px(there) * np.array((0.6, -0.8))
+        seen = {**squares, BESIDE_NUMBER: FittedSquare.guessed(off, 0.05)}
+        assert beside.has_moved(seen, pose, CAMERA) is has_moved
+    assert beside.has_moved(squares, None, CAMERA), "no pose explains both"
+    assert not beside.has_moved({BESIDE_NUMBER: squares[BESIDE_NUMBER]}, None, CAMERA), "it alone says nothing of that"
 
 
 def test_a_frame_that_no_pose_explains_leaves_the_cube_to_be_found_in_the_next(

@@ -115,3 +115,16 @@ def test_a_face_looks_away_from_the_cubes_middle_and_lies_on_its_surface() -> No
         whole = face.corners()
         assert all(np.abs(CORNERS - corner).sum(axis=1).min() < 1e-12 for corner in whole)
     assert not any(face.centre[2] < 0.4 for face in FACES)
+
+
+def test_only_pages_are_printed_and_no_file_is_overwritten_unasked(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"cannot print to 'a\.jpg'"):
+        write_cube_sheet(tmp_path / "a.jpg", cube_layout(), EDGE_M)
+    path = tmp_path / "a.png"
+    path.write_text("mine")
+    with pytest.raises(UserError, match="exists"):
+        write_cube_sheet(path, cube_layout(), EDGE_M)
+    assert path.read_text() == "mine"
+    assert list(tmp_path.iterdir()) == [path]
+    write_cube_sheet(path, cube_layout(), EDGE_M, overwrite=True)
+    assert path.read_bytes().startswith(b"\x89PNG")

@@ -65,6 +65,28 @@ def test_a_folded_cube_is_not_taken_for_a_sheet(eye: tuple[float, float, float])
     squares = {number: project(CAMERA, T_cam_cube, 0.06 * face.corners(TAG_SHARE)) for number, face in enumerate(FACES)}
     assert not lies_unfolded(squares)
     assert not lies_unfolded({number: squares[number] for number in (0, 1, 2, 4)})
+    # Fewer say nothing, as the corners of any one of them lie on a plane.
+    for numbers in ((0,), (1,), (0, 1), (0, 1, 2)):
+        assert not lies_unfolded({number: squares[number] for number in numbers})
+
+
+@pytest.mark.parametrize(("off", "is_flat"), [(0.05, True), (0.15, False)])
+def test_a_sheet_may_be_a_little_wavy(off: float, is_flat: bool) -> None:
+    """`off`: RMS distance of the corners from a flat sheet's, over a square's side."""
+    side_px, rng = 60.0, np.random.default_rng(3)
+    edge_px = side_px / TAG_SHARE
+    squares = {}
+    for number, face in enumerate(FACES):
+        middle = 100 + edge_px * np.array((face.column, face.row))
+        upright = side_px / 2 * np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+        # Turned counter-clockwise, a print begins at another corner of the same square.
+        turned = np.roll(upright, face.turns, axis=0)
+        squares[number] = middle + turned + rng.normal(0, off * side_px / 2**0.5, (4, 2))
+    assert lies_unfolded(squares) is is_flat
+
+
+def test_what_has_no_extent_is_no_sheet() -> None:
+    assert not lies_unfolded({number: np.full((4, 2), 100.0) for number in range(len(FACES))})
 
 
 def test_once_it_is_folded_nothing_more_is_said(page: Image) -> None:

@@ -1,6 +1,7 @@
 """The light stays where it is in the room when the marker is moved in it."""
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.square import square_corners
-from ashe_live.core.transforms import angle_between, inverse_rigid, project, rigid
+from ashe_live.core.transforms import angle_between, inverse_rigid, project, rigid, transform_points
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
 from ashe_live.viewer.estimates.room_light import RoomLight
@@ -65,6 +66,34 @@ def test_an_estimate_of_the_moved_marker_is_of_where_it_lies_then() -> None:
         room.take(lit, lies)
         assert room.now(lies).light is SUN
     np.testing.assert_allclose(in_room(room.now(FIRST).light, FIRST), in_room(SUN, ELSEWHERE), atol=1e-9)
+
+
+def test_a_marker_that_is_out_of_view_may_have_been_moved_before() -> None:
+    """Where it lies is known of every frame."""
+    room, gone = RoomLight(), replace(ELSEWHERE, marker=None)
+    estimate = LightEstimate("proxy", 0, Illumination((SUN,)))
+    room.take(estimate.illumination, FIRST)
+    assert room.now(gone).light is SUN
+    assert room.seen_by(gone, estimate) is room.seen_by(None, estimate) is estimate
+    assert room.show_by_hand(gone, by_hand := Illumination((LAMP,))) is by_hand
+
+
+def test_until_the_first_estimate_what_mirrors_mirrors_the_first_picture_with_the_marker() -> None:
+    room = RoomLight()
+    room.see(OUT_OF_VIEW)
+    assert not room.has_seen_marker
+    room.see(FIRST)
+    assert room.has_seen_marker
+    room.see(ELSEWHERE)
+    assert room.now(FIRST).seen_in is FIRST
+    seen = room.now(ELSEWHERE).seen_in
+    assert seen.frame is FIRST.frame
+    # Where the marker lies now, the picture has it where that place was.
+    point = np.array([[0.02, 0.01, 0.0]])
+    in_first = transform_points(inverse_rigid(FIRST.T_room_marker) @ ELSEWHERE.T_room_marker, point)
+    assert project(CAMERA, seen.marker.T_cam_marker, point) == pytest.approx(
+        project(CAMERA, FIRST.marker.T_cam_marker, in_first)
+    )
 
 
 def test_without_an_estimate_there_is_the_sky_or_what_is_set_by_hand() -> None:

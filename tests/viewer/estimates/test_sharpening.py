@@ -25,6 +25,16 @@ def test_views_that_span_more_are_worth_another_estimate_and_the_same_again_are_
     assert sharpening.is_due_for((*views, fakes.tracked(9, tilt_deg=7.0)), 10.0)
 
 
+def test_a_hands_trembling_is_no_wider_span_by_whatever_factor_it_grows(fakes):
+    still = orbit(fakes, 2, 0.2)
+    settled = asked(still)
+    for _ in range(FUTILE):
+        settled.answered(False)
+    for sharpening, wider_deg in ((asked(still), 0.6), (settled, 1.5)):
+        assert not sharpening.is_due_for((still[0], fakes.tracked(9, tilt_deg=wider_deg)), 10.0)
+        assert sharpening.is_due_for((still[0], fakes.tracked(9, tilt_deg=wider_deg + 2.0)), 10.0)
+
+
 def test_where_nothing_is_seen_nothing_is_worth_an_estimate():
     sharpening = Sharpening()
     assert sharpening.span_rad == 0

@@ -82,14 +82,21 @@ def test_what_cannot_be_opened_says_so_once(opening, tmp_path, name):
     assert opening.take() is None
 
 
-def test_whatever_a_file_does_to_its_reader_is_one_line():
-    def opener(_path: Path):
+@pytest.mark.parametrize(
+    ("path", "named", "remedy"),
+    [(Path("strange.mp4"), "strange.mp4", "convert it"), (None, "another camera", "plug it in again")],
+)
+def test_whatever_a_file_or_a_camera_does_to_its_reader_is_one_line(path, named, remedy):
+    def opener(_path):
         raise ZeroDivisionError("in a library")
 
     opening = Opening(opener)
-    opening.begin(Path("strange.mp4"))
-    with pytest.raises(UserError, match=r"strange\.mp4"):
+    opening.begin(path)
+    assert opening.progress == f"opening {named}"
+    with pytest.raises(UserError, match="in a library") as error:
         awaited(opening)
+    assert named in error.value.message
+    assert error.value.remedy == remedy
 
 
 @pytest.mark.parametrize(("path", "remedy"), [(Path("slow.mp4"), "disk"), (None, "plug it in")])
@@ -125,6 +132,18 @@ def test_what_is_abandoned_does_not_come_and_without_an_opener_nothing_does(open
         assert each.take() is None
 
 
+def test_nobody_hears_of_an_abandoned_file_that_cannot_be_opened(opening, tmp_path, caplog):
+    """What is raised in a thread that nobody waits for is logged on the terminal."""
+    opening.begin(tmp_path / "missing.mp4")
+    coming = opening._coming
+    opening.close()
+    assert isinstance(coming.exception(PATIENCE_S), UserError)
+    for thread in threading.enumerate():
+        if thread.name == "opening":  # it may be about to say so
+            thread.join(PATIENCE_S)
+    assert caplog.records == []
+
+
 def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):
     go_on, pipelines = threading.Event(), {}
 
@@ -137,6 +156,7 @@ def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):
 
     opening = Opening(opener)
     opening.begin(Path("first"))
+    assert opening.take() is None, "the window goes on meanwhile"
     first = opening._coming
     opening.begin(Path("last"))
     assert awaited(opening).pipeline is pipelines["last"]

@@ -16,7 +16,8 @@ from ashe_live.process.mailbox import Closed
 from ashe_live.quality import ACCURATE, FAST
 from ashe_live.viewer.sources import capture_loop
 from ashe_live.viewer.sources import pipeline as pipeline_module
-from ashe_live.viewer.sources.capture_loop import CaptureLoop
+from ashe_live.viewer.sources.capture_loop import PHOTO_FPS, CaptureLoop
+from ashe_live.viewer.sources.pace import FALLEN_BEHIND_S
 from ashe_live.viewer.sources.pipeline import Pipeline
 
 PATIENCE_S = 20.0
@@ -58,6 +59,14 @@ def assert_settles(pipeline: Pipeline, at: int) -> None:
         tracked = pipeline.frames.take(PATIENCE_S)
         assert tracked is not None
     assert pipeline.frames.take(A_WHILE_S) is None
+
+
+def pause(pipeline: Pipeline) -> None:
+    """Pauses it, and takes what was under way when the pause came."""
+    pipeline.pause(True)
+    await_that(lambda: pipeline._capture._wish.paused)
+    while pipeline.frames.take(A_WHILE_S) is not None:
+        pass
 
 
 @pytest.fixture
@@ -108,14 +117,17 @@ def stepped(pipeline: Pipeline, times: int) -> list[int | None]:
     return shown
 
 
-def test_frames_come_in_order_and_the_end_holds(run, fakes):
-    pipeline = run(fakes.Source(6))
+@pytest.mark.parametrize("kind", ["Source", "Clip"])
+def test_frames_come_in_order_and_the_end_holds(run, fakes, kind):
+    source = getattr(fakes, kind)(6)
+    pipeline = run(source)
     taken = indices(pipeline, until=5)
     assert taken == sorted(taken)
     await_that(lambda: pipeline.status is not None)
     assert "R starts it again" in pipeline.status
     assert pipeline.frames.take(A_WHILE_S) is None
     assert not pipeline.frames.is_closed
+    assert source.reads == 7, "nobody looks again and again whether there is more"
 
 
 def test_the_last_frame_is_shown_however_late(make, fakes, clock):
@@ -153,6 +165,21 @@ def test_a_loop_goes_round(run, fakes):
     assert pipeline.status is None
 
 
+def test_every_round_of_a_short_clip_is_shown_whole(make, fakes, clock):
+    """Its first frame is due a period after the last of the round before."""
+    pipeline = make(fakes.Clip(4, fps=32.0), loop=True)
+    assert stepped(pipeline, 15) == [0, 1, 2, 3, None] * 3
+    assert clock.now == 11 / 32
+
+
+def test_a_clip_that_ends_early_says_so_at_its_end(run, fakes):
+    source = fakes.Source(3)
+    source.note = "the clip is truncated"
+    pipeline = run(source)
+    await_that(lambda: pipeline.status is not None)
+    assert pipeline.status == "the clip is truncated"
+
+
 def test_a_looped_clip_still_reports_that_it_is_damaged(run, fakes):
     source = fakes.Source(3)
     source.note = "the clip is truncated"
@@ -187,23 +214,21 @@ def test_pause_holds_and_goes_on_where_it_was(run, fakes):
     source = fakes.Source(10_000)
     pipeline = run(source)
     indices(pipeline, until=0)
-    pipeline.pause(True)
-    while pipeline.frames.take(A_WHILE_S) is not None:  # what was under way when the pause came
-        pass
+    pause(pipeline)
     next_index = source.reads
     assert pipeline.frames.take(A_WHILE_S) is None
     assert source.reads == next_index
+    taken = threading.Event()
+    source.hook = lambda index: index == next_index or taken.wait(PATIENCE_S)  # else those after it may overtake it
     pipeline.pause(False)
-    resumed = pipeline.frames.take(PATIENCE_S)
-    assert next_index <= resumed.frame.index <= next_index + 2
+    assert pipeline.frames.take(PATIENCE_S).frame.index == next_index
+    taken.set()
 
 
 def test_restart_while_paused_shows_the_first_frame_and_stays_paused(run, fakes):
     pipeline = run(fakes.Source(10_000))
     indices(pipeline, until=5)
-    pipeline.pause(True)
-    while pipeline.frames.take(A_WHILE_S) is not None:
-        pass
+    pause(pipeline)
     pipeline.restart()
     assert pipeline.frames.take(PATIENCE_S).frame.index == 0
     assert pipeline.frames.take(A_WHILE_S) is None
@@ -286,10 +311,9 @@ def test_where_nobody_can_seek_seeks_and_steps_change_nothing(run, fakes):
     pipeline = run(source)
     indices(pipeline, until=3)
     pipeline.step(-1)
-    assert min(indices(pipeline, until=8)) > 3  # it is not paused
-    pipeline.pause(True)
-    while pipeline.frames.take(A_WHILE_S) is not None:
-        pass
+    assert not pipeline._wish.paused
+    assert min(indices(pipeline, until=8)) > 3
+    pause(pipeline)
     pipeline.seek(0.0)
     assert pipeline.frames.take(A_WHILE_S) is None
 
@@ -358,6 +382,7 @@ def test_stepping_off_the_ends_stays_there(run, fakes, loop):
     pipeline.step(1)
     await_that(lambda: pipeline._wish.jump is pipeline._capture.state.obeyed and pipeline._capture.state.at.index == 9)
     assert pipeline.frames.take(A_WHILE_S) is None
+    assert (pipeline.has_ended, pipeline.status, source.rewinds) == (False, None, 0)
     pipeline.step(-1)
     assert_settles(pipeline, at=8)
     pipeline.step(-20)
@@ -394,6 +419,30 @@ def test_a_seek_back_from_the_end_plays_on(run, fakes):
     assert pipeline.frames.take(PATIENCE_S) is not None
 
 
+def test_what_is_known_of_a_source_before_it_is_read(make, fakes):
+    clip, photo = make(fakes.Clip(11, fps=10.0)), make(fakes.Source(1, fps=None, is_photo=True))
+    assert (clip.is_clip, clip.fps, clip.duration_s, clip.marker) == (True, 10.0, 1.0, fakes.Tracker.marker.spec)
+    assert (photo.is_clip, photo.fps, photo.duration_s) == (False, PHOTO_FPS, None)
+    other = make(fakes.Clip(2), tracker_for=lambda _spec, _hfov_deg: fakes.Tracker())
+    other.follow("cube")
+    other.see_by(50.0)
+    assert other.marker == "cube"
+
+
+@pytest.mark.parametrize(("duration_s", "at"), [(4.995, 799), (None, 999)])
+def test_who_seeks_beyond_the_end_goes_back_from_there_where_it_is_known(held, duration_s, at):
+    """Else from where it was sent; the clip itself stays at its last frame."""
+    pipeline, source, _ = held
+    source.duration_s = duration_s
+    source.hook = gate = Gate()
+    pipeline.step(1)
+    assert gate.reached.wait(PATIENCE_S)
+    pipeline.seek(100.0)
+    pipeline.seek_by(-1.0)
+    gate.opened.set()
+    assert_settles(pipeline, at=at)
+
+
 def test_what_is_no_clip_cannot_be_gone_through(run, fakes):
     pipeline = run(fakes.Source(1, fps=None, is_photo=True))
     indices(pipeline, until=0)
@@ -421,6 +470,17 @@ def test_speed_changes_the_pace_and_never_the_lag(make, fakes, clock, speed, hz)
     stepped(pipeline, 240)
     assert max(map(abs, lags_s)) < 1e-9
     assert (len(seen) - 1) / (seen[-1] - seen[0]) == pytest.approx(hz, rel=0.02)
+
+
+def test_after_a_short_pause_nothing_is_left_out(make, fakes, clock):
+    """A longer one than FALLEN_BEHIND_S would be taken for a slow machine, which shows what comes next too."""
+    pipeline = make(fakes.Clip(10, fps=30.0))
+    assert stepped(pipeline, 3) == [0, 1, 2]
+    pipeline.pause(True)
+    clock.now += 0.8 * FALLEN_BEHIND_S  # then the clock's wait returns at once
+    assert stepped(pipeline, 1) == [3]
+    pipeline.pause(False)
+    assert stepped(pipeline, 3) == [4, 5, 6]
 
 
 def test_a_slow_tracker_drops_frames_instead_of_lagging(make, fakes, clock):
@@ -452,10 +512,29 @@ def test_a_lost_camera_is_reported_and_comes_back(run, fakes, monkeypatch):
     await_that(lambda: pipeline.status is not None)
     assert "waiting for it to come back" in pipeline.status
     assert not pipeline.frames.is_closed
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.0)
+    assert pipeline.stall is None, "it hangs nowhere"
     plugged_in.set()
     await_that(lambda: pipeline.status is None)
     assert pipeline.frames.take(PATIENCE_S) is not None
     assert tracker.resets == 1
+
+
+def test_a_lost_camera_is_not_looked_for_all_the_time_because_somebody_wants_the_first_frame(run, fakes, monkeypatch):
+    """Which a camera does not have."""
+    monkeypatch.setattr(capture_loop, "RECONNECT_EVERY_S", PATIENCE_S)
+    source, looks = fakes.Source(10_000, is_live=True), []
+
+    def lose(_index: int) -> None:
+        raise SourceLost("the camera gives no more pictures", "plug it in")
+
+    source.hook, source.reopen = lose, lambda: looks.append(True)
+    pipeline = run(source)
+    await_that(lambda: pipeline.status is not None)
+    pipeline.restart()
+    await_that(lambda: pipeline._capture.state.obeyed is pipeline._wish.jump)
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert len(looks) <= 2
 
 
 @pytest.mark.parametrize("error", [UserError("the disk is gone", "look for it"), RuntimeError("a bug"), MemoryError()])
@@ -479,9 +558,10 @@ def test_an_error_reaches_the_other_side(run, fakes, error):
 def test_a_looped_clip_whose_file_has_gone_goes_on_once_it_is_back(run, fakes):
     """Each round opens it anew. The last picture stays meanwhile."""
     clip = fakes.Clip(4)
-    rewind, is_there = clip.rewind, threading.Event()
+    rewind, is_there, looks = clip.rewind, threading.Event(), []
 
     def look() -> None:
+        looks.append(True)
         if not is_there.is_set():
             raise UserError("there is no file clip.mp4", "check the name and the folder")
         rewind()
@@ -491,16 +571,19 @@ def test_a_looped_clip_whose_file_has_gone_goes_on_once_it_is_back(run, fakes):
     await_that(lambda: pipeline.has_ended)
     assert pipeline.status == "there is no file clip.mp4: R tries again"
     assert pipeline.frames.take(PATIENCE_S) is not None
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert len(looks) == 1, "it is looked for when somebody asks"
     for ask in (pipeline.restart, lambda: pipeline.seek(0.0)):
         jump = pipeline._capture.state.obeyed
         ask()
         await_that(lambda jump=jump: pipeline._capture.state.obeyed is not jump and pipeline.has_ended)
         assert not pipeline.frames.is_closed
+    assert clip.sought == [], "first it is opened anew"
     is_there.set()
     pipeline.seek(1 / clip.fps)
     await_that(lambda: clip.rewinds > 2)
     assert pipeline.frames.take(PATIENCE_S) is not None
-    assert pipeline.status is None
+    assert (pipeline.status, pipeline.has_ended) == (None, False)
     assert clip.sought[-1] == 1
 
 
@@ -598,8 +681,8 @@ def test_an_error_of_the_tracker_reaches_the_other_side(run, fakes):
         run(fakes.Source(5), tracker=tracker).frames.take(PATIENCE_S)
 
 
-def test_the_tracking_preset_changes_between_frames_and_never_within_one(run, fakes):
-    """The main thread asks for another quality while a frame is being tracked."""
+def test_the_tracking_preset_changes_between_frames_and_never_within_one(make, fakes):
+    """The main thread asks for another quality while a frame is being tracked. Of other wishes none changes it."""
     tracker, gate, used = fakes.Tracker(), Gate(), []
     tracker.preset = FAST.tracking
 
@@ -609,7 +692,9 @@ def test_the_tracking_preset_changes_between_frames_and_never_within_one(run, fa
         used.append(tracker.preset)
 
     tracker.hook = track
-    pipeline = run(fakes.Clip(10_000), tracker=tracker)
+    pipeline = make(fakes.Clip(10_000), tracker=tracker)
+    pipeline.play(2.0, loop=False)
+    pipeline.start()
     assert gate.reached.wait(PATIENCE_S)
     pipeline.track_with(ACCURATE.tracking)
     gate.opened.set()

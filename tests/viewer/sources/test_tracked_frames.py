@@ -24,6 +24,16 @@ def test_a_frame_that_was_in_progress_then_is_not_taken_in(fakes) -> None:
     assert frames.take(0).frame.index == 1
 
 
+def test_no_frame_slips_in_between_the_question_and_the_answer(fakes, monkeypatch) -> None:
+    """Whether it is still wanted, and what is done with it then, is one step for the other thread."""
+    frames, done = TrackedFrames(), []
+    for name in ("put", "drop"):
+        monkeypatch.setattr(frames._latest, name, lambda *_, name=name: done.append((name, frames._asking.locked())))
+    frames.put(fakes.tracked(0), AS_AT_FIRST)
+    frames.ask_for(OTHER)
+    assert done == [("put", True), ("drop", True)]
+
+
 def test_to_ask_for_the_same_again_drops_nothing(fakes) -> None:
     frames = TrackedFrames()
     frames.put(fakes.tracked(0), AS_AT_FIRST)

@@ -70,3 +70,20 @@ def test_several_stand_clear_of_the_cube_and_of_one_another(azimuth_deg: float) 
     stood = [(seat_beside(seat, EDGE_M) @ places.of(seat)).shift_m for seat in range(MOST_MODELS)]
     for one, other in itertools.combinations([(0.0, 0.0), *stood], 2):
         assert np.abs(np.subtract(one, other)).max() > 1.1 * FOOTPRINT_SIDES * EDGE_M
+
+
+@pytest.mark.parametrize("azimuth_deg", range(0, 360, 25))
+def test_several_stand_in_a_row_across_the_way_to_the_cube_that_goes_right_or_nearer_in_the_picture(
+    azimuth_deg: float,
+) -> None:
+    """Seat 1 is that to the right of the middle, seat 2 that to the left."""
+    seen = tracked(azimuth_deg)
+    assert seen.marker is not None
+    places = first_places(seen, None)
+    middle, along = np.array(places.middle_m), np.array(places.along)
+    assert along @ middle == pytest.approx(0, abs=1e-9)
+    assert np.abs(along).max() == pytest.approx(1)
+    right_m, left_m = ((seat_beside(seat, EDGE_M) @ places.of(seat)).shift_m for seat in (1, 2))
+    assert np.add(right_m, left_m) / 2 == pytest.approx(middle)
+    right, left = project(CAMERA, seen.marker.T_cam_marker, [(*right_m, 0.0), (*left_m, 0.0)])
+    assert (right - left).sum() > 0, "x goes right and y down"
