@@ -168,14 +168,7 @@ class SceneRenderer:
         """Releases all OpenGL objects; the renderer cannot be used afterwards."""
         self._follow_models((), waits=True)
         self._ctx.detect_framebuffer(0).use()
-        for held in (
-            self.video,
-            self.overlays,
-            self._models_on_video,
-            self._mirror,
-            self._surface,
-            self._programs,
-        ):
+        for held in (self.video, self.overlays, self._models_on_video, self._mirror, self._surface, self._programs):
             held.release()
 
     def _new_surface(self, size: Size) -> Surface:
