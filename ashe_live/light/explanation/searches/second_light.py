@@ -47,7 +47,7 @@ def with_lights_counted(
         return kept
     if len(one.lights) > 1:
         return [each for each in kept if not is_part_of(one, each)]
-    found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights, view.coarse, view.ground, TRIED)
+    found = shadow_candidates(one.proxy, one.lit.lights, view.coarse, view.ground, TRIED)
     tried = [_tried(one, candidate, view, region_px) for candidate in found]
     several = [both for both in tried if both is not None]
     return [*several, *(other for other in kept if not any(is_part_of(both, other) for both in several))]
@@ -75,7 +75,7 @@ def is_part_of(both: Explanation, other: Explanation) -> bool:
 def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region_px: int) -> Explanation | None:
     """The explanation with a second light; None if that is rejected."""
     ground = view.ground
-    lit, shift = one.alignment.placed.lit, candidate.shift(ground)
+    lit, shift = one.lit, candidate.shift(ground)
     if shift is None:
         return None
     region = candidate.region(lit, view, region_px)
