@@ -10,8 +10,15 @@ import numpy as np
 
 from ashe_live.bench.cube.ambient import ambient_errors
 from ashe_live.bench.cube.pictures import CubePicture
-from ashe_live.bench.light.results import BAD_CONFIDENCE, BAD_DEG
-from ashe_live.bench.metrics import angular_error_deg, median, percentile, share, squared_sigmas
+from ashe_live.bench.metrics import (
+    BAD_CONFIDENCE,
+    BAD_DEG,
+    angular_error_deg,
+    median,
+    percentile,
+    share,
+    squared_sigmas,
+)
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
 from ashe_live.core.light import LightEstimate

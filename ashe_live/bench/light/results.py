@@ -9,6 +9,8 @@ import numpy as np
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.lamps import LampFigures, lamp_figures
 from ashe_live.bench.metrics import (
+    BAD_CONFIDENCE,
+    BAD_DEG,
     angular_error_deg,
     brier_score,
     largest,
@@ -26,7 +28,6 @@ from ashe_live.light.estimators.estimator import Estimator
 
 GOOD_DEG = 5.0
 CONFIDENT_DEG = 10.0  # a confidence is the probability of an error below this, `judge.GOOD_RAD`
-BAD_DEG, BAD_CONFIDENCE = 15.0, 0.5  # error and confidence beyond which an answer is sure and wrong
 ALL_LIT, ALL = "all lit", "all"
 
 
