@@ -68,11 +68,6 @@ class SceneRenderer:
         return self._models.shown
 
     @property
-    def shadow_map_renders(self) -> int:
-        """How often the shadow maps were drawn since the preset was set."""
-        return self._models_on_video.shadows.renders
-
-    @property
     def gl_renderer(self) -> str:
         return str(self._ctx.info["GL_RENDERER"])
 
