@@ -39,10 +39,10 @@ class StageTimes:
         self.cpu_ms[name].append((cpu_s - self._cpu_s) * 1e3)
         self._wall_s, self._cpu_s = wall_s, cpu_s
 
-    def sum_up(self, name: str, stages: tuple[str, ...]) -> None:
-        """Adds the stage `name`, the sum of `stages` in each frame."""
+    def sum_up(self, stages: tuple[str, ...]) -> None:
+        """Adds the stage `whole`, the sum of `stages` in each frame."""
         for times in (self.wall_ms, self.cpu_ms):
-            times[name] = [sum(frame) for frame in zip(*(times[stage] for stage in stages), strict=True)]
+            times["whole"] = [sum(frame) for frame in zip(*(times[stage] for stage in stages), strict=True)]
 
 
 def time_unpaced(
@@ -60,7 +60,7 @@ def time_unpaced(
         renderer.render(scene(tracked), waits=False)
         renderer.finish()
         times.stage("render")
-    times.sum_up("whole", ("decode", "track", "render"))
+    times.sum_up(("decode", "track", "render"))
     return times
 
 

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import angle_between, normalised, tangent_basis
 
+BAD_DEG, BAD_CONFIDENCE = 15.0, 0.5  # error and confidence beyond which an answer is sure and wrong
+
 
 def angular_error_deg(answer: ArrayLike, truth: ArrayLike) -> float:
     """Degrees between two directions (3,)."""

@@ -1,5 +1,6 @@
 """Types of arrays, the checks with which value types freeze theirs, and a few computations that many parts need."""
 
+import itertools
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import wraps
@@ -119,6 +120,16 @@ def fixed_point(pixels: NDArray[Any], bits: int = FRACTION_BITS) -> NDArray[np.i
 def cross_2d(a: Float | Float32, b: Float | Float32) -> Float:
     """(...) third components of the cross products of vectors (..., 2): NumPy's own takes three dimensions."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def cross_3d(a: Float, b: Float) -> Float:
+    """(3,) the cross product of two vectors (3,), of which NumPy's own takes ten times as long."""
+    return np.array((a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+
+
+def box_corners(bounds: Float) -> Float:
+    """(8, 3) corners of a box given by its smallest and largest coordinates (2, 3)."""
+    return np.array(list(itertools.product(*bounds.T)))
 
 
 def upper_median(values: Float | Float32) -> float:

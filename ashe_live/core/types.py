@@ -124,3 +124,10 @@ class TrackedFrame:
             if plate.shape != self.frame.image_bgr.shape:
                 raise ValueError(f"a clean plate of {plate.shape[1::-1]} is no picture of a frame of {self.frame.size}")
             set_frozen(self, clean_plate_bgr=plate)
+
+    @property
+    def pose(self) -> MarkerPose:
+        """The pose of its marker, where it is known to have one. Raises ValueError where it has none."""
+        if self.marker is None:
+            raise ValueError("there is no marker in this frame")
+        return self.marker

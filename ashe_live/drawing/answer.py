@@ -31,6 +31,5 @@ def answer_picture(estimate: LightEstimate, frozen: TrackedFrame, width_px: int)
 
 def rose_picture(estimate: LightEstimate, frozen: TrackedFrame, height_px: int) -> Image:
     """(r, r, 3) BGR: the light rose for a picture of that height. The frame must have a marker."""
-    assert frozen.marker is not None
     rose_px = max(LEAST_ROSE_PX, round(ROSE_HEIGHT * height_px))
-    return light_rose(estimate.lights, rose_px, camera_centre(frozen.marker.T_cam_marker))
+    return light_rose(estimate.lights, rose_px, camera_centre(frozen.pose.T_cam_marker))

@@ -17,7 +17,7 @@ TINT = 0.6
 
 
 def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
-    """The picture, tinted where the estimate's masks, scaled to its size, are set."""
+    """The picture (h, w, 3), tinted where the estimate's masks, scaled to its size, are set."""
     for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
         if mask is not None:
             picture_bgr = tinted(picture_bgr, resized(mask, picture_bgr.shape[1::-1]), colour)
@@ -25,9 +25,9 @@ def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
 
 
 def with_body(picture_bgr: Image, camera: Camera, T_cam_marker: Float, body: Proxy, lights: Sequence[Light]) -> Image:
-    """A copy of the picture with the outlines of a body and of its shadows.
+    """A copy of the picture (h, w, 3) with the outlines of a body and of its shadows.
 
-    camera: of the picture's size, without distortion.
+    camera: of the picture's size, without distortion. T_cam_marker: (4, 4).
     """
     picture, points = picture_bgr.copy(), body.points_marker()
     for light in lights:

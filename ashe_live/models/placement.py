@@ -1,13 +1,12 @@
 """Where a model stands: over the marker's centre, on the ground, as large as the marker allows; then as it is moved."""
 
-import itertools
 import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, directions_on_spiral, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float, box_corners, directions_on_spiral, frozen_floats, set_frozen
 from ashe_live.core.ranges import SCALE, SHIFT, TURN
 from ashe_live.models.mesh import Float32, Model
 
@@ -106,7 +105,7 @@ def placed_on_marker(model: Model, side_m: float) -> PlacedModel:
 def _outline(model: Model) -> Float:
     """(n, 3) metres, marker frame: points whose convex hull encloses the model in all of its poses."""
     if model.duration_s:
-        return np.array(list(itertools.product(*model.bounds.T)))
+        return box_corners(model.bounds)
     points = np.concatenate([part.vertices for part in model.parts])
     if len(points) <= MAX_OUTLINE_POINTS:
         return points.astype(np.float64)

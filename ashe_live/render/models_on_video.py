@@ -89,12 +89,11 @@ class ModelsOnVideo:
         """
         tracked = scene.tracked
         assert tracked is not None
-        assert tracked.marker is not None
         lighting = self.photometry.lighting(scene.illumination)
         cover = self._followed(models, scene, lighting, waits)
         viewport = letterbox(tracked.frame.size, surface.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
-        framed = partial(framing, camera, tracked.marker.T_cam_marker, viewport=viewport)
+        framed = partial(framing, camera, tracked.pose.T_cam_marker, viewport=viewport)
         signs = _signs(models, scene, bends) if scene.shows_light else ()
         frame = framed(np.concatenate([_corners(models, signs), self.layers.catcher.polygon]))
         if frame is None:
@@ -197,9 +196,8 @@ def _signs(models: StandingGroup, scene: Scene, bends: bool) -> tuple[LightSign,
     """Where the lights are: an arrow or a bulb for each, beside the first model; `bends` as of `draw`."""
     tracked = scene.tracked
     assert tracked is not None
-    assert tracked.marker is not None
     shown_by = tracked.camera if bends else tracked.camera.without_distortion()
-    corners, T_cam_marker = models.members[0].corners, tracked.marker.T_cam_marker
+    corners, T_cam_marker = models.members[0].corners, tracked.pose.T_cam_marker
     return tuple(light_sign(corners, light, shown_by, T_cam_marker) for light in scene.illumination.lights)
 
 

@@ -68,11 +68,6 @@ class SceneRenderer:
         return self._models.shown
 
     @property
-    def shadow_map_renders(self) -> int:
-        """How often the shadow maps were drawn since the preset was set."""
-        return self._models_on_video.shadows.renders
-
-    @property
     def gl_renderer(self) -> str:
         return str(self._ctx.info["GL_RENDERER"])
 
@@ -168,14 +163,7 @@ class SceneRenderer:
         """Releases all OpenGL objects; the renderer cannot be used afterwards."""
         self._follow_models((), waits=True)
         self._ctx.detect_framebuffer(0).use()
-        for held in (
-            self.video,
-            self.overlays,
-            self._models_on_video,
-            self._mirror,
-            self._surface,
-            self._programs,
-        ):
+        for held in (self.video, self.overlays, self._models_on_video, self._mirror, self._surface, self._programs):
             held.release()
 
     def _new_surface(self, size: Size) -> Surface:

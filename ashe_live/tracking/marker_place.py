@@ -65,8 +65,7 @@ class MarkerPlace:
 
     def _compare(self, tracked: TrackedFrame, before: StillFrame) -> None:
         """Where the marker lies in the frame, by the ground around it in one from `before`, when it lay still."""
-        assert tracked.marker is not None
-        corners_px, time_s = scaled_pixels(tracked.marker.corners_px, before.scale), tracked.frame.time_s
+        corners_px, time_s = scaled_pixels(tracked.pose.corners_px, before.scale), tracked.frame.time_s
         is_at_rest = self._last_px is not None and np.abs(corners_px - self._last_px).max() < AT_REST_PX
         self._last_px = corners_px
         if np.abs(corners_px - before.corners_px).max() < LEAST_MOTION_PX:

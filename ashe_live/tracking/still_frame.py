@@ -58,14 +58,12 @@ class StillFrame:
 
     def is_comparable(self, tracked: TrackedFrame) -> bool:
         """Whether the frame, which must have a marker, shows the same marker by the same camera."""
-        assert tracked.marker is not None
-        return self.camera is tracked.camera and self.side_m == tracked.marker.side_m
+        return self.camera is tracked.camera and self.side_m == tracked.pose.side_m
 
     @staticmethod
     def of(tracked: TrackedFrame, T_room_marker: Float) -> "StillFrame":
         """The frame, which must have a marker, with the points by which later ones are compared with it."""
-        marker = tracked.marker
-        assert marker is not None
+        marker = tracked.pose
         fine, scaled = _scaled(tracked)
         points = cv2.goodFeaturesToTrack(fine, MOST_POINTS, LEAST_QUALITY, APART_PX, mask=_around(marker, scaled))
         scale = scaled.size[0] / tracked.frame.size[0]
@@ -84,10 +82,9 @@ class StillFrame:
 
     def motion(self, tracked: TrackedFrame) -> Float | None:
         """(4, 4) from the marker's frame now to that before, `UNMOVED` if it was not moved; None if that is unclear."""
-        assert tracked.marker is not None
         if len(self.points_px) < FEWEST_POINTS:
             return None
-        now = tracked.marker.T_cam_marker
+        now = tracked.pose.T_cam_marker
         seen = self._followed_points(tracked, now)
         # Points that both motions lead to the same place say nothing.
         with_camera, with_marker = (seen.count(way & seen.is_clear) for way in (seen.near_path, seen.stays))

@@ -7,9 +7,8 @@ import numpy as np
 
 from ashe_live.core.arrays import frozen_view
 from ashe_live.core.camera import Size
-from ashe_live.core.transforms import transform_points
 from ashe_live.core.types import TrackedFrame
-from ashe_live.render.gl.framing import box_corners, framing, letterbox
+from ashe_live.render.gl.framing import corners_of, framing, letterbox
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.render.screen import Screen
@@ -125,10 +124,9 @@ class Display:
 def _span_of_models(session: Session, framebuffer: Size) -> Span | None:
     """Where the picture shows the models, without the lens's distortion; None where none is in view."""
     tracked = session.tracked
-    models = [(model, placement) for _, model, placement in session.arrangement.models(tracked) if placement]
-    if tracked is None or tracked.marker is None or not models:
+    boxes = [corners_of(model, placement) for _, model, placement in session.arrangement.models(tracked) if placement]
+    if tracked is None or tracked.marker is None or not boxes:
         return None
-    boxes = [transform_points(placement.marker_from_placed, box_corners(model.bounds)) for model, placement in models]
     viewport = letterbox(tracked.frame.size, framebuffer)
     seen = framing(tracked.camera, tracked.marker.T_cam_marker, np.concatenate(boxes), viewport)
     if seen is None:

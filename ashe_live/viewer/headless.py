@@ -12,7 +12,6 @@ from itertools import islice
 from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
-from ashe_live.light.live.worker import LONGEST_ESTIMATE_S
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.tracker import MarkerTracker
@@ -96,6 +95,6 @@ def _estimate_ahead(source: Source, scene: SceneTracker, session: Session, run: 
 
 def _finish_estimate(session: Session, report: Report, shown_s: float) -> None:
     """Waits for the estimate; one that takes too long is a failure, which the session notes as any other."""
-    new = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
+    new = session.wait_for_estimate(shown_s)
     if new is not None:
         report.add_estimate(new.estimate)

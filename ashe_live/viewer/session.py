@@ -7,7 +7,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
-from ashe_live.light.live.worker import LightWorker
+from ashe_live.light.live.worker import LONGEST_ESTIMATE_S, LightWorker
 from ashe_live.light.live.worker_messages import Draw, WorkerFailure
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.tracking.poses.steadiness import Steadiness
@@ -159,10 +159,10 @@ class Session:
         self.show_light(now_s)
         return new
 
-    def wait_for_estimate(self, timeout_s: float, now_s: float) -> NewAnswer | None:
+    def wait_for_estimate(self, now_s: float) -> NewAnswer | None:
         """Like `poll`, but waits for a requested estimate to end; the first is shown at once, as nothing was before."""
         is_first = self.answer is None
-        new = self._accepted(self.watch.wait(timeout_s), now_s)
+        new = self._accepted(self.watch.wait(LONGEST_ESTIMATE_S), now_s)
         self.show_light(None if is_first else now_s)
         return new
 

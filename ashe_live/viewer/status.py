@@ -5,7 +5,7 @@ import math
 from ashe_live.core.transforms import angle_between, transform_points
 from ashe_live.core.types import TrackedFrame
 from ashe_live.drawing.light_text import light_text
-from ashe_live.render.gl.framing import box_corners, framing
+from ashe_live.render.gl.framing import corners_of, framing
 from ashe_live.render.lights.light_view import sees, sees_all
 from ashe_live.tracking.families.in_view import in_view_text
 from ashe_live.tracking.families.layout import in_words, the_marker
@@ -170,8 +170,8 @@ def _is_moved_out_of_picture(session: Session) -> bool:
     _, model, placement = models.models(tracked)[models.in_hand]
     if placement is None:
         return False
-    corners = transform_points(placement.marker_from_placed, box_corners(model.bounds))
-    return framing(tracked.camera, tracked.marker.T_cam_marker, corners, (0, 0, *tracked.frame.size)) is None
+    corners, viewport = corners_of(model, placement), (0, 0, *tracked.frame.size)
+    return framing(tracked.camera, tracked.marker.T_cam_marker, corners, viewport) is None
 
 
 def _awaits_marker(session: Session) -> bool:

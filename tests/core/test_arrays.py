@@ -7,6 +7,7 @@ import pytest
 from ashe_live.core.arrays import (
     cached_by_array,
     cross_2d,
+    cross_3d,
     directions_on_spiral,
     distinct,
     fixed_point,
@@ -75,6 +76,11 @@ def test_a_cross_product_in_the_plane_is_the_area_between_both_and_turns_with_th
     x, y = np.array([(2.0, 0.0), (1.0, 1.0)]), np.array([(0.0, 3.0), (1.0, -1.0)])
     assert cross_2d(x, y).tolist() == [6, -2]
     assert cross_2d(y, x).tolist() == [-6, 2]
+
+
+def test_a_cross_product_in_space_is_numpys() -> None:
+    a, b = np.array([0.3, -2.0, 1.5]), np.array([4.0, 0.7, -0.2])
+    assert cross_3d(a, b).tolist() == np.cross(a, b).tolist()
 
 
 @pytest.mark.parametrize("bits", [4, 6])

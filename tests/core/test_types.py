@@ -56,6 +56,13 @@ def test_a_pose_is_finite_and_its_marker_has_a_size() -> None:
         MarkerPose(np.eye(4), CORNERS, 0.0, 0.1, None)
 
 
+def test_a_tracked_frame_has_a_pose_where_it_has_a_marker() -> None:
+    pose, camera = MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, None), Camera.from_hfov((4, 3), 60.0)
+    assert TrackedFrame(frame(), camera, pose).pose is pose
+    with pytest.raises(ValueError, match="no marker"):
+        _ = TrackedFrame(frame(), camera, None).pose
+
+
 def test_camera_and_frame_have_one_size() -> None:
     with pytest.raises(ValueError, match="camera"):
         TrackedFrame(frame(), Camera.from_hfov((8, 6), 60), None)

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import project
@@ -15,17 +16,31 @@ from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import ACCURATE, BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_reported, live_gl_objects
+from ashe_live.render.passes.frame_texture import FrameTexture
 from ashe_live.render.passes.surface import supported_samples
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Overlay, Scene
 
 
-def test_frame_is_uploaded_once_however_often_it_is_shown(make_renderer, stage) -> None:
+@pytest.fixture
+def uploads(monkeypatch) -> list[Image]:
+    """The frames that are uploaded from now on."""
+    uploaded, write = [], FrameTexture.write
+
+    def noted(texture: FrameTexture, image_bgr: Image) -> None:
+        uploaded.append(image_bgr)
+        write(texture, image_bgr)
+
+    monkeypatch.setattr(FrameTexture, "write", noted)
+    return uploaded
+
+
+def test_frame_is_uploaded_once_however_often_it_is_shown(make_renderer, stage, uploads) -> None:
     renderer = make_renderer()
     first, second = stage.tracked(stage.noise(1), None), stage.tracked(stage.noise(2), None)
     for tracked in (first, first, first, second, second):
         np.testing.assert_array_equal(stage.picture(renderer, Scene(tracked)), tracked.frame.image_bgr)
-    assert renderer.video.uploads == 2
+    assert len(uploads) == 2
 
 
 def test_shadow_map_is_drawn_only_for_a_new_light_or_model(make_renderer, stage) -> None:
@@ -35,13 +50,13 @@ def test_shadow_map_is_drawn_only_for_a_new_light_or_model(make_renderer, stage)
         renderer.render(
             Scene(stage.tracked(90, stage.pose(azimuth_deg, 40)), model, Illumination((stage.light(10, 30),)))
         )
-    assert renderer.shadow_map_renders == 1
+    assert renderer._models_on_video.shadows.renders == 1
     renderer.render(Scene(stage.tracked(90, stage.pose(0, 40)), model, Illumination((stage.light(11, 30),))))
-    assert renderer.shadow_map_renders == 2
+    assert renderer._models_on_video.shadows.renders == 2
     renderer.render(
         Scene(stage.tracked(90, stage.pose(0, 40)), stage.placed(box((1, 1, 1))), Illumination((stage.light(11, 30),)))
     )
-    assert renderer.shadow_map_renders == 3
+    assert renderer._models_on_video.shadows.renders == 3
 
 
 def test_picture_does_not_depend_on_what_was_drawn_before(make_renderer, stage) -> None:
@@ -99,7 +114,7 @@ def test_video_is_letterboxed_on_black(make_renderer, stage, size: tuple[int, in
 
 
 @pytest.mark.parametrize("side", [3, 4, 5])
-def test_a_large_picture_in_a_small_window_is_the_mean_of_its_pixels(make_renderer, stage, side: int) -> None:
+def test_a_large_picture_in_a_small_window_is_the_mean_of_its_pixels(make_renderer, stage, uploads, side: int) -> None:
     """And no moire of a fine weave, of which some pixels are looked up and others are not."""
     weave = (np.indices((360 * 4, 480 * 4)).sum(axis=0) % side == 0) * np.uint8(255)
     tracked = stage.tracked(np.ascontiguousarray(weave[..., None].repeat(3, axis=2)), None)
@@ -108,7 +123,7 @@ def test_a_large_picture_in_a_small_window_is_the_mean_of_its_pixels(make_render
         seen = stage.picture(renderer, Scene(tracked)).astype(float)
         blocks = weave.reshape(360, 4, 480, 4).mean(axis=(1, 3))
         np.testing.assert_allclose(seen, blocks[..., None].repeat(3, axis=2), atol=1)
-    assert renderer.video.uploads == 1
+    assert len(uploads) == 1
 
 
 def test_model_stays_on_its_marker_at_every_window_size(make_renderer, stage) -> None:

@@ -10,10 +10,18 @@ import numpy as np
 
 from ashe_live.bench.cube.ambient import ambient_errors
 from ashe_live.bench.cube.pictures import CubePicture
-from ashe_live.bench.metrics import median, percentile, share, squared_sigmas
+from ashe_live.bench.metrics import (
+    BAD_CONFIDENCE,
+    BAD_DEG,
+    angular_error_deg,
+    median,
+    percentile,
+    share,
+    squared_sigmas,
+)
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
-from ashe_live.core.light import Light, LightEstimate
+from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import ELLIPSE_95, angle_between
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
@@ -22,7 +30,6 @@ from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
 
 FPS = 30  # of frames by which a cube is followed
-SURE, WRONG_RAD = 0.5, math.radians(15)  # confidence above which, and error beyond which, an answer is a confident lie
 
 
 def light_row(name: str, pictures: Iterable[CubePicture], quality: Quality) -> Json:
@@ -83,7 +90,8 @@ class _Tally:
         self.within.append(squared_sigmas(light.to_light_marker, light.covariance_rad2, true[:3]) <= ELLIPSE_95)
         self.lamps += light.inverse_distance > 0
         if light.inverse_distance > 0 and true[3] > 0:
-            self.distances.append(abs(_true_over_found_distance(light, true) - 1))
+            true_m = float(np.linalg.norm(true[:3]) / true[3])
+            self.distances.append(abs(true_m * light.inverse_distance - 1))
         self.ambient.append(ambient_errors(picture.sky_on_ball, picture.table_rgb, estimate.illumination))
 
     def row(self, name: str) -> Json:
@@ -119,12 +127,7 @@ def _errors_deg(estimate: LightEstimate, lights: Float) -> Float:
 def _is_sure_and_wrong(estimate: LightEstimate, lights: Float) -> bool:
     """Whether a light is stated as likelier right than wrong, far from every true one (n, 4)."""
     return any(
-        (light.confidence or 0.0) > SURE
-        and all(angle_between(light.to_light_marker, true[:3]) > WRONG_RAD for true in lights)
+        (light.confidence or 0.0) > BAD_CONFIDENCE
+        and all(angular_error_deg(light.to_light_marker, true[:3]) > BAD_DEG for true in lights)
         for light in estimate.lights
     )
-
-
-def _true_over_found_distance(light: Light, true: Float) -> float:
-    """1 of what is estimated rightly, for a lamp (4,)."""
-    return float(np.linalg.norm(true[:3]) / true[3] * light.inverse_distance)

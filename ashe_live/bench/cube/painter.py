@@ -44,10 +44,8 @@ def painted(scene: CubeScene) -> Image:
     cv2.fillConvexPoly(
         light, fixed_point(cv2.convexHull(whole.astype(np.float32))[:, 0], BITS), (PAPER * grey).tolist(), shift=BITS
     )
-    for number, (face, reflectance) in enumerate(zip(FACES, _prints(), strict=True)):
-        corners = scene.edge_m * scene.folds.placed(number, face.corners())
-        normal = np.cross(corners[1] - corners[0], corners[0] - corners[3])
-        normal /= np.linalg.norm(normal)
+    for number, reflectance in enumerate(_prints()):
+        corners, normal = _facet(scene, number)
         R, t = scene.T_cam_cube[:3, :3], scene.T_cam_cube[:3, 3]
         if (R @ corners.mean(axis=0) + t) @ (R @ normal) >= 0:
             continue
@@ -67,6 +65,13 @@ def painted(scene: CubeScene) -> Image:
         of_part[here] = seen[here, None] * _irradiance(scene, normal, corners.mean(axis=0)).astype(np.float32)
     averaged = cv2.resize(light, (width, height), interpolation=cv2.INTER_AREA)
     return _developed(scene, np.asarray(averaged, dtype=np.float32))
+
+
+def _facet(scene: CubeScene, number: int) -> tuple[Float, Float]:
+    """(4, 3) corners of a face, metres, and (3,) its unit normal, outwards."""
+    corners = scene.edge_m * scene.folds.placed(number, FACES[number].corners())
+    normal = np.cross(corners[1] - corners[0], corners[0] - corners[3])
+    return corners, normal / np.linalg.norm(normal)
 
 
 def _irradiance(scene: CubeScene, normal: Float, place: Float) -> Float:
@@ -95,9 +100,8 @@ def _from_sides(scene: CubeScene, x: Float, y: Float) -> Float:
     for number, (face, reflectance) in enumerate(zip(FACES, _prints(), strict=True)):
         if face.outwards[2] > 0:
             continue
-        corners = scene.edge_m * scene.folds.placed(number, face.corners())
-        normal = np.cross(corners[1] - corners[0], corners[0] - corners[3])
-        light = _irradiance(scene, normal / np.linalg.norm(normal), corners.mean(axis=0))
+        corners, normal = _facet(scene, number)
+        light = _irradiance(scene, normal, corners.mean(axis=0))
         mapped += _part_around(corners.tobytes(), scene.edge_m)[..., None] * (float(reflectance.mean()) * light)
     column, row = (
         np.nan_to_num((each / scene.edge_m / AROUND + 1) * (MAPPED - 1) / 2, nan=-1e3)
@@ -207,6 +211,7 @@ def cast_on_table(points: Float, light: Float) -> Float:
 
 
 def projected(camera: Camera, T_cam_cube: Float, points: Float) -> Float:
+    """(n, 2) pixels of points (n, 3), cube frame, metres; far outside of the picture for what is beside the camera."""
     in_camera = points @ T_cam_cube[:3, :3].T + T_cam_cube[:3, 3]
     depth = np.maximum(in_camera[:, 2:], 0.01)
     return np.asarray((in_camera / depth) @ camera.K[:2].T).clip(-3e4, 3e4)

@@ -10,13 +10,7 @@ from ashe_live.bench.judge.fit import FitBench
 from ashe_live.bench.judge.logit import fitted_score
 from ashe_live.bench.judge.samples import LOOKS, by_every_look
 from ashe_live.bench.judge.tables import calibration_table, error_of, families_table, risk_table, score_table
-from ashe_live.bench.judge.validation import (
-    Judged,
-    Pictures,
-    by_families_left_out,
-    risk_curve,
-    scores_by_others,
-)
+from ashe_live.bench.judge.validation import Judged, Pictures, by_families_left_out, risk_curve, scores_by_others
 from ashe_live.core.contract import Json
 from ashe_live.light.estimators.preset import BALANCED
 from ashe_live.light.explanation.judgement.evidence import SIGNS

@@ -12,11 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import ELLIPSE_68, ELLIPSE_95
-from ashe_live.light.explanation.judgement.uncertainty import (
-    Calibration,
-    covariance_of_outlines,
-    overdispersed,
-)
+from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines, overdispersed
 
 # Where the search begins, its factors on each parameter from coarse to fine, and the ranges that make sense.
 START = Calibration(1.0, math.radians(20.0), 2.0)

@@ -45,11 +45,7 @@ def fitted_confidences(pictures: Pictures, scores: Sequence[Score]) -> tuple[dic
 
     def answers_by(averages: Mapping[int, Average]) -> dict[str, list[Judged]]:
         return {
-            name: [
-                judged(score, looks_by(picture, preset), averages[looks_of[name]])
-                for picture, score in zip(pictures, scores, strict=True)
-            ]
-            for name, preset in LIGHT_PRESETS.items()
+            name: _answers(pictures, scores, preset, averages[looks_of[name]]) for name, preset in LIGHT_PRESETS.items()
         }
 
     averages = {
@@ -80,16 +76,18 @@ def fitted_average(pictures: Pictures, scores: Sequence[Score], several: Sequenc
     """
 
     def answers(average: Average) -> list[Judged]:
-        return [
-            judged(score, looks_by(picture, preset), average)
-            for preset in several
-            for picture, score in zip(pictures, scores, strict=True)
-        ]
+        return [each for preset in several for each in _answers(pictures, scores, preset, average)]
 
     tried = [Average(weights) for weights in WEIGHTS[looks]]
     best = min(tried, key=lambda average: mean_risk(answers(average)))
     offset, slope = fitted_confidence(answers(best))
     return Average(best.weights, offset, slope)
+
+
+def _answers(pictures: Pictures, scores: Sequence[Score], preset: ProxyPreset, average: Average) -> list[Judged]:
+    """A preset's answer to each picture."""
+    pairs = zip(pictures, scores, strict=True)
+    return [judged(score, looks_by(picture, preset), average) for picture, score in pairs]
 
 
 def with_open_directions(
@@ -114,7 +112,12 @@ def with_open_directions(
 
     best = min(OPEN_TRIED, key=cost)
     refits = {looks: fitted for looks, (_, fitted) in refitted(best).items()}
-    return best, {looks: _recalibrated_again(averages[looks], *refits[looks]) for looks in averages}
+    return best, {looks: _recalibrated(average, *refits[looks]) for looks, average in averages.items()}
+
+
+def _recalibrated(average: Average, offset: float, slope: float) -> Average:
+    """The average with its log odds recalibrated once more."""
+    return Average(average.weights, round(offset + slope * average.offset, 3), round(slope * average.slope, 3))
 
 
 def as_stated(answers: Sequence[Judged], calibration: Calibration, good_if_open: float) -> list[Judged]:
@@ -149,10 +152,6 @@ def _cost(answers: Sequence[Judged], factors: Float, fitted: tuple[float, float]
     probability = np.clip(probability, LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
     good = np.array([each.is_good for each in answers])
     return -float(np.log(np.where(good, probability, 1 - probability)).sum())
-
-
-def _recalibrated_again(average: Average, offset: float, slope: float) -> Average:
-    return Average(average.weights, round(offset + slope * average.offset, 3), round(slope * average.slope, 3))
 
 
 def _log_odds_of(answers: Sequence[Judged]) -> Float:

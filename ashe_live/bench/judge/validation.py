@@ -9,8 +9,7 @@ import numpy as np
 from ashe_live.bench.cases import KINDS
 from ashe_live.bench.judge.calibration import Answer
 from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view, with_mean_light
-from ashe_live.bench.light.results import BAD_CONFIDENCE, BAD_DEG
-from ashe_live.bench.metrics import risk_by_coverage
+from ashe_live.bench.metrics import BAD_CONFIDENCE, BAD_DEG, risk_by_coverage
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,

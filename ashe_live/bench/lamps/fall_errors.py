@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.bench.cases import Case
-from ashe_live.bench.metrics import angular_error_deg, tangent_offset
+from ashe_live.bench.metrics import angular_error_deg, squared_sigmas
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.transforms import image_from_plane
+from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.ground.lit_ground import unlit_mask
 from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
@@ -61,7 +61,7 @@ def fall_error(case: Case, preset: ProxyPreset) -> FallError | None:
     shift = shift_within(ground.colours[dark], ground) if dark.any() else None
     if fall_off is None or shift is None:
         return None
-    share, reference = share_of(shadow_ratio(ground, shift)), _middle(dark, view)
+    share, reference = share_of(shadow_ratio(ground, shift)), _middle_of(dark, view)
     given = _at_object(case.lamp_m, case.foot_m)
     place = with_fall_off(given, fall_off, np.empty((0, 3)), [share], reference)
     pull = fall_off.pull(place.mean[None], [share], reference)
@@ -76,14 +76,13 @@ def fall_error(case: Case, preset: ProxyPreset) -> FallError | None:
         anywhere_about(Place(true, np.eye(3)), case.foot_m), fall_off, np.empty((0, 3)), [share], reference
     )
     to_lamp = case.lamp_m / np.linalg.norm(case.lamp_m)
-    off = tangent_offset(alone.light[:3], to_lamp)
     return FallError(
         even.worst_cost - pull.worst_cost,
         1 / float(case.lamp_m[2]),
         float(place.mean[2]),
         sigma,
         angular_error_deg(alone.light[:3], to_lamp),
-        float(off @ np.linalg.solve(alone.lamp_covariance[:2, :2], off)),
+        squared_sigmas(alone.light[:3], alone.lamp_covariance[:2, :2], to_lamp),
     )
 
 
@@ -105,10 +104,7 @@ def _at_object(lamp_m: Float, foot_m: Float) -> Place:
     return Place(np.append((lamp_m[:2] - foot_m) / lamp_m[2], 0.0), np.asarray(information))
 
 
-def _middle(area: Mask, view: View) -> Float:
-    """(2,) the middle of an area (h, w) of the view on the plane."""
-    rows, columns = np.nonzero(area)
-    on_plane = np.linalg.solve(
-        image_from_plane(view.camera, view.T_cam_marker), np.stack([columns, rows, np.ones(len(rows))])
-    )
-    return np.asarray((on_plane[:2] / on_plane[2]).mean(axis=1))
+def _middle_of(area: Mask, view: View) -> Float:
+    """(2,) metres: the middle, on the plane, of an area (h, w) of the view."""
+    pixels = np.argwhere(area)[:, ::-1]
+    return np.asarray(raycast_to_plane(view.camera, view.T_cam_marker, pixels)[:, :2].mean(axis=0))

@@ -1,6 +1,5 @@
 """`ashe-live bench light`: the estimators' errors, calibration and times on pictures and clips with a known light."""
 
-import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -14,7 +13,7 @@ from ashe_live.bench.cases import Case, over_empty_tables, read_cases
 from ashe_live.bench.light.clips import ClipResult, estimate_clip, frames_of, read_clips
 from ashe_live.bench.light.known_casters import print_known_casters, with_known_casters
 from ashe_live.bench.light.preset_tables import print_preset
-from ashe_live.bench.light.results import CaseResult, case_result, grouped, stage_times, summarise
+from ashe_live.bench.light.results import CaseResult, case_result, grouped, stage_times, summarise, timed_estimate
 from ashe_live.bench.light.set_tables import (
     print_clips,
     print_lamp_takes,
@@ -185,9 +184,7 @@ def attempt(
 
     for_labels: the preset for the run from true labels; None for none.
     """
-    started_s = time.process_time()
-    estimate = estimator.estimate(tracked)
-    cpu_ms = 1e3 * (time.process_time() - started_s)
+    estimate, cpu_ms = timed_estimate(estimator, tracked)
     alone = None if for_labels is None else error_on_true_labels_deg(case, tracked, for_labels)
     return case_result(preset, case, estimate, cpu_ms, mask_overlaps(estimate, case), alone)
 

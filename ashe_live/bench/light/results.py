@@ -1,5 +1,6 @@
 """The estimators' results on single cases, and their summaries."""
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -8,6 +9,8 @@ import numpy as np
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.lamps import LampFigures, lamp_figures
 from ashe_live.bench.metrics import (
+    BAD_CONFIDENCE,
+    BAD_DEG,
     angular_error_deg,
     brier_score,
     largest,
@@ -20,10 +23,11 @@ from ashe_live.bench.metrics import (
 from ashe_live.core.contract import light_json
 from ashe_live.core.light import LightEstimate
 from ashe_live.core.transforms import ELLIPSE_95
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.estimators.estimator import Estimator
 
 GOOD_DEG = 5.0
 CONFIDENT_DEG = 10.0  # a confidence is the probability of an error below this, `judge.GOOD_RAD`
-BAD_DEG, BAD_CONFIDENCE = 15.0, 0.5  # error and confidence beyond which an answer is sure and wrong
 ALL_LIT, ALL = "all lit", "all"
 
 
@@ -68,6 +72,15 @@ class CaseResult:
         """Whether a wrong answer, or any answer where there is no light, was given with high confidence."""
         is_wrong = self.is_answered and (self.error_deg is None or self.error_deg > BAD_DEG)
         return is_wrong and self.confidence is not None and self.confidence > BAD_CONFIDENCE
+
+
+def timed_estimate(
+    estimator: Estimator, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()
+) -> tuple[LightEstimate, float]:
+    """The estimate of a frame, with other views of its scene; and the processor's time for it, of all threads, ms."""
+    started_s = time.process_time()
+    estimate = estimator.estimate(tracked, others)
+    return estimate, 1e3 * (time.process_time() - started_s)
 
 
 def case_result(

@@ -92,18 +92,11 @@ def print_lamps(console: Console, results: Sequence[CaseResult]) -> None:
 
 def print_places(console: Console, results: Sequence[CaseResult]) -> None:
     """Prints how single pictures were answered category by category, if there are several and a lamp is in any."""
-    columns = (
-        "q 1/m",
-        "lit",
-        "answered",
-        "as a lamp",
-        "median",
-        "largest",
-        "sure and wrong",
-        "distance off",
-        "q off, σ",
+    table = figures_table(
+        "one light, by category",
+        ("preset", "category"),
+        *("q 1/m", "lit", "answered", "as a lamp", "median", "largest", "sure and wrong", "distance off", "q off, σ"),
     )
-    table = figures_table("one light, by category", ("preset", "category"), *columns)
     for preset in dict.fromkeys(result.preset for result in results):
         alone = [(result, result.lamp) for result in results if result.lamp is not None and result.preset == preset]
         for category in dict.fromkeys(result.category for result, _ in alone):
@@ -143,20 +136,12 @@ def _print_by_distance(console: Console, title: str, groups: Mapping[str, Sequen
     """Prints for each named group how its answers stand to the places of lights, by their distance; if it has lamps."""
     if not any(each.lamp and each.lamp.true_distance_m for results in groups.values() for each in results):
         return
-    columns = (
-        "lit",
-        "answered",
-        "as a lamp",
-        "median",
-        "p90",
-        "beside the object",
-        "distance off",
-        "q within 1 σ",
-        "95 % ellipsoid",
-        "radius told",
-        "radius off",
+    table = figures_table(
+        title,
+        ("", "light"),
+        *("lit", "answered", "as a lamp", "median", "p90", "beside the object", "distance off"),
+        *("q within 1 σ", "95 % ellipsoid", "radius told", "radius off"),
     )
-    table = figures_table(title, ("", "light"), *columns)
     for name, results in groups.items():
         alone = [(result, result.lamp) for result in results if result.lamp is not None]
         for kind, (least_m, most_m) in DISTANCES.items():

@@ -1,6 +1,5 @@
 """Takes: short clips of an unmoved scene by a hand-held camera, with a known light. How much do more views gain?"""
 
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,7 +17,7 @@ from ashe_live.bench.cases import (
     reprojection_rms_px,
     to_lights_marker,
 )
-from ashe_live.bench.light.results import CaseResult, case_result
+from ashe_live.bench.light.results import CaseResult, case_result, timed_estimate
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
@@ -104,9 +103,7 @@ def take_results(take: Take, estimators: Mapping[str, Estimator]) -> Iterator[Ta
     counts = [count for count in VIEWS if count <= 1 + len(others)]
     for views in counts:
         for preset, estimator in estimators.items():
-            started_s = time.process_time()
-            estimate = estimator.estimate(first, others[: views - 1])
-            cpu_ms = 1e3 * (time.process_time() - started_s)
+            estimate, cpu_ms = timed_estimate(estimator, first, others[: views - 1])
             result = case_result(preset, take.case, estimate, cpu_ms)
             yield TakeResult(take.span_deg, views, len(estimate.views), result)
 

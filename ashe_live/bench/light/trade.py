@@ -1,6 +1,5 @@
 """The estimator's trade-off of error against time: its main parameters, varied one at a time from `balanced`."""
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,7 +9,7 @@ from rich.console import Console
 from rich.progress import track
 
 from ashe_live.bench.cases import Case
-from ashe_live.bench.light.results import GOOD_DEG, CaseResult, case_result
+from ashe_live.bench.light.results import GOOD_DEG, CaseResult, case_result, timed_estimate
 from ashe_live.bench.light.takes import Take
 from ashe_live.bench.plots import TradePoint, pareto_front
 from ashe_live.bench.tables import figures_table
@@ -100,9 +99,7 @@ def sweep(
             continue
         tracked, *others = frames
         for of_setting, (_, name, estimator, _) in zip(results, tried, strict=True):
-            started_s = time.process_time()
-            estimate = estimator.estimate(tracked, others)
-            of_setting.append(case_result(name, case, estimate, 1e3 * (time.process_time() - started_s)))
+            of_setting.append(case_result(name, case, *timed_estimate(estimator, tracked, others)))
     return [
         TradePoint(name, series, float(np.median([one.wall_ms["total"] for one in group])), _errors(group), is_preset)
         for group, (series, name, _, is_preset) in zip(results, tried, strict=True)

@@ -98,30 +98,24 @@ def budget(ctx: Context, pair: Pair, preset: RenderPreset) -> Iterator[tuple[str
     white = truth.white_rgb
     untoned, linear = (rendition(pair, name) for name in ("untoned", "linear"))
     ours = drawn(ctx, pair.scene, preset)
+
+    def lit(of: Pair, slope: Float | None = None) -> Json:
+        return figures_of(of, drawn_at(ctx, under(of.scene, truth.sky, slope), preset, white))
+
+    def traced(of: Pair) -> Json:
+        return figures_of(of, composed(ctx, of.scene, preset, truth, pair.is_model))
+
     yield "as photographed", figures_of(pair, ours)
     yield "true white", figures_of(pair, drawn_at(ctx, pair.scene, preset, white))
-    yield "true white and sky", figures_of(pair, drawn_at(ctx, under(pair.scene, truth.sky), preset, white))
+    yield "true white and sky", lit(pair)
     if pair.sky_slope is not None:
-        leaning = under(pair.scene, truth.sky, pair.sky_slope)
-        yield "true white, sky and its lean", figures_of(pair, drawn_at(ctx, leaning, preset, white))
-    yield "true light and shading", figures_of(pair, composed(ctx, pair.scene, preset, truth, pair.is_model))
-    yield (
-        "without tone curve and colour: the same",
-        figures_of(untoned, composed(ctx, untoned.scene, preset, truth, pair.is_model)),
-    )
-    yield (
-        "linear camera: true white and sky",
-        figures_of(linear, drawn_at(ctx, under(linear.scene, truth.sky), preset, white)),
-    )
+        yield "true white, sky and its lean", lit(pair, pair.sky_slope)
+    yield "true light and shading", traced(pair)
+    yield "without tone curve and colour: the same", traced(untoned)
+    yield "linear camera: true white and sky", lit(linear)
     if pair.sky_slope is not None:
-        yield (
-            "linear camera: true white, sky and its lean",
-            figures_of(linear, drawn_at(ctx, under(linear.scene, truth.sky, pair.sky_slope), preset, white)),
-        )
-    yield (
-        "linear camera: true light and shading",
-        figures_of(linear, composed(ctx, linear.scene, preset, truth, pair.is_model)),
-    )
+        yield "linear camera: true white, sky and its lean", lit(linear, pair.sky_slope)
+    yield "linear camera: true light and shading", traced(linear)
     for name, what in OTHER_PHOTOS.items():
         yield f"the photo {what}", figures_of(pair, read_picture(pair.file(f"model_{name}.jpg")), regions(pair, ours))
 

@@ -197,11 +197,10 @@ def _is_shadow(pair: Pair) -> Mask:
 
 def _border(pair: Pair, image: Image) -> Float:
     tracked = pair.tracked
-    assert tracked.marker is not None
     assert pair.scene.model is not None
     points = np.concatenate([part.vertices for part in pair.scene.model.model.parts]).astype(np.float64)
     (light,) = pair.scene.illumination.lights
-    places, outward = shadow_border(points, light.to_light_marker, tracked.camera, tracked.marker.T_cam_marker)
+    places, outward = shadow_border(points, light.to_light_marker, tracked.camera, tracked.pose.T_cam_marker)
     return border_widths(image, places, outward)
 
 

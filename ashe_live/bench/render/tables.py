@@ -75,19 +75,8 @@ def _size(size: list[int]) -> str:
 
 def pairs_table(rows: list[Json]) -> Table:
     """A row a preset; medians of borders and relief, means of the others, of the scenes in which each is measured."""
-    table = figures_table(
-        "against photos of the same with the model",
-        "",
-        "FLIP",
-        "border",
-        "dE ground",
-        "dE paper",
-        "dE model",
-        "dE hidden",
-        "relief, of hidden",
-        "seam px",
-        "classified",
-    )
+    columns = ("FLIP", "border", "dE ground", "dE paper", "dE model", "dE hidden", "relief, of hidden", "seam px")
+    table = figures_table("against photos of the same with the model", "", *columns, "classified")
     for preset in dict.fromkeys(row["preset"] for row in rows):
         own = [row for row in rows if row["preset"] == preset]
         means = [

@@ -25,7 +25,7 @@ from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.estimators.preset import ProxyPreset
 from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
-from ashe_live.light.live.worker import LONGEST_ESTIMATE_S, LightWorker
+from ashe_live.light.live.worker import LightWorker
 from ashe_live.quality import Quality
 from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
@@ -185,7 +185,7 @@ class BenchScene:
 
     def end_estimates(self) -> None:
         """Waits for the estimate under way."""
-        self._note(self._session.wait_for_estimate(LONGEST_ESTIMATE_S, time.monotonic()))
+        self._note(self._session.wait_for_estimate(time.monotonic()))
 
     def _request(self, now_s: float) -> None:
         watch = self._session.watch
@@ -206,7 +206,7 @@ class BenchScene:
         assert frame is not None
         self._session.take(tracker.track(frame), 0.0)
         if self._session.request_estimate(0.0):
-            self._session.wait_for_estimate(LONGEST_ESTIMATE_S, 0.0)
+            self._session.wait_for_estimate(0.0)
 
 
 def _stages_json(times: StageTimes) -> Json:

@@ -24,19 +24,9 @@ def time_start(clip: KnownClip, quality: str, runs: int, *options: str) -> Viewe
 
     Without an estimate of the light, which a window does not wait for: it is asked for in a frame that is not played.
     """
-    focal_px = str(clip.camera.K[0, 0])
     command = [sys.executable, "-m", "ashe_live", "play", str(clip.path), "--frames", "1", "--estimate-at", "1"]
-    command += [
-        "--quality",
-        quality,
-        "--marker",
-        clip.marker_spec,
-        "--marker-size",
-        str(clip.marker_side_m),
-        "--focal-px",
-        focal_px,
-        *options,
-    ]
+    command += ["--marker", clip.marker_spec, "--marker-size", str(clip.marker_side_m)]
+    command += ["--focal-px", str(clip.camera.K[0, 0]), "--quality", quality, *options]
     walls_s, cpus_s = [], []
     for _ in range(runs):
         begun_s, begun_cpu_s = time.perf_counter(), _childrens_cpu_s()

@@ -6,16 +6,8 @@ from ashe_live.commands.flags.parser import build_parser
 
 # The flags that say how a clip is looked at; those for models and outputs are written anew.
 KEPT = (
-    "--marker-size",
-    "--caster",
-    "--camera-file",
-    "--focal-px",
-    "--hfov",
-    "--up",
-    "--estimate-at",
-    "--quality",
-    "--estimator",
-    "--light",
+    *("--marker-size", "--caster", "--camera-file", "--focal-px", "--hfov", "--up"),
+    *("--estimate-at", "--quality", "--estimator", "--light"),
 )
 
 

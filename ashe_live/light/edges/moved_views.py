@@ -76,10 +76,10 @@ class PoseEquations:
             weighted @ by_pose.T + prior, weighted @ offset_px - prior @ pose_offset(view), by_theta @ weighted.T
         )
 
-    def marginalised(self) -> tuple[Float, Float]:
-        """(split + q, split + q) and (split + q,) that theta's normal matrix and gradient lose to the unknown pose."""
+    def marginalised(self, normal: Float, gradient: Float) -> tuple[Float, Float]:
+        """Theta's normal matrix (..., split + q, split + q) and gradient, less what they lose to the unknown pose."""
         by_theta = np.linalg.solve(self.normal, self.mixed.T).T
-        return by_theta @ self.mixed.T, by_theta @ self.gradient
+        return normal - by_theta @ self.mixed.T, gradient - by_theta @ self.gradient
 
     def step(self, of_theta: Float) -> Float:
         """(6,) of the pose, along with a step of theta."""

@@ -129,8 +129,7 @@ class _Seen:
         poses = [view.pose(loss_factor, self.near is not None) if self.moves else None for view in self.views]
         for pose in poses:
             if pose is not None:
-                lost, drawn = pose.marginalised()
-                normal, gradient = normal - lost, gradient - drawn
+                normal, gradient = pose.marginalised(normal, gradient)
         steps = damped_steps(normal, gradient)
         return steps, [None if pose is None else pose.step(steps[0]) for pose in poses]
 

@@ -42,8 +42,7 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     """
     clock = StageClock()
     view = View.of(tracked, width_px)
-    assert tracked.marker is not None
-    seen = Seen.of(view, body, tracked.marker.pose_shape_errors)
+    seen = Seen.of(view, body, tracked.pose.pose_shape_errors)
     clock.end("segment")
 
     def none(reason: str) -> tuple[LightEstimate, View]:

@@ -27,12 +27,7 @@ from ashe_live.light.views.joint.aligned import (
 )
 from ashe_live.light.views.joint.average_light import sharpened_families, with_average_light
 from ashe_live.light.views.joint.log_odds import joint_log_odds, plane_support
-from ashe_live.light.views.joint.refinement import (
-    by_families,
-    refined_by_all_tangents,
-    sharpened_in_views,
-    with_steps,
-)
+from ashe_live.light.views.joint.refinement import by_families, refined_by_all_tangents, sharpened_in_views, with_steps
 from ashe_live.light.views.joint.repeated import distinct_explanations
 
 REFITTED = 1  # number of explanations, the likeliest, whose body's family is chosen anew by all views

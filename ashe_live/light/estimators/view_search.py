@@ -150,5 +150,5 @@ def _is_same(one: Explanation, other: Explanation) -> bool:
     """Whether two explanations of one known object have it at one place in one light."""
     away = float(np.linalg.norm(one.proxy.foot_marker - other.proxy.foot_marker))
     near = angle_between(one.lights[0].to_light_marker, other.lights[0].to_light_marker)
-    size = one.alignment.placed.lit.body.frame.unit_m
+    size = one.lit.body.frame.unit_m
     return near < FOUND_AGAIN_RAD and away < FOUND_AGAIN_SHARE * size and len(one.lights) == len(other.lights)

@@ -80,8 +80,8 @@ def lights_as_lamps(several: Sequence[PlacedBody]) -> tuple[Float, Float]:
     """
     lit = several[0].lit
     layout = ParameterLayout(len(lit.lights), with_nearness=True)
-    pull = normal_equations(several, SEARCH_RANGES[-1], 1.0, layout.with_nearness)
-    normal, gradient = added_up(pull.normal, lit.body.family, layout), pull.gradient.sum(axis=0)
+    equations = normal_equations(several, SEARCH_RANGES[-1], 1.0, layout.with_nearness)
+    normal, gradient = added_up(equations.normal, lit.body.family, layout), equations.gradient.sum(axis=0)
     nearness = [layout.light(i).stop - 1 for i in range(layout.lights)]
     normal[nearness, nearness] += 1 / WIDEST_NEARNESS**2
     return offset_of_lights(normal, gradient, layout)
@@ -122,19 +122,19 @@ def measured(several: Sequence[PlacedBody]) -> list[Alignment]:
     """Measures misfit, clarity and information of bodies in view, where they stand."""
     if not several:
         return []
-    pull = normal_equations(several, SEARCH_RANGES[-1], 1.0)
-    squares = (pull.weight * pull.offset_px**2).sum(axis=1) / np.maximum(pull.weight.sum(axis=1), 1e-9)
-    clarity = pull.borders.clarity.reshape(len(several), -1)
+    equations = normal_equations(several, SEARCH_RANGES[-1], 1.0)
+    squares = (equations.weight * equations.offset_px**2).sum(axis=1) / np.maximum(equations.weight.sum(axis=1), 1e-9)
+    clarity = equations.borders.clarity.reshape(len(several), -1)
     found = []
-    in_view = pull.borders.in_view.reshape(len(several), -1, POINTS_PER_OUTLINE)
-    for i, (one, normal, square, clear) in enumerate(zip(several, pull.normal, squares, clarity, strict=True)):
+    in_view = equations.borders.in_view.reshape(len(several), -1, POINTS_PER_OUTLINE)
+    for i, (one, normal, square, clear) in enumerate(zip(several, equations.normal, squares, clarity, strict=True)):
         size = one.lit.layout.split + len(one.lit.body.shape)
         clear_body, clear_shadow = (
             _mean_of_known(clear[:POINTS_PER_OUTLINE]),
             _mean_of_known(clear[POINTS_PER_OUTLINE:]),
         )
         each = tuple(_mean_of_known(shadow) for shadow in clear[POINTS_PER_OUTLINE:].reshape(-1, POINTS_PER_OUTLINE))
-        ends = _ends_in_view(one.lit.lights_in_body_frame, pull.by_theta[i], in_view[i, 1:])
+        ends = _ends_in_view(one.lit.lights_in_body_frame, equations.by_theta[i], in_view[i, 1:])
         found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow, each, ends))
     return found
 

@@ -11,7 +11,6 @@ from functools import partial
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask, distinct
-from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.light_covariance import lights_of, relative_misfit
@@ -92,7 +91,7 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
 
 def refitted_bodies(explanation: Explanation, preset: FitPreset) -> list[LitBody]:
     """The best body of every family for an explanation's labels, the likeliest first; none if they allow no fit."""
-    start = explanation.alignment.placed.lit.lights
+    start = explanation.lit.lights
     nearness = float(nearness_of(start)[0])
     proposal = Proposal(explanation.region, explanation.materials, explanation.split, start, nearness=nearness)
     (fit,) = fit_bodies([_masks(proposal)], preset)
@@ -112,7 +111,7 @@ def explained_near(several: Sequence[tuple[Explanation, float]], preset: FitPres
     searched again.
     """
     proposals = [
-        Proposal(each.region, each.materials, each.split, each.alignment.placed.lit.lights, each.as_object, nearness)
+        Proposal(each.region, each.materials, each.split, each.lit.lights, each.as_object, nearness)
         for each, nearness in several
     ]
     return [None if found is None else refined_by_tangents(found) for found in explained(proposals, preset)]
@@ -170,21 +169,10 @@ def are_alike(one: Explanation, other: Explanation) -> bool:
     To see an object in two regions does not make its light likelier.
     """
     if one.region is not other.region:
-        return _have_one_object_in_one_light(one, other)
+        return one.is_like(other, ONE_OBJECT_SHARE, ONE_OBJECT_RAD)
     a, b = one.predicted, other.predicted
     differing = np.count_nonzero((a.body != b.body) | (a.shadow != b.shadow))
     return bool(differing < DIFFERING_SHARE * np.count_nonzero(a.whole | b.whole))
-
-
-def _have_one_object_in_one_light(one: Explanation, other: Explanation) -> bool:
-    if len(one.lights) != len(other.lights):
-        return False
-    # By where the bodies stand, and not by their frames' origins, from which a fit moves them.
-    away = np.linalg.norm(one.proxy.foot_marker - other.proxy.foot_marker)
-    if away > ONE_OBJECT_SHARE * min(each.alignment.placed.lit.body.frame.unit_m for each in (one, other)):
-        return False
-    turns = (angle_between(p.to_light_marker, q.to_light_marker) for p, q in zip(one.lights, other.lights, strict=True))
-    return max(turns) < ONE_OBJECT_RAD
 
 
 def _masks(proposal: Proposal) -> Masks:
@@ -210,7 +198,7 @@ def _relabelled(last: Explanation) -> Proposal | None:
     split = relabelled(last.region, last.materials, last.as_object, last.predicted)
     if last.materials.lights == 2 and not are_two_shadows(split.parts):
         return None
-    lit = last.alignment.placed.lit
+    lit = last.lit
     start = lit.lights if min(to_light[2] for to_light in lit.to_lights_marker) > LOWEST_Z else None
     nearness = float(nearness_of(lit.lights)[0])
     return Proposal(last.region, last.materials, split, start, as_object=last.as_object, nearness=nearness)

@@ -7,6 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import angle_between
 from ashe_live.light.edges.nearness import NearnessBySteps
 from ashe_live.light.edges.step_costs import NO_STEPS, StepCosts
 from ashe_live.light.explanation.alignment import Alignment
@@ -49,13 +50,18 @@ class Explanation:
         return Costs(self.region, self.materials, self.as_object)
 
     @property
+    def lit(self) -> LitBody:
+        """The fitted body with its lights."""
+        return self.alignment.placed.lit
+
+    @property
     def predicted(self) -> Predicted:
         return self.alignment.placed.predicted
 
     @property
     def proxy(self) -> Proxy:
         """The fitted member of a family."""
-        return self.alignment.placed.lit.body.proxy
+        return self.lit.body.proxy
 
     @property
     def to_light_from_body(self) -> Float:
@@ -63,10 +69,23 @@ class Explanation:
 
         A shadow determines it best: for the same labels, the fits of a sun and of a lamp agree there, if nowhere else.
         """
-        body = self.alignment.placed.lit.body
+        body = self.lit.body
         return towards(self.lights[0].light, np.array([*body.frame.origin_marker, body.middle_m]))
 
     @property
     def real_object(self) -> Proxy:
         """What stands in the place of the real object: the hull where there is one, else the fitted body."""
         return self.hull or self.proxy
+
+    def is_like(self, other: "Explanation", apart_share: float, turned_rad: float) -> bool:
+        """Whether both have as many lights, each within an angle, and their bodies stand within a share of their size.
+
+        By where the bodies stand, and not by their frames' origins, from which a fit moves them.
+        """
+        if len(self.lights) != len(other.lights):
+            return False
+        apart_m = np.linalg.norm(self.proxy.foot_marker - other.proxy.foot_marker)
+        if apart_m > apart_share * min(self.lit.body.frame.unit_m, other.lit.body.frame.unit_m):
+            return False
+        pairs = zip(self.lights, other.lights, strict=True)
+        return all(angle_between(a.to_light_marker, b.to_light_marker) < turned_rad for a, b in pairs)

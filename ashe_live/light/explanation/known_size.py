@@ -44,9 +44,9 @@ def _is_as_labelled(explanation: Explanation, preset: FitPreset, caster: Caster,
     bodies = refitted_bodies(explanation, preset)
     if bodies and _is_near(bodies[0], caster):
         return True
-    bodies = [*bodies, *_of_other_heights(explanation.alignment.placed.lit, caster)]
+    bodies = [*bodies, *_of_other_heights(explanation.lit, caster)]
     (moved,) = sharpener.sharpened([replace(explanation, bodies=tuple(bodies))])
-    likelier = moved.alignment.placed.lit
+    likelier = moved.lit
     return likelier.body.family is not resized_family_of(caster) or _is_near(likelier, caster)
 
 

@@ -11,12 +11,7 @@ from ashe_live.light.edges.outline_points import BORDERS_PER_SAMPLE
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.outline_fit.search import information_on_lights
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.directions import (
-    FittedLight,
-    corrected_for_cut_shadow,
-    fitted_lights,
-    with_hemisphere_prior,
-)
+from ashe_live.light.shape.directions import FittedLight, corrected_for_cut_shadow, fitted_lights, with_hemisphere_prior
 
 # The misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders.
 # What this and BORDERS_PER_SAMPLE do not explain is fitted as the overdispersion of `uncertainty.Calibration`.
@@ -64,7 +59,7 @@ def averaged(light: FittedLight, directions: Float, weights: Float, spread_share
 
 
 def tempered(information: Float, alignment: Alignment) -> Float:
-    """The borders' information on the lights, lowered for errors that neighbours share and for the body's misfit."""
+    """(split, split) the borders' information on the lights, less for errors that neighbours share and for misfit."""
     return information / (BORDERS_PER_SAMPLE * (1 + relative_misfit(alignment) ** 2))
 
 

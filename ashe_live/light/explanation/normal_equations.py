@@ -118,15 +118,15 @@ def added_up(normals: Float, family: Family, layout: ParameterLayout) -> Float:
     return np.asarray(total)
 
 
-def pose_equations(placed: PlacedBody, pull: NormalEquations, number: int) -> PoseEquations | None:
+def pose_equations(placed: PlacedBody, equations: NormalEquations, number: int) -> PoseEquations | None:
     """The normal equations of a view's pose by a body's borders; None where the pose is exact.
 
-    number: of the body among those of `pull`.
+    number: of the body among those of `equations`.
     """
     outlines = len(placed.hulls_px)
     own = slice(number * outlines, (number + 1) * outlines)
-    places = pull.places.points[own].reshape(-1, 2), pull.places.normals[own].reshape(-1, 2)
-    by_theta, weight, offset_px = pull.by_theta[number], pull.weight[number], pull.offset_px[number]
+    places = equations.places.points[own].reshape(-1, 2), equations.places.normals[own].reshape(-1, 2)
+    by_theta, weight, offset_px = equations.by_theta[number], equations.weight[number], equations.offset_px[number]
     return PoseEquations.of(placed.lit, placed.costs.region.view, places, by_theta, weight, offset_px)
 
 

@@ -61,13 +61,12 @@ def soft_size(proxy: Proxy, light: Float, tracked: TrackedFrame) -> float | None
     By the widths of the shadow's border in the whole picture, as the estimator's own region is too coarse for them.
     Widths of penumbra and blur add up in squares; the blur's is that of the edges of the marker's black square.
     """
-    assert tracked.marker is not None
-    picture, camera, corners_px = _without_distortion(tracked.frame.image_bgr, tracked.camera, tracked.marker)
+    picture, camera, corners_px = _without_distortion(tracked.frame.image_bgr, tracked.camera, tracked.pose)
     scale = max(1.0, tracked.frame.size[0] / FINE_WIDTH_PX)
     sides, normals = along_sides(corners_px, MARKER_PLACES)
     normals = np.repeat(normals, len(MARKER_PLACES), axis=0)
     blur = border_widths(picture, sides.reshape(-1, 2), normals, MARKER_REACH * scale)
-    edge = edge_points(proxy, light, camera, tracked.marker.T_cam_marker, tracked.marker.side_m)
+    edge = edge_points(proxy, light, camera, tracked.pose.T_cam_marker, tracked.pose.side_m)
     if not np.isfinite(blur).any() or edge is None:
         return None
     widths = border_widths(picture, edge.points_px, edge.normals_px, scale)

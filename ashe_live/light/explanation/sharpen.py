@@ -62,7 +62,7 @@ class Sharpener:
 
     def _sharpened(self, several: Sequence[Explanation], near: NearnessPrior | None) -> Iterator[Explanation]:
         """As `sharpened`, of explanations with the same number of lights."""
-        fits = self._fits([[each.alignment.placed.lit, *_other_bodies(each)] for each in several], several, near)
+        fits = self._fits([[each.lit, *_other_bodies(each)] for each in several], several, near)
         pairs = zip(several, fits, strict=True)
         moved = for_groups(placed_in, [[(fit.lit, *_placing(each)) for fit in own] for each, own in pairs])
         sharp = [
@@ -89,7 +89,7 @@ class Sharpener:
 
     def best_fit(self, explanation: Explanation, near: NearnessPrior | None) -> EdgeFit | None:
         """The explanation's own body with its lights, moved; None where no steps are seen. near: as in `sharpened`."""
-        (fits,) = self._fits([[explanation.alignment.placed.lit]], [explanation], near)
+        (fits,) = self._fits([[explanation.lit]], [explanation], near)
         return next(iter(fits), None)
 
     def _fits(
@@ -107,7 +107,7 @@ class Sharpener:
 
         def of_alike(several: Sequence[Explanation]) -> list[StepCosts]:
             shifts = np.array([shifts_of(each) for each in several])
-            return step_costs([each.alignment.placed.lit for each in several], self.pictures, shifts)
+            return step_costs([each.lit for each in several], self.pictures, shifts)
 
         costs = for_alike(of_alike, explanations, _number_of_lights)
         return [replace(each, steps=steps) for each, steps in zip(explanations, costs, strict=True)]
@@ -128,7 +128,7 @@ def _number_of_lights(explanation: Explanation) -> int:
 
 def _other_bodies(explanation: Explanation) -> list[LitBody]:
     """Those of the likeliest families for the explanation's labels, with as many lights."""
-    count = len(explanation.alignment.placed.lit.lights)
+    count = len(explanation.lit.lights)
     return [one for one in explanation.bodies if len(one.lights) == count][:LIKELY_FAMILIES]
 
 

@@ -38,6 +38,7 @@ class LightFall:
 
     @staticmethod
     def of(view: View, light: Float, share: float, reference: Float, gloss: Gloss | None = None) -> "LightFall":
+        """In a view, of a light (3,) that has this share of all light at the reference (2,), as the fields say."""
         width, height = view.size
         to_picture = np.array([[2 / width, 0, 1 / width - 1], [0, 2 / height, 1 / height - 1], [0, 0, 1]])
         plane = np.linalg.inv(to_picture @ image_from_plane(view.camera, view.T_cam_marker))

@@ -10,12 +10,11 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.candidates import APART_RAD
 from ashe_live.light.known_body.found_light import FoundLight, hidden_step, image_beside, points_of
-from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood, Scan
+from ashe_live.light.known_body.marginal_likelihood import MarginalLikelihood
 from ashe_live.light.known_body.outline.elsewhere import most_log_odds
 from ashe_live.light.known_body.outline.odds import OF_ONLY_LIGHT, ShadowDepths, with_edges
 from ashe_live.light.known_body.rims import LEAST_DARKENING
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.templates import Templates
 
 NEAR_RAD = math.radians(10)  # within which of a true light an answer counts as right
 # Where a light surely exists, that is the probability of none is below MOST_NONE, it is stated with its large
@@ -29,6 +28,15 @@ AMONG_OTHERS = ShadowDepths(least=LEAST_DARKENING, pale=LEAST_DARKENING)  # for 
 # Of the standard normal distribution, the middles of a hundred equal shares.
 QUANTILES = [NormalDist().inv_cdf((number + 0.5) / 100) for number in range(100)]
 SURE_BY_TABLE = 0.95  # probability of a direction by map and sides, from which on edges need not be rare on the table
+
+
+@dataclass(frozen=True, slots=True)
+class _Posterior:
+    """Posterior probabilities by map and sides, before any edges are looked at."""
+
+    near: float  # of a light within NEAR_RAD of a direction
+    around: float  # of a light within AROUND_RAD of it
+    none: float  # of no light at all
 
 
 def with_confidence(
@@ -77,16 +85,29 @@ def _posterior(
     others: Sequence[FoundLight],
     beside: MarginalLikelihood,
     ruled_out: Sequence[Float],
-) -> "_Posterior":
+) -> _Posterior:
     """Of the directions near a light, and of there being none, by map and sides beside the others."""
+    scan, templates = beside.everywhere, seen.templates
     is_further = bool(others) and one.exists is not None
     log_none = LOG_NONE_FURTHER if is_further else LOG_NONE
-    steps = seen.rims(points_of(others)).log_odds
-    directions = _Directions(seen.templates, beside.everywhere, steps, log_none, ruled_out)
-    lamp = -math.inf
-    if one.is_lamp:
-        lamp = float(beside.scanned(seen.lit(one.casting[None])).log_likelihood[0])
-    return directions.posterior(one.sun_alike(seen.body.height_m), lamp)
+    to_lights = templates.lights[:, :3]
+    cosines = to_lights @ one.sun_alike(seen.body.height_m)
+    is_near, is_around = cosines > math.cos(NEAR_RAD), cosines > math.cos(AROUND_RAD)
+    by_light = scan.log_likelihood + np.log(templates.solid_angle)
+    # Steps only count against directions elsewhere, whose shadows would be seen.
+    by_light = by_light + np.where(is_around, 0.0, np.minimum(seen.rims(points_of(others)).log_odds, 0.0))
+    for rival in ruled_out:
+        by_light[~is_near & (to_lights @ rival[:3] > math.cos(APART_RAD))] = -np.inf
+    # A lamp's light falls off as that of no direction does.
+    lamp = float(beside.scanned(seen.lit(one.casting[None])).log_likelihood[0]) if one.is_lamp else -math.inf
+    by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
+    most = max(float(by_light.max()), by_lamp, log_none)
+    posterior = np.exp(by_light - most)
+    near, around = float(posterior[is_near].sum()), float(posterior[is_around & ~is_near].sum())
+    elsewhere, none = float(posterior[~is_around].sum()), math.exp(log_none - most)
+    near = max(near, math.exp(by_lamp - most))
+    whole = near + around + elsewhere + none
+    return _Posterior(near / whole, (near + around) / whole, none / whole)
 
 
 def _depth(seen: Seen, one: FoundLight, darkening: float, depths: ShadowDepths) -> float:
@@ -111,45 +132,3 @@ def probability_within(radius_rad: float, covariance_rad2: Float) -> float:
     smaller, larger = np.sqrt(np.maximum(np.linalg.eigvalsh(covariance_rad2), 1e-12)).tolist()
     left = [max(radius_rad**2 - (larger * quantile) ** 2, 0.0) for quantile in QUANTILES]
     return sum(math.erf(math.sqrt(each / 2) / smaller) for each in left) / len(left)
-
-
-@dataclass(frozen=True, slots=True)
-class _Posterior:
-    """Posterior probabilities by map and sides, before any edges are looked at."""
-
-    near: float  # of a light within NEAR_RAD of a direction
-    around: float  # of a light within AROUND_RAD of it
-    none: float  # of no light at all
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Directions:
-    """All directions of the scan, with the evidence on each before its edges are looked at."""
-
-    templates: Templates
-    scan: Scan
-    steps: Float  # (m,) log odds of each by steps of light in the map
-    log_none: float  # log of the prior weight of no light
-    ruled_out: Sequence[Float]  # lights (4,) around which there is none
-
-    def posterior(self, to_sun: Float, lamp: float) -> _Posterior:
-        """The posterior of a light in the direction (3,) of a sun, or where a lamp seems to be one in that direction.
-
-        lamp: the log likelihood of that lamp, whose light falls off as that of no sun; -inf where it is a sun.
-        """
-        to_lights = self.templates.lights[:, :3]
-        by_light = self.scan.log_likelihood + np.log(self.templates.solid_angle)
-        by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
-        cosines = to_lights @ to_sun
-        is_near, is_around = cosines > math.cos(NEAR_RAD), cosines > math.cos(AROUND_RAD)
-        # Steps only count against directions elsewhere, whose shadows would be seen.
-        by_light = by_light + np.where(is_around, 0.0, np.minimum(self.steps, 0.0))
-        for rival in self.ruled_out:
-            by_light[~is_near & (to_lights @ rival[:3] > math.cos(APART_RAD))] = -np.inf
-        most = max(float(by_light.max()), by_lamp, self.log_none)
-        posterior = np.exp(by_light - most)
-        near, around = float(posterior[is_near].sum()), float(posterior[is_around & ~is_near].sum())
-        elsewhere, none = float(posterior[~is_around].sum()), math.exp(self.log_none - most)
-        near = max(near, math.exp(by_lamp - most))
-        whole = near + around + elsewhere + none
-        return _Posterior(near / whole, (near + around) / whole, none / whole)

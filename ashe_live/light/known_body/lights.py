@@ -9,13 +9,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.candidates import (
-    APART_RAD,
-    MOST_IN_VIEW,
-    Candidates,
-    in_view,
-    mean_near,
-)
+from ashe_live.light.known_body.candidates import APART_RAD, MOST_IN_VIEW, Candidates, in_view, mean_near
 from ashe_live.light.known_body.confidence import LOG_NONE_FURTHER, NEAR_RAD, with_confidence
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, image_beside, points_of
 from ashe_live.light.known_body.lamps import as_lamps

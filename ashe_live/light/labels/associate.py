@@ -61,10 +61,12 @@ class Split:
 
     @property
     def shadows(self) -> tuple[Mask, ...]:
+        """(h, w) the shadow of each light."""
         return self.parts or (self.shadow_mask,)
 
     @property
     def whole(self) -> Mask:
+        """(h, w) all of the area."""
         taken = self.object_mask | self.shadow_mask
         return taken if self.undecided is None else taken | self.undecided
 

@@ -49,6 +49,7 @@ class Materials:
 
     @property
     def shift(self) -> Float:
+        """(3,) of the only light's shadow, or of the stronger one's."""
         return self.shifts[0]
 
     @property

@@ -78,7 +78,7 @@ def _agreement(place: Place, explanation: Explanation, covariance_rad2: Float) -
 
 def _silhouette(explanation: Explanation, view: View) -> Mask:
     """(h, w) the object with its shadow."""
-    return predicted_of(explanation.alignment.placed.lit, view).whole & view.is_ground
+    return predicted_of(explanation.lit, view).whole & view.is_ground
 
 
 def _share(one: Mask, other: Mask) -> float:

@@ -111,7 +111,7 @@ class LampHypotheses:
         """Log of how much likelier a direction is than any by how the ground is lit; 0 where that is alike all over."""
         if self._directions is None:
             return 0.0
-        lit = explanation.alignment.placed.lit
+        lit = explanation.lit
         return self._directions.log_ratio(light_parameters(lit.first_light_near((0.0, *PRIOR_NEARNESSES))))
 
     def decided(self, explanation: Explanation, fit: NearFit, sharpener: Sharpener) -> Explanation:
@@ -149,7 +149,7 @@ class LampHypotheses:
         """The nearness of a lamp in the direction that the body sees, by the fall of light, and a sun's deviance."""
         if self.fall_off is None or len(sun.lights) > 1:
             return 0.0, 0.0
-        costs = self._costs(sun, sun.alignment.placed.lit.first_light_near((0.0, *NEARNESSES)))
+        costs = self._costs(sun, sun.lit.first_light_near((0.0, *NEARNESSES)))
         best = int(np.argmin(costs[1:]))
         return NEARNESSES[best], float(costs[0] - costs[1 + best])
 

@@ -117,7 +117,7 @@ def stated(
     first = scene.seen_object(explanation, confidence)
     if kind == SUN:
         return StatedExplanation(explanation, _as_suns(first, scene))
-    whole = predicted_of(explanation.alignment.placed.lit, scene.view).whole
+    whole = predicted_of(explanation.lit, scene.view).whole
     fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | whole))
     seen = PlaceEvidence([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)

@@ -31,7 +31,7 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
     They are first-order figures. A shadow grows with height by 1 / (1 - k z), of which they leave out (k z)^2 from the
     second order on; so where they ask for another nearness by k, they are wrong by as much as k^2 h, h the body's top.
     """
-    placed, frame = explanation.alignment.placed, explanation.alignment.placed.lit.body.frame
+    placed, frame = explanation.alignment.placed, explanation.lit.body.frame
     if explanation.nearness is not None:
         offset, information = explanation.nearness.offset, explanation.nearness.information
     else:
@@ -71,7 +71,7 @@ def _of_ends_out_of_view(explanation: Explanation) -> Float:
     of the length s h / (1 - k h), so that a nearer light of the same end has a shorter displacement, by s h / (1 - k h)
     for each k. Without this it would follow from the other borders alone, which hardly determine a shadow's length.
     """
-    lit, layout = explanation.alignment.placed.lit, ParameterLayout(len(explanation.lights), with_nearness=True)
+    lit, layout = explanation.lit, ParameterLayout(len(explanation.lights), with_nearness=True)
     information = np.zeros((layout.split, layout.split))
     ends = zip(explanation.lights, lit.lights_in_body_frame, explanation.alignment.ends_in_view, strict=True)
     for i, (fitted, light, in_view) in enumerate(ends):

@@ -42,9 +42,9 @@ def in_all_views(
     if not explanation.alignment.elsewhere:
         return None if again is None else Sharpener(sharpener.pictures[:1]).sharpened([again], near)[0]
     costs = costs_of_views(explanation)
-    starts = [JointStart(explanation, explanation.alignment.placed.lit.with_first_light_near(nearness), costs)]
+    starts = [JointStart(explanation, explanation.lit.with_first_light_near(nearness), costs)]
     if again is not None:
-        starts.append(JointStart(again, again.alignment.placed.lit, costs))
+        starts.append(JointStart(again, again.lit, costs))
     found = [each for each in explained_in_views(starts) if each is not None]
     if not found:
         return None

@@ -109,7 +109,7 @@ def place_by_the_rest(seen: PlaceEvidence, about: Place) -> Place:
 
     about: the place if it is one.
     """
-    anywhere = anywhere_about(about, seen.first.alignment.placed.lit.body.frame.origin_marker)
+    anywhere = anywhere_about(about, seen.first.lit.body.frame.origin_marker)
     return seen.with_fall(combined([anywhere, *(each.place for each in seen.objects[1:])]))
 
 
@@ -156,7 +156,7 @@ def deviance_of_sun(seen: PlaceEvidence, place: Place) -> float:
 
 def shadow_middle(explanation: Explanation) -> Float:
     """(2,) the middle of the first light's shadow on the plane, where the shadow ratio was measured."""
-    lit = explanation.alignment.placed.lit
+    lit = explanation.lit
     middle = np.array([[*lit.body.frame.origin_marker, lit.body.middle_m]])
     cast = cast_on_ground(middle, lit.lights[0])
     return np.asarray((middle if cast is None else cast)[0, :2])

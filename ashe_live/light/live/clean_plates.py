@@ -19,8 +19,7 @@ def over_empty_table(tracked: TrackedFrame, empty: TrackedFrame, name: str) -> T
 
     Raises UserError if that picture shows another view, or no marker.
     """
-    assert tracked.marker is not None
-    if tracked.marker.body is not None:
+    if tracked.pose.body is not None:
         raise UserError("the paper cube's light is found without an empty table", f"leave {name} out")
     if empty.marker is None:
         raise UserError(f"{name} shows no marker", "leave it where it is, and take only the object away")

@@ -10,8 +10,7 @@ SAME_FOCAL = 1e-6  # relative difference of focal lengths, by rounding where a p
 
 def lies_as_in(view: TrackedFrame, other: TrackedFrame) -> bool:
     """Whether the marker lies in the room of both where it lies in the other; both must have one."""
-    assert view.marker is not None
-    return not lies_elsewhere(view.T_room_marker, other.T_room_marker, view.marker.side_m)
+    return not lies_elsewhere(view.T_room_marker, other.T_room_marker, view.pose.side_m)
 
 
 def fits(view: TrackedFrame, other: TrackedFrame) -> bool:

@@ -175,8 +175,7 @@ def kept_size(size: tuple[int, int]) -> tuple[int, int]:
 
 def scaled(tracked: TrackedFrame, size: tuple[int, int]) -> TrackedFrame:
     """The frame, which must have a marker, scaled to `size` with its camera and corners."""
-    marker, before = tracked.marker, tracked.frame.size
-    assert marker is not None
+    marker, before = tracked.pose, tracked.frame.size
     if size == before:
         return tracked
     image: Image = np.asarray(cv2.resize(tracked.frame.image_bgr, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)

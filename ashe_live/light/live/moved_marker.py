@@ -116,14 +116,12 @@ def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFram
     The sheet that is seen in it then counts as another printed sheet. None where the marker no longer lies on that
     plane, or is printed on a body, which has moved itself.
     """
-    marker = tracked.marker
-    assert marker is not None
+    marker = tracked.pose
     motion = motion_between(tracked.T_room_marker, T_room_marker)
     if motion is None or marker.body is not None or not stays_on_plane(motion, marker.side_m):
         return None
     seen = with_moved_marker(tracked, motion)
-    assert seen.marker is not None
-    T_cam_marker, camera = seen.marker.T_cam_marker, tracked.camera
+    T_cam_marker, camera = seen.pose.T_cam_marker, tracked.camera
     corners = square_corners(marker.side_m)
     if (transform_points(T_cam_marker, corners)[:, 2] <= 0).any():
         return None
@@ -140,7 +138,7 @@ def seen_before_move(tracked: TrackedFrame, T_room_marker: Float) -> TrackedFram
         others = (*others, was)
     return replace(
         seen,
-        marker=replace(seen.marker, corners_px=np.asarray(corners_px[:, 0], np.float64), unfiltered_T_cam_marker=None),
+        marker=replace(seen.pose, corners_px=np.asarray(corners_px[:, 0], np.float64), unfiltered_T_cam_marker=None),
         others=others,
         T_room_marker=T_room_marker,
     )

@@ -1,4 +1,4 @@
-"""Areas of a mask: connected, large, cleaned of specks, grown and filled."""
+"""Areas of a mask (h, w), as all masks here are: connected, large, cleaned of specks, grown and filled."""
 
 from functools import cache
 
@@ -13,7 +13,7 @@ LEAST_OVERLAP = 0.3  # share of an area that must lie in what is predicted there
 
 
 def smoothed(values: Float32) -> Float32:
-    """Blurred by a Gaussian of SMOOTHING_PX."""
+    """(h, w) the values (h, w), blurred by a Gaussian of SMOOTHING_PX."""
     return np.asarray(cv2.GaussianBlur(values, (0, 0), SMOOTHING_PX), dtype=np.float32)
 
 

@@ -12,16 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.square import PAGE_FOOT_MM
 from ashe_live.light.pixels.log_colour import DARKEST, linear_rgb
-from ashe_live.light.pixels.page_lines import (
-    BESIDE,
-    FARTHEST,
-    HALF,
-    LINES,
-    TOGETHER,
-    PageLines,
-    around,
-    largest_beside,
-)
+from ashe_live.light.pixels.page_lines import BESIDE, FARTHEST, HALF, LINES, TOGETHER, PageLines, around, largest_beside
 from ashe_live.light.pixels.sheet import ADDED, LARGEST_SHEET, MarkerPicture, Sheet
 
 EVEN = 0.1  # largest difference between a page's right and left

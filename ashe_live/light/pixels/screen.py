@@ -30,7 +30,8 @@ def screen_around(lines: PageLines) -> Sheet | None:
     brightness = lines.after[..., 0] - np.median(lines.before[:, :, 0, 0], axis=1)[:, None, None]
     # Something dark farther out is no rim.
     left_white = np.logical_or.accumulate(brightness < -WHITE, axis=2)
-    is_rim = np.logical_or.accumulate((brightness < -DARK) & ~_later(left_white, BORDER), axis=2)
+    left_before = np.concatenate([np.zeros_like(left_white[..., :BORDER]), left_white[..., :-BORDER]], axis=2)
+    is_rim = np.logical_or.accumulate((brightness < -DARK) & ~left_before, axis=2)
     darkest = np.minimum.accumulate(brightness, axis=2)
     is_beyond = is_rim & (brightness > darkest + LIGHTER) & lines.seen
     is_beyond = np.logical_or.accumulate(is_beyond, axis=2)
@@ -44,11 +45,6 @@ def screen_around(lines: PageLines) -> Sheet | None:
     if sum(rim is not None for rim in rims) < SIDES or sum(rim is not None and rim[1] for rim in rims) < SEEN_SIDES:
         return None
     return Sheet(*(ADDED + (_end_of_white(lines, side) if rim is None else rim[0]) for side, rim in enumerate(rims)))
-
-
-def _later(is_so: Mask, by: int) -> Mask:
-    """(..., n) the same so many samples later."""
-    return np.concatenate([np.zeros_like(is_so[..., :by]), is_so[..., :-by]], axis=-1)
 
 
 def _common(outwards: Float, ends: NDArray[np.intp], leaves: Mask) -> tuple[float, bool] | None:

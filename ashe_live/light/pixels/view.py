@@ -53,12 +53,11 @@ class View(MarkerPicture):
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
         """The frame scaled down to `width_px`, if it is wider, and undistorted. It must have a marker."""
-        assert tracked.marker is not None
         image, camera, shown = _straight(np.asarray(tracked.frame.image_bgr), tracked.camera, width_px)
         given, plate = tracked.clean_plate_bgr, None
         if given is not None:
             plate, _, _ = _straight(np.asarray(given), tracked.camera, width_px)
-        marker, unknown = tracked.marker, np.zeros(image.shape[:2], np.bool_)
+        marker, unknown = tracked.pose, np.zeros(image.shape[:2], np.bool_)
         view = View(image, camera, marker.T_cam_marker, marker.side_m, unknown, measured=marker, shown=shown)
         sheet = measured_sheet(view) if marker.body is None else USUAL_SHEET
         return replace(view, sheet=sheet, body=marker.body, beside=tracked.others, plate_bgr=plate)._with_ground()

@@ -31,7 +31,6 @@ def share_shown(estimate: LightEstimate, tracked: TrackedFrame) -> float:
 
 def _share_in(tracked: TrackedFrame, points: Float) -> float:
     """Of points (n, 3), marker frame, the share in the picture."""
-    assert tracked.marker is not None
-    seen = project(tracked.camera, tracked.marker.T_cam_marker, points)
+    seen = project(tracked.camera, tracked.pose.T_cam_marker, points)
     inside = (seen >= -0.5) & (seen <= np.array(tracked.frame.size) - 0.5)  # never NaN, of what is behind the camera
     return float(inside.all(axis=1).mean())

@@ -48,8 +48,7 @@ def moved_body(body: Proxy, T_new_old: Float) -> Proxy:
 
 def with_moved_marker(tracked: TrackedFrame, T_new_old: Float) -> TrackedFrame:
     """The frame, which must have a marker, with the pose of the new frame in it; T_new_old (4, 4): rigid, metres."""
-    marker = tracked.marker
-    assert marker is not None
+    marker = tracked.pose
     T_cam_new = marker.T_cam_marker @ inverse_rigid(T_new_old)
     # A turn by which the pose is off is one about the old origin, and shifts the new one.
     by_old, (x, y, z) = np.eye(6), T_cam_new[:3, 3] - marker.T_cam_marker[:3, 3]

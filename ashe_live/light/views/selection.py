@@ -23,8 +23,7 @@ def usable(tracked: TrackedFrame, others: Sequence[TrackedFrame], most: int) -> 
     added later do not displace the views that earlier answers rest on. Frames from the same place as
     one chosen before are left out. `tracked` must have a marker.
     """
-    assert tracked.marker is not None
-    directions = [view_direction(tracked.marker.T_cam_marker)]
+    directions = [view_direction(tracked.pose.T_cam_marker)]
     several = [(each, view_direction(each.marker.T_cam_marker)) for each in others if each.marker is not None]
     left = [(other, towards) for other, towards in several if towards[2] > LEAST_HEIGHT]
     chosen: list[TrackedFrame] = []

@@ -59,9 +59,6 @@ class Attributes:
         is_share = are_shares or self._arrays.is_normalised(self._places[name])
         return self._checked(name, self._unpacked.floats(name, is_share))
 
-    def optional(self, name: str) -> Float | None:
-        return self.floats(name) if name in self else None
-
     def corners(self, count: int) -> NDArray[np.int64]:
         """(n,) indices of vertices, before they are made triangles."""
         if self._unpacked is not None:
@@ -83,7 +80,9 @@ class Attributes:
         targets = self._primitive.get("targets", [])
         added = ([self._added(target, name) for target in targets] for name in ("POSITION", "NORMAL"))
         influences = tuple(self._influences()) if has_joints else ()
-        return Shape(self.floats("POSITION"), self.optional("NORMAL"), tuple(zip(*added, strict=True)), influences)
+        places = self.floats("POSITION")
+        normals = self.floats("NORMAL") if "NORMAL" in self else None
+        return Shape(places, normals, tuple(zip(*added, strict=True)), influences)
 
     def _added(self, target: dict[str, int], name: str) -> Float | None:
         return self._arrays.floats(target[name]) if name in target else None

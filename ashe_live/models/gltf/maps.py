@@ -33,11 +33,11 @@ class Maps:
         self.lacks_coordinates |= not is_there
         return has_room or not is_there
 
-    def has_room_for(self, name: str, layout: MapLayout) -> bool:
-        """Whether a map can be drawn that is of that name, and laid out as the one is that has it already, if any."""
-        if name in self.layouts:
-            return layout.uv_set in self.sets and self.layouts[name] == layout.for_set(self.sets.index(layout.uv_set))
-        return layout.uv_set in self._there and name not in self.unplaced and self.takes(layout)
+    def takes_base_map(self, layout: MapLayout) -> bool:
+        """Whether a base map can be drawn, which is laid out as the one is that is there already, if any."""
+        if (base := self.layouts.get("base_map")) is not None:
+            return layout.uv_set in self.sets and base == layout.for_set(self.sets.index(layout.uv_set))
+        return layout.uv_set in self._there and "base_map" not in self.unplaced and self.takes(layout)
 
     def add(self, name: str, layout: MapLayout, texels: Image) -> None:
         if not self.takes(layout):

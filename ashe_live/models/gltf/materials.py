@@ -10,16 +10,7 @@ from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.container import is_data, named_content
 from ashe_live.models.gltf.maps import Maps, layout_of
 from ashe_live.models.gltf.specular import SpecularGlossiness
-from ashe_live.models.material import (
-    BLACK,
-    UNKNOWN,
-    WHITE,
-    Alpha,
-    LinearRGBA,
-    MapLayout,
-    Material,
-    in_one_place,
-)
+from ashe_live.models.material import BLACK, UNKNOWN, WHITE, Alpha, LinearRGBA, MapLayout, Material, in_one_place
 from ashe_live.models.parsing import basis
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.json_kinds import Json
@@ -146,7 +137,7 @@ class GltfMaterials:
         texture = given.get("transmissionTexture", {})
         if texture and (texels := self._texels(texture, "transmissionTexture")) is not None:
             layout = self._layout(texture)
-            if maps.has_room_for("base_map", layout):
+            if maps.takes_base_map(layout):
                 colours, mask = maps.texels.get("base_map"), self._mirrored(texels, layout)
                 key = "cleared", id(colours), id(mask), share, is_opaque
                 maps.add("base_map", layout, self._pictures.made(key, lambda: cleared(colours, mask, share, is_opaque)))

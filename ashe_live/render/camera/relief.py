@@ -68,8 +68,7 @@ class _Regions(NamedTuple):
 
 def _regions(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> _Regions | None:
     """None where too little of either is seen."""
-    assert tracked.marker is not None
-    size, T = tracked.frame.size, tracked.marker.T_cam_marker
+    size, T = tracked.frame.size, tracked.pose.T_cam_marker
     body = proxy.points_marker()
     cast = cast_by_point(body, lighting.lights[0].homogeneous)
     ground = np.column_stack([cast, np.zeros(len(cast))])
@@ -84,9 +83,9 @@ def _regions(tracked: TrackedFrame, proxy: Proxy, lighting: Lighting) -> _Region
         return None
     shadow, other = (_hull(pixels - (left, top), image) for pixels in (outline, body_px))
     other = _grown(other, near)
-    if tracked.marker.body is None:
-        middle = tracked.marker.corners_px.mean(axis=0)
-        other |= _hull(middle + SHEET * (tracked.marker.corners_px - middle) - (left, top), image)
+    if tracked.pose.body is None:
+        middle = tracked.pose.corners_px.mean(axis=0)
+        other |= _hull(middle + SHEET * (tracked.pose.corners_px - middle) - (left, top), image)
     in_shadow = ~_grown(~shadow, near) & ~other
     in_light = _grown(shadow, far) & ~_grown(shadow, near) & ~other
     seen_px = min(in_shadow.sum(), in_light.sum())

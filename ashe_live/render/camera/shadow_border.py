@@ -45,8 +45,7 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, light: ShadingLig
     A camera's sharpening makes the marker's strong edges steeper than the weak ones of shadows, its denoising makes
     those softer, and a light of unknown size counts as a bare one.
     """
-    assert tracked.marker is not None
-    T = tracked.marker.T_cam_marker
+    T = tracked.pose.T_cam_marker
     body = proxy.points_marker()
     cast = cast_by_point(body, light.homogeneous)
     outline = cv2.convexHull(cast.astype(np.float32), returnPoints=False).ravel()
@@ -66,7 +65,7 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, light: ShadingLig
         return 0.0
     radii = _penumbra_px(tracked.camera, T, below, above, light, outwards)[profile.used]
     paper = PAPER_ALBEDO * float(np.array(white_of(tracked)) @ REC709_LUMINANCE)
-    of_print = edge_blur_px(grey, tracked.marker.corners_px, paper)
+    of_print = edge_blur_px(grey, tracked.pose.corners_px, paper)
     lens = math.sqrt(of_print**2 + BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2)
     explained = blur_of_step_px(_step_by(radii, lens, len(profile.step)))
     # The shadow maps' own texels blur about as much as a pixel does.

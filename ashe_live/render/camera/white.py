@@ -72,8 +72,7 @@ def light_on_print(tracked: TrackedFrame, lighting: Lighting, real_object: Proxy
     picture tells them apart better than an estimated light does. A body that bears the marker is the real object
     itself, and does not shade the print on its own top.
     """
-    assert tracked.marker is not None
-    if real_object is None or tracked.marker.body is not None:
+    if real_object is None or tracked.pose.body is not None:
         return LightOnPrint(lighting, lighting.lights, print_height_m(tracked))
     ring = print_side_m(tracked) * _ring(RING_SIDES)
     reaches = [np.nan_to_num(lit_past(real_object, light, ring), nan=1.0).any() for light in lighting.lights]
@@ -114,36 +113,31 @@ def print_pixels(tracked: TrackedFrame, places: Float) -> Float:
 
     For a body, of the print on its top.
     """
-    assert tracked.marker is not None
     points = np.column_stack([places, np.full(len(places), print_height_m(tracked))])
-    return project_distorted(tracked.camera, tracked.marker.T_cam_marker, points)
+    return project_distorted(tracked.camera, tracked.pose.T_cam_marker, points)
 
 
 def print_corners_px(tracked: TrackedFrame) -> Float:
     """(4, 2) of the print's black square, in the order of the marker's; NaN for those behind the camera."""
-    assert tracked.marker is not None
-    if tracked.marker.body is None:
-        return tracked.marker.corners_px
+    if tracked.pose.body is None:
+        return tracked.pose.corners_px
     return print_pixels(tracked, square_corners(print_side_m(tracked))[:, :2])
 
 
 def print_side_m(tracked: TrackedFrame) -> float:
     """The side of the print's black square, metres."""
-    assert tracked.marker is not None
-    return tracked.marker.side_m * (1.0 if tracked.marker.body is None else BODY_PRINT_SHARE)
+    return tracked.pose.side_m * (1.0 if tracked.pose.body is None else BODY_PRINT_SHARE)
 
 
 def print_height_m(tracked: TrackedFrame) -> float:
     """Metres from the plane up to the print: a body's is on its top."""
-    assert tracked.marker is not None
-    return 0.0 if tracked.marker.body is None else tracked.marker.side_m
+    return 0.0 if tracked.pose.body is None else tracked.pose.side_m
 
 
 def _mirrored(tracked: TrackedFrame, lights: tuple[ShadingLight, ...]) -> Float:
     """(3,) what the print's middle mirrors of the lights into the camera, as `mirrored_by_paper`."""
-    assert tracked.marker is not None
     middle = np.array([0.0, 0.0, print_height_m(tracked)])
-    to_eye = camera_centre(tracked.marker.T_cam_marker) - middle
+    to_eye = camera_centre(tracked.pose.T_cam_marker) - middle
     return mirrored_by_paper(lights, to_eye / np.linalg.norm(to_eye), middle)
 
 

@@ -71,7 +71,6 @@ class CoarseLayers:
         width, height = surface.size
         size = (width + 1) // 2, (height + 1) // 2
         first, second = self._targets_of(size)
-        self._ctx.enable_only(moderngl.NOTHING)
         wanted = _halved(grown(region, 2, surface.size))
         in_rows = _above_and_below(wanted, blur.taps, size)
         rectangle_of_halves, rectangle_of_blurs = self._rectangles
@@ -98,9 +97,7 @@ class CoarseLayers:
         self, target: _Target, within: Rectangle, rectangle: WholeRectangle, program: moderngl.Program
     ) -> None:
         target.framebuffer.scissor = within
-        target.framebuffer.use()
-        self._ctx.viewport = (0, 0, *target.framebuffer.size)
-        rectangle.draw(program)
+        rectangle.fill(target.framebuffer, program)
         target.bind(("added_light", "removed"))
 
     def _targets_of(self, size: Size) -> tuple[_Target, _Target]:

@@ -19,7 +19,6 @@ class GroundMeans:
     """Means of the ground before it is darkened; read by programs as `ground_mean`."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
-        self._ctx = ctx
         self._programs = programs
         self._rectangle = WholeRectangle(ctx)
         self._canvas = Canvas(ctx, 1, "f2")
@@ -40,10 +39,7 @@ class GroundMeans:
         upper = math.ceil((within[0] + within[2] - left) * per_px), math.ceil((within[1] + within[3] - bottom) * per_px)
         used = (*lower, upper[0] - lower[0], upper[1] - lower[1])
         framebuffer.scissor = grown(used, SPLINE_REACH, texture.size)
-        framebuffer.use()
-        self._ctx.viewport = (0, 0, *texture.size)
-        self._ctx.enable_only(moderngl.NOTHING)
-        self._rectangle.draw(program)
+        self._rectangle.fill(framebuffer, program)
         texture.use(UNIT_OF["ground_mean"])
         return means
 

@@ -34,8 +34,7 @@ class MadeCover:
 
     def is_elsewhere(self, tracked: TrackedFrame) -> bool:
         """Whether the sheet has been moved since, so that other ground is around it."""
-        assert tracked.marker is not None
-        return lies_elsewhere(self.tracked.T_room_marker, tracked.T_room_marker, tracked.marker.side_m)
+        return lies_elsewhere(self.tracked.T_room_marker, tracked.T_room_marker, tracked.pose.side_m)
 
     def is_in_other_light(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
         """Whether the sheet lies in another light now, which is not told from things before it."""
@@ -43,9 +42,7 @@ class MadeCover:
 
     def serves(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
         """Whether another one made from this frame would be no better."""
-        was, now = self.tracked.marker, tracked.marker
-        assert was is not None
-        assert now is not None
+        was, now = self.tracked.pose, tracked.pose
         if self.cover.is_draft or was.side_m != now.side_m:
             return False
         if self.is_elsewhere(tracked) or not is_same_scene(illumination, self.illumination):

@@ -51,11 +51,10 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: bo
     Of a body that the marker is on, as the paper cube: of all that it hides, and of its shadows. is_draft: if that
     saves time, a coarse one, in half a second where that of a phone's photo takes six.
     """
-    assert tracked.marker is not None
-    side_m, body = tracked.marker.side_m, tracked.marker.body
-    fine_px = float(np.clip(FINER * side_lengths_px(tracked.marker.corners_px).max(), LEAST_SIDE_PX, MOST_SIDE_PX))
+    side_m, body = tracked.pose.side_m, tracked.pose.body
+    fine_px = float(np.clip(FINER * side_lengths_px(tracked.pose.corners_px).max(), LEAST_SIDE_PX, MOST_SIDE_PX))
     side_px = min(fine_px, DRAFT_SIDE_PX) if is_draft else fine_px
-    half_m = HALF_SIDES * side_m if body is None else half_of_square(tracked.marker, body, illumination)
+    half_m = HALF_SIDES * side_m if body is None else half_of_square(tracked.pose, body, illumination)
     plane = rectified(tracked, illumination, half_m, round(2 * half_m / side_m * side_px))
     lit = np.asarray(plane.linear / np.maximum(plane.shade, LEAST_SHADE), np.float32)
     # What is covered, the hole in it that has to be made up, and the ground that may be copied there.
@@ -64,7 +63,7 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination, is_draft: bo
         hole = sheet_mask(lit, known, side_px)
         covered = with_rim(hole, side_px)
     else:
-        hole, covered = hidden_and_shaded(tracked.marker, body, illumination, half_m, len(lit))
+        hole, covered = hidden_and_shaded(tracked.pose, body, illumination, half_m, len(lit))
         hole |= plane.border | (covered & ~plane.is_seen)
         covered |= hole
         known, shade = known & ~hole, np.ones_like(shade)  # its shadows go with it

@@ -221,8 +221,7 @@ def _places(bounds_m: tuple[float, float, float, float], size: tuple[int, int]) 
 
 def _seen(tracked: TrackedFrame, sheet: SheetAsMade) -> Float32 | None:
     """(h, w, 3) logarithm of linear RGB, as exposed; None where part of the sheet is behind the camera."""
-    assert tracked.marker is not None
-    T, image = tracked.marker.T_cam_marker, tracked.frame.image_bgr
+    T, image = tracked.pose.T_cam_marker, tracked.frame.image_bgr
     height, width = sheet.relit.shape
     left, bottom, right, top = sheet.bounds_m
     corners = np.array([(left, bottom), (left, top), (right, bottom), (right, top)])

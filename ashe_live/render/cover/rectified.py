@@ -35,15 +35,14 @@ class Rectified:
 
 def rectified(tracked: TrackedFrame, illumination: Illumination, half_m: float, size: int) -> Rectified:
     """From -half_m to half_m in x and y, `size` pixels a side. The frame must have a marker."""
-    assert tracked.marker is not None
-    T, picture = tracked.marker.T_cam_marker, tracked.frame.image_bgr
+    T, picture = tracked.pose.T_cam_marker, tracked.frame.image_bgr
     at = _pixels(tracked.camera, T, half_m, size)
     width, height = tracked.frame.size
     is_seen = np.asarray(((at > 1) & (at < (width - 2, height - 2))).all(axis=2))
     image = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_CUBIC)
     linear = LINEAR_FROM_SRGB_8BIT[image[..., ::-1]].astype(np.float32)
     shade, border = np.ones_like(linear), np.zeros(is_seen.shape, np.uint8)
-    body = tracked.marker.body or illumination.real_object
+    body = tracked.pose.body or illumination.real_object
     if body is not None:
         hidden = _silhouette(body, tracked.camera, T)
         is_seen &= cv2.remap(hidden, at[..., 0], at[..., 1], cv2.INTER_NEAREST) == 0
@@ -55,7 +54,7 @@ def rectified(tracked: TrackedFrame, illumination: Illumination, half_m: float, 
             soft = (cv2.GaussianBlur(dark, (0, 0), SOFT_PX) / 255.0)[..., None]
             shade *= (1 - soft * (1 - np.clip(ratio, LEAST_RATIO, 1))).astype(np.float32)
             border |= np.asarray(cv2.morphologyEx(dark, cv2.MORPH_GRADIENT, np.ones((3, 3))), np.uint8)
-        side_px = tracked.marker.side_m / (2 * half_m) * size
+        side_px = tracked.pose.side_m / (2 * half_m) * size
         border = np.asarray(cv2.dilate(border, np.ones((2 * round(BORDER_SIDES * side_px) + 1,) * 2)), np.uint8)
     return Rectified(linear, is_seen, shade, border > 0)
 

@@ -1,14 +1,14 @@
 """The video's viewport in the framebuffer, and the projection of the marker frame into it."""
 
-import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, box_corners
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.transforms import T_gl_cam, camera_centre, gl_projection, transform_points
+from ashe_live.models.placement import PlacedModel, Placement
 
 Rectangle = tuple[int, int, int, int]  # left, bottom, width, height in pixels of the framebuffer
 EMPTY: Rectangle = (0, 0, 0, 0)
@@ -61,9 +61,9 @@ def framing(camera: Camera, T_cam_marker: Float, points_marker: Float, viewport:
     return Framing(viewport, region, clip_from_marker, camera_centre(T_cam_marker))
 
 
-def box_corners(bounds: Float) -> Float:
-    """(8, 3) corners of a box given by its smallest and largest coordinates (2, 3)."""
-    return np.array(list(itertools.product(*bounds.T)))
+def corners_of(placed: PlacedModel, placement: Placement) -> Float:
+    """(8, 3) of the box around a model where it stands, metres, marker frame."""
+    return transform_points(placement.marker_from_placed, box_corners(placed.bounds))
 
 
 def grown(rectangle: Rectangle, margin: int, size: Size) -> Rectangle:

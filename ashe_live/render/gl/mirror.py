@@ -24,12 +24,9 @@ class Mirror:
         texture, copy = self._copy.of_size(picture.size)
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self._ctx.copy_framebuffer(copy, picture)
-        picture.use()
-        self._ctx.viewport = (0, 0, *picture.size)
-        self._ctx.enable_only(moderngl.NOTHING)
         texture.use(UNIT_OF["picture"])
         set_uniforms(self._program, rectangle=FROM_RIGHT_TO_LEFT)
-        self._rectangle.draw(self._program)
+        self._rectangle.fill(picture, self._program)
 
     def release(self) -> None:
         self._copy.release()

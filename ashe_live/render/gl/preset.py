@@ -15,10 +15,10 @@ class RenderPreset:
     pcf_radius: int  # the r of these
     msaa_samples: int  # a pixel, on a GPU; 0: one, and outlines are smoothed afterwards
     software_msaa_samples: int  # the same where the processor draws, which they cost up to twice a picture's time
-    matches_blur: bool  # whether model and shadow are blurred as the video is
-    matches_noise: bool  # whether they get its noise
-    matches_lens: bool  # whether they are bent as its lens bends; False: the lens is taken off the video
     environment_size: int  # texels a side of what polished surfaces mirror, a power of two
+    matches_blur: bool = True  # whether model and shadow are blurred as the video is
+    matches_noise: bool = True  # whether they get its noise
+    matches_lens: bool = True  # whether they are bent as its lens bends; False: the lens is taken off the video
 
     def with_samples(self, count: int) -> "RenderPreset":
         """The same with `count` samples a pixel, whatever draws."""
@@ -34,9 +34,6 @@ FAST = RenderPreset(
     pcf_radius=1,
     msaa_samples=0,
     software_msaa_samples=0,
-    matches_blur=True,
-    matches_noise=True,
-    matches_lens=True,
     environment_size=32,
 )
 BALANCED = RenderPreset(
@@ -48,9 +45,6 @@ BALANCED = RenderPreset(
     pcf_radius=1,
     msaa_samples=4,
     software_msaa_samples=0,
-    matches_blur=True,
-    matches_noise=True,
-    matches_lens=True,
     environment_size=64,
 )
 ACCURATE = RenderPreset(
@@ -62,8 +56,5 @@ ACCURATE = RenderPreset(
     pcf_radius=2,
     msaa_samples=8,
     software_msaa_samples=8,
-    matches_blur=True,
-    matches_noise=True,
-    matches_lens=True,
     environment_size=128,
 )

@@ -17,6 +17,15 @@ class WholeRectangle:
             self._of = program, self._ctx.vertex_array(program, [])
         self._of[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
 
+    def fill(self, framebuffer: moderngl.Framebuffer, program: moderngl.Program, adds: bool = False) -> None:
+        """Draws into all of a framebuffer within its scissor, and leaves it bound. `adds`: to what it holds."""
+        framebuffer.use()
+        self._ctx.viewport = (0, 0, *framebuffer.size)
+        self._ctx.enable_only(moderngl.BLEND if adds else moderngl.NOTHING)
+        if adds:
+            self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+        self.draw(program)
+
     def release(self) -> None:
         if self._of is not None:
             self._of[1].release()

@@ -60,8 +60,7 @@ def open_sky(seen_in: TrackedFrame, body: Proxy, lighting: Lighting, white_rgb: 
     in_shadow = np.array(lighting.sky)
     hull = _hull_of(body)
     shadow = shadow_hull_of_point(hull.points, lighting.lights[0].homogeneous)
-    assert seen_in.marker is not None
-    T = seen_in.marker.T_cam_marker
+    T = seen_in.pose.T_cam_marker
     eye = camera_centre(T)
     ground = _seen_shadow(hull, shadow, eye)
     albedo = _albedo_of(seen_in, hull, shadow, eye, lighting, white_rgb)
@@ -103,8 +102,7 @@ def _albedo_of(
     seen_in: TrackedFrame, hull: _Hull, shadow: Float, eye: Float, lighting: Lighting, white_rgb: Float
 ) -> Float | None:
     """(3,) linear RGB: the median over what is seen of the object; None where too little of it is."""
-    assert seen_in.marker is not None
-    T, camera = seen_in.marker.T_cam_marker, seen_in.camera
+    T, camera = seen_in.pose.T_cam_marker, seen_in.camera
     outline = project_distorted(camera, T, hull.points)
     pixels = np.round(
         _grid(np.maximum(outline.min(axis=0), 0), np.minimum(outline.max(axis=0), np.array(camera.size) - 1))

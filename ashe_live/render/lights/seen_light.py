@@ -59,9 +59,8 @@ def _was_seen_in_shadow(of: Illumination) -> bool:
     A known body's answer is that of the open sky, and a lamp's intensity says what the sky has at the marker's centre.
     """
     assert of.seen_in is not None
-    assert of.seen_in.marker is not None
     is_read = [
         light.shadow_rgb_ratio is not None and light.intensity_rgb_ratio is None and light.to_light_marker[2] > 0
         for light in of.lights
     ]
-    return is_read == [True] and of.seen_in.marker.body is None
+    return is_read == [True] and of.seen_in.pose.body is None

@@ -19,7 +19,6 @@ from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
-from ashe_live.render.occlusion.adding import draw_added
 from ashe_live.render.occlusion.surface_samples import LEAST_AREA, samples_on
 
 PATCH_SIZE = 140  # texels a side
@@ -52,7 +51,6 @@ class ContactPatch:
         # No wider than the model is high: beside what is flat nothing is hidden.
         self._blur_texels = float(np.clip(upper[2] / self._texel, LEAST_BLUR_TEXELS, BLUR_TEXELS))
         self.model_bounds: Float = np.array([lower, upper])  # (2, 3) likewise
-        self._ctx = ctx
         self._programs = programs
         self._rectangle = WholeRectangle(ctx)
         self._texture = ctx.texture((PATCH_SIZE, PATCH_SIZE), 4, dtype="f2")
@@ -82,7 +80,7 @@ class ContactPatch:
         points = np.zeros(int(constants["lights"]))
         # All patches share one program: another may have used it between two steps.
         set_uniforms(program, weight=weight, patch_bounds=tuple(self.bounds.ravel()), tan_half_size=points)
-        draw_added(self._ctx, self._framebuffer, self._rectangle, program)
+        self._rectangle.fill(self._framebuffer, program, adds=True)
 
     def smoothed(self, distances: Float) -> NDArray[np.float16]:
         """(PATCH_SIZE, PATCH_SIZE, 4) what the patch is to hold, once every direction of the sky has been added.

@@ -16,7 +16,6 @@ from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
-from ashe_live.render.occlusion.adding import draw_added
 from ashe_live.render.occlusion.surface_samples import LEAST_AREA, SurfaceSamples, samples_on
 
 SAMPLES = 8_000  # points on a model, besides one on each triangle
@@ -30,7 +29,6 @@ class SelfOcclusion:
     """Measures how much of sky and ground is hidden from meshes that stand together, by what the depth maps show."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs, meshes: Sequence[Mesh]) -> None:
-        self._ctx = ctx
         self._programs = programs
         per_area = SAMPLES / max(sum(float(mesh.areas.sum()) for mesh in meshes), LEAST_AREA)
         self._samples: list[SurfaceSamples] = [samples_on(mesh, per_area) for mesh in meshes]
@@ -54,7 +52,7 @@ class SelfOcclusion:
         self._places.use(UNIT_OF["sample_places"])
         self._normals.use(UNIT_OF["sample_normals"])
         set_uniforms(program, weight=weight)
-        draw_added(self._ctx, self._framebuffer, self._rectangle, program)
+        self._rectangle.fill(self._framebuffer, program, adds=True)
 
     def openness(self) -> Iterator[Float]:
         """(n, 4) in [0, 1] of the vertices of each mesh, as `_openness`, once every direction was added."""

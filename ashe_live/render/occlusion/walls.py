@@ -16,7 +16,6 @@ class WallLight:
     """The light on one model's walls, in a texture over its contact patch; drawn again when anything of it changes."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
-        self._ctx = ctx
         self._programs = programs
         self._canvas = Canvas(ctx, 4, "f4")
         self._rectangle = WholeRectangle(ctx)
@@ -43,10 +42,7 @@ class WallLight:
             light_ground_share=lighting.ground_shares,
         )
         _, framebuffer = self._canvas.of_size((PATCH_SIZE, PATCH_SIZE))
-        framebuffer.use()
-        self._ctx.viewport = (0, 0, PATCH_SIZE, PATCH_SIZE)
-        self._ctx.enable_only(moderngl.NOTHING)
-        self._rectangle.draw(program)
+        self._rectangle.fill(framebuffer, program)
 
     def bind(self) -> None:
         """For programs that read it as `walls`."""

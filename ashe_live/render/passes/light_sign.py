@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, box_corners
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Light
 from ashe_live.core.transforms import inverse_rigid, light_view, normalised, transform_points
 from ashe_live.models.primitives import revolved
 from ashe_live.render.camera.in_frame import project_distorted
-from ashe_live.render.gl.framing import Framing, box_corners
+from ashe_live.render.gl.framing import Framing
 from ashe_live.render.gl.programs import build_program, set_uniforms
 from ashe_live.render.lights.lighting import angular_size
 

@@ -15,7 +15,6 @@ class OverlayPass:
     """Draws overlays; a picture is uploaded when it is first seen and dropped when it is no longer shown."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self.uploads = 0
         self._ctx = ctx
         self._program = build_program(ctx, "screen/screen")
         self._rectangle = WholeRectangle(ctx)
@@ -51,7 +50,6 @@ class OverlayPass:
             if overlay.shown_size == (width, height):
                 texture.filter = moderngl.NEAREST, moderngl.NEAREST
             self._textures[id(image)] = (image, texture)
-            self.uploads += 1
         return self._textures[id(image)][1]
 
     def _drop_all_but(self, kept: set[int]) -> None:

@@ -5,7 +5,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import transform_points
 from ashe_live.models.placement import Placement
-from ashe_live.render.gl.framing import box_corners
+from ashe_live.render.gl.framing import corners_of
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.lights.light_view import most_groups, seen_together
 from ashe_live.render.lights.lighting import Lighting
@@ -26,7 +26,7 @@ class StandingModel:
         # (n, 3) metres, marker frame; its hull encloses the model
         self.points = transform_points(self.marker_from_placed, model.points)
         # (8, 3) of the box around it, metres, marker frame
-        self.corners = transform_points(self.marker_from_placed, box_corners(model.placed.bounds))
+        self.corners = corners_of(model.placed, placement)
 
     @property
     def is_clear(self) -> bool:

@@ -24,7 +24,6 @@ class Video:
     """The latest frame as a texture, bottom row first."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self.uploads = 0
         self._ctx = ctx
         self._program = build_program(ctx, "screen/screen")
         self._rectangle = WholeRectangle(ctx)
@@ -56,7 +55,6 @@ class Video:
                 image = np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
             self._texture.write(image)
             self._shown, self._pinhole = tracked, pinhole
-            self.uploads += 1
         nearest_or_linear = moderngl.NEAREST if viewport[2:] == size else moderngl.LINEAR
         self._texture.texture.filter = nearest_or_linear, nearest_or_linear
 

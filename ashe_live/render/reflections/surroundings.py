@@ -83,13 +83,12 @@ def _ground(
     covered: Float,
 ) -> LinearPicture:
     """The ground of `Surroundings`; `ground_rgb` and `covered` as for `surroundings_of`."""
-    assert tracked.marker is not None
     at = _square(size)
     radius = np.linalg.norm(at, axis=2, keepdims=True)
     near = at * np.minimum(1.0, FARTHEST / np.maximum(radius, 1e-9))
     points = half_radius_m * near / (1 - np.linalg.norm(near, axis=2, keepdims=True))
     points = np.dstack([points, np.zeros((size, size))]).reshape(-1, 3)
-    T_cam_marker = tracked.marker.T_cam_marker
+    T_cam_marker = tracked.pose.T_cam_marker
     is_ahead = transform_points(T_cam_marker, points)[:, 2] > 1e-6
     pixels = np.full((len(points), 2), -1e6)
     pixels[is_ahead] = project_distorted(tracked.camera, T_cam_marker, points[is_ahead])
@@ -103,9 +102,8 @@ def _ground(
 
 
 def _sky(tracked: TrackedFrame, linear: LinearPicture, size: int) -> LinearPicture:
-    assert tracked.marker is not None
     directions, _ = _hemisphere(size)
-    seen_from_camera = directions @ tracked.marker.T_cam_marker[:3, :3].T
+    seen_from_camera = directions @ tracked.pose.T_cam_marker[:3, :3].T
     # What lies behind the camera is assumed to look like what lies in front of it.
     x, y, z = np.moveaxis(seen_from_camera, 2, 0)
     wrapped = 0.5 + 0.5 * np.dstack([x, y]) / (1 + np.abs(z))[..., None]

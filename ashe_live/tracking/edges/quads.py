@@ -84,7 +84,7 @@ def _quad(outline: NDArray[Any], min_side_px: float) -> Float | None:
 
 
 def on_lighter(grey: Image, quads: list[Float]) -> list[Float]:
-    """Those of `quads` whose rim is much darker than their surroundings, as ink on paper is."""
+    """Those of `quads` (4, 2) in (h, w) uint8 whose rim is much darker than their surroundings, as ink on paper is."""
     if not quads:
         return []
     corners = np.array(quads)
@@ -102,7 +102,7 @@ def on_lighter(grey: Image, quads: list[Float]) -> list[Float]:
 
 
 def without_repeats(quads: list[Float]) -> list[Float]:
-    """`quads` without those that lie where an earlier one does."""
+    """The quads (4, 2) without those that lie where an earlier one does."""
 
     def lies_on(quad: Float, other: Float) -> bool:
         return bool(np.abs(other.mean(axis=0) - quad.mean(axis=0)).max() <= np.ptp(other, axis=0).max() / 4)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, cross_3d
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px, side_lengths_px, square_corners
 from ashe_live.core.transforms import project, rigid
@@ -218,9 +218,7 @@ def _ippe(sighting: Sighting, K: Float) -> list[tuple[Float, Float]]:
     centre = sighting.points.mean(axis=0)
     x, y = sighting.points[1] - sighting.points[0], sighting.points[0] - sighting.points[3]
     side_m = float(np.linalg.norm(x))
-    # np.cross would take as long as IPPE itself.
-    normal = (x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0])
-    R_square_whole = np.array([x, y, np.divide(normal, side_m)]) / side_m
+    R_square_whole = np.array([x, y, cross_3d(x, y) / side_m]) / side_m
     R_asked_whole = R_ASKED_TURNED[quarters] @ R_square_whole
     _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
         square_corners(side_m), lower_left_first, K, None, flags=cv2.SOLVEPNP_IPPE_SQUARE

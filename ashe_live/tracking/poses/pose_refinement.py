@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, cross_3d
 from ashe_live.core.transforms import pixels_by_pose
 
 STEPS = 8
@@ -95,9 +95,7 @@ class Correspondences:
         """
         points = self.points
         x, y = points[1] - points[0], points[0] - points[3]
-        # np.cross would take as long as a step.
-        normal = np.array((x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]))
-        if np.abs((points - points[0]) @ normal).max() < LEAST_DEPTH * float(x @ x) ** 1.5:
+        if np.abs((points - points[0]) @ cross_3d(x, y)).max() < LEAST_DEPTH * float(x @ x) ** 1.5:
             return None
         start = self.solution(T_previous[:3, :3], T_previous[:3, 3], K)
         return None if start is None or start.rms_px > FOLLOWED_PX else self.refined(start, K)

@@ -46,11 +46,10 @@ class RoomLight:
 
         On its own plane there is then nothing by which to find one.
         """
-        assert tracked.marker is not None
         if not self.estimated.lights:
             return False
         motion = motion_between(self._T_room_marker, tracked.T_room_marker)
-        return motion is not None and not stays_on_plane(motion, tracked.marker.side_m)
+        return motion is not None and not stays_on_plane(motion, tracked.pose.side_m)
 
     def seen_by(self, tracked: TrackedFrame | None, estimate: LightEstimate) -> LightEstimate:
         """The last estimate in the frame of the marker as it lies in `tracked`."""

@@ -125,8 +125,7 @@ class Hand:
         return f"the model goes from {100 * SMALLEST:.0f} % to {100 * LARGEST:.0f} % of its size"
 
     def _move(self, tracked: TrackedFrame, to_m: Float) -> None:
-        assert tracked.marker is not None
-        length, longest = float(np.linalg.norm(to_m)), FARTHEST_SIDES * tracked.marker.side_m
+        length, longest = float(np.linalg.norm(to_m)), FARTHEST_SIDES * tracked.pose.side_m
         x, y = to_m * min(1.0, longest / max(length, longest))
         self.placement = replace(self.placement, shift_m=(float(x), float(y)))
 
@@ -143,15 +142,14 @@ class Hand:
         base = self._light_to_move(tracked, context)
         azimuth, elevation = angles_from_direction(base.lights[0].to_light_marker)
         elevation = min(max(elevation + up * LIGHT_STEP_RAD, LOWEST_RAD), HIGHEST_RAD)
-        self._set_light(tracked, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
+        self._turn_light(tracked, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
 
     def _drag_light(self, tracked: TrackedFrame, context: HandContext, drag: Drag) -> None:
         """The end of the model's shadow follows the mouse; if it is outside the picture it jumps to the mouse first."""
-        assert tracked.marker is not None
         base = self._light_to_move(tracked, context)
         standing = context.anchor @ self.placement
         foot = np.array(standing.shift_m)
-        height = LEAST_HEIGHT_SIDES * tracked.marker.side_m
+        height = LEAST_HEIGHT_SIDES * tracked.pose.side_m
         if context.model is not None:
             height = max(height, float(context.model.bounds[1, 2])) * standing.scale
         if drag.is_first:
@@ -163,12 +161,12 @@ class Hand:
             return
         to_light = light_through(end_now, foot, height, base.lights[0].inverse_distance)
         if to_light is not None:
-            self._set_light(tracked, base, to_light)
+            self._turn_light(tracked, base, to_light)
 
     def _change_light(self, tracked: TrackedFrame, context: HandContext, command: Command, notches: int) -> str:
         """Strength, softness or colour of the strongest light; returns what it is now."""
         base = self._light_to_move(tracked, context)
-        light, *others = base.lights
+        light = base.lights[0]
         size = angular_size(light)
         # How often the light is dimmed in its shadow, as exponents: 0 casts none.
         depth = -np.log(np.clip(ground_ratio(light), FAINTEST, 1 - FAINTEST))
@@ -181,8 +179,7 @@ class Hand:
         ratio = np.clip(np.exp(-depth), FAINTEST, 1 - FAINTEST)
         changed = replace(light.with_angular_size(size), shadow_rgb_ratio=ratio, intensity_rgb_ratio=None)
         # The measured ambient light is the shadow's ratio seen otherwise: kept, it would undo the change.
-        self.light = base.relit((_of_unknown_error(changed), *others), None)
-        self.frame_index = tracked.frame.index
+        self._replace_strongest(tracked, base, changed, None)
         if command is Command.LIGHT_SOFTNESS:
             return f"light: {math.degrees(size):.1f}° wide (the sun is {math.degrees(SUN_ANGULAR_SIZE_RAD):.1f}°)"
         share = 100 * (1 - ratio)
@@ -193,10 +190,9 @@ class Hand:
 
     def _change_distance(self, tracked: TrackedFrame, context: HandContext, notches: float) -> str:
         """Moves the strongest light nearer or farther; at the marker it stays as large and strong. Says where it is."""
-        assert tracked.marker is not None
         base = self._light_to_move(tracked, context)
-        light, *others = base.lights
-        farthest, nearest = (sides * tracked.marker.side_m for sides in (FARTHEST_LAMP_SIDES, NEAREST_LAMP_SIDES))
+        light = base.lights[0]
+        farthest, nearest = (sides * tracked.pose.side_m for sides in (FARTHEST_LAMP_SIDES, NEAREST_LAMP_SIDES))
         was_lamp = light.inverse_distance > 0
         distance = min(1 / light.inverse_distance, farthest) if was_lamp else farthest
         radius = distance * math.tan(angular_size(light) / 2)
@@ -204,17 +200,14 @@ class Hand:
             distance *= FARTHER_STEP ** min(max(notches, -MOST_NOTCHES), MOST_NOTCHES)
         if distance > farthest * (1 + 1e-9) or (not was_lamp and notches >= 0):
             size = 2 * math.atan(radius / farthest)
-            changed, said = (
-                replace(light, inverse_distance=0.0, angular_size_rad=size, radius_m=None),
-                "a sun, far away",
-            )
+            changed = replace(light, inverse_distance=0.0, angular_size_rad=size, radius_m=None)
+            said = "a sun, far away"
         else:
             distance = max(distance, nearest)
             radius = min(radius, distance * math.tan(SOFTEST_RAD / 2))
             changed = replace(light, inverse_distance=1 / distance).with_angular_size(2 * math.atan(radius / distance))
             said = f"a lamp, {100 * distance:.0f} cm from the marker"
-        self.light = base.relit((_of_unknown_error(changed), *others), base.ambient_rgb_ratio)
-        self.frame_index = tracked.frame.index
+        self._replace_strongest(tracked, base, changed, base.ambient_rgb_ratio)
         return f"light: {said}"
 
     def _light_to_move(self, tracked: TrackedFrame, context: HandContext) -> Illumination:
@@ -227,15 +220,19 @@ class Hand:
         first = direction_from_angles(math.atan2(-right[1], -right[0]), FIRST_ELEVATION_RAD)
         return Illumination(seen_in=context.illumination.seen_in).relit((Light(first),), None)
 
-    def _set_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
-        """Turns the strongest light of `base`; measured colours are kept, the uncertainty of the direction is not."""
-        moved, *others = base.lights
-        light = _of_unknown_error(replace(moved, to_light_marker=to_light))
-        self.light, self.frame_index = base.relit((light, *others), base.ambient_rgb_ratio), tracked.frame.index
+    def _turn_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
+        """Turns the strongest light of `base`; measured colours are kept."""
+        self._replace_strongest(
+            tracked, base, replace(base.lights[0], to_light_marker=to_light), base.ambient_rgb_ratio
+        )
 
-
-def _of_unknown_error(light: Light) -> Light:
-    return replace(light, covariance_rad2=None, sigma_rad=None, confidence=None, lamp_covariance=None)
+    def _replace_strongest(
+        self, tracked: TrackedFrame, base: Illumination, light: Light, ambient_rgb_ratio: Float | None
+    ) -> None:
+        """Sets the lights of `base` with another strongest one, of whose error nothing is known any more."""
+        light = replace(light, covariance_rad2=None, sigma_rad=None, confidence=None, lamp_covariance=None)
+        self.light = base.relit((light, *base.lights[1:]), ambient_rgb_ratio)
+        self.frame_index = tracked.frame.index
 
 
 def _brought(drag: Drag, pixel: Pixel) -> Pixel:

@@ -23,20 +23,23 @@ class _State:
 
 
 @dataclass(frozen=True, slots=True)
-class _TurnedUp:
-    take_back: Callable[[], str]
+class _Change:
+    take_back: Callable[[], str | None]  # ends it, and says so; None where it has ended anyway
 
 
-@dataclass(frozen=True, slots=True)
-class _OtherTakenUp:
-    take_back: Callable[[], str | None]
+class _TurnedUp(_Change):
+    """The model in the hand stands on another side."""
+
+
+class _OtherTakenUp(_Change):
+    """Another model is in the hand."""
 
 
 class Undo:
     """The changes made to light and models by hand; those of a model are forgotten when it is switched."""
 
     def __init__(self) -> None:
-        self._before: deque[_State | _TurnedUp | _OtherTakenUp | Callable[[], str]] = deque(maxlen=MOST_STEPS)
+        self._before: deque[_State | _Change] = deque(maxlen=MOST_STEPS)
         self._last: tuple[Command | None, float] = None, -math.inf
 
     def note(self, hand: Hand, request: Request, now_s: float) -> None:
@@ -51,27 +54,28 @@ class Undo:
 
     def note_estimated(self, hand: Hand) -> None:
         """Keeps the state of `hand` before an estimate replaces the light that it has set."""
-        self._last = None, -math.inf
-        self._before.append(_State(hand.set_light, hand.placement))
+        self._note_whole(_State(hand.set_light, hand.placement))
 
     def note_change(self, take_back: Callable[[], str]) -> None:
         """Keeps that there is one model more, or one fewer; `take_back` ends that, and says so."""
-        self._last = None, -math.inf
-        self._before.append(take_back)
+        self._note_whole(_Change(take_back))
 
     def note_turned_up(self, take_back: Callable[[], str]) -> None:
         """Keeps that the model in the hand stands on another side; `take_back` ends that, and says so."""
-        self._last = None, -math.inf
-        self._before.append(_TurnedUp(take_back))
+        self._note_whole(_TurnedUp(take_back))
 
     def note_other_taken_up(self, take_back: Callable[[], str | None]) -> None:
         """Keeps that another model was taken up; all that follow each other are taken back at once.
 
         `take_back` takes the former one up again, and says so; None where that is in the hand anyway.
         """
+        follows_other = bool(self._before) and isinstance(self._before[-1], _OtherTakenUp)
+        self._note_whole(self._before.pop() if follows_other else _OtherTakenUp(take_back))
+
+    def _note_whole(self, step: _State | _Change) -> None:
+        """Keeps what is a gesture of its own, however soon another follows."""
         self._last = None, -math.inf
-        if not (self._before and isinstance(self._before[-1], _OtherTakenUp)):
-            self._before.append(_OtherTakenUp(take_back))
+        self._before.append(step)
 
     def undo(self, hand: Hand) -> str | None:
         """Returns `hand` to the state before its last gesture that changed something, or takes the last change back.
@@ -81,14 +85,10 @@ class Undo:
         self._last = None, -math.inf
         while self._before:
             last = self._before.pop()
-            if isinstance(last, _OtherTakenUp):
+            if isinstance(last, _Change):
                 if (said := last.take_back()) is not None:
                     return said
                 continue
-            if isinstance(last, _TurnedUp):
-                return last.take_back()
-            if not isinstance(last, _State):
-                return last()
             placement = last.placement or hand.placement
             changed = {"light": last.light is not hand.set_light, "model": placement != hand.placement}
             if any(changed.values()):

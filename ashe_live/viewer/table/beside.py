@@ -64,9 +64,8 @@ def first_places(tracked: TrackedFrame, light: Light | None, in_its_place: bool 
 
 def _share_in_picture(tracked: TrackedFrame, places_m: Float, side_m: float) -> Float:
     """(n,) how much of a model as large as the marker is seen at each of the places (n, 2)."""
-    assert tracked.marker is not None
     box = side_m * np.array(list(itertools.product((-0.5, 0.5), (-0.5, 0.5), (0.0, 1.0))))
     corners = (np.pad(places_m, ((0, 0), (0, 1)))[:, None] + box).reshape(-1, 3)
-    pixels = project(tracked.camera, tracked.marker.T_cam_marker, corners)
+    pixels = project(tracked.camera, tracked.pose.T_cam_marker, corners)
     is_seen = ((pixels >= 0) & (pixels < tracked.frame.size)).all(axis=1)
     return np.asarray(is_seen.reshape(-1, len(box)).mean(axis=1))

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import project, transform_points
+from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import PlacedModel, Placement
-from ashe_live.render.gl.framing import box_corners
+from ashe_live.render.gl.framing import corners_of
 from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.viewer.hands.pointing import Pixel
 
@@ -25,8 +25,7 @@ def model_at(at_px: Pixel, tracked: TrackedFrame, models: Sequence[tuple[PlacedM
     for number, (model, placement) in enumerate(models):
         if placement is None:
             continue
-        corners = transform_points(placement.marker_from_placed, box_corners(model.bounds))
-        seen = project(tracked.camera, tracked.marker.T_cam_marker, corners)
+        seen = project(tracked.camera, tracked.marker.T_cam_marker, corners_of(model, placement))
         if np.isfinite(seen).all() and (distances := _distances(at, seen)) < nearest:
             best, nearest = number, distances
     return best

@@ -16,13 +16,7 @@ from ashe_live.viewer.table.motion_clock import MotionClock
 from ashe_live.viewer.table.shelf import Shelf
 
 SETS_LIGHT = frozenset(
-    (
-        Command.MOVE_LIGHT,
-        Command.LIGHT_STRENGTH,
-        Command.LIGHT_SOFTNESS,
-        Command.LIGHT_COLOUR,
-        Command.LIGHT_DISTANCE,
-    )
+    (Command.MOVE_LIGHT, Command.LIGHT_STRENGTH, Command.LIGHT_SOFTNESS, Command.LIGHT_COLOUR, Command.LIGHT_DISTANCE)
 )
 CHANGES_MODEL = frozenset((Command.MOVE_MODEL, Command.SCALE_MODEL, Command.TURN_MODEL))
 

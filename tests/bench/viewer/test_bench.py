@@ -99,7 +99,7 @@ def test_a_whole_is_the_sum_of_its_stages_frame_by_frame():
     times = StageTimes()
     times.wall_ms.update(a=[1.0, 10.0], b=[2.0, 20.0], apart=[5.0, 5.0])
     times.cpu_ms.update(a=[1.0, 1.0], b=[1.0, 1.0], apart=[1.0, 1.0])
-    times.sum_up("whole", ("a", "b"))
+    times.sum_up(("a", "b"))
     assert times.wall_ms["whole"] == [3.0, 30.0]
 
 

@@ -47,7 +47,7 @@ def test_a_view_is_split_once_whatever_object_is_looked_for_in_it(monkeypatch: p
 @pytest.mark.parametrize("times", [0.1, 1.0, 10.0])
 def test_a_known_object_is_at_another_place_where_that_is_apart_for_its_size(times: float) -> None:
     truth = explanation_of(painted_region(BOX))
-    lit = truth.alignment.placed.lit
+    lit = truth.lit
 
     def standing(moved: float) -> Explanation:
         """In a world so many times as large, moved by so many of the object's sizes."""

@@ -98,7 +98,7 @@ def test_an_object_seen_in_two_regions_is_where_it_stands_whatever_frame_it_was_
     here = painted_region(CYLINDER)
     one = explanation_of(here, CYLINDER)
     other = replace(one, region=replace(here.region))
-    lit = one.alignment.placed.lit
+    lit = one.lit
     frame, x = lit.body.frame, np.array([1.0, 0.0])
 
     def standing(*, frame_moved: float, body_moved: float) -> Explanation:

@@ -15,7 +15,7 @@ from tests.light.painted_views import explained_in_two_views
 def several() -> tuple[JointExplanation, JointExplanation, JointExplanation]:
     """By a family; by a hull of the same silhouettes; and the same body with a shadow to the other side."""
     joint = explained_in_two_views().joint
-    lit, costs = joint.alignment.placed.lit, costs_of_views(joint)
+    lit, costs = joint.lit, costs_of_views(joint)
     family = explained_where_it_stands(JointStart(joint, lit, costs))
     turned = LitBody(lit.body, np.array([[*(lit.to_lights_marker[0] * (-1, -1, 1)), 0.0]]))
     elsewhere = explained_where_it_stands(JointStart(joint, turned, costs))

@@ -108,7 +108,7 @@ def test_a_lamp_is_as_bright_at_the_marker_as_by_the_inverse_square_and_the_cosi
 
 def test_the_middle_of_the_shadow_is_behind_the_middle_of_the_body() -> None:
     explanation = answer(0.9).explanation
-    lit = explanation.alignment.placed.lit
+    lit = explanation.lit
     ground = np.append(shadow_middle(explanation), 0.0)
     middle = np.array([*lit.body.frame.origin_marker, lit.body.middle_m])
     to_middle = (middle - ground) / np.linalg.norm(middle - ground)

@@ -29,7 +29,7 @@ def test_a_shadow_that_leaves_the_picture_ends_there_in_a_nearer_light_too(caste
     """
     explanation, _ = by_a_sun(painted_region(caster, azimuth_deg=azimuth_deg, elevation_deg=12.0))
     assert explanation.alignment.ends_in_view[0] < END_IN_VIEW
-    lit = explanation.alignment.placed.lit
+    lit = explanation.lit
     spheroids = explanation.proxy.spheroids_marker
     top = float((spheroids[:, 2] + spheroids[:, 4]).max())
     end_stays = -light_parameters(lit.lights)[0] * top
@@ -73,7 +73,7 @@ def test_how_a_shadows_length_follows_from_its_light_near_or_far(nearness: float
 def test_what_is_beyond_the_first_order_is_not_estimated(share: float, least: float, most: float) -> None:
     """Borders may ask for any lamp: nearer than one over the body's height, it would be below the body's top."""
     explanation, _ = by_a_sun(painted_region(BOX))
-    frame = explanation.alignment.placed.lit.body.frame
+    frame = explanation.lit.body.frame
     nearness, sigma = share / explanation.proxy.points_marker()[:, 2].max(), 0.3
     asked = NearnessBySteps(np.array([0, 0, nearness * frame.unit_m]), np.eye(3) / (sigma * frame.unit_m) ** 2)
     (borders,) = lamp_borders(replace(explanation, nearness=asked))
@@ -86,7 +86,7 @@ def test_what_is_beyond_the_first_order_is_not_estimated(share: float, least: fl
 def test_several_views_say_as_much_more_of_the_nearness_as_of_the_direction() -> None:
     """What they share is no news for either: the body's model, the ground's texture along its borders."""
     explanation, _ = by_a_sun(painted_region(BOX))
-    costs, lit = explanation.costs, explanation.alignment.placed.lit
+    costs, lit = explanation.costs, explanation.lit
     one, nine = (explained_where_it_stands(JointStart(explanation, lit, [costs] * count)) for count in (1, 9))
     assert one is not None
     assert nine is not None

@@ -114,7 +114,7 @@ def test_what_a_lamps_explanation_says_of_a_sun_is_seen_from_its_object(caster: 
     sun, sharpener = by_a_sun(here)
     lamp = hypotheses(here).decided(sun, FIT, sharpener)
     assert is_held_near(lamp)
-    body = lamp.alignment.placed.lit.body
+    body = lamp.lit.body
     from_object = np.array(LAMP_M) - (*body.frame.origin_marker, body.middle_m)
     assert angle_between(from_object, np.array(LAMP_M)) > math.radians(11)
     covariance = lamp.lights[0].covariance_rad2

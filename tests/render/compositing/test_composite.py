@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.render.borders import shadow_border
+from ashe_live.core.arrays import box_corners
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
@@ -20,7 +21,6 @@ from ashe_live.render.camera.grain import SILENT
 from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.compositing.coarse import CoarseBlur, line_weights
 from ashe_live.render.compositing.composite import SMALLEST, Composite, Footage, _weights
-from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video

@@ -4,12 +4,12 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import box_corners
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED
 from ashe_live.render.compositing.lens import straight_from_bent, wide_pinhole
-from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.scene import Scene
 from tests.render.inside import inside_px
 

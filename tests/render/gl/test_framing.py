@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ashe_live.core.arrays import box_corners
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, transform_points
-from ashe_live.render.gl.framing import box_corners, disjoint, framing, letterbox
+from ashe_live.render.gl.framing import disjoint, framing, letterbox
 
 SIDES = st.integers(1, 4000)
 BOX = np.array([(-0.04, -0.04, 0.0), (0.04, 0.04, 0.1)])

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import box_corners
 from ashe_live.core.light import Illumination, Light
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project, transform_points
 from ashe_live.models.placement import Placement
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
-from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.lights.light_view import seen_together, sees_all, view_of
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.scene import Scene

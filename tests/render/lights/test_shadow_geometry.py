@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import box_corners
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, Light
 from ashe_live.core.transforms import project, rigid
 from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
-from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.scene import Scene
 from tests.render.green_model import split
 from tests.render.in_turns import in_turns

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, box_corners
 from ashe_live.core.light import Light
 from ashe_live.core.transforms import direction_from_angles, normalised
-from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.lights.cast_shadows import cast_by_point
 from ashe_live.render.lights.ground_shadows import (
     RIM_TEXELS,

@@ -110,16 +110,17 @@ def test_moving_it_uploads_nothing(make_renderer, stage) -> None:
     renderer, model = make_renderer(BALANCED.render), placed_on_marker(load_model("mug"), 0.08)
     tracked, light = stage.tracked(GROUND, stage.pose(-90, 40)), stage.light(120, 40)
     renderer.render(Scene(tracked, model, Illumination((light,))))
-    before, draws = live_gl_objects(), renderer.shadow_map_renders
+    before, shadows = live_gl_objects(), renderer._models_on_video.shadows
+    draws = shadows.renders
     for step in range(1, 5):
         renderer.render(
             Scene(tracked, model, Illumination((light,)), placement=Placement(1 + step / 10, step, (step / 100, 0.0)))
         )
     assert live_gl_objects() == before
-    assert renderer.shadow_map_renders == draws + 4
+    assert shadows.renders == draws + 4
     for _ in range(3):  # an equal one, whichever object
         renderer.render(Scene(tracked, model, Illumination((light,)), placement=Placement(1.4, 4, (0.04, 0.0))))
-    assert renderer.shadow_map_renders == draws + 4
+    assert shadows.renders == draws + 4
 
 
 @pytest.mark.parametrize("shift_m", [(40.0, 0.0), (0.0, -5.0), (-0.2, -0.35)])  # beside, behind, around the camera

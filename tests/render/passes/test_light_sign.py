@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import box_corners
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Light
 from ashe_live.core.transforms import inverse_rigid, normalised, transform_points
 from ashe_live.render.camera.in_frame import tangents_of_pixels
-from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.passes.light_sign import ARROW, BULB, light_sign
 
 CORNERS = box_corners(np.array([(-0.03, -0.03, 0.0), (0.03, 0.03, 0.06)]))

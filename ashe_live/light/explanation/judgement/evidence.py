@@ -79,7 +79,7 @@ def evidence(explanation: Explanation) -> dict[str, float]:
 
 def of_steps_and_families(explanation: Explanation) -> dict[str, float]:
     """How far the worse of both outlines lies from steps of light; by how much the light depends on the family, rad."""
-    steps, foot = explanation.steps, explanation.alignment.placed.lit.body.frame.origin_marker
+    steps, foot = explanation.steps, explanation.lit.body.frame.origin_marker
     light = towards(explanation.lights[0].light, np.array([*foot, 0.0]))
     others = [angle_between(light, body.to_lights_marker[0]) for body in explanation.bodies[:LIKELY_FAMILIES]]
     return {

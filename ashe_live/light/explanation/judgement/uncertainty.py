@@ -62,8 +62,7 @@ class Calibration:
 
 def _covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame, has_shape_errors: bool) -> Float:
     """(2, 2) rad^2 on the direction's tangent basis: by the marker's rotation, and the focal length in it."""
-    marker = tracked.marker
-    assert marker is not None
+    marker = tracked.pose
     total = np.zeros((2, 2))
     if marker.covariance is not None:
         of_turn = marker.covariance[:3, :3]

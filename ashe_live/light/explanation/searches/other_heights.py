@@ -62,7 +62,7 @@ def _of_other_heights(
 
 def _better_fit(one: Explanation, sharpener: Sharpener) -> EdgeFit | None:
     """The stretched body that lies best on the steps of light; None where none does better than by chance."""
-    lit = one.alignment.placed.lit
+    lit = one.lit
     bodies = [lit, *(each for each in map(lit.stretched, HEIGHTS) if each is not None)]
     if len(bodies) == 1:  # a ball, or a known caster
         return None

@@ -51,7 +51,7 @@ def with_lights_counted(
     alone = [each for each in kept if is_part_of(one, each)] if pairs else [one]
     known = max(alone, key=log_odds, default=None)
     if known is not None:
-        found = shadow_candidates(known.proxy, known.alignment.placed.lit.lights, view.coarse, view.ground, TRIED)
+        found = shadow_candidates(known.proxy, known.lit.lights, view.coarse, view.ground, TRIED)
         tried = [_tried(known, candidate, view, region_px) for candidate in found]
         pairs += [both for both in tried if both is not None]
     return [*pairs, *(other for other in without(kept, pairs) if not any(is_part_of(both, other) for both in pairs))]
@@ -79,7 +79,7 @@ def is_part_of(both: Explanation, other: Explanation) -> bool:
 def _tried(one: Explanation, candidate: ShadowCandidate, view: SceneView, region_px: int) -> Explanation | None:
     """The explanation with a second light; None if that is rejected."""
     ground = view.ground
-    lit, shift = one.alignment.placed.lit, candidate.shift(ground)
+    lit, shift = one.lit, candidate.shift(ground)
     if shift is None:
         return None
     region = candidate.region(lit, view, region_px)

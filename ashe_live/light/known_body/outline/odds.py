@@ -39,7 +39,10 @@ def edge_log_odds(fit: ShadowFit | None) -> float:
 
 
 def log_odds_of_places(points: float, clear: Float | float, misfit_share: Float | float) -> Float:
-    """The same of outlines of which so many points are seen, with the parts that show steps, and their misfits."""
+    """`edge_log_odds`, (n,) or one, of outlines of which so many points are seen.
+
+    clear: (n,) the parts that show steps; misfit_share: (n,) how far these are off, over the reach.
+    """
     near = np.clip(np.log(ANYWHERE / np.maximum(misfit_share, 1e-6)), -MOST_NEAR, MOST_NEAR)
     return np.asarray(points / POINTS_A_SAMPLE * (clear * (BY_STEP + near) + (1 - clear) * BY_NONE))
 

@@ -45,7 +45,7 @@ def is_under_low_lamp(explanation: Explanation, confidence: float, view: View, g
     """
     if len(explanation.lights) > 1:
         return False
-    lit = explanation.alignment.placed.lit
+    lit = explanation.lit
     fall_off = FallOff.of(view, ground, clear_of(unlit | predicted_of(lit, view).whole))
     if fall_off is None:
         return False

@@ -57,17 +57,14 @@ def registered(tracked: TrackedFrame, empty: TrackedFrame) -> Image | None:
 
 
 def _small(tracked: TrackedFrame) -> MarkerPicture:
-    assert tracked.marker is not None
     image, camera = scaled_down(np.asarray(tracked.frame.image_bgr), tracked.camera, WIDTH_PX)
-    return MarkerPicture(image, camera, tracked.marker.T_cam_marker, tracked.marker.side_m)
+    return MarkerPicture(image, camera, tracked.pose.T_cam_marker, tracked.pose.side_m)
 
 
 def _has_moved_marker(tracked: TrackedFrame, empty: TrackedFrame, to_before: Float) -> bool:
     """Whether the marker lies elsewhere; to_before: (3, 3) from pixels of `tracked` to those of `empty`."""
-    assert tracked.marker is not None
-    assert empty.marker is not None
-    corners_px = np.array(empty.marker.corners_px)
-    mapped_px = cv2.perspectiveTransform(np.array(tracked.marker.corners_px)[None], to_before)[0]
+    corners_px = np.array(empty.pose.corners_px)
+    mapped_px = cv2.perspectiveTransform(np.array(tracked.pose.corners_px)[None], to_before)[0]
     away_px = np.linalg.norm(mapped_px - corners_px, axis=1).mean()
     side_px = np.linalg.norm(corners_px - np.roll(corners_px, 1, axis=0), axis=1).mean()
     return bool(away_px > MOST_MOVED * side_px + 1)

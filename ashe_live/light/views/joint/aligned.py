@@ -59,7 +59,7 @@ class JointStart:
 
 def lit_body_of(explanation: Explanation) -> tuple[LitBody, Sequence[Float]]:
     """The body with its lights, and the colour shift (3,) of each light's shadow."""
-    return explanation.alignment.placed.lit, explanation.materials.shifts[: len(explanation.lights)]
+    return explanation.lit, explanation.materials.shifts[: len(explanation.lights)]
 
 
 def towards_light(explanation: JointExplanation) -> Float:
@@ -80,7 +80,7 @@ def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation |
 
 def in_each_view(joint: Explanation) -> JointExplanation:
     """An explanation of several views, with what it is in each of them."""
-    found = explained_where_it_stands(JointStart(joint, joint.alignment.placed.lit, costs_of_views(joint)))
+    found = explained_where_it_stands(JointStart(joint, joint.lit, costs_of_views(joint)))
     assert found is not None  # as it was aligned where it stands
     return replace(found, joint=joint)
 
@@ -93,7 +93,7 @@ def turned_from(several: Sequence[JointStart], found: Sequence[JointExplanation 
     """
     turned = []
     for start, one in zip(several, found, strict=True):
-        if one is None or _apart_rad(start.lit, one.joint.alignment.placed.lit) > GOOD_RAD:
+        if one is None or _apart_rad(start.lit, one.joint.lit) > GOOD_RAD:
             turned.append(explained_where_it_stands(start))
     return [each for each in turned if each is not None]
 
@@ -141,11 +141,11 @@ def _aligned(several: Sequence[JointStart]) -> list[JointStart]:
         if not flat:
             break
         loss_factor = 1.0 if number == len(RANGES) - 1 else EARLY_LOSS_FACTOR
-        pull = normal_equations(flat, share, loss_factor)
+        equations = normal_equations(flat, share, loss_factor)
         at, moved = 0, []
         for placed, start in zip(here, several, strict=True):
             end = at + sum(one.is_in_view for one in placed)
-            moved.append(_stepped(start, placed, pull, range(at, end)))
+            moved.append(_stepped(start, placed, equations, range(at, end)))
             at = end
         here = _placed(moved)
         for i, placed in enumerate(here):
@@ -157,19 +157,18 @@ def _aligned(several: Sequence[JointStart]) -> list[JointStart]:
     ]
 
 
-def _stepped(start: JointStart, placed: Sequence[PlacedBody], pull: NormalEquations, own: range) -> JointStart:
-    """The start after one step of its body, and of the poses of those views that show it: the `own` ones of `pull`."""
+def _stepped(start: JointStart, placed: Sequence[PlacedBody], equations: NormalEquations, own: range) -> JointStart:
+    """The start after one step of its body, and of the poses of the views that show it: `own` ones of `equations`."""
     lit, costs = placed[0].lit, [one.costs for one in placed]
     if not own:
         return replace(start, lit=lit, costs=costs)
-    normal = added_up(pull.normal[own.start : own.stop], lit.body.family, lit.layout)
-    gradient = pull.gradient[own.start : own.stop].sum(axis=0)
+    normal = added_up(equations.normal[own.start : own.stop], lit.body.family, lit.layout)
+    gradient = equations.gradient[own.start : own.stop].sum(axis=0)
     in_view = [i for i, one in enumerate(placed) if one.is_in_view]
-    poses = [(i, pose_equations(placed[i], pull, number)) for i, number in zip(in_view, own, strict=True)]
+    poses = [(i, pose_equations(placed[i], equations, number)) for i, number in zip(in_view, own, strict=True)]
     for _, pose in poses:
         if pose is not None:
-            lost, drawn = pose.marginalised()
-            normal, gradient = normal - lost, gradient - drawn
+            normal, gradient = pose.marginalised(normal, gradient)
     step = damped_steps(normal[None], gradient[None])[0]
     for i, pose in poses:
         if pose is not None:

@@ -15,12 +15,7 @@ from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.light_covariance import averaged
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.shape.layout import nearness_of
-from ashe_live.light.views.joint.aligned import (
-    JointExplanation,
-    JointStart,
-    explained_in_views,
-    towards_light,
-)
+from ashe_live.light.views.joint.aligned import JointExplanation, JointStart, explained_in_views, towards_light
 from ashe_live.light.views.joint.by_pixels import log_likelihoods_by_pixels
 from ashe_live.light.views.joint.refinement import joint_criterion, refined_by_all_tangents, sharpened_in_views
 
@@ -64,7 +59,7 @@ def sharpened_families(
         for one, probability in zip(families, probabilities_by_pixels(families), strict=True)
         if probability > LEAST_PROBABILITY and _family(one) != own
     ]
-    starts = [JointStart(explanation.origin, one.joint.alignment.placed.lit, costs) for one in left[:MOST_OTHERS]]
+    starts = [JointStart(explanation.origin, one.joint.lit, costs) for one in left[:MOST_OTHERS]]
     aligned = [one for one in explained_in_views(starts) if one is not None]
     others = [sharpened_in_views(refined_by_all_tangents(one), sharpener) for one in aligned]
     several = [moved, *(replace(one, joint=replace(one.joint, bodies=explanation.joint.bodies)) for one in others)]
@@ -92,4 +87,4 @@ def with_average_light(
 
 
 def _family(explanation: JointExplanation) -> str:
-    return explanation.joint.alignment.placed.lit.body.family.name
+    return explanation.joint.lit.body.family.name

@@ -27,11 +27,11 @@ def by_families(explanation: JointExplanation, preset: FitPreset) -> list[JointE
     Several families may fit one view's labels equally well.
     """
     costs = [each.costs for each in explanation.each]
-    own = explanation.joint.alignment.placed.lit.body.family.name
+    own = explanation.joint.lit.body.family.name
     bodies = [lit for lit in refitted_bodies(explanation.origin, preset) if lit.body.family.name != own]
     others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:LIKELY_FAMILIES]])
     several = sorted([explanation, *(each for each in others if each is not None)], key=joint_criterion)
-    lits = tuple(each.joint.alignment.placed.lit for each in several)
+    lits = tuple(each.joint.lit for each in several)
     return [replace(each, joint=replace(each.joint, bodies=lits)) for each in several]
 
 

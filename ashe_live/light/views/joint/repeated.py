@@ -14,12 +14,12 @@ from ashe_live.light.views.joint.aligned import JointExplanation, towards_light
 # Of the pixels that either of two explanations takes for the object, those that both do; of shadows too.
 SAME_SHARE = 0.5
 ALIKE_SHARE = 0.3  # of a body's size: the most distance between the feet of two bodies that count as alike
-ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the largest angle between their lights
+ALIKE_RAD = math.radians(2.0)  # the largest angle between their lights
 
 
 def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:
     """The explanations in order, without those whose body and lights are like an earlier one's."""
-    return distinct(several, _are_alike)
+    return distinct(several, lambda one, other: one.joint.is_like(other.joint, ALIKE_SHARE, ALIKE_RAD))
 
 
 def show_the_same(one: JointExplanation, other: JointExplanation) -> bool:
@@ -43,18 +43,6 @@ def counted_once(several: Sequence[tuple[JointExplanation, float]]) -> list[tupl
     return distinct(sorted(several, key=itemgetter(1), reverse=True), is_repeated)
 
 
-def _are_alike(one: JointExplanation, other: JointExplanation) -> bool:
-    """Whether the bodies stand in one place, of like size, and the lights are from like directions."""
-    if len(one.joint.lights) != len(other.joint.lights):
-        return False
-    a, b = one.joint.alignment.placed.lit.body, other.joint.alignment.placed.lit.body
-    apart = np.linalg.norm(a.proxy.foot_marker - b.proxy.foot_marker)
-    if apart > ALIKE_SHARE * min(a.frame.unit_m, b.frame.unit_m):
-        return False
-    pairs = zip(one.joint.lights, other.joint.lights, strict=True)
-    return all(float(x.to_light_marker @ y.to_light_marker) > ALIKE_COSINE for x, y in pairs)
-
-
 def _silhouettes(explanation: JointExplanation, where: JointExplanation | None = None) -> tuple[Mask, Mask]:
     """(h, w) each: body and shadow in the region of the explanation, or of another one."""
     joint = explanation.joint
@@ -62,7 +50,7 @@ def _silhouettes(explanation: JointExplanation, where: JointExplanation | None =
         return joint.split.object_mask, joint.split.shadow_mask
     seen = joint.predicted
     if where is not None:
-        seen = predicted_of(joint.alignment.placed.lit, where.joint.region.view)
+        seen = predicted_of(joint.lit, where.joint.region.view)
     return seen.body, seen.shadow
 
 

@@ -30,7 +30,7 @@ class Drawn:
         return bool(len(corners) and np.any(np.ptp(corners, axis=0) > 0))
 
     def posed(self, header: Json, pose: Pose) -> tuple[Float, Float | None, bool]:
-        """Vertices and normals in the scene, and whether they are mirrored there."""
+        """(n, 3) vertices and normals in the scene, None without these, and whether they are mirrored there."""
         weights = pose.weights(self.node, header["meshes"][header["nodes"][self.node]["mesh"]])
         joints = pose.joints(self.node)
         vertices, normals = self.shape.posed(weights, joints)

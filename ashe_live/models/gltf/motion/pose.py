@@ -50,7 +50,7 @@ class Pose:
         return matrix_of(moved["translation"], moved["rotation"], moved["scale"])
 
     def weights(self, place: int, mesh: Json) -> Float:
-        """Weights of the mesh's morph targets, at the node."""
+        """(t,) weights of the mesh's morph targets, at the node."""
         changed = self._changes.get((place, "weights"))
         given = self._nodes[place].get("weights", mesh.get("weights", ()))
         return np.asarray(given if changed is None else changed, dtype=np.float64)

@@ -19,7 +19,7 @@ def lit_from(lit: LitBody, azimuth_deg: float, elevation_deg: float) -> LitBody:
 
 def test_a_start_that_alignment_turns_or_loses_is_kept_where_it_stood() -> None:
     one = explanation_of(painted_region(BOX))
-    here = one.alignment.placed.lit
+    here = one.lit
     start, turned = (
         JointStart(one, lit, [one.costs]) for lit in (here, lit_from(here, azimuth_deg=225, elevation_deg=40))
     )

@@ -48,7 +48,7 @@ def criterion(value: float, explanation: JointExplanation) -> JointExplanation:
 
 
 def family(explanation: JointExplanation) -> str:
-    return explanation.joint.alignment.placed.lit.body.family.name
+    return explanation.joint.lit.body.family.name
 
 
 def dearer_by(cost: float, explanation: JointExplanation) -> JointExplanation:

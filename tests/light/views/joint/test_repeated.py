@@ -17,7 +17,7 @@ from tests.light.painted_views import explained_in_two_views
 def found() -> JointExplanation:
     """A box in two views, by a family."""
     joint = explained_in_two_views().joint
-    lit = joint.alignment.placed.lit
+    lit = joint.lit
     return standing(JointStart(joint, lit, costs_of_views(joint)), lit)
 
 
@@ -29,7 +29,7 @@ def standing(start: JointStart, lit: LitBody) -> JointExplanation:
 
 def turned(found: JointExplanation, by_deg: float) -> JointExplanation:
     """The same body in a light of another azimuth."""
-    lit = found.joint.alignment.placed.lit
+    lit = found.joint.lit
     x, y, z = normalised(lit.to_lights_marker[0])
     c, s = math.cos(math.radians(by_deg)), math.sin(math.radians(by_deg))
     light = np.array([[c * x - s * y, s * x + c * y, z, 0.0]])
@@ -56,7 +56,7 @@ def test_silhouettes_are_the_same_in_both_orders_and_not_with_a_shadow_elsewhere
 
 def test_another_object_in_the_same_light_counts_by_itself(found: JointExplanation) -> None:
     """What agrees without sharing its pixels is evidence of its own."""
-    lit = found.joint.alignment.placed.lit
+    lit = found.joint.lit
     frame = dataclasses.replace(lit.body.frame, origin_marker=lit.body.frame.origin_marker + np.array([0.0, 0.05]))
     beside = LitBody(dataclasses.replace(lit.body, frame=frame), lit.lights)
     elsewhere = standing(JointStart(found.joint, lit, costs_of_views(found.joint)), beside)
