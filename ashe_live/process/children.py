@@ -129,7 +129,7 @@ def _without_ctrl_c() -> Iterator[None]:
 
 @contextmanager
 def _as_no_daemon() -> Iterator[None]:
-    """Lets a worker of a `multiprocessing.Pool`, which is a daemon, have children.
+    """Lets a worker of a pool of processes (`Pool` of multiprocessing), which is a daemon, have children.
 
     Those of daemons are refused as they might outlive them, which ours do not.
     """
