@@ -6,12 +6,12 @@ the package, which every start of the command line does, loads neither OpenCV no
 
 TYPE_CHECKING = False  # as `typing` has it, which would be loaded at every start
 if TYPE_CHECKING:
-    from ashe_live.api import Tracker, estimate_light, make_estimator, read_photo
+    from ashe_live.api import LightEstimator, Tracker, estimate_light, make_estimator, read_photo
     from ashe_live.capture.opening import open_source
     from ashe_live.capture.snapshot import write_png
     from ashe_live.core.camera import Camera, read_camera_file
     from ashe_live.core.light import Illumination, Light, LightEstimate
-    from ashe_live.core.types import MarkerPose, TrackedFrame
+    from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
     from ashe_live.errors import ModelWarning, UserError
     from ashe_live.models.catalogue import model_names
     from ashe_live.models.placement import Placement
@@ -22,9 +22,11 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Camera",
+    "Frame",
     "Illumination",
     "Light",
     "LightEstimate",
+    "LightEstimator",
     "MarkerPose",
     "ModelWarning",
     "Placement",
@@ -44,9 +46,11 @@ __all__ = [
 
 _HOMES = {
     "Camera": "core.camera",
+    "Frame": "core.types",
     "Illumination": "core.light",
     "Light": "core.light",
     "LightEstimate": "core.light",
+    "LightEstimator": "api",
     "MarkerPose": "core.types",
     "ModelWarning": "errors",
     "Placement": "models.placement",

@@ -1,11 +1,11 @@
 """For programs that embed this one: plain pictures in, poses and light out (docs/api.md)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Image
+from ashe_live.core.arrays import GivenImage, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.light import Illumination, LightEstimate
 from ashe_live.core.ranges import MARKER_SIDE, TIME
@@ -34,7 +34,7 @@ def read_photo(path: str | Path) -> Image:
 
 
 def estimate_light(
-    image_bgr: Image | Sequence[Image],
+    image_bgr: GivenImage | Sequence[GivenImage],
     camera: Camera,
     marker: str = MARKER,
     side_m: float | None = None,
@@ -42,7 +42,7 @@ def estimate_light(
     estimator: str = "proxy",
     light: str = "auto",
     caster: str | Path | None = None,
-    empty_bgr: Image | None = None,
+    empty_bgr: GivenImage | None = None,
 ) -> LightEstimate:
     """Where the light is in a picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
 
@@ -113,13 +113,13 @@ class LightEstimator:
         """As given to `make_estimator`."""
         return self._estimator.name
 
-    def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:
+    def estimate(self, tracked: TrackedFrame, others: Iterable[TrackedFrame] = ()) -> LightEstimate:
         """In the frame of the marker. Without one, or without a light, there are no lights and `reason` says why.
 
         `others` are views of the same scene from other sides, with nothing moved in between; those without a marker
         are left out. Its `views` and `span_rad` say what the answer rests on.
         """
-        for other in others:
+        for other in (others := tuple(arguments.instance(others, Iterable, "others"))):
             arguments.instance(other, TrackedFrame, "each of others")
         if arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
             return LightEstimate(self.name, tracked.frame.index, Illumination(), "no marker found")
@@ -144,7 +144,7 @@ class Tracker:
         self._next_index = 0
         self._time_s = -1 / ASSUMED_FPS
 
-    def track(self, image_bgr: Image, time_s: float | None = None) -> TrackedFrame:
+    def track(self, image_bgr: GivenImage, time_s: float | None = None) -> TrackedFrame:
         """The picture (h, w, 3) uint8 BGR with the pose measured in it, or with marker None when there is none.
 
         `time_s` counts from the first picture; by default it is a thirtieth of a second after the one before. Until

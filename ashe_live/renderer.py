@@ -137,15 +137,16 @@ class Renderer:
 
 def _standings(model: Standing | Sequence[Standing]) -> list[tuple[str, Placement | None]]:
     """Names with placements; None for those that stand side by side. Raises TypeError or ValueError for others."""
-    chosen: list[Any] = model if isinstance(model, list) else [model]
+    chosen: Sequence[Any] = model if isinstance(model, list | tuple) and not _is_moved(model) else [model]
     if not 0 < len(chosen) <= MOST_MODELS:
         raise ValueError(f"model is a list of {len(chosen)}, and must name 1 to {MOST_MODELS}")
     found: list[tuple[str, Placement | None]] = []
     for one in chosen:
-        if isinstance(one, tuple) and len(one) == 2:
-            name, placement = one
-            moved = arguments.instance(placement, Placement, "model's placement")
-            found.append((arguments.text_or_path(name, "model"), moved))
-        else:
-            found.append((arguments.text_or_path(one, "model"), None))
+        name, placement = one if _is_moved(one) else (one, None)
+        found.append((arguments.text_or_path(name, "model"), placement))
     return found
+
+
+def _is_moved(one: object) -> bool:
+    """Whether it is a name with a placement, and not, as what `model_names` gives, a tuple of names."""
+    return isinstance(one, tuple) and len(one) == 2 and isinstance(one[1], Placement)

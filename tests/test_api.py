@@ -105,6 +105,15 @@ def test_several_models_stand_side_by_side_and_one_where_it_is_put(ran):
     assert np.mean(in_other_order == both) > 0.999
 
 
+def test_models_are_named_in_a_tuple_as_in_a_list(ran):
+    """As `model_names` has them."""
+    assert isinstance(al.model_names(), tuple)
+    with al.Renderer((320, 240), "fast") as renderer:
+        for names in (("mug", "tree"), ("mug", "tree", "cube")):
+            in_list = renderer.render(ran["tracked"], list(names))
+            np.testing.assert_array_equal(renderer.render(ran["tracked"], names), in_list)
+
+
 def test_a_file_is_named_by_a_path_as_by_text(ran, tmp_path):
     file = tmp_path / "tile.obj"
     file.write_text("v 0 0 0\nv 0.06 0 0\nv 0.06 0 0.04\nv 0 0.03 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n")
@@ -202,11 +211,11 @@ WRONG = {
     ("focal_px", "from_focal"): (lambda value: al.Camera.from_focal((64, 48), value), NO_LENGTHS),
     ("K", "Camera"): (
         lambda value: al.Camera((64, 48), value, np.zeros(5), "file"),
-        (None, "a", np.eye(2), -np.eye(3)),
+        (None, "a", np.eye(2), -np.eye(3), CAMERA.K.T, CAMERA.K + np.eye(3, k=1), CAMERA.K + np.eye(3, k=-1)),
     ),
     ("dist", "Camera"): (
         lambda value: al.Camera((64, 48), CAMERA.K, value, "file"),
-        (None, "a", [1, 2], [1e300] * 5),
+        (None, "a", [1, 2], [1e300] * 5, np.zeros((2, 5))),
     ),
     ("to_light_marker", "Light"): (al.Light, NO_DIRECTIONS),
     ("confidence", "Light"): (
@@ -241,7 +250,7 @@ def test_wrong_use_names_the_argument(argument, function, tmp_path, monkeypatch)
     ("argument", "values"),
     [
         ("tracked", (None, "a", GREY)),
-        ("model", (None, 7, "a\0b", [], ["cube"] * 10, ["cube", 7], ("cube", None), ("cube", "mug"), [("cube",)])),
+        ("model", (None, 7, "a\0b", [], (), ["cube"] * 10, ["cube", 7], ("cube", None), [("cube", "mug")])),
         ("illumination", ("a", A_LIGHT)),
         ("time_s", ("a", float("nan"))),
         ("up", ("a", "", "Z", 1)),
@@ -389,5 +398,65 @@ def test_other_views_are_tracked_frames_and_those_without_a_marker_are_left_out(
     answer = estimator.estimate(first, [empty])
     assert answer.views == (0,)
     assert answer.span_rad is None
-    with pytest.raises(TypeError, match="each of others"):
-        estimator.estimate(first, [picture_of_box(-90)])
+    for wrong in ([picture_of_box(-90)], first, None):
+        with pytest.raises(TypeError, match=r"\bothers\b"):
+            estimator.estimate(first, wrong)
+
+
+def test_other_views_may_come_one_by_one(picture_of_box):
+    tracker, estimator = al.Tracker(al.Camera.from_hfov((640, 480), 55)), al.make_estimator("proxy", "fast")
+    first, second = (tracker.track(picture_of_box(azimuth)) for azimuth in (-100, -90))
+    assert estimator.estimate(first, (each for each in [second])).views == (0, 1)
+
+
+TYPED = """
+import dataclasses
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+import ashe_live as al
+
+
+def light_of(estimator: al.LightEstimator, tracker: al.Tracker, frame: al.Frame) -> al.LightEstimate:
+    return estimator.estimate(tracker.track(frame.image_bgr, frame.time_s))
+
+
+def shown(renderer: al.Renderer, tracked: al.TrackedFrame, light: al.Light | None) -> NDArray[np.uint8]:
+    lights = () if light is None else (light,)
+    return renderer.render(tracked, al.model_names(), al.Illumination(lights))
+
+
+picture = cv2.imread("table.png")
+assert picture is not None
+calibration = cv2.calibrateCamera([], [], (640, 480), None, None)
+camera = al.Camera((640, 480), calibration[1], calibration[2], "file")
+for estimate in (
+    al.estimate_light(picture, camera),
+    al.estimate_light([picture, cv2.flip(picture, 0)], camera),
+    al.estimate_light(picture, camera, empty_bgr=cv2.GaussianBlur(picture, (3, 3), 0)),
+):
+    direction: NDArray[np.float64] | None = None if estimate.light is None else estimate.light.to_light_marker
+tracked = al.Tracker(camera).track(picture)
+al.write_png("half.png", cv2.resize(picture, (320, 240)))
+al.Tracker(dataclasses.replace(camera, source="estimated"), side_m="0.08")
+"""
+
+
+def test_programs_that_are_written_as_the_page_says_pass_a_strict_check_of_types(tmp_path):
+    """With pictures as OpenCV's own types have them; a wrong argument, in the last line, is found."""
+    (tmp_path / "page.py").write_text("\n".join(EXAMPLES))
+    (tmp_path / "typed.py").write_text(TYPED)
+    mypy = [sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "--config-file", os.devnull]
+    done = subprocess.run(
+        [*mypy, "--cache-dir", "types", "page.py", "typed.py"],
+        cwd=tmp_path,
+        env={**os.environ, "MYPYPATH": str(CHECKOUT)},
+        capture_output=True,
+        text=True,
+    )
+    last = len(TYPED.splitlines())
+    errors = [line for line in done.stdout.splitlines() if ": error: " in line]
+    assert [error.split(": error: ")[0] for error in errors] == [f"typed.py:{last}"], done.stdout + done.stderr
+    assert "side_m" in errors[0]

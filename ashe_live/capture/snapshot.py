@@ -8,7 +8,7 @@ import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
 from ashe_live.core import arguments
-from ashe_live.core.arrays import Image
+from ashe_live.core.arrays import GivenImage
 from ashe_live.files.writing import written_whole
 
 # A little larger than Pillow's 6, in a fifth of the time: the viewer waits for it.
@@ -18,7 +18,7 @@ RGB_OF_BGR = (2, 1, 0, 3)
 
 def write_png(
     path: str | Path,
-    image_bgr: Image,
+    image_bgr: GivenImage,
     overwrite: bool = False,
     texts: Mapping[str, str] | None = None,
     beside: bool = False,

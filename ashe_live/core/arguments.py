@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ashe_live.core.arrays import Image
+from ashe_live.core.arrays import GivenImage, Image
 from ashe_live.core.ranges import SIDE
 
 Value = TypeVar("Value")
@@ -55,7 +55,7 @@ def one_of(value: str, choices: Iterable[str], name: str) -> str:
     return value
 
 
-def picture(value: Image, name: str, channels: tuple[int, ...] = (3,)) -> Image:
+def picture(value: GivenImage, name: str, channels: tuple[int, ...] = (3,)) -> Image:
     """Returns `value`, which must be (h, w, c) uint8 with c among `channels` and at least one pixel."""
     if not isinstance(value, np.ndarray):
         raise TypeError(f"{name} must be a NumPy array, and is a {type(value).__name__}")

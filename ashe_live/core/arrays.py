@@ -13,6 +13,7 @@ Float = NDArray[np.float64]
 Float32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 Image = NDArray[np.uint8]
+GivenImage = NDArray[Any]  # a caller's, checked when it comes: OpenCV's types do not say that pictures are uint8
 Item = TypeVar("Item")
 Owner = TypeVar("Owner")
 Result = TypeVar("Result")
@@ -36,13 +37,17 @@ def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float
     try:
         array = np.asarray(values, dtype=np.float64) if is_frozen else np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise type(error)(f"{name} must be numbers of the shape {shape} ({error})") from None
+        raise type(error)(f"{name} must be numbers of the shape {_shape_text(shape)} ({error})") from None
     if array.ndim != len(shape) or any(want not in (-1, got) for want, got in zip(shape, array.shape, strict=True)):
-        raise ValueError(f"{name} has shape {array.shape}, not {shape}")
+        raise ValueError(f"{name} has shape {array.shape}, not {_shape_text(shape)}")
     if not np.isfinite(array).all():
         raise ValueError(f"{name} holds a value that is not finite")
     array.flags.writeable = False
     return array
+
+
+def _shape_text(shape: tuple[int, ...]) -> str:
+    return str(shape).replace("-1", "n")
 
 
 def frozen_view(array: NDArray[Any]) -> NDArray[Any]:

@@ -3,9 +3,10 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
@@ -39,11 +40,12 @@ class Camera:
 
     size: width, height in pixels.
     K: (3, 3) pixels, last row 0 0 1.
-    dist: (4, 5, 8, 12 or 14,) OpenCV's distortion coefficients.
+    dist: (4, 5, 8, 12 or 14,) OpenCV's distortion coefficients; given also as a row or a column, as by OpenCV.
     source: where the numbers come from.
     focal_sigma_px: standard deviation of the focal length; not given, that which cameras of its `source` have.
 
-    Raises ValueError for what no camera has, TypeError for what is no number or text where there should be one.
+    Raises ValueError for what no camera has by that model, which knows no skew, TypeError for what is no number or text
+    where there should be one.
     """
 
     size: Size
@@ -52,23 +54,34 @@ class Camera:
     source: CameraSource
     focal_sigma_px: float = math.nan  # not given: by FOCAL_SIGMA
 
+    if TYPE_CHECKING:  # OpenCV's types do not say of a calibration's K and dist that they are float64
+
+        def __init__(
+            self, size: Size, K: ArrayLike, dist: ArrayLike, source: CameraSource, focal_sigma_px: float = ...
+        ) -> None: ...
+
     def __post_init__(self) -> None:
-        set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(self.dist, (-1,), "dist"))
+        is_row_or_column = isinstance(self.dist, np.ndarray) and self.dist.ndim == 2 and 1 in self.dist.shape
+        dist = self.dist.ravel() if is_row_or_column else self.dist
+        set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(dist, (-1,), "dist"))
         set_frozen(self, size=arguments.picture_size(self.size, "size"))
         arguments.one_of(self.source, FOCAL_SIGMA, "source")
         if math.isnan(self.focal_sigma_px):
             set_frozen(self, focal_sigma_px=FOCAL_SIGMA[self.source] * float(self.K[0, 0]))
         if not np.array_equal(self.K[2], (0, 0, 1)):
             raise ValueError("K needs the last row 0 0 1")
+        if self.K[1, 0] != 0:
+            raise ValueError(f"K[1][0] is {self.K[1, 0]:g}, and must be 0")
         for name, value, allowed in (
             ("the focal length K[0][0]", self.K[0, 0], FOCAL),
             ("the focal length K[1][1]", self.K[1, 1], FOCAL),
             ("the principal point K[0][2]", self.K[0, 2], PIXEL),
             ("the principal point K[1][2]", self.K[1, 2], PIXEL),
-            ("the skew K[0][1]", self.K[0, 1], PIXEL),
             *((f"dist[{index}]", value, DISTORTION) for index, value in enumerate(self.dist)),
         ):
             allowed.checked(float(value), name)
+        if abs(self.K[0, 1]) > LEAST_SKEW * self.K[0, 0]:
+            raise ValueError(f"the skew K[0][1] is {self.K[0, 1]:g} px, and OpenCV's model of cameras has none")
         if len(self.dist) not in DISTORTION_LENGTHS:
             raise ValueError(f"dist has {len(self.dist)} coefficients, not one of {DISTORTION_LENGTHS}")
         if not 0 <= self.focal_sigma_px < math.inf:
@@ -180,9 +193,7 @@ def read_camera_file(path: str | Path) -> Camera:
 
 def _check_lens(camera: Camera) -> None:
     """Raises ValueError for a camera matrix that no camera has by the model of OpenCV, by which pictures are seen."""
-    (fx, skew, x), (_, fy, y), _ = camera.K
-    if abs(skew) > LEAST_SKEW * fx:
-        raise ValueError(f"the skew K[0][1] is {skew:g} px, and OpenCV's model of cameras has none")
+    (fx, _, x), (_, fy, y), _ = camera.K
     if not 1 / MOST_OBLONG <= fx / fy <= MOST_OBLONG:
         raise ValueError(f"the focal lengths {fx:g} and {fy:g} px are too unlike for the pixels of any camera")
     if not all(-0.5 * side <= at <= 1.5 * side for at, side in zip((x, y), camera.size, strict=True)):

@@ -207,10 +207,10 @@ def gl_projection(camera: Camera, near: float, far: float) -> Float:
     OpenCV's pixel centres are integers and OpenGL's are at halves, hence the + 0.5.
     """
     width, height = camera.size
-    (fx, skew, cx), (_, fy, cy), _ = camera.K
+    (fx, _, cx), (_, fy, cy), _ = camera.K
     return np.array(
         [
-            [2 * fx / width, -2 * skew / width, 1 - 2 * (cx + 0.5) / width, 0],
+            [2 * fx / width, 0, 1 - 2 * (cx + 0.5) / width, 0],
             [0, 2 * fy / height, 2 * (cy + 0.5) / height - 1, 0],
             [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)],
             [0, 0, -1, 0],

@@ -16,8 +16,9 @@ from ashe_live.core.square import PlaneMarker
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """One picture of a source: (h, w, 3) uint8 sRGB, OpenCV's channel order, read-only.
+    """One picture of a source.
 
+    image_bgr: (h, w, 3) uint8 sRGB, OpenCV's channel order, read-only.
     index, time_s: 0 for the source's first frame; the time since then, at capture, seconds.
 
     Raises TypeError for what is no array, ValueError for one of another shape or type.

@@ -77,7 +77,7 @@ def _start(process: SpawnProcess) -> None:
     def prepare_ours(name: str) -> dict[str, Any]:
         return _preparation(name) if name == process.name else prepare(name)
 
-    with _environment(), _without_ctrl_c():
+    with _environment(), _without_ctrl_c(), _as_no_daemon():
         spawn.get_preparation_data = prepare_ours
         try:
             process.start()
@@ -125,6 +125,23 @@ def _without_ctrl_c() -> Iterator[None]:
         resource_tracker.ensure_running()  # started later, it would unblock the signal
     with ctrl_c_blocked():
         yield
+
+
+@contextmanager
+def _as_no_daemon() -> Iterator[None]:
+    """Lets a worker of a pool of processes (`Pool` of multiprocessing), which is a daemon, have children.
+
+    Those of daemons are refused as they might outlive them, which ours do not.
+    """
+    this = multiprocessing.current_process()
+    was_daemon = this.daemon
+    if was_daemon:
+        this.daemon = False
+    try:
+        yield
+    finally:
+        if was_daemon:
+            this.daemon = True
 
 
 def _begin(limits: Limits, target: Callable[..., None], far_end: Connection, *arguments: object) -> None:

@@ -120,6 +120,16 @@ def test_reads_a_calibration(tmp_path: Path) -> None:
     assert (camera.size, camera.source, camera.is_distorted) == ((640, 480), "file", True)
 
 
+@pytest.mark.parametrize("shape", [(1, -1), (-1, 1)])
+def test_distortion_may_stand_in_a_row_or_a_column_as_opencv_has_it(tmp_path: Path, shape: tuple[int, int]) -> None:
+    K, dist = np.diag([500.0, 500, 1]), np.array([0.1, -0.02, 0.001, 0, 0])
+    camera = Camera((640, 480), K, dist.reshape(shape), "file")
+    np.testing.assert_array_equal(camera.dist, dist)
+    path = tmp_path / "camera.json"
+    path.write_text(json.dumps({"size": [640, 480], "K": K.tolist(), "dist": dist.reshape(shape).tolist()}))
+    np.testing.assert_array_equal(read_camera_file(path).dist, dist)
+
+
 @pytest.mark.parametrize(
     ("values", "said"),
     [
@@ -174,6 +184,7 @@ def test_a_file_that_is_no_calibration_is_named(tmp_path: Path, content: str) ->
     ("K", "words"),
     [
         ("[[430,200,320],[0,430,240],[0,0,1]]", "skew"),
+        ("[[430,0,320],[200,430,240],[0,0,1]]", "must be 0"),
         ("[[430,0,320],[0,700,240],[0,0,1]]", "too unlike"),
         ("[[430,0,5000],[0,430,-5000],[0,0,1]]", "far outside of the picture"),
     ],

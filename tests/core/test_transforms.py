@@ -23,14 +23,14 @@ def looking_down(distance: float = 0.6) -> np.ndarray:
     return tf.rigid(rotation((2.3, 0.2, -0.1)), (0.01, -0.02, distance))
 
 
-SKEWED = Camera((640, 480), np.array([[500, 1.5, 300.25], [0, 510, 255.5], [0, 0, 1]]), np.zeros(5), "file")
+OBLONG = Camera((640, 480), np.array([[500, 0, 300.25], [0, 510, 255.5], [0, 0, 1]]), np.zeros(5), "file")
 
 
 def test_opengl_draws_a_point_where_opencv_projects_it() -> None:
     points = np.random.default_rng(1).uniform(-0.1, 0.1, (50, 3))
     T_cam_marker = looking_down()
-    expected = tf.project(SKEWED, T_cam_marker, points)
-    clip = tf.gl_projection(SKEWED, 0.01, 10) @ tf.T_gl_cam @ T_cam_marker @ np.column_stack([points, np.ones(50)]).T
+    expected = tf.project(OBLONG, T_cam_marker, points)
+    clip = tf.gl_projection(OBLONG, 0.01, 10) @ tf.T_gl_cam @ T_cam_marker @ np.column_stack([points, np.ones(50)]).T
     ndc = (clip[:3] / clip[3]).T
     # The window's y counts upwards, its pixel centres are at halves.
     pixels = np.column_stack([(ndc[:, 0] + 1) / 2 * 640 - 0.5, (1 - ndc[:, 1]) / 2 * 480 - 0.5])
@@ -47,17 +47,17 @@ def test_project_agrees_with_opencv() -> None:
 
 
 def test_points_behind_the_camera_have_no_pixel() -> None:
-    assert np.isnan(tf.project(SKEWED, np.eye(4), [[0, 0, -1]])).all()
+    assert np.isnan(tf.project(OBLONG, np.eye(4), [[0, 0, -1]])).all()
 
 
 def test_pixels_move_with_points_and_pose_as_they_are_projected() -> None:
     points, T = np.random.default_rng(4).uniform(-0.1, 0.1, (20, 3)), looking_down()
     turned, step = points @ T[:3, :3].T, 1e-5
-    by_points = tf.pixels_by_points(turned + T[:3, 3], SKEWED.K)
-    by_pose = tf.pixels_by_pose(turned, turned + T[:3, 3], SKEWED.K)
+    by_points = tf.pixels_by_points(turned + T[:3, 3], OBLONG.K)
+    by_pose = tf.pixels_by_pose(turned, turned + T[:3, 3], OBLONG.K)
     for parameter, each in enumerate(step * np.eye(6)):
         ahead, behind = (
-            tf.project(SKEWED, tf.rigid(rotation(sign * each[:3]) @ T[:3, :3], T[:3, 3] + sign * each[3:]), points)
+            tf.project(OBLONG, tf.rigid(rotation(sign * each[:3]) @ T[:3, :3], T[:3, 3] + sign * each[3:]), points)
             for sign in (1, -1)
         )
         np.testing.assert_allclose(by_pose[..., parameter], (ahead - behind) / (2 * step), atol=1e-5)
@@ -67,8 +67,8 @@ def test_pixels_move_with_points_and_pose_as_they_are_projected() -> None:
 def test_the_homography_of_the_plane_projects_its_points_and_gives_their_depths() -> None:
     places, T = np.random.default_rng(3).uniform(-0.1, 0.1, (20, 2)), looking_down()
     points = np.column_stack([places, np.zeros(20)])
-    image = np.column_stack([places, np.ones(20)]) @ tf.image_from_plane(SKEWED, T).T
-    np.testing.assert_allclose(image[:, :2] / image[:, 2:], tf.project(SKEWED, T, points), atol=1e-9)
+    image = np.column_stack([places, np.ones(20)]) @ tf.image_from_plane(OBLONG, T).T
+    np.testing.assert_allclose(image[:, :2] / image[:, 2:], tf.project(OBLONG, T, points), atol=1e-9)
     np.testing.assert_allclose(image[:, 2], tf.transform_points(T, points)[:, 2])
 
 
@@ -81,12 +81,12 @@ def test_the_camera_is_seen_from_the_marker_where_its_own_frame_begins() -> None
 def test_raycast_is_the_inverse_of_projection_on_the_plane() -> None:
     on_plane = np.column_stack([np.random.default_rng(3).uniform(-0.2, 0.2, (40, 2)), np.zeros(40)])
     T = looking_down()
-    np.testing.assert_allclose(tf.raycast_to_plane(SKEWED, T, tf.project(SKEWED, T, on_plane)), on_plane, atol=1e-12)
+    np.testing.assert_allclose(tf.raycast_to_plane(OBLONG, T, tf.project(OBLONG, T, on_plane)), on_plane, atol=1e-12)
 
 
 def test_raycast_above_the_horizon_finds_nothing() -> None:
     level = tf.rigid([[1, 0, 0], [0, 0, -1], [0, 1, 0]], (0, 0.1, 0.5))
-    above, below = tf.raycast_to_plane(SKEWED, level, [[300, 10], [300, 470]])
+    above, below = tf.raycast_to_plane(OBLONG, level, [[300, 10], [300, 470]])
     assert np.isnan(above).all()
     assert np.isfinite(below).all()
 

@@ -264,3 +264,17 @@ def test_it_ends_with_a_parent_that_is_killed_even_while_it_computes():
     assert wait([reader], PATIENCE_S)
     assert os.read(reader, 1) == b""
     os.close(reader)
+
+
+@pytest.mark.parametrize("method", multiprocessing.get_all_start_methods())
+def test_a_worker_of_a_pool_may_start_one(method: str) -> None:
+    """It is a daemon, which otherwise has no children: `Pool` is how a program looks at many photos at once."""
+    with multiprocessing.get_context(method).Pool(1) as pool:
+        worker = pool.apply(os.getpid)
+        child = pool.apply_async(isolated_call, (os.getpid, (), "asked", FREE, PATIENCE_S)).get(PATIENCE_S)
+        assert child not in (worker, os.getpid())
+        assert pool.apply(_is_daemon), "all else is as it was"
+
+
+def _is_daemon() -> bool:
+    return multiprocessing.current_process().daemon
