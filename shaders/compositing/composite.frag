@@ -8,9 +8,13 @@
 #ifdef COVERS
 #include "catchers/cover.glsl"
 #endif
+#ifdef SHADOWS_MEET
+#include "catchers/removable.glsl"
+#include "compositing/video_borders.glsl"
+#endif
 
 uniform sampler2D added_light;  // linear RGB; alpha: fraction of the pixel that the model covers, or as in cover.glsl
-uniform sampler2D removed;  // fraction of the video's light that is gone, linear RGB
+uniform sampler2D removed;  // fraction of the video's light that is gone, linear RGB; alpha: as in removable.glsl
 uniform sampler2D video;
 uniform float weights[REACH + 1];  // of the kernel's middle row or column, and of its neighbours on either side
 #ifdef WIDE
@@ -129,12 +133,20 @@ void main() {
     vec4 coarse_added = textureLod(coarse_light, in_coarse(middle, coarse_light), 0.0);
 #endif
     float as_it_is = is_even ? 1.0 : 0.0;
-    vec4 light = as_it_is * read(added_light, middle, 0, 0);
-    vec3 gone = as_it_is * read(removed, middle, 0, 0).rgb;
+    vec4 light_here = read(added_light, middle, 0, 0), gone_here = read(removed, middle, 0, 0);
+    vec4 light = as_it_is * light_here;
+    vec3 gone = as_it_is * gone_here.rgb;
+#ifdef SHADOWS_MEET
+    float removable = removable_in(light_here, gone_here);
+    OfGround of_ground = OfGround(vec4(0.0), 0.0);
+#endif
 #ifdef WIDE
     // Cameras clip before they sharpen: what is far beyond white darkens its surroundings no more than white does.
     vec4 wide_light = min(light, 1.0);
     vec3 wide_gone = gone;
+#ifdef SHADOWS_MEET
+    OfGround wide_of_ground = of_ground;
+#endif
 #endif
     // A software rasteriser saves time when a loop ends early, but not when a branch is not taken.
     int rows = is_even ? -REACH - 1 : REACH;
@@ -148,16 +160,31 @@ void main() {
         for (int column = -columns; column <= columns; ++column) {
             float weight = row_weight * weights[abs(column)];
             vec4 light_there = read(added_light, middle, column, row);
-            vec3 gone_there = read(removed, middle, column, row).rgb;
+            vec4 gone_there = read(removed, middle, column, row);
             light += weight * light_there;
-            gone += weight * gone_there;
+            gone += weight * gone_there.rgb;
+#ifdef SHADOWS_MEET
+            float removable_there = removable_in(light_there, gone_there);
+            of_ground = adding(of_ground, weight, gone_there.rgb, removable_there);
+#endif
 #ifdef WIDE
             float wide_weight = wide_row_weight * wide_weights[abs(column)];
             wide_light += wide_weight * min(light_there, 1.0);
-            wide_gone += wide_weight * gone_there;
+            wide_gone += wide_weight * gone_there.rgb;
+#ifdef SHADOWS_MEET
+            wide_of_ground = adding(wide_of_ground, wide_weight, gone_there.rgb, removable_there);
+#endif
 #endif
         }
     }
+#ifdef SHADOWS_MEET
+    float factor = factor_at(removable, of_ground);
+    gone += (factor - 1.0) * of_ground.gone.rgb;
+#ifdef WIDE
+    wide_gone += (factor_at(removable, wide_of_ground) - 1.0) * wide_of_ground.gone.rgb;
+#endif
+    coarse_removed.rgb *= mix(1.0, factor, of_ground.weight);
+#endif
     vec3 change = abs(gone);
 #ifdef WIDE
     change = max(change, abs(wide_gone));
