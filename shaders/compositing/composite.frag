@@ -24,7 +24,7 @@ uniform float sharpening;
 #ifdef COARSE
 uniform sampler2D coarse_light;  // the layers, blurred as the video's colours are, at half the resolution
 #endif
-uniform sampler2D coarse_gone;  // alpha: 1 plus the largest difference of the layers near by, as in coarse.frag
+uniform sampler2D coarse_gone;  // alpha: as halved.frag marks it, by the largest difference of the layers near by
 #ifdef OVEREXPOSED
 uniform vec3 paper;  // linear RGB of what the picture shows as white, beyond 1 where the picture clips it
 // CLIPS_FROM and CLIPS_TO: linear brightness at which clipping begins and is complete.
@@ -133,20 +133,12 @@ void main() {
     vec4 coarse_added = textureLod(coarse_light, in_coarse(middle, coarse_light), 0.0);
 #endif
     float as_it_is = is_even ? 1.0 : 0.0;
-    vec4 light_here = read(added_light, middle, 0, 0), gone_here = read(removed, middle, 0, 0);
-    vec4 light = as_it_is * light_here;
-    vec3 gone = as_it_is * gone_here.rgb;
-#ifdef SHADOWS_MEET
-    float removable = removable_in(light_here, gone_here);
-    OfGround of_ground = OfGround(vec4(0.0), 0.0);
-#endif
+    vec4 light = as_it_is * read(added_light, middle, 0, 0);
+    vec3 gone = as_it_is * read(removed, middle, 0, 0).rgb;
 #ifdef WIDE
     // Cameras clip before they sharpen: what is far beyond white darkens its surroundings no more than white does.
     vec4 wide_light = min(light, 1.0);
     vec3 wide_gone = gone;
-#ifdef SHADOWS_MEET
-    OfGround wide_of_ground = of_ground;
-#endif
 #endif
     // A software rasteriser saves time when a loop ends early, but not when a branch is not taken.
     int rows = is_even ? -REACH - 1 : REACH;
@@ -160,24 +152,37 @@ void main() {
         for (int column = -columns; column <= columns; ++column) {
             float weight = row_weight * weights[abs(column)];
             vec4 light_there = read(added_light, middle, column, row);
-            vec4 gone_there = read(removed, middle, column, row);
+            vec3 gone_there = read(removed, middle, column, row).rgb;
             light += weight * light_there;
-            gone += weight * gone_there.rgb;
-#ifdef SHADOWS_MEET
-            float removable_there = removable_in(light_there, gone_there);
-            of_ground = adding(of_ground, weight, gone_there.rgb, removable_there);
-#endif
+            gone += weight * gone_there;
 #ifdef WIDE
             float wide_weight = wide_row_weight * wide_weights[abs(column)];
             wide_light += wide_weight * min(light_there, 1.0);
-            wide_gone += wide_weight * gone_there.rgb;
-#ifdef SHADOWS_MEET
-            wide_of_ground = adding(wide_of_ground, wide_weight, gone_there.rgb, removable_there);
-#endif
+            wide_gone += wide_weight * gone_there;
 #endif
         }
     }
 #ifdef SHADOWS_MEET
+    float removable = removable_in(read(added_light, middle, 0, 0), read(removed, middle, 0, 0));
+    OfGround of_ground = OfGround(vec4(0.0), 0.0);
+#ifdef WIDE
+    OfGround wide_of_ground = of_ground;
+#endif
+    // Again, where there is such a border: few pixels.
+    rows = coarse_removed.a < 1.5 ? -REACH - 1 : REACH;
+    for (int row = -REACH; row <= rows; ++row) {
+        int columns = min(REACH, ACROSS - abs(row));
+        for (int column = -columns; column <= columns; ++column) {
+            vec4 gone_there = read(removed, middle, column, row);
+            float removable_there = removable_in(read(added_light, middle, column, row), gone_there);
+            float weight = weights[abs(row)] * weights[abs(column)];
+            of_ground = adding(of_ground, weight, gone_there.rgb, removable_there);
+#ifdef WIDE
+            weight = wide_weights[abs(row)] * wide_weights[abs(column)];
+            wide_of_ground = adding(wide_of_ground, weight, gone_there.rgb, removable_there);
+#endif
+        }
+    }
     float factor = factor_at(removable, of_ground);
     gone += (factor - 1.0) * of_ground.gone.rgb;
 #ifdef WIDE

@@ -17,10 +17,9 @@ const float BARE_ALPHA = 0.0;
 
 // t of what a pixel of the layers shows; -1 where that is not the ground alone.
 float removable_in(vec4 light, vec4 gone) {
-    bool is_ground = gone.a < 0.5 * NONE_REMOVABLE && gone.a > 1.02 * ALL_REMOVABLE;
     bool is_bare = min(light.a, abs(light.a - BARE_ALPHA)) < 0.002;
     float removable = (gone.a - NONE_REMOVABLE) / (ALL_REMOVABLE - NONE_REMOVABLE);
-    return is_ground && is_bare ? max(removable, 0.0) : -1.0;
+    return is_ground(gone.a) && is_bare ? max(removable, 0.0) : -1.0;
 }
 
 // Weighted sums over the ground within a blur's reach.
