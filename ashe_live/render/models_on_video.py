@@ -112,7 +112,8 @@ class ModelsOnVideo:
         if cover is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
             seen = SeenCover(cover, frame.ground_from_pixel)
         relief, lens = self.photometry.relief(scene.illumination), self._lens if bends else None
-        onto = Footage(viewport, self._video, tracked, look, relief, seen, lens, scene.is_split)
+        meet = self.shadows.shadows_meet
+        onto = Footage(viewport, self._video, tracked, look, relief, seen, lens, scene.is_split, meet)
         with surface.drawing(grown(frame.region, 2 * onto.blurs.farthest + 1, surface.size)):
             self.layers.draw(content, with_models=surface.samples == 0)
         if surface.samples:

@@ -32,6 +32,7 @@ uniform vec3 ground_bounce;
 uniform vec3 light_irradiance[LIGHTS];  // irradiance over pi across the light's direction
 #endif
 
+#include "catchers/removable.glsl"
 #ifdef COVERS
 #include "catchers/cover.glsl"
 #endif
@@ -47,8 +48,7 @@ uniform float border_px;  // standard deviation of the real shadow's border beyo
 in vec2 ground;
 in vec2 ground_placed;
 layout(location = 0) out vec4 added_light;  // no light; alpha: where the cover is visible, as in cover.glsl
-layout(location = 1) out vec4 removed;  // alpha: below 0, by which outlines.frag tells the ground from the real object
-const float GROUND = -0.02;
+layout(location = 1) out vec4 removed;  // alpha: as in removable.glsl
 
 vec3 video_at(vec2 pixel) {
     return linear_from_srgb(texture(video, (pixel - viewport.xy) / viewport.zw).rgb);
@@ -161,6 +161,7 @@ void main() {
     }
 #endif
     vec3 from_ground = ground_bounce * after / max(before, 1e-3);
+    vec3 unshaded = before;  // by models
 #ifdef CONTACT_ALONE
     // The picture below already has all shadows and another model's contact.
     before = after;
@@ -174,13 +175,24 @@ void main() {
     vec2 hidden_from = (marker_from_placed * vec4(hidden.yz, 0.0, 0.0)).xy;
     hidden_from *= length(hidden.yz) / max(length(hidden_from), 1e-6);
     vec3 gone = hidden.x * sky + 3.0 * (sky_slope[0] * hidden_from.x + sky_slope[1] * hidden_from.y);
-    after += hidden.x * facing - max(gone, 0.0);
+    vec3 of_sky = hidden.x * facing - max(gone, 0.0);
+    after += of_sky;
     vec3 ratio = mix(vec3(1.0), after / max(before, 1e-3), strength);
     vec3 change = abs(1.0 - ratio);
-    if (covered == 0.0 && max(change.r, max(change.g, change.b)) < 0.0005) discard;
+    bool is_counted = false;
+#if LIGHTS > 0 && CASTERS > GROUPS && !defined(CONTACT_ALONE)
+    // Where both shadows lie the model takes nothing; but beside that it counts how little there is to take.
+    is_counted = shaded > MATTERS;
+#endif
+    if (!is_counted && covered == 0.0 && max(change.r, max(change.g, change.b)) < 0.0005) discard;
     added_light = vec4(0.0);
 #ifdef COVERS
     added_light.a = COVER_ALPHA * covered;
 #endif
-    removed = vec4(1.0 - ratio, GROUND);
+#ifdef CONTACT_ALONE
+    removed = vec4(1.0 - ratio, SAME_GROUND);
+#else
+    float left = dot(sky + of_sky, LUMINANCE);  // without any of the lights
+    removed = vec4(1.0 - ratio, number_of_ground(1.0 - left / max(dot(unshaded, LUMINANCE), 1e-3)));
+#endif
 }

@@ -7,8 +7,8 @@ uniform ivec2 along;  // offset from one tap to the next
 uniform float weights[TAPS + 1];  // of the middle tap, and of its neighbours on either side
 
 layout(location = 0) out vec4 coarse_light;
-layout(location = 1) out vec4 coarse_gone;  // alpha: 0 if nothing is within the taps' reach, else 1 plus the largest
-                                           // difference of the layers within SPREAD pixels
+layout(location = 1) out vec4 coarse_gone;  // alpha: 0 if nothing is within the taps' reach, else as halved.frag marks it,
+                                           // by the largest difference of the layers within SPREAD pixels
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(added_light, 0) - 1;
@@ -29,5 +29,5 @@ void main() {
         }
     }
     float most = max(max(differs.r, differs.g), max(differs.b, differs.a));
-    coarse_gone.a = touched > 0.0 ? max(unlike, 1.0 + most) : 0.0;
+    coarse_gone.a = touched > 0.0 ? max(unlike, 1.0 + min(most, 0.4)) : 0.0;
 }

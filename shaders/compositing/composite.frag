@@ -8,9 +8,13 @@
 #ifdef COVERS
 #include "catchers/cover.glsl"
 #endif
+#ifdef SHADOWS_MEET
+#include "catchers/removable.glsl"
+#include "compositing/video_borders.glsl"
+#endif
 
 uniform sampler2D added_light;  // linear RGB; alpha: fraction of the pixel that the model covers, or as in cover.glsl
-uniform sampler2D removed;  // fraction of the video's light that is gone, linear RGB
+uniform sampler2D removed;  // fraction of the video's light that is gone, linear RGB; alpha: as in removable.glsl
 uniform sampler2D video;
 uniform float weights[REACH + 1];  // of the kernel's middle row or column, and of its neighbours on either side
 #ifdef WIDE
@@ -20,7 +24,7 @@ uniform float sharpening;
 #ifdef COARSE
 uniform sampler2D coarse_light;  // the layers, blurred as the video's colours are, at half the resolution
 #endif
-uniform sampler2D coarse_gone;  // alpha: 1 plus the largest difference of the layers near by, as in coarse.frag
+uniform sampler2D coarse_gone;  // alpha: as halved.frag marks it, by the largest difference of the layers near by
 #ifdef OVEREXPOSED
 uniform vec3 paper;  // linear RGB of what the picture shows as white, beyond 1 where the picture clips it
 // CLIPS_FROM and CLIPS_TO: linear brightness at which clipping begins and is complete.
@@ -158,6 +162,34 @@ void main() {
 #endif
         }
     }
+#ifdef SHADOWS_MEET
+    float removable = removable_in(read(added_light, middle, 0, 0), read(removed, middle, 0, 0));
+    OfGround of_ground = OfGround(vec4(0.0), 0.0);
+#ifdef WIDE
+    OfGround wide_of_ground = of_ground;
+#endif
+    // Again, where there is such a border: few pixels.
+    rows = coarse_removed.a < 1.5 ? -REACH - 1 : REACH;
+    for (int row = -REACH; row <= rows; ++row) {
+        int columns = min(REACH, ACROSS - abs(row));
+        for (int column = -columns; column <= columns; ++column) {
+            vec4 gone_there = read(removed, middle, column, row);
+            float removable_there = removable_in(read(added_light, middle, column, row), gone_there);
+            float weight = weights[abs(row)] * weights[abs(column)];
+            of_ground = adding(of_ground, weight, gone_there.rgb, removable_there);
+#ifdef WIDE
+            weight = wide_weights[abs(row)] * wide_weights[abs(column)];
+            wide_of_ground = adding(wide_of_ground, weight, gone_there.rgb, removable_there);
+#endif
+        }
+    }
+    float factor = factor_at(removable, of_ground);
+    gone += (factor - 1.0) * of_ground.gone.rgb;
+#ifdef WIDE
+    wide_gone += (factor_at(removable, wide_of_ground) - 1.0) * wide_of_ground.gone.rgb;
+#endif
+    coarse_removed.rgb *= mix(1.0, factor, of_ground.weight);
+#endif
     vec3 change = abs(gone);
 #ifdef WIDE
     change = max(change, abs(wide_gone));

@@ -58,6 +58,7 @@ class Footage:
     cover: SeenCover | None = None  # of the marker's sheet, behind the layers where they say that it is seen
     lens: Lens | None = None  # what bends the pinhole camera's layers to the frame
     is_split: bool = False  # the left half of the viewport stays as it is
+    shadows_meet: bool = False  # whether a model's shadow may reach one that is in the video
 
     @property
     def blurs(self) -> Blurs:
@@ -137,6 +138,7 @@ class Composite:
             clips_to=clips_to,
             covers=onto.cover is not None,
             relief=onto.relief is not None,
+            shadows_meet=onto.shadows_meet,
             cut_out=is_cut_out,
         )
         return self._programs.get("compositing/touched", bends=bends), composing

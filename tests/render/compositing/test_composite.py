@@ -12,10 +12,10 @@ from ashe_live.core.arrays import box_corners
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.light import Illumination
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.primitives import box
-from ashe_live.quality import QUALITIES
+from ashe_live.quality import FAST, QUALITIES
 from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
 from ashe_live.render.camera.grain import SILENT
 from ashe_live.render.camera.video_look import VideoLook
@@ -128,6 +128,41 @@ def test_a_shadow_is_as_soft_as_the_real_one_though_the_camera_sharpens_its_mark
         for picture, body_points in ((renderer.read_bgr(), points), (image, body))
     )
     assert 0.85 < ours / real < 1.2
+
+
+@pytest.mark.parametrize("sharpening", [0.0, 0.5])
+@pytest.mark.parametrize("blur", [0.5, 0.8, 1.2])
+def test_where_a_models_shadow_meets_a_blurred_real_one_no_line_is_left(
+    make_renderer, stage, blur: float, sharpening: float
+) -> None:
+    """All along a line across the border of the real shadow the ground is as dark as in either shadow."""
+    ratio, height, border = 0.3, 0.05, -0.09
+    bare = _sheet(stage)
+    camera, T_cam_marker = bare.camera, bare.marker.T_cam_marker
+    columns, rows = np.meshgrid(np.arange(4 * camera.size[0]), np.arange(4 * camera.size[1]))
+    pixels = (np.column_stack([columns.ravel(), rows.ravel()]) + 0.5) / 4 - 0.5
+    is_shaded = raycast_to_plane(camera, T_cam_marker, pixels)[:, 1].reshape(rows.shape) < border
+    shaded = cv2.resize(is_shaded.astype(float), camera.size, interpolation=cv2.INTER_AREA)[..., None]
+    scene = LINEAR_FROM_SRGB_8BIT[bare.frame.image_bgr] * (1 - (1 - ratio) * shaded)
+    encoded = srgb_from_linear(cv2.GaussianBlur(scene, (0, 0), blur))
+    encoded += sharpening * (encoded - cv2.GaussianBlur(encoded, (0, 0), 1.0))
+    video = np.clip(np.round(255 * encoded), 0, 255).astype(np.uint8)
+    tracked = replace(bare, frame=replace(bare.frame, image_bgr=video))
+    # In light from -x: an object whose shadow is that half of the ground; and a black model before it, so far from what
+    # is looked at that it hides none of its sky.
+    corners = [(x, y, z, 0.0, 0.0) for x in (-0.14, -0.10) for y in (-0.3, border) for z in (0.0, 2 * height)]
+    model = stage.placed(box((0.03, 0.06, height), BLACK).moved(1.0, np.array([-0.08, border, 0.0])))
+    lit_rgb = np.full(3, LINEAR_FROM_SRGB_8BIT[bare.frame.image_bgr[-1, 0]])
+    illumination = Illumination(
+        (stage.light(180, 30, (ratio,) * 3),), real_object=Proxy("box", np.array(corners)), ground_rgb=lit_rgb
+    )
+    renderer = make_renderer(replace(FAST.render, matches_noise=False))
+    picture = stage.picture(renderer, Scene(tracked, model, illumination))
+    places = [(0.013, border + away, 0.0) for away in np.linspace(-0.006, 0.006, 41)]
+    across = np.round(project(camera, T_cam_marker, places)).astype(int)
+    left = LINEAR_FROM_SRGB_8BIT[picture[across[:, 1], across[:, 0], 1]] / lit_rgb[0] / ratio
+    assert left.max() < 1.09
+    assert left.min() > 0.87  # a sharpened picture has a dark line in the real shadow's own border
 
 
 @pytest.mark.parametrize("sigma", [1.0, 1.5, 2.5, 3.5])
