@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image, distinct
+from ashe_live.core.arrays import Float, Image, cross_2d, distinct
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.square import side_lengths_px
 
@@ -24,6 +24,15 @@ MIN_RATIO, MIN_DIFFERENCE = 1.15, 5.0
 INK_SHARE, NEAR_WINDOW_PX = 1 / 9, 25
 # A side may bulge by this share of the perimeter before it counts as two.
 MAX_BULGE = 0.04
+# Where nothing else is found, the whole picture is parted at levels that each are so many times the one before: ink and
+# paper in one light lie farther apart.
+LEVELS = 12.0 * 1.4 ** np.arange(9)
+# Least side of a square that something lies over, and least share of it that is still enclosed by what is seen of it.
+MIN_COVERED_SIDE_PX, LEAST_ENCLOSED = 16.0, 0.85
+# The convex hull of an outline is a polygon of corners that differ from it by this share of its perimeter.
+HULL_BULGE = 0.02
+# A side is prolonged by at most this many of its lengths to where it meets the one after the next.
+MOST_PROLONGED = 1.5
 # For each grey level of the brightest thing, the level below which something near it may be ink.
 LEVEL_OF_INK = np.searchsorted(LINEAR_FROM_SRGB_8BIT, INK_SHARE * LINEAR_FROM_SRGB_8BIT).astype(np.uint8)
 
@@ -60,14 +69,44 @@ def ink_in(grey: Image, window_px: int) -> Image:
     return np.asarray(cv2.compare(smooth, cv2.LUT(brightest, LEVEL_OF_INK), cv2.CMP_LT), dtype=np.uint8)
 
 
+def half_seen_quads(grey: Image, min_side_px: float = MIN_SIDE_PX) -> list[Float]:
+    """As `dark_quads`, of squares over whose outline something lies, and of those wholly in a shadow that ends near by.
+
+    A finger over a side opens the outline, but its convex hull remains. Where a shadow ends on the paper around a
+    print, this is the outline to a threshold that asks what is near; in the shadow alone some level is between ink and
+    paper. For pictures in which nothing else is found.
+    """
+    if min(grey.shape) < min_side_px / 2:
+        return []
+    smooth = cv2.blur(grey, (3, 3))
+    darker = (
+        cv2.adaptiveThreshold(smooth, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window, DARKER_BY)
+        for window in (WINDOW_PX, SMALL_WINDOW_PX)
+    )
+    quads: list[Float] = []
+    for dark in (*darker, ink_in(grey, NEAR_WINDOW_PX), *(cv2.compare(smooth, level, cv2.CMP_LT) for level in LEVELS)):
+        for outline in _outlines(np.asarray(dark, dtype=np.uint8)):
+            quad = _quad(outline, min_side_px)
+            if quad is None:
+                quad = _hull_quad(outline, max(min_side_px, MIN_COVERED_SIDE_PX))
+            if quad is not None:
+                quads.append(quad)
+    return quads
+
+
 def _quads(dark: Image, min_side_px: float) -> list[Float]:
     """The quadrilaterals among the outlines of what is not 0 in `dark` (h, w)."""
+    quads = (_quad(outline, min_side_px) for outline in _outlines(dark))
+    return [quad for quad in quads if quad is not None]
+
+
+def _outlines(dark: Image) -> list[NDArray[Any]]:
+    """The outer outlines (n, 1, 2) of what is not 0 in `dark` (h, w)."""
     outlines, hierarchy = cv2.findContours(dark, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
     if hierarchy is None:
         return []
     parents = hierarchy.reshape(-1, 4)[:, 3]
-    quads = (_quad(outline, min_side_px) for outline, parent in zip(outlines, parents, strict=True) if parent < 0)
-    return [quad for quad in quads if quad is not None]
+    return [outline for outline, parent in zip(outlines, parents, strict=True) if parent < 0]
 
 
 def _quad(outline: NDArray[Any], min_side_px: float) -> Float | None:
@@ -76,7 +115,36 @@ def _quad(outline: NDArray[Any], min_side_px: float) -> Float | None:
     polygon = cv2.approxPolyDP(outline, MAX_BULGE * cv2.arcLength(outline, True), True)
     if len(polygon) != 4 or not cv2.isContourConvex(polygon):
         return None
-    corners = polygon.reshape(4, 2).astype(np.float64)
+    return _clockwise(polygon.reshape(4, 2).astype(np.float64), min_side_px)
+
+
+def _hull_quad(outline: NDArray[Any], min_side_px: float) -> Float | None:
+    """The quadrilateral around the convex hull of an outline with a notch, a gap or a corner cut off; None if that
+    fills too little of it.
+    """
+    if len(outline) < 4 or max(cv2.boundingRect(outline)[2:]) < min_side_px:
+        return None
+    hull = cv2.convexHull(outline)
+    polygon = cv2.approxPolyDP(hull, HULL_BULGE * cv2.arcLength(hull, True), True).reshape(-1, 2).astype(np.float64)
+    while len(polygon) > 4:
+        # The side whose neighbours meet beyond the least area is a corner that is cut off.
+        sides = np.roll(polygon, -1, axis=0) - polygon
+        before, beyond = np.roll(sides, 1, axis=0), np.roll(sides, -1, axis=0)
+        turns = cross_2d(before, beyond)
+        ways = cross_2d(sides, beyond) / np.where(turns == 0, np.nan, turns)
+        added = np.where((ways >= 0) & (ways < MOST_PROLONGED), np.abs(ways * cross_2d(before, sides)), np.inf)
+        cut = int(np.argmin(added))
+        if not np.isfinite(added[cut]):
+            return None
+        polygon[cut] += ways[cut] * before[cut]
+        polygon = np.delete(polygon, (cut + 1) % len(polygon), axis=0)
+    if len(polygon) != 4 or cv2.contourArea(hull) < LEAST_ENCLOSED * cv2.contourArea(polygon.astype(np.float32)):
+        return None
+    return _clockwise(polygon, min_side_px)
+
+
+def _clockwise(corners: Float, min_side_px: float) -> Float | None:
+    """`corners` (4, 2) clockwise in the picture; None where a side is too short."""
     if side_lengths_px(corners).min() < min_side_px / 2:
         return None
     # The picture's y points down, so a positive area is clockwise to the eye.
