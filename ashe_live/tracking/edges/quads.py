@@ -79,12 +79,16 @@ def half_seen_quads(grey: Image, min_side_px: float = MIN_SIDE_PX) -> list[Float
     if min(grey.shape) < min_side_px / 2:
         return []
     smooth = cv2.blur(grey, (3, 3))
+    darkest, brightest, _, _ = cv2.minMaxLoc(smooth)
+    if brightest - darkest < DARKER_BY:
+        return []
     darker = (
         cv2.adaptiveThreshold(smooth, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window, DARKER_BY)
         for window in (WINDOW_PX, SMALL_WINDOW_PX)
     )
+    levels = LEVELS[(darkest < LEVELS) & (brightest >= LEVELS)]
     quads: list[Float] = []
-    for dark in (*darker, ink_in(grey, NEAR_WINDOW_PX), *(cv2.compare(smooth, level, cv2.CMP_LT) for level in LEVELS)):
+    for dark in (*darker, ink_in(grey, NEAR_WINDOW_PX), *(cv2.compare(smooth, level, cv2.CMP_LT) for level in levels)):
         for outline in _outlines(np.asarray(dark, dtype=np.uint8)):
             quad = _quad(outline, min_side_px)
             if quad is None:
