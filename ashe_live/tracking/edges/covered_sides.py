@@ -10,7 +10,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.square import mean_side_px
-from ashe_live.tracking.edges.corner_errors import corrected
+from ashe_live.tracking.edges.corner_errors import corrected, grown
 from ashe_live.tracking.edges.corners import LAST_REACH_PX, fitted_squares
 from ashe_live.tracking.edges.edge_profiles import Light, LightPatch
 from ashe_live.tracking.edges.print_alignment import Aligned, AlignedCorners, PrintAlignment, in_units
@@ -33,6 +33,8 @@ MOST_COVERED, LEAST_SEEN = 2, 3
 # A finger cannot cover three sides: if more than MOST_COVERED are off, the paper is bent or a shadow misleads the
 # inside. The square is kept, with a larger uncertainty, if no corner is off by more than this share of the side length.
 MOST_BENT = 0.12
+# Least linear light of white that counts as clipped: a camera's white balance, or its curve, may take as much from it.
+CLIPPED = 0.75
 # What `_verified` says where the print is not.
 NOTHING: tuple[FittedSquare | None, bool] = (None, False)
 # For each side, the indices of its two ends in corners.ravel() (x, y, x, y, ...), of the coordinate across the side.
@@ -48,11 +50,29 @@ def verified_square(
     """
     seen = _PrintSeen.within(square, view, alignment)
     found, is_whole = _verified(square, seen, view, samples, aligned_sigma)
-    if is_whole or (in_penumbra := seen.in_penumbra) is None:
+    if is_whole:
         return found
-    # What covers a side or bends the paper may be the border of a shadow.
-    without, is_whole = _verified(square, in_penumbra, view, samples, aligned_sigma)
-    return without if is_whole or found is None else found
+    if (in_penumbra := seen.in_penumbra) is not None:
+        # What covers a side or bends the paper may be the border of a shadow.
+        without, is_whole = _verified(square, in_penumbra, view, samples, aligned_sigma)
+        found = without if is_whole or found is None else found
+    return _overexposed(square, seen, view, samples) if found is None and seen.is_clipped else found
+
+
+def _overexposed(square: FittedSquare, seen: "_PrintSeen", view: LightPatch, samples: int) -> FittedSquare | None:
+    """As `verified_square`, where white is clipped and so has grown: sides lie within the print's.
+
+    Of the shares by which it may have grown that one counts which the edges inside confirm best.
+    """
+    best = None
+    for share, alignment in seen.alignment.overexposed:
+        whole = grown(square, share * seen.side_px)
+        found, is_whole = _verified(whole, _PrintSeen.within(whole, view, alignment), view, samples, 0.0)
+        if found is None or not is_whole or found.bleed_px is None:
+            continue
+        if best is None or best.bleed_px is None or abs(found.bleed_px) < abs(best.bleed_px):
+            best = found
+    return best
 
 
 def _verified(
@@ -127,6 +147,11 @@ class _PrintSeen:
         """The same without the border of a shadow, however wide; None where there is none."""
         shade = self.alignment.shade.penumbra_on(self.shaded)
         return None if shade is None else self.without(shade)
+
+    @property
+    def is_clipped(self) -> bool:
+        """Whether most of what should be white is as bright as a picture can be."""
+        return float(np.median(self.alignment.shade.white_of(self.shaded))) >= CLIPPED
 
     @property
     def is_print(self) -> bool:

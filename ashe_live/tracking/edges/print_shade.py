@@ -75,6 +75,10 @@ class PrintShade:
         places[nearest[known]] = np.flatnonzero(known)
         self._nearest = places[nearest]
 
+    def white_of(self, samples: Light) -> Light:
+        """(m,) of `samples` (n, n) those that are white, and not at an edge, in the print."""
+        return np.asarray(samples[self._white], dtype=np.float32)
+
     def on(self, samples: Light) -> Shade | None:
         """The shadow whose edge crosses `samples` (n, n) of linear light, taken where the print is thought to be."""
         white = samples[self._white]

@@ -89,9 +89,11 @@ class DictionaryMarker:
             doubtful = [_corners(quad) for quad in rejected]
             if thorough:
                 doubtful += [*dark_quads(grey, min_side_px), *ink_quads(grey, min_side_px)]
-            self._add_read(by_number, wanted, grey, doubtful)
+            self._add_read(by_number, wanted, grey, on_lighter(grey, doubtful))
             if thorough and not any(by_number.values()):
-                self._add_read(by_number, wanted, grey, half_seen_quads(grey, min_side_px))
+                half_seen = half_seen_quads(grey, min_side_px)
+                unread = [*on_lighter(grey, half_seen), *on_lighter(grey, [*doubtful, *half_seen], is_clipped=True)]
+                self._add_read(by_number, wanted, grey, unread)
         found = (sorted(by_number[marker.marker_id], key=_area, reverse=True) for marker in wanted)
         return [without_repeats(each) for each in found]
 
@@ -100,7 +102,7 @@ class DictionaryMarker:
         by_number: dict[int, list[Float]], wanted: Sequence["DictionaryMarker"], grey: Image, quads: list[Float]
     ) -> None:
         """Adds to the corners found of each marker, by its number, those of `quads` that show it."""
-        for quad in on_lighter(grey, quads):
+        for quad in quads:
             for marker in wanted:
                 corners = marker._read(grey, quad)
                 if corners is not None:
