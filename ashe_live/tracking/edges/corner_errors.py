@@ -44,6 +44,11 @@ def corrected(square: FittedSquare, bleed_px: float | None, errors: CornerErrors
     return replace(square, corners_px=corners, bleed_px=bleed_px)
 
 
+def grown(square: FittedSquare, by_px: float) -> FittedSquare:
+    """`square` with its sides moved outwards."""
+    return replace(square, corners_px=square.corners_px + by_px * _outwards(square.corners_px))
+
+
 def uncorrected_px(square: FittedSquare) -> Float:
     """(4, 2) the corners where `corrected` found them."""
     moved_px = _moved_px(square.bleed_px, FITTED)

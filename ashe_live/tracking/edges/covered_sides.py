@@ -10,7 +10,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.square import mean_side_px
-from ashe_live.tracking.edges.corner_errors import corrected
+from ashe_live.tracking.edges.corner_errors import corrected, grown
 from ashe_live.tracking.edges.corners import LAST_REACH_PX, fitted_squares
 from ashe_live.tracking.edges.edge_profiles import Light, LightPatch
 from ashe_live.tracking.edges.print_alignment import Aligned, AlignedCorners, PrintAlignment, in_units
@@ -33,6 +33,10 @@ MOST_COVERED, LEAST_SEEN = 2, 3
 # A finger cannot cover three sides: if more than MOST_COVERED are off, the paper is bent or a shadow misleads the
 # inside. The square is kept, with a larger uncertainty, if no corner is off by more than this share of the side length.
 MOST_BENT = 0.12
+# Least linear light of white that counts as clipped: a camera's white balance, or its curve, may take as much from it.
+CLIPPED = 0.75
+# What `_verified` says where the print is not.
+NOTHING: tuple[FittedSquare | None, bool] = (None, False)
 # For each side, the indices of its two ends in corners.ravel() (x, y, x, y, ...), of the coordinate across the side.
 ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
 
@@ -45,26 +49,57 @@ def verified_square(
     `view` and `samples` as in fitted_squares; `aligned_sigma` as the frame before had it.
     """
     seen = _PrintSeen.within(square, view, alignment)
+    found, is_whole = _verified(square, seen, view, samples, aligned_sigma)
+    if is_whole:
+        return found
+    if (in_penumbra := seen.in_penumbra) is not None:
+        # What covers a side or bends the paper may be the border of a shadow.
+        without, is_whole = _verified(square, in_penumbra, view, samples, aligned_sigma)
+        found = without if is_whole or found is None else found
+    return _overexposed(square, seen, view, samples) if found is None and seen.is_clipped else found
+
+
+def _overexposed(square: FittedSquare, seen: "_PrintSeen", view: LightPatch, samples: int) -> FittedSquare | None:
+    """As `verified_square`, where white is clipped and so has grown: sides lie within the print's.
+
+    Of the shares by which it may have grown that one counts which the edges inside confirm best.
+    """
+    best = None
+    for share, alignment in seen.alignment.overexposed:
+        whole = grown(square, share * seen.side_px)
+        found, is_whole = _verified(whole, _PrintSeen.within(whole, view, alignment), view, samples, 0.0)
+        if found is None or not is_whole or found.bleed_px is None:
+            continue
+        if best is None or best.bleed_px is None or abs(found.bleed_px) < abs(best.bleed_px):
+            best = found
+    return best
+
+
+def _verified(
+    square: FittedSquare, seen: "_PrintSeen", view: LightPatch, samples: int, aligned_sigma: float
+) -> tuple[FittedSquare | None, bool]:
+    """As `verified_square`, by what is `seen` within the square; and whether all sides are where its inside is."""
+    alignment = seen.alignment
     if leaves_frame(square, view):
-        return square if seen.is_print and square.sides_seen >= LEAST_SEEN else None
+        return (square, True) if seen.is_print and square.sides_seen >= LEAST_SEEN else NOTHING
     if not alignment.tells_place:
-        return corrected(square, seen.bleed_px) if seen.is_print and square.sides_seen == 4 else None
+        return (corrected(square, seen.bleed_px), True) if seen.is_print and square.sides_seen == 4 else NOTHING
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
     step = alignment.look(seen.samples, seen.side_px, seen.shade)
     even = None if step is None else _confirmed(square, seen, step, tolerance, aligned_sigma)
     if even is not None:
-        return dataclasses.replace(even, aligned_sigma=aligned_sigma) if seen.is_print else None
+        return (dataclasses.replace(even, aligned_sigma=aligned_sigma), True) if seen.is_print else NOTHING
     # A single step did not confirm all sides, so that the inside is aligned to the end.
     found = alignment.aligned(seen.blurred, square.corners_px, step, seen.shade)
     if found is None or found.seen.inside < MIN_INSIDE:
-        return None
+        return NOTHING
     return _by_inside(square, found, seen, view, samples, tolerance)
 
 
 def _by_inside(
     square: FittedSquare, found: AlignedCorners, seen: "_PrintSeen", view: LightPatch, samples: int, tolerance: float
-) -> FittedSquare | None:
-    """As `verified_square`, by where the whole alignment has `found` the inside of the print."""
+) -> tuple[FittedSquare | None, bool]:
+    """As `_verified`, by where the whole alignment has `found` the inside of the print."""
     alignment, is_print = seen.alignment, seen.is_print
     square, off = _compared(square, found, tolerance)
     if off.sum() > MOST_COVERED:
@@ -75,12 +110,12 @@ def _by_inside(
             square, off = _compared(again, found, tolerance)
             is_print = alignment.is_print(alignment.sampled(seen.blurred, square.corners_px, seen.shade))
     if off.any() and off.sum() <= MOST_COVERED:
-        return _without_covered(square, found, off)
+        return _without_covered(square, found, off), False
     if not is_print:
-        return None
+        return NOTHING
     if not off.any():
-        return dataclasses.replace(square, aligned_sigma=found.seen.sigma)
-    return _as_bent(square, found, MOST_BENT * seen.side_px)
+        return dataclasses.replace(square, aligned_sigma=found.seen.sigma), True
+    return _as_bent(square, found, MOST_BENT * seen.side_px), False
 
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +124,8 @@ class _PrintSeen:
 
     alignment: PrintAlignment
     blurred: LightPatch
-    samples: Light  # without the shade
+    shaded: Light  # (n, n) samples as they are
+    samples: Light  # (n, n) without the shade
     shade: Shade | None
     side_px: float
 
@@ -97,10 +133,25 @@ class _PrintSeen:
     def within(square: FittedSquare, view: LightPatch, alignment: PrintAlignment) -> "_PrintSeen":
         blurred = alignment.blurred(view, square.corners_px)
         samples = alignment.sampled(blurred, square.corners_px)
-        shade = alignment.shade.on(samples)
-        if shade is not None:
-            samples = shade.removed_from(samples)
-        return _PrintSeen(alignment, blurred, samples, shade, mean_side_px(square.corners_px))
+        seen = _PrintSeen(alignment, blurred, samples, samples, None, mean_side_px(square.corners_px))
+        return seen.without(alignment.shade.on(samples))
+
+    def without(self, shade: Shade | None) -> "_PrintSeen":
+        """The same without a shadow."""
+        if shade is None:
+            return self
+        return dataclasses.replace(self, samples=shade.removed_from(self.shaded), shade=shade)
+
+    @property
+    def in_penumbra(self) -> "_PrintSeen | None":
+        """The same without the border of a shadow, however wide; None where there is none."""
+        shade = self.alignment.shade.penumbra_on(self.shaded)
+        return None if shade is None else self.without(shade)
+
+    @property
+    def is_clipped(self) -> bool:
+        """Whether most of what should be white is as bright as a picture can be."""
+        return float(np.median(self.alignment.shade.white_of(self.shaded))) >= CLIPPED
 
     @property
     def is_print(self) -> bool:

@@ -8,6 +8,7 @@ four corners. All of these are known beforehand, so that a step is the product o
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import cv2
@@ -16,7 +17,14 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.edge_profiles import Light, LightPatch
-from ashe_live.tracking.edges.print_likeness import AVERAGED, MIN_LIKENESS, UNIT, PrintLikeness, normalised
+from ashe_live.tracking.edges.print_likeness import (
+    AVERAGED,
+    MIN_LIKENESS,
+    UNIT,
+    PrintLikeness,
+    normalised,
+    with_white_grown,
+)
 from ashe_live.tracking.edges.print_shade import Shade
 from ashe_live.tracking.edges.squares import is_front_of_square
 
@@ -34,6 +42,7 @@ STEPS = 12  # at most
 SMALL_STEP = 1e-3  # of the side length: the alignment has converged
 MIN_SIGMA_PX = 0.05
 LARGE_STEP = 0.08  # of the side length: the linearisation does not hold farther than this
+GROWN = (0.02, 0.035, 0.05)  # shares of the side by which clipped white grows beyond what is linear in the bleed
 OUTWARDS = np.sign(UNIT - 0.5)
 
 
@@ -95,7 +104,7 @@ class PrintAlignment(PrintLikeness):
         be off in `print_grey`, over the side.
         """
         super().__init__(print_grey, border, least_likeness)
-        self._edge_error = edge_error
+        self._print_grey, self._border, self._edge_error = print_grey, border, edge_error
         n = len(print_grey)
         places = (np.arange(self._side) + 0.5 - self._margin) / n
         y, x = np.meshgrid(places, places, indexing="ij")
@@ -114,10 +123,16 @@ class PrintAlignment(PrintLikeness):
         self._one_shift = one_shift.astype(np.float32)
         self._bleed_solver, self._bleed_spread = _bleed_solved(one_shift)
         self._tells_bleed = tells_place
-        is_weak = tells_place and math.sqrt(self._whole.largest_spread) > MOST_SPREAD
-        self.tells_place = tells_place and not is_weak
-        if is_weak:
+        self.tells_place = tells_place and math.sqrt(self._whole.largest_spread) <= MOST_SPREAD
+        if tells_place and not self.tells_place:
             self._least_likeness = SURE_LIKENESS
+
+    @cached_property
+    def overexposed(self) -> list[tuple[float, "PrintAlignment"]]:
+        """By what shares of the side white may have grown, and the print grown so; none without exact edges."""
+        shares = GROWN if self._tells_bleed else ()
+        own = self._border, True, self._least_likeness, self._edge_error
+        return [(share, PrintAlignment(with_white_grown(self._print_grey, share), *own)) for share in shares]
 
     def bleed_px(self, samples: Light, side_px: float, shade: Shade | None = None) -> float | None:
         """How far outwards all four sides of a square are displaced; None where it cannot be measured.

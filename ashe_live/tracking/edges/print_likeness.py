@@ -101,6 +101,17 @@ class PrintLikeness:
         return float(cells.max()) <= MOST_AMISS * float(np.ptp(self._prints[0]))
 
 
+def with_white_grown(print_grey: Image, share: float) -> Image:
+    """(n, n) the print (n, n) with its white, and that of the paper around it, grown by this share of the side."""
+    n, fine = len(print_grey), 8
+    grown = round(share * n * fine)
+    enlarged = np.repeat(np.repeat(print_grey, fine, axis=0), fine, axis=1)
+    padded = np.pad(enlarged, grown, constant_values=255)
+    wider = cv2.dilate(padded, np.ones((2 * grown + 1, 2 * grown + 1), np.uint8))
+    within = slice(grown, grown + n * fine)
+    return np.asarray(cv2.resize(wider[within, within], (n, n), interpolation=cv2.INTER_AREA), dtype=np.uint8)
+
+
 def _averaged(picture: Float) -> Float:
     """Over AVERAGED samples, as `blurred` does to the picture."""
     fine = 5

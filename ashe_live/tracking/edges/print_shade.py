@@ -1,7 +1,8 @@
-"""Undoes the shadow whose edge crosses a print: in deep shade, white is darker than what is grey in the sun.
+"""Undoes the shadow that crosses a print: in deep shade, white is darker than what is grey in the sun.
 
 The print is known, and so is where it is white. If its white shows two levels of light, as beside an object in the sun,
 each sample is divided by the light that falls on it, so that what compares it with the print need not know of shadows.
+Where a penumbra is too wide for two levels, its light is that of a round source that a straight border hides in part.
 """
 
 from dataclasses import dataclass
@@ -28,6 +29,14 @@ MOST_EDGE = 0.4  # share of the samples that lie on such edges: more leave too l
 NEIGHBOURS = np.ones((3, 3), np.uint8)
 TINY = np.float32(1e-6)  # of linear light, so that its log is finite
 BRIGHTEST_INK = 0.95  # quantile of ink that stands for the brightest, as a few samples are noise
+# A penumbra is fitted to at most so many samples of white, in so many steps, until one lowers the squared error by less
+# than this share.
+MOST_FITTED, FIT_STEPS, FITTED = 250, 25, 1e-3
+# Largest root mean square by which the logarithm of white may differ from it. Painted penumbrae leave 0.06, a single
+# cell of another print, whose ink is at -3, leaves 0.4.
+MOST_UNEXPLAINED = 0.1
+DARKEST = -12.0  # the least logarithm of a level that a fit goes to, and minus the largest
+LARGEST_STEP = 3.0  # of each unknown at once
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +75,10 @@ class PrintShade:
         places[nearest[known]] = np.flatnonzero(known)
         self._nearest = places[nearest]
 
+    def white_of(self, samples: Light) -> Light:
+        """(m,) of `samples` (n, n) those that are white, and not at an edge, in the print."""
+        return np.asarray(samples[self._white], dtype=np.float32)
+
     def on(self, samples: Light) -> Shade | None:
         """The shadow whose edge crosses `samples` (n, n) of linear light, taken where the print is thought to be."""
         white = samples[self._white]
@@ -95,6 +108,34 @@ class PrintShade:
         if np.count_nonzero(edge) > MOST_EDGE * edge.size:
             return None
         return Shade(light, np.asarray(edge, dtype=np.bool_), ink + (bright - ink) * self._print)
+
+    def penumbra_on(self, samples: Light) -> Shade | None:
+        """A shadow with a straight border of any width across `samples` (n, n) as in `on`, by the light on its white.
+
+        It is that of a round source beside a straight border. Its five unknowns cannot imitate the cells of another
+        print.
+        """
+        white = samples[self._white]
+        if not len(white) or float(white.min()) > PALEST * float(white.max()) or not self._black.any():
+            return None
+        n = len(samples)
+        y, x = np.indices(samples.shape) / ((n - 1) / 2) - 1
+        seen = np.log(np.maximum(white, TINY)).astype(np.float64)
+        every = -(-len(white) // MOST_FITTED)
+        penumbra = _fitted_penumbra(x[self._white][::every], y[self._white][::every], seen[::every])
+        if penumbra is None:
+            return None
+        fitted = np.exp(_log_light(penumbra, x, y)[0])
+        unexplained = seen - np.log(fitted[self._white])
+        if not float(unexplained @ unexplained) <= MOST_UNEXPLAINED**2 * len(white):
+            return None
+        bright = float(fitted[self._white].max())
+        light = np.clip(fitted / bright, DEEPEST, 1).astype(np.float32)
+        edge = cv2.erode(light, NEIGHBOURS) < (1 - EDGE) * cv2.dilate(light, NEIGHBOURS)
+        if np.count_nonzero(edge) > MOST_EDGE * edge.size:
+            edge = np.zeros_like(edge)  # so wide a border is known within it as well
+        ink = float(np.median(samples[self._black] / light[self._black]))
+        return Shade(light, np.asarray(edge, dtype=np.bool_), (ink + (bright - ink) * self._print).astype(np.float32))
 
     def _levels(self, white: Light, black: Light) -> tuple[float, float, float] | None:
         """The shadow's ratio, and the levels of white and ink in the light; None where white (m,) and black (k,) show
@@ -146,3 +187,53 @@ def _lit_ink(black: Light, ratio: float) -> float:
 def _inside(mask: Mask) -> Mask:
     """(n, n) of `mask`, what nothing else neighbours: in a picture, edges mix black and white."""
     return np.asarray(cv2.erode(mask.astype(np.uint8), NEIGHBOURS), dtype=np.bool_)
+
+
+def _log_light(penumbra: Float, x: Float, y: Float) -> tuple[Float, Float]:
+    """(...) logarithm of the light at x, y (...), and (..., 5) its derivatives by the `penumbra`: the logarithms of its
+    two levels, and the three coefficients of where the border lies on the source.
+    """
+    first, second = np.exp(penumbra[0]), np.exp(penumbra[1])
+    # Where the border lies on the source's disc, from -1 to 1.
+    place = np.clip(penumbra[2] * x + penumbra[3] * y + penumbra[4], -1, 1)
+    half_chord = np.sqrt(1 - place * place)
+    share = 0.5 + (place * half_chord + np.arcsin(place)) / np.pi
+    light = first + (second - first) * share
+    slope = (second - first) * 2 / np.pi * half_chord
+    derivatives = np.stack([first * (1 - share), second * share, slope * x, slope * y, slope], axis=-1)
+    return np.log(light), np.asarray(derivatives / light[..., None])
+
+
+def _fitted_penumbra(x: Float, y: Float, seen: Float) -> Float | None:
+    """(5,) the penumbra, as in `_log_light`, that explains the logarithms `seen` (m,) of white at x, y (m,) best, by
+    Levenberg and Marquardt; None where they are all alike.
+    """
+    plane = np.linalg.lstsq(np.column_stack([np.ones_like(x), x, y]), seen, rcond=None)[0]
+    steepness = float(np.hypot(plane[1], plane[2]))
+    dark, bright = np.quantile(seen, (LEAST_SHARE, 1 - LEAST_SHARE))
+    if steepness <= 0 or bright <= dark:
+        return None
+    # First as steep at its middle as the plane.
+    across = 0.5 * np.pi / (bright - dark) * plane[1:]
+    middle = int(np.argmin(np.abs(seen - 0.5 * (dark + bright))))
+    penumbra = np.array([dark, bright, *across, -(across[0] * x[middle] + across[1] * y[middle])])
+    damping = 1e-3
+    fitted, derivatives = _log_light(penumbra, x, y)
+    left = seen - fitted
+    for _ in range(FIT_STEPS):
+        normal = derivatives.T @ derivatives
+        step = np.linalg.solve(normal + np.diag(damping * np.diag(normal) + 1e-9), derivatives.T @ left)
+        # Where the border is wider than the print, its levels are out of sight and may be anything.
+        tried = penumbra + np.clip(step, -LARGEST_STEP, LARGEST_STEP)
+        tried[:2] = np.clip(tried[:2], DARKEST, -DARKEST)
+        fitted, tried_derivatives = _log_light(tried, x, y)
+        tried_left = seen - fitted
+        gained = float(left @ left - tried_left @ tried_left)
+        if gained <= 0:
+            damping *= 5
+            continue
+        is_last = gained < FITTED * float(left @ left)
+        penumbra, left, derivatives, damping = tried, tried_left, tried_derivatives, 0.2 * damping
+        if is_last:
+            break
+    return penumbra

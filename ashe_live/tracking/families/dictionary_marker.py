@@ -10,7 +10,14 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.corners import refined_corners
 from ashe_live.tracking.edges.print_alignment import PrintAlignment
-from ashe_live.tracking.edges.quads import MIN_SIDE_PX, dark_quads, ink_quads, on_lighter, without_repeats
+from ashe_live.tracking.edges.quads import (
+    MIN_SIDE_PX,
+    dark_quads,
+    half_seen_quads,
+    ink_quads,
+    on_lighter,
+    without_repeats,
+)
 from ashe_live.tracking.edges.squares import is_front_of_square
 from ashe_live.tracking.families.cells import reader_of
 
@@ -82,14 +89,25 @@ class DictionaryMarker:
             doubtful = [_corners(quad) for quad in rejected]
             if thorough:
                 doubtful += [*dark_quads(grey, min_side_px), *ink_quads(grey, min_side_px)]
-            for quad in on_lighter(grey, doubtful):
-                for marker in wanted:
-                    corners = marker._read(grey, quad)
-                    if corners is not None:
-                        by_number[marker.marker_id].append(corners)
-                        break
+            self._add_read(by_number, wanted, grey, on_lighter(grey, doubtful))
+            if thorough and not any(by_number.values()):
+                half_seen = half_seen_quads(grey, min_side_px)
+                unread = [*on_lighter(grey, half_seen), *on_lighter(grey, [*doubtful, *half_seen], is_clipped=True)]
+                self._add_read(by_number, wanted, grey, unread)
         found = (sorted(by_number[marker.marker_id], key=_area, reverse=True) for marker in wanted)
         return [without_repeats(each) for each in found]
+
+    @staticmethod
+    def _add_read(
+        by_number: dict[int, list[Float]], wanted: Sequence["DictionaryMarker"], grey: Image, quads: list[Float]
+    ) -> None:
+        """Adds to the corners found of each marker, by its number, those of `quads` that show it."""
+        for quad in quads:
+            for marker in wanted:
+                corners = marker._read(grey, quad)
+                if corners is not None:
+                    by_number[marker.marker_id].append(corners)
+                    break
 
     def bitmap(self, side_px: int) -> Image:
         """See Marker.bitmap; one pixel a cell is the least."""

@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Image
 from ashe_live.tracking.edges.corners import refined_corners
 from ashe_live.tracking.edges.print_alignment import PrintAlignment
-from ashe_live.tracking.edges.quads import MIN_SIDE_PX, SMALL_WINDOW_PX, dark_quads, ink_quads, without_repeats
+from ashe_live.tracking.edges.quads import (
+    MIN_SIDE_PX,
+    SMALL_WINDOW_PX,
+    dark_quads,
+    half_seen_quads,
+    ink_quads,
+    on_lighter,
+    without_repeats,
+)
 
 # Side of the square, in samples, at which candidate and pattern are compared.
 SAMPLES = 32
@@ -55,16 +63,13 @@ class PatternMarker:
 
     def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
         """See Marker.find; the one that correlates best first."""
-        found = []
         quads = dark_quads(grey, min_side_px)
         if thorough:
             quads += [*dark_quads(grey, min_side_px, SMALL_WINDOW_PX), *ink_quads(grey, min_side_px)]
-        for quad in quads:
-            correlation, corners = self._compare(grey, quad)
-            if correlation >= MIN_CORRELATION:
-                found.append((correlation, corners))
-        found.sort(key=lambda one: one[0], reverse=True)
-        return without_repeats([corners for _, corners in found])
+        found = self._among(grey, quads)
+        if thorough and not found:
+            found = self._among(grey, on_lighter(grey, half_seen_quads(grey, min_side_px)))
+        return found
 
     def bitmap(self, side_px: int) -> Image:
         """See Marker.bitmap."""
@@ -73,6 +78,16 @@ class PatternMarker:
         shrinks = side_px < len(self._print)
         interpolation = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
         return np.asarray(cv2.resize(self._print, (side_px, side_px), interpolation=interpolation), dtype=np.uint8)
+
+    def _among(self, grey: Image, quads: list[Float]) -> list[Float]:
+        """Those of `quads` that show it, in the print's order, the one that correlates best first."""
+        found = []
+        for quad in quads:
+            correlation, corners = self._compare(grey, quad)
+            if correlation >= MIN_CORRELATION:
+                found.append((correlation, corners))
+        found.sort(key=lambda one: one[0], reverse=True)
+        return without_repeats([corners for _, corners in found])
 
     def _compare(self, grey: Image, quad: Float) -> tuple[float, Float]:
         """The best correlation in [-1, 1] over the four rotations, and the corners in the print's order."""

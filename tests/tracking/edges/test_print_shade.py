@@ -10,6 +10,7 @@ from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, PrintedMarker, gro
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
 from ashe_live.core.arrays import Float, Image
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
@@ -17,7 +18,7 @@ from ashe_live.tracking.edges.edge_profiles import Light, LightPatch, linear_lig
 from ashe_live.tracking.edges.quads import dark_quads, ink_quads
 from ashe_live.tracking.families.markers import Marker, parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
-from tests.tracking.conftest import SPECS, frame
+from tests.tracking.conftest import SPECS, frame, photographed
 
 MARKER = parse_marker("aruco:4x4_50:0")
 POSE = pose_at(0.55, 25, 20)
@@ -84,8 +85,57 @@ def test_ink_where_the_print_is_white_is_no_shadow(ratio: float) -> None:
         other = parse_marker(f"aruco:4x4_50:{number}")
         for turns in range(4):
             samples = np.rot90(samples_of(other, Flaws(shadow_ratio=ratio), number), turns)
-            shade = alignment.shade.on(samples)
-            assert not alignment.is_print(samples if shade is None else shade.removed_from(samples))
+            for shade in (alignment.shade.on(samples), alignment.shade.penumbra_on(samples)):
+                assert not alignment.is_print(samples if shade is None else shade.removed_from(samples))
+
+
+def in_penumbra(marker: Marker, width: float, ratio: float, seed: int) -> Image:
+    """(h, w) grey: the light falls to `ratio` within `width` sides, as under a lamp that is a uniform strip."""
+    rng = np.random.default_rng(seed)
+    n, margin = 240, 80
+    paper = np.pad(marker.bitmap(n), margin, constant_values=255)
+    y, x = (np.indices(paper.shape) - (len(paper) - 1) / 2) / n
+    angle = rng.uniform(0, 2 * np.pi)
+    share = np.clip(0.5 + (np.cos(angle) * x + np.sin(angle) * y - rng.uniform(-0.3, 0.3)) / width, 0, 1)
+    light = 0.72 * (LINEAR_FROM_SRGB_8BIT[paper] + 0.04) * (ratio + (1 - ratio) * share)
+    encoded = (255 * srgb_from_linear(light)).round().astype(np.uint8)
+    middle_px = (len(paper) - 1) / 2
+    return np.ascontiguousarray(photographed(encoded, SIDE_M / n, (middle_px, middle_px), SMALL, POSE)[:, :, 0])
+
+
+@pytest.mark.parametrize("width", [0.5, 0.8, 1.4])
+def test_a_wide_penumbra_hides_no_marker(width: float) -> None:
+    for seed in range(12):
+        grey = in_penumbra(MARKER, width, 0.08, seed)
+        tracker = MarkerTracker(MARKER, SMALL, SIDE_M, BALANCED.tracking)
+        found = tracker.track(frame(np.repeat(grey[:, :, None], 3, axis=2), 0)).marker
+        assert found is not None
+        assert turn_deg(found.measured_T_cam_marker, POSE) < 0.5
+
+
+@pytest.mark.parametrize("width", [0.1, 0.5, 1.2])
+def test_what_is_left_without_a_penumbra_is_the_print(width: float) -> None:
+    alignment = MARKER.alignment
+    for seed in range(6):
+        view = LightPatch(linear_light(in_penumbra(MARKER, width, 0.1, seed)), SMALL, np.zeros(2))
+        shade = alignment.shade.penumbra_on(alignment.sampled(alignment.blurred(view, CORNERS), CORNERS))
+        assert shade is not None
+        without = shade.removed_from(alignment.sampled(alignment.blurred(view, CORNERS), CORNERS))
+        assert alignment.is_print(without)
+
+
+@pytest.mark.parametrize("width", [0.5, 1.2])
+def test_a_penumbra_makes_no_other_print_of_a_marker(width: float) -> None:
+    alignment = MARKER.alignment
+    for number in (28, 49, *range(1, 28, 3)):
+        view = LightPatch(
+            linear_light(in_penumbra(parse_marker(f"aruco:4x4_50:{number}"), width, 0.1, number)), SMALL, np.zeros(2)
+        )
+        seen = alignment.sampled(alignment.blurred(view, CORNERS), CORNERS)
+        for turns in range(4):
+            samples = np.ascontiguousarray(np.rot90(seen, turns))
+            shade = alignment.shade.penumbra_on(samples)
+            assert shade is None or not alignment.is_print(shade.removed_from(samples))
 
 
 @pytest.mark.parametrize("spec", SPECS)
