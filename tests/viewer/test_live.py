@@ -526,7 +526,7 @@ def test_of_several_dropped_files_no_model_is_lost_and_the_first_clip_is_opened(
     def is_there() -> bool:
         return stage.window.title == "ashe-live: sun.mp4"
 
-    stage.run(dropped("/far/sun.mp4", "/far/moon.mp4"), *waited_for(is_there), None)
+    stage.run(dropped("/far/sun.mp4", "/far/moon.mp4"), awaited(stage, is_there), None)
     assert is_there()
     assert "of 2 clips and photos the first" in stage.session.notice.text
 

@@ -78,12 +78,13 @@ class Region:
 
 
 def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
-    """The regions around the largest groups of unlit areas of a coarser picture: `count`, and BEFORE more, at most.
+    """The regions around the largest groups of unlit areas of a coarser picture: `count` at most, and a few more.
 
     A pixel counts less the farther its ground is from the marker, beside which people put their object. The clear parts
-    of a group that the lit ground nearly explains come before it, and before both what stands before surroundings. The
-    last region is around two of the groups and the gap between, where that is small. Each is scaled to about `size_px`,
-    as far as the resolution of `fine` allows.
+    of a group that the lit ground nearly explains come before it, and before both up to BEFORE regions of what stands
+    before surroundings. One more is around two of the groups and the gap between, where that is small: it takes no
+    other's place, as the third object may be the one that shows its shadow best. Each is scaled to about `size_px`, as
+    far as the resolution of `fine` allows.
     """
     groups = [area for area, _ in _groups(coarse_unlit, coarse_unlit, fine)[:count]]
     before = [one for group in groups for one in _before_surroundings(group, ground, fine)][:BEFORE]
@@ -92,7 +93,7 @@ def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: in
     apart = [one for own, group in zip(parts, groups, strict=True) for one in own or [group]]
     pairs = (_joined(one, other) for one, other in combinations(apart[:JOINED], 2))
     together = [area for area in pairs if area is not None]
-    chosen = [(area, None) for area in areas[: count - len(together)] + together]
+    chosen = [(area, None) for area in areas[:count] + together]
     return [region_of(fine, area, ground, size_px, surroundings) for area, surroundings in [*before, *chosen]]
 
 

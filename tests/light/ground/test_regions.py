@@ -111,6 +111,20 @@ def test_an_object_with_a_gap_to_its_shadow_is_also_tried_with_it() -> None:
     assert overlap(joined.unlit, painted) > 0.75
 
 
+def test_two_groups_that_are_also_tried_together_leave_the_third_its_region() -> None:
+    here = painted_region(BOX)
+    unlit = np.zeros_like(here.unlit)
+    one, near, apart = (slice(20, 50), slice(30, 60)), (slice(20, 50), slice(75, 105)), (slice(150, 165), slice(40, 55))
+    for rows, columns in (one, near, apart):
+        unlit[rows, columns] = True
+    regions = unlit_regions(fine_of(), unlit, here.ground, 130, 3)
+    assert len(regions) == 4
+    for rows, columns in (one, near, apart):
+        alone = np.zeros_like(unlit)
+        alone[rows, columns] = True
+        assert max(overlap(region.unlit, in_region(region, alone)) for region in regions) > 0.8
+
+
 def test_an_object_with_a_belt_in_the_grounds_colour_is_whole_where_it_is_tried_with_its_shadow() -> None:
     here = painted_region(BOX)
     unlit = np.zeros_like(here.unlit)
@@ -158,7 +172,7 @@ def test_any_unlit_mask_has_regions_within_the_frame() -> None:
     corner[-1, -1] = True
     for unlit in (np.ones_like(here.unlit), specks < 0.5, specks < 0.01, corner):
         regions = unlit_regions(fine_of(), unlit, here.ground, 130, 3)
-        assert 1 <= len(regions) <= 3 + BEFORE
+        assert 1 <= len(regions) <= 3 + BEFORE + 1
         for region in regions:
             assert region.in_frame(region.unlit).shape == region.frame_shape
             assert region.unlit.size > 0
