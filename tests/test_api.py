@@ -367,7 +367,7 @@ def test_each_picture_of_several_is_looked_at_by_itself_and_those_of_a_tracker_u
     camera, shown = al.Camera.from_hfov((640, 480), 55), picture_of_box(-100)
     covered = shown.copy()
     for corner in al.Tracker(camera).track(shown).marker.corners_px:
-        cv2.circle(covered, np.round(corner).astype(int).tolist(), 10, (60, 90, 130), -1)
+        cv2.circle(covered, np.round(corner).astype(int).tolist(), 15, (60, 90, 130), -1)
     tracker = al.Tracker(camera)
     assert tracker.track(shown).marker is not None
     assert tracker.track(covered).marker is not None, "a hand that passes in a film"
