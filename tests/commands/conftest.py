@@ -1,7 +1,8 @@
 """Commands run in this process, with an estimator that answers at once where the estimator is not the subject."""
 
 import json
-from collections.abc import Callable, Sequence
+import signal
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -104,6 +105,17 @@ def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
         return Outcome(int(status or 0), out.splitlines(), err.splitlines())
 
     return run
+
+
+@pytest.fixture
+def heeds_signals() -> Iterator[None]:
+    """Signals act that whoever began the tests may have ignored, as nohup and a shell's `&` do."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    for number in before:
+        signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 @pytest.fixture

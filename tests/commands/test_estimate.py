@@ -446,6 +446,7 @@ def test_a_batch_that_is_interrupted_leaves_a_sheet_of_what_was_answered(run, fo
     assert len(outcome.out) == len(BASE64.findall(sheet.read_text())) == 1
 
 
+@pytest.mark.usefixtures("heeds_signals")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_batch_that_is_asked_to_end_leaves_a_sheet_too(run, folder, monkeypatch, number):
     """As by a terminal that is closed."""

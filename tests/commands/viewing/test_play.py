@@ -409,6 +409,7 @@ def test_a_name_of_another_kind_is_refused_before_anything_is_read(run, tmp_path
     assert "a.avi is of no kind that is recorded: let its name end in .mp4" in outcome.refusal
 
 
+@pytest.mark.usefixtures("heeds_signals")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_play_that_is_asked_to_end_keeps_its_report(play, tmp_path, monkeypatch, number):
     report, add = tmp_path / "r.json", Report.add_frame
