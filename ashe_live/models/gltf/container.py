@@ -69,10 +69,10 @@ def _parsed(text: bytes) -> Json:
 
 def _check_version(path: Path, document: Json) -> None:
     asset = document.get("asset")
-    # Of a later version the file says in the second whether it can be read as 2.0.
+    # A file of a later version says by minVersion whether it can be read as 2.0.
     for key in ("version", "minVersion"):
         version = asset.get(key) if isinstance(asset, dict) else None
-        if isinstance(version, str) and (version.partition(".")[0] != "2" or (key != "version" and version > "2.0")):
+        if isinstance(version, str) and (version.partition(".")[0] != "2" or (key == "minVersion" and version > "2.0")):
             raise _other_version(path, version)
     # In glTF 1.0 meshes have names instead of places, and the version may be missing.
     if isinstance(document.get("meshes"), dict):

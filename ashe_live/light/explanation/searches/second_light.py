@@ -38,15 +38,17 @@ def with_lights_counted(
     """Settles the number of lights: drops explanations by two lights where the picture shows one, and tries a second.
 
     Returns the explanations kept; those with a second light of the likeliest of them come first and replace those by
-    one of their two lights. rough: the explanations before refinement, and others. region_px: size in pixels to which
-    a region is scaled. log_odds: by which explanations are judged.
+    one of their two lights. Where the likeliest has two lights, a second is tried for the likeliest by one of these.
+
+    rough: the explanations before refinement, and others. region_px: size in pixels to which a region is scaled.
+    log_odds: by which explanations are judged.
     """
     singles = [each for each in [*explanations, *rough] if len(each.lights) == 1]
     kept = [each for each in explanations if len(each.lights) == 1 or _shows_both(each, singles)]
     one = max(kept, key=log_odds, default=None)
     if one is None:
         return kept
-    # Where the likeliest has two lights, of which the region cut one's shadow, its first light alone finds all of that.
+    # A region may cut one of two shadows short. From the other light alone, all of it is found in the whole view.
     pairs = [one] if len(one.lights) > 1 else []
     alone = [each for each in kept if is_part_of(one, each)] if pairs else [one]
     known = max(alone, key=log_odds, default=None)
