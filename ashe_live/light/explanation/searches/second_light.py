@@ -20,12 +20,13 @@ from ashe_live.light.explanation.searches.shadow_search import ShadowCandidate, 
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
-from ashe_live.light.shape.predicted import Predicted, predicted_of
+from ashe_live.light.shape.predicted import Predicted, predicted, predicted_of
 
 TRIED = 2  # candidates for the second light
 # How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders.
 LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18
 NEAR_RAD = math.radians(10)
+PART = 0.8  # of a shadow's pixels: so many lie in another shadow that it is a part of
 
 
 def with_lights_counted(
@@ -38,7 +39,8 @@ def with_lights_counted(
     """Settles the number of lights: drops explanations by two lights where the picture shows one, and tries a second.
 
     Returns the explanations kept; those with a second light of the likeliest of them come first and replace those by
-    one of their two lights. Where the likeliest has two lights, a second is tried for the likeliest by one of these.
+    one of their two lights. Where the likeliest has two lights, a second is tried for the likeliest by one of these; of
+    two pairs, one whose shadows are parts of the other's and explain the same pixels less well is dropped.
 
     rough: the explanations before refinement, and others. region_px: size in pixels to which a region is scaled.
     log_odds: by which explanations are judged.
@@ -56,7 +58,12 @@ def with_lights_counted(
         found = shadow_candidates(known.proxy, known.lit.lights, view.coarse, view.ground, TRIED)
         tried = [_tried(known, candidate, view, region_px) for candidate in found]
         pairs += [both for both in tried if both is not None]
-    return [*pairs, *(other for other in without(kept, pairs) if not any(is_part_of(both, other) for both in pairs))]
+    whole = pairs
+    for pair in pairs:
+        if any(_cuts_short(pair, other) for other in without(whole, [pair])):
+            whole = without(whole, [pair])
+    others = without(kept, pairs)
+    return [*whole, *(other for other in others if not any(is_part_of(both, other) for both in whole))]
 
 
 def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
@@ -68,6 +75,18 @@ def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
         for single in singles
         if single.region is both.region
     )
+
+
+def _cuts_short(pair: Explanation, whole: Explanation) -> bool:
+    """Whether each shadow of a pair is a part of one in `whole`, whose region costs less by `whole`."""
+    first = whole.lights[0].to_light_marker
+    in_order = sorted(pair.lights, key=lambda light: angle_between(light.to_light_marker, first))
+    cut = predicted(pair.proxy, np.array([light.light for light in in_order]), whole.region.view)
+    are_parts = all(
+        np.count_nonzero(part & other) > PART * np.count_nonzero(part)
+        for part, other in zip(cut.parts, whole.predicted.parts, strict=True)
+    )
+    return are_parts and whole.costs.of(whole.predicted) < whole.costs.of(cut)
 
 
 def is_part_of(both: Explanation, other: Explanation) -> bool:

@@ -188,3 +188,26 @@ def test_a_pair_with_a_wrong_second_light_leaves_the_right_one_to_be_found() -> 
         for pair in ((painted.to_light, STRONG.to_light), (STRONG.to_light, painted.to_light))
         if len(one.lights) == 2
     )
+
+
+@pytest.mark.parametrize("elevation_deg", [55.0, 65.0])
+def test_a_pair_with_one_shadow_cut_short_gives_way_to_the_pair_with_all_of_it(elevation_deg: float) -> None:
+    painted = paint(BOX, other=STRONG)
+    _, trace = ProxyEstimator().traced(painted.tracked)
+    both = trace.judged[int(np.argmax(trace.probabilities))]
+    truths = (painted.to_light, STRONG.to_light)
+    known, other = sorted(both.lights, key=lambda light: angle_between(light.to_light_marker, painted.to_light))
+    single = next(
+        each for each in trace.rough if angle_between(each.lights[0].to_light_marker, known.to_light_marker) < 0.1
+    )
+    higher = replace(other, light=at_infinity(direction(STRONG.azimuth_deg, elevation_deg)))
+    view, ground = seen(painted)
+    scene = SceneView(0, View.of(painted.tracked, BALANCED.fine_width_px), view, ground)
+    for lights in ((known, higher), (higher, known)):
+        short = replace(both, lights=lights)
+        found = with_lights_counted([short, single], [], scene, BALANCED.region_px, lambda one: float(len(one.lights)))
+        pairs = [one for one in found if len(one.lights) == 2]
+        assert pairs
+        for one in pairs:
+            errors = [min(angle_between(light.to_light_marker, true) for true in truths) for light in one.lights]
+            assert max(errors) < 0.05
