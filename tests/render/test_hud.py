@@ -76,7 +76,7 @@ def test_letters_are_smaller_in_a_small_window_of_which_text_would_cover_half(sc
     for width, height, font_pt in ((480, 360, 11.25), (400, 300, 11), (640, 480, 15), (1280, 480, 15), (640, 320, 11)):
         screen = Screen((scale * width, scale * height), scale)
         for hint in ((), lines):
-            blocks = hud._blocks(HudText(("60 fps   model: cube",), hint), screen, screen.size[0])
+            blocks = hud._blocks(HudText(("60 fps   model: cube",), hint), screen, screen.size)
             assert {block.font_px for block in blocks} == {scale * font_pt}
 
 
