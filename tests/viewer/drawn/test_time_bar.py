@@ -35,11 +35,20 @@ def test_it_lies_at_the_bottom_and_inside(size, scale):
 @pytest.mark.parametrize(("size", "scale"), PLACES)
 def test_a_click_goes_to_where_the_knob_then_stands(size, scale):
     screen = Screen(size, scale)
-    bar = bar_at(screen)
+    bar = bar_at(screen, 10.0)
     for x_px in np.linspace(bar.left, bar.right, 7):
         *_, knob = TimeBar().overlays(Moment(10 * bar.share_at(x_px), 10.0), screen)
         assert knob.left_px + knob.shown_size[0] // 2 == pytest.approx(x_px, abs=1)
     assert (bar.share_at(-1e6), bar.share_at(1e6)) == (0, 1)
+
+
+@pytest.mark.parametrize("minutes", [2, 45, 200])
+@pytest.mark.parametrize(("size", "scale"), [((400, 300), 1.0), ((1280, 720), 1.0), ((3840, 2160), 2.0)])
+def test_the_longest_text_of_a_long_clip_ends_before_the_line(size, scale, minutes):
+    last = Moment(60.0 * minutes, 60.0 * minutes, 60 * 60 * minutes, 0.25, True)
+    _, text, *line = TimeBar().overlays(last, Screen(size, scale))
+    ink = np.flatnonzero(text.image_rgba[..., 3].any(axis=0))
+    assert text.left_px + ink[-1] < min(part.left_px for part in line[:2])
 
 
 def test_time_moves_the_knob_and_nothing_is_uploaded_anew():
