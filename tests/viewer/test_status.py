@@ -37,6 +37,13 @@ def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move
     assert "move" not in light_line(session)
 
 
+def test_an_answer_by_several_views_says_how_many_and_how_far_apart_they_are(shown, fakes):
+    session = shown()
+    session.watch.camera_may_move = True
+    session.estimated(fakes.estimate(others=(3, 8), span_rad=np.radians(21)))
+    assert light_line(session).endswith("2.9°, 3 views over 21°")
+
+
 def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
     session = make()
     session.take(fakes.tracked(has_marker=False), 0.0)
@@ -82,6 +89,21 @@ def test_the_light_line_names_every_state(shown, fakes):
     assert lines[2] == "light: azimuth 0°, elevation 45° ± 2.9° (0.0° from the truth)"
     assert lines[3] == lines[2] + ", estimating…"
     assert lines[4] == "no clear light: no shadow found beside the object"
+
+
+def test_the_light_line_says_who_has_set_the_light_and_of_how_many_it_is_the_first(shown, fakes):
+    session = shown()
+    session.estimated(fakes.estimate())
+    assert not any(word in light_line(session) for word in ("by hand", "first of"))
+    session.set_by_hand(1.0)
+    assert light_line(session).startswith("light by hand: ")
+    session.hand.light = Illumination(tuple(Light((0.1 * number, 0.0, 1.0)) for number in range(3)))
+    assert light_line(session).endswith("first of 3")
+
+
+def test_a_light_that_is_watched_needs_no_key(make):
+    assert "Space" in light_line(make())
+    assert "Space" not in light_line(make(automatic=True))
 
 
 def test_an_estimate_that_takes_long_says_for_how_long(shown, fakes):
