@@ -25,6 +25,7 @@ from ashe_live.viewer.status import (
     source_lines,
     status_lines,
 )
+from tests.viewer.scripted_session import on_cube
 
 
 def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move_the_camera(shown, fakes):
@@ -33,6 +34,8 @@ def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move
     assert "move" not in light_line(session)  # a clip moves by itself
     session.watch.camera_may_move = True
     assert light_line(session) == "light: azimuth 0°, elevation 45° ± 2.9°, move the camera a little"
+    session.watch.sharpening.span_rad = np.radians(20)  # views so far apart have not made it any sharper
+    assert "move" not in light_line(session)
     session.estimated(fakes.estimate(sigma_rad=0.01), 1.0)
     assert "move" not in light_line(session)
 
@@ -129,7 +132,7 @@ def test_while_it_waits_for_a_steady_marker_it_does_not_ask_for_a_key(make):
 def test_the_marker_line_distinguishes_found_from_lost(fakes):
     lines = {marker_line(None), marker_line(fakes.tracked()), marker_line(fakes.tracked(has_marker=False))}
     assert len(lines) == 3
-    assert "marker: in view" in lines
+    assert {"marker: in view", "marker: not in view"} < lines
 
 
 def test_of_a_marker_only_what_is_wrong_is_said(fakes):
@@ -139,6 +142,19 @@ def test_of_a_marker_only_what_is_wrong_is_said(fakes):
     assert line == "marker: in view, but bent: lay it flat, or measure the lens by `ashe-live calibrate`"
     by_file = dataclasses.replace(bent.camera, source="file")
     assert marker_line(dataclasses.replace(bent, camera=by_file)) == "marker: in view, but bent: lay it flat"
+
+
+def test_a_cube_is_not_to_be_laid_flat(fakes):
+    seen = fakes.tracked()
+    cube = on_cube(dataclasses.replace(seen, marker=dataclasses.replace(seen.marker, reprojection_rms_px=2.4)))
+    assert marker_line(cube) == "marker: in view"
+
+
+def test_numbers_are_those_of_the_frame_that_was_measured_and_the_name_that_of_the_model_that_is_drawn(shown, fakes):
+    session = shown()
+    assert status_lines(session, None, "fast")[:2] == ["model: cube   fast", "marker: in view"]
+    first, marker, *_ = status_lines(session, None, "fast", fakes.tracked(has_marker=False), "tree")
+    assert (first, marker) == ("model: tree   fast", "marker: not in view")
 
 
 def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):
