@@ -182,6 +182,11 @@ def test_letters_are_no_smaller_than_they_have_to_be() -> None:
         assert least * width <= fitted.shown_size[0] <= size[0]
 
 
+@pytest.mark.parametrize("size", [(1, 1), (12, 300), (300, 12)])
+def test_no_window_is_too_small_for_words_to_be_laid_out(size: tuple[int, int]) -> None:
+    assert len(Hud().overlays(HudText(("word " * 3,), ("hint",)), Screen(size))) == 2
+
+
 def test_a_line_that_the_window_has_room_for_is_not_broken() -> None:
     (short,), (long,) = (Hud().overlays(HudText((words,)), Screen((1280, 720))) for words in ("a word", "a word " * 20))
     assert long.shown_size[0] > 720

@@ -384,7 +384,9 @@ def test_a_light_by_hand_comes_nearer_and_goes_away_again():
     assert nearer.inverse_distance == pytest.approx(first.inverse_distance * FARTHER_STEP**2.5)
     assert nearer.radius_m == pytest.approx(first.radius_m)
     assert nearer.lamp_covariance is nearer.covariance_rad2 is nearer.confidence is None
-    for _ in range(4):
+    hand.obey(Request(Command.LIGHT_DISTANCE, 1), sight(tracked))
+    assert hand.light.light.inverse_distance == pytest.approx(nearer.inverse_distance / FARTHER_STEP)
+    for _ in range(3):
         said = hand.obey(Request(Command.LIGHT_DISTANCE, 1), sight(tracked))
     assert hand.light.light.kind == "directional"
     assert "far away" in said

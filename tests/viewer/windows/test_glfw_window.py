@@ -32,6 +32,7 @@ class Glfw:
         self.undecodable: bytes | None = None  # the name of a dropped file
         self.calls: list[str] = []
         self.on: dict[str, Any] = {}
+        self.hints: dict[int, int] = {}
 
     def __getattr__(self, name: str) -> Any:
         if name.isupper():
@@ -46,6 +47,9 @@ class Glfw:
     def create_window(self, width: int, height: int, *_: object) -> str | None:
         self.place = (*self.place[:2], self.magnifies * width, self.magnifies * height)
         return "window" if self.opens else None
+
+    def window_hint(self, hint: int, value: int) -> None:
+        self.hints[hint] = value
 
     def get_error(self) -> tuple[int, bytes]:
         return 0, b"no such thing"
@@ -119,6 +123,21 @@ def desktop(monkeypatch: pytest.MonkeyPatch) -> Glfw:
 
 def opened(size: Size = (640, 480)) -> GlfwWindow:
     return GlfwWindow("ashe-live", size)
+
+
+def test_its_opengl_is_one_that_macos_has_and_its_pictures_wait_for_the_display(desktop: Glfw) -> None:
+    """Which has 3.3 in a forward-compatible core profile alone."""
+    opened()
+    wanted = {
+        glfw.CONTEXT_VERSION_MAJOR: 3,
+        glfw.CONTEXT_VERSION_MINOR: 3,
+        glfw.OPENGL_PROFILE: glfw.OPENGL_CORE_PROFILE,
+        glfw.OPENGL_FORWARD_COMPAT: True,
+    }
+    assert desktop.hints.items() >= wanted.items()
+    made_current = desktop.calls.index("make_context_current")
+    assert "swap_interval" in desktop.calls[made_current:]
+    assert "show_window" in desktop.calls
 
 
 def press(desktop: Glfw, key: int, *actions: int, held: int = 0) -> None:
