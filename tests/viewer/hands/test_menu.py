@@ -211,3 +211,16 @@ def test_entries_are_asked_for_only_when_it_opens():
 def test_names_of_any_length_and_number_are_offered_up_to_the_keys_there_are():
     many = entries_for(tuple(f"model {number}" for number in range(40)), 39)
     assert sum(entry.request.command is Command.CHOOSE_MODEL for entry in many) == 9
+
+
+@pytest.mark.parametrize("size", [SIZE, (1280, 720)])
+def test_a_long_name_is_cut_and_leaves_the_menu_as_large(size):
+    """In letters that small windows had no room for, none of the menu could be read."""
+    name = "wooden_chair_" * 19 + "final.glb"
+    menu, entries = Menu(), entries_for((name, "tree"), 1)
+    assert name.startswith(entries[0].text[:16])
+    assert entries[0].text.endswith("final.glb")
+    menu.take_mouse(MouseEvent(MENU, 0, 0), lambda: entries, Screen(size))
+    _, _, width, height = plate(menu, size)
+    assert width <= size[0]
+    assert height > 0.9 * plate(opened(0, 0, size), size)[3]
