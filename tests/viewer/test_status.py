@@ -72,8 +72,22 @@ def test_after_no_light_it_says_what_to_change(shown, fakes):
     line, by_hand = guidance(session)
     assert line.startswith("what helps")
     assert "by hand" in by_hand
+    session.set_by_hand(0.0)
+    assert guidance(session) == (), "then there is one"
+    session.press(Command.RESET)
+    assert guidance(session) == (line, by_hand)
+    session.watch.camera_may_move = True
+    assert [hint for hint in guidance(session) if "Shift+Space" in hint], "a thing can be taken away"
     session.request_estimate(0.0)
     assert guidance(session) == ()
+
+
+def test_other_markers_in_view_are_named_with_the_key_that_follows_one(shown):
+    session = shown()
+    session.markers_in_view = ("aruco:4x4_50:7", "aruco:4x4_50:9")
+    (line,) = guidance(session)
+    assert "aruco:4x4_50:9" in line
+    assert line.endswith("M follows aruco:4x4_50:7")
 
 
 def test_the_light_line_names_every_state(shown, fakes):
@@ -172,6 +186,16 @@ def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):
     assert "few views" in camera_line(vague)
 
 
+def test_the_camera_that_nobody_gave_has_a_line_of_its_own(make, fakes):
+    session, given = make(), fakes.tracked()
+    session.take(given, 0.0)
+    without = status_lines(session, None, "fast")
+    session.take(dataclasses.replace(given, camera=Camera.from_hfov(given.frame.size, 60, "assumed")), 0.1)
+    first, marker, camera, light = status_lines(session, None, "fast")
+    assert [first, marker, light] == without
+    assert camera == camera_line(session.tracked)
+
+
 def test_no_status_line_is_empty(make):
     session = make()
     assert all(status_lines(session, None, "fast"))
@@ -202,6 +226,21 @@ def test_a_model_that_was_moved_out_of_the_picture_is_reported(make, fakes):
         session.hand.placement = Placement(shift_m=shift_m)
         assert guidance(session) == said
     session.press(Command.RESET)
+    assert guidance(session) == ()
+
+
+def test_of_a_model_that_is_out_of_the_picture_with_its_marker_nothing_is_said_unless_somebody_has_moved_it(
+    make, fakes
+):
+    session, seen = make(), fakes.tracked()
+    aside = seen.marker.T_cam_marker.copy()
+    aside[0, 3] = 5.0
+    session.table.shelf.shown = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
+    session.take(dataclasses.replace(seen, marker=dataclasses.replace(seen.marker, T_cam_marker=aside)), 0.0)
+    assert guidance(session) == ()
+    session.hand.placement = Placement(shift_m=(0.01, 0.0))
+    assert guidance(session) == (OUT_OF_PICTURE,)
+    session.take(fakes.tracked(1, has_marker=False), 0.1)
     assert guidance(session) == ()
 
 

@@ -108,6 +108,7 @@ class Glfw:
         return self.text
 
     def poll_events(self) -> None:
+        self.calls.append("poll_events")
         if self.undecodable is not None:
             self.undecodable.decode()
 
@@ -153,6 +154,14 @@ def test_a_key_asks_once_and_while_it_is_held_for_what_goes_on(desktop: Glfw) ->
     press(desktop, glfw.KEY_LEFT, *held, held=glfw.MOD_CONTROL)
     assert window.take_requests(0.0) == [Request(Command.ESTIMATE), *[Request(Command.MOVE_LIGHT, (-1, 0))] * 3]
     assert window.take_requests(0.0) == []
+
+
+def test_it_waits_for_events_where_it_is_to_and_only_there(desktop: Glfw) -> None:
+    """An unchanged picture would else keep a core busy."""
+    window, waits = opened(), ("wait_events_timeout", "poll_events")
+    for wait_s in (0.1, 0.0):
+        window.take_requests(wait_s)
+    assert [call for call in desktop.calls if call in waits] == list(waits)
 
 
 def test_letters_are_known_by_what_stands_on_the_key(desktop: Glfw) -> None:
