@@ -229,9 +229,7 @@ def test_a_model_that_was_moved_out_of_the_picture_is_reported(make, fakes):
     assert guidance(session) == ()
 
 
-def test_of_a_model_that_is_out_of_the_picture_with_its_marker_nothing_is_said_unless_somebody_has_moved_it(
-    make, fakes
-):
+def test_a_model_out_of_the_picture_with_its_marker_is_reported_only_if_it_was_moved(make, fakes):
     session, seen = make(), fakes.tracked()
     aside = seen.marker.T_cam_marker.copy()
     aside[0, 3] = 5.0

@@ -33,6 +33,7 @@ class Glfw:
         self.calls: list[str] = []
         self.on: dict[str, Any] = {}
         self.hints: dict[int, int] = {}
+        self.labels: dict[int, str] = {}  # of keys on which other letters stand than on an American keyboard's
 
     def __getattr__(self, name: str) -> Any:
         if name.isupper():
@@ -99,7 +100,7 @@ class Glfw:
             self.place = place[:4]
 
     def get_key_name(self, key: int, _scancode: int) -> str | None:
-        return chr(key).lower() if key < 128 and key != glfw.KEY_SPACE else None
+        return self.labels.get(key, chr(key).lower()) if key < 128 and key != glfw.KEY_SPACE else None
 
     def get_key(self, _window: object, key: int) -> int:
         return glfw.PRESS if key in self.down else glfw.RELEASE
@@ -168,7 +169,11 @@ def test_letters_are_known_by_what_stands_on_the_key(desktop: Glfw) -> None:
     window = opened()
     press(desktop, glfw.KEY_L, glfw.PRESS)
     press(desktop, glfw.KEY_S, glfw.PRESS, held=glfw.MOD_SHIFT)
-    assert window.take_requests(0.0) == [Request(Command.TOGGLE_LIGHT), Request(Command.CUT_OUT)]
+    desktop.labels = {glfw.KEY_Y: "z", glfw.KEY_Z: "y"}  # German
+    press(desktop, glfw.KEY_Y, glfw.PRESS, held=glfw.MOD_CONTROL)
+    assert window.take_requests(0.0) == [
+        Request(each) for each in (Command.TOGGLE_LIGHT, Command.CUT_OUT, Command.UNDO)
+    ]
 
 
 def test_a_press_is_where_the_mouse_was_then_and_of_moves_in_a_row_the_last_counts(desktop: Glfw) -> None:
