@@ -139,15 +139,17 @@ def test_the_masks_are_mirrored_as_the_window_is(session):
 
 
 @pytest.mark.parametrize("is_mirrored", [False, True])
-def test_the_masks_make_way_for_a_model_where_the_window_shows_it(session, is_mirrored):
+def test_the_masks_make_way_for_a_model_where_the_window_shows_it(session, fakes, is_mirrored):
     """Seen from above, its x to the right and its y up: below at the right, or, in a mirror, at the left."""
     session.view.shows_steps, session.view.is_mirrored = True, is_mirrored
     for x_m, is_in_the_way in ((0.17, not is_mirrored), (-0.17, is_mirrored)):
         session.hand.placement = Placement(shift_m=(x_m, -0.12))
         inset, *_ = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
         assert (inset.top_px < SCREEN.size[1] / 4) is is_in_the_way
-    session.tracked = None
-    assert Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
+    for tracked in (fakes.tracked(1, has_marker=False), None):
+        session.tracked = tracked
+        inset, *_ = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
+        assert inset.top_px > SCREEN.size[1] / 4
 
 
 def test_a_marker_that_is_lost_is_reported_at_once_and_its_numbers_are_held(session, fakes, monkeypatch):

@@ -286,6 +286,7 @@ def test_without_a_monitor_it_stays_as_it_is(desktop: Glfw) -> None:
         ((640, 480), 1, (640, 480)),
         ((3840, 2160), 1, (1778, 1000)),
         ((400, 2000), 1, (200, 1000)),
+        ((3000, 500), 1, (1920, 320)),
         ((640, 480), 2, (1280, 960)),
         ((1280, 720), 2, (1778, 1000)),
     ],
@@ -293,6 +294,14 @@ def test_without_a_monitor_it_stays_as_it_is(desktop: Glfw) -> None:
 def test_it_is_no_larger_than_the_desktop_has_room_for(desktop: Glfw, asked: Size, magnifies: int, has: Size) -> None:
     desktop.bar_px, desktop.magnifies = 80, magnifies
     assert opened(asked).screen.size == pytest.approx(has, abs=1)
+
+
+@pytest.mark.parametrize("monitors", [[], [(0, 0, 0, 0, 60)]], ids=["none", "one that does not say how large it is"])
+def test_it_is_as_large_as_was_asked_for_where_nobody_knows_the_desktop_s_size(
+    desktop: Glfw, monitors: list[tuple[int, ...]]
+) -> None:
+    desktop.monitors = monitors
+    assert opened((640, 480)).screen.size == (640, 480)
 
 
 def test_where_no_window_can_be_opened_it_is_said_why(desktop: Glfw) -> None:
