@@ -46,11 +46,11 @@ BINDINGS = (
         gesture=Gesture.DRAG,
     ),
     Binding(
-        (CTRL + "+", CTRL + "=", CTRL + "-"),
+        (CTRL + "+", CTRL + "=", CTRL + "-", CTRL + "EQUAL", CTRL + "MINUS"),  # in some layouts + and = need Shift
         Command.LIGHT_STRENGTH,
         "Ctrl+ + -",
         "light: stronger, weaker",
-        (1, 1, -1),
+        (1, 1, -1, 1, -1),
         repeats=True,
     ),
     Binding(
@@ -103,11 +103,11 @@ BINDINGS = (
     Binding(("U",), Command.TURN_UP, "U", "turn another side up"),
     Binding(("K",), Command.STOP_MOTION, "K", "stop a moving model"),
     Binding(
-        ("+", "=", "-", "HOME", "END"),  # French keyboards have the minus on the 6
+        ("+", "=", "-", "EQUAL", "MINUS", "HOME", "END"),  # French keyboards have the minus on the 6
         Command.SCALE_MODEL,
         "wheel, + -, Home, End",
         "model larger or smaller",
-        (1, 1, -1, 1, -1),
+        (1, 1, -1, 1, -1, 1, -1),
         repeats=True,
         gesture=Gesture.WHEEL,
     ),

@@ -59,13 +59,16 @@ def test_keys_are_known_by_what_stands_on_them(label, place, command):
 
 
 # What the keys of a layout say without a modifier, and GLFW's name of their place where the table has it.
-GERMAN = dict.fromkeys("0+-#,.äöüß^qwertzuiopasdfghjklyxcvbnm<") | {digit: digit for digit in "123456789"}
-FRENCH = dict.fromkeys("à)=^$*ù²azertyuiopqsdfghjklmwxcvbn,!<") | {";": "COMMA", ":": "PERIOD"}
-FRENCH |= dict(zip("&é\"'(-è_ç", "123456789", strict=True))
-UNLABELLED = sorted({name for key in REQUEST_BY_KEY if len(name := split(key)[1]) > 1} - {"COMMA", "PERIOD"})
+DIGITS = {digit: digit for digit in "123456789"}
+GERMAN = dict.fromkeys("0+-#,.äöü^qwertzuiopasdfghjklyxcvbnm<") | {"ß": "MINUS", "´": "EQUAL"} | DIGITS
+SWISS = dict.fromkeys("0-$,.äöü¨§qwertzuiopasdfghjklyxcvbnm<") | {"'": "MINUS", "^": "EQUAL"} | DIGITS
+FRENCH = dict.fromkeys("à^$*ù²azertyuiopqsdfghjklmwxcvbn,!<") | dict(zip("&é\"'(-è_ç", DIGITS, strict=True))
+FRENCH |= {")": "MINUS", "=": "EQUAL", ";": "COMMA", ":": "PERIOD"}
+PLACES = {"COMMA", "PERIOD", "MINUS", "EQUAL"}  # of keys with a label, which differs
+UNLABELLED = sorted({name for key in REQUEST_BY_KEY if len(name := split(key)[1]) > 1} - PLACES)
 
 
-@pytest.mark.parametrize("layout", [GERMAN, FRENCH], ids=["German", "French"])
+@pytest.mark.parametrize("layout", [GERMAN, SWISS, FRENCH], ids=["German", "Swiss", "French"])
 def test_every_request_can_be_made_on_a_keyboard_without_number_pad(layout):
     keys = [*layout.items(), *(("", name) for name in UNLABELLED)]
     held_keys = ["".join(held) for count in range(3) for held in combinations(HELD, count)]
