@@ -130,6 +130,20 @@ def test_the_last_frame_is_drawn_again_and_again(stage):
     assert [scene.tracked.frame.index for scene in stage.renderer.scenes] == [3, 3, 3, 3]
 
 
+def test_pictures_have_the_size_that_the_window_has_by_now_and_none_is_drawn_while_it_is_minimised(stage):
+    stage.put(0)
+    drawn = []
+
+    def resize(size: tuple[int, int]) -> None:
+        drawn.append((stage.renderer.size, len(stage.renderer.scenes)))
+        stage.window.screen = Screen(size)
+
+    stage.run(*(lambda size=size: resize(size) for size in ((80, 60), (0, 0), (0, 0), (90, 60), (64, 48))))
+    sizes, counts = zip(*drawn, strict=True)
+    assert sizes == ((64, 48), (80, 60), (80, 60), (80, 60), (90, 60))
+    assert counts == (1, 2, 2, 2, 3)
+
+
 def test_a_source_that_fails_keeps_its_last_picture_and_is_reported_once(stage, capfd):
     stage.put(0)
     failure = UserError("the camera came back with another size", "start again")

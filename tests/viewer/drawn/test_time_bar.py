@@ -51,6 +51,19 @@ def test_the_longest_text_of_a_long_clip_ends_before_the_line(size, scale, minut
     assert text.left_px + ink[-1] < min(part.left_px for part in line[:2])
 
 
+def test_only_a_wide_window_says_more_than_the_time_and_there_the_pointer_is_near_a_little_above_the_bar():
+    moment, widths = Moment(3.0, 7.0, 90, 0.25, True), []
+    for size, scale in (((400, 300), 1.0), ((640, 480), 1.0), ((800, 600), 2.0)):
+        screen = Screen(size, scale)
+        plate, text, *_ = TimeBar().overlays(moment, screen)
+        widths.append(text.shown_size[0] / scale)
+        bar = bar_at(screen, 7.0)
+        near = [bar.is_near(y) for y in (plate.top_px - 30 * scale, plate.top_px - 10 * scale, size[1] - 1)]
+        assert near == [False, True, True]
+    assert widths[1] > 2 * widths[0]
+    assert widths[2] == pytest.approx(widths[0], rel=0.1)
+
+
 def test_time_moves_the_knob_and_nothing_is_uploaded_anew():
     bar = TimeBar()
     drawn = [bar.overlays(Moment(second, 9.0), Screen((640, 480))) for second in (2.0, 2.5, 2.9)]

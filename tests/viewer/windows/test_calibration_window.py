@@ -41,8 +41,10 @@ def test_the_corners_that_are_found_are_marked(guide: CalibrationGuide) -> None:
         assert changed[y - 4 : y + 5, x - 4 : x + 5].any()
 
 
-def test_it_says_how_far_it_is_and_what_is_wanted(guide: CalibrationGuide) -> None:
+def test_it_says_how_far_it_is_and_what_is_wanted(guide: CalibrationGuide, monkeypatch: pytest.MonkeyPatch) -> None:
     state, wanted = progress_lines(board_at(0, 0), guide)
     assert "views: 1" in state
     assert wanted == guide.wanted()
     assert progress_lines(None, guide)[1] == "no board in view"
+    monkeypatch.setattr(CalibrationGuide, "wanted", lambda _self: None)
+    assert progress_lines(board_at(0, 0), guide)[1] == "enough"

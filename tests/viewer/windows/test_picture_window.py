@@ -85,6 +85,7 @@ class Calibration:
 def calibration() -> Iterator[Calibration]:
     with CalibrationWindow("camera 0", (320, 240)) as shown_in:
         yield Calibration(shown_in)
+    assert shown_in._pictures.window.is_closed
 
 
 def test_the_calibration_goes_on_until_esc_or_until_its_window_is_closed(calibration: Calibration) -> None:
