@@ -37,7 +37,10 @@ def test_a_click_goes_to_where_the_knob_then_stands(size, scale):
     screen = Screen(size, scale)
     bar = bar_at(screen, 10.0)
     for x_px in np.linspace(bar.left, bar.right, 7):
-        *_, knob = TimeBar().overlays(Moment(10 * bar.share_at(x_px), 10.0), screen)
+        *_, rest, played, knob = TimeBar().overlays(Moment(10 * bar.share_at(x_px), 10.0), screen)
+        assert played.left_px == rest.left_px == bar.left
+        assert rest.left_px + rest.shown_size[0] == bar.right
+        assert played.left_px + played.shown_size[0] == pytest.approx(x_px, abs=1)
         assert knob.left_px + knob.shown_size[0] // 2 == pytest.approx(x_px, abs=1)
     assert (bar.share_at(-1e6), bar.share_at(1e6)) == (0, 1)
 

@@ -5,6 +5,7 @@ import copy
 import numpy as np
 import pytest
 
+from ashe_live.render.hud import FONT_PT
 from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import BINDINGS
 from ashe_live.viewer.hands.menu import OFFERED, Menu, entries_for
@@ -133,6 +134,13 @@ def test_it_stands_in_one_column_where_the_window_is_high_and_is_as_large_on_a_d
     menu.take_mouse(MouseEvent(MENU, 0, 0), lambda: ENTRIES, dense)
     (overlay,) = menu.overlays(dense)
     np.testing.assert_allclose(overlay.shown_size, 2 * np.array(high[2:]), rtol=0.05)
+
+
+def test_its_letters_are_of_the_usual_size_where_there_is_room_and_not_much_smaller_where_there_is_less():
+    usual = 1.3 * FONT_PT * -(-len(ENTRIES) // 2)  # of two columns
+    heights = [plate(opened(0, 0, size), size)[3] for size in ((1920, 1080), (1280, 720), SIZE)]
+    assert min(heights[:2]) > usual
+    assert heights[2] > 0.8 * usual
 
 
 @pytest.mark.parametrize("beside", [(5, None), (None, 5), (-60, None), (None, -60)], ids=str)
