@@ -74,6 +74,8 @@ def test_time_moves_the_knob_and_nothing_is_uploaded_anew():
     assert all(earlier < later for earlier, later in pairwise(knobs))
     for before, after in pairwise(drawn):
         assert all(a.image_rgba is b.image_rgba for a, b in zip(before, after, strict=True))
+    _, text, *_ = bar.overlays(Moment(3.0, 9.0), Screen((640, 480)))
+    assert not np.array_equal(text.image_rgba, drawn[0][1].image_rgba), "another second is written"
 
 
 def test_a_clip_of_one_frame_has_a_bar_too():

@@ -6,7 +6,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import Frame
 from ashe_live.quality import BALANCED
-from ashe_live.render.hud import Hud
+from ashe_live.render.hud import FONT_PT, Hud
 from ashe_live.render.screen import Screen
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
@@ -82,6 +82,8 @@ def test_what_explains_it_leaves_white_around_it(shown, size, flags):
     _, ((picture, *text), *_) = shown(screen, [None, None], flags=flags)
     (plate,) = Hud().overlays(text[0], screen, *text[1:])
     (width, height), marker = plate.shown_size, parse_marker("aruco:4x4_50:3")
+    if not flags and size[0] >= 720:
+        assert height > 2 * 1.3 * screen.px(FONT_PT), "as large as all text is"
     covered = picture[plate.top_px : plate.top_px + height, plate.left_px : plate.left_px + width]
     assert covered.shape == (height, width, 3)
     assert (covered == 255).all()
