@@ -160,6 +160,16 @@ def test_in_a_mirror_the_model_goes_to_where_it_is_seen_to_go(stage, by, is_mirr
     assert (-to_the_right if is_mirrored else to_the_right) > 0.003
 
 
+def test_an_answer_that_is_no_news_is_not_printed_again(stage, monkeypatch, capfd):
+    stage.put(0)
+    found = stage.fakes.estimate(), stage.fakes.tracked(), 0.0, None
+    answers = [NewAnswer(*found, is_news=is_news) for is_news in (True, False, False, True)]
+    monkeypatch.setattr(stage.session, "poll", lambda _now_s: answers.pop(0) if answers else None)
+    stage.run(None, None, None, None, None)
+    assert answers == []
+    assert capfd.readouterr().out.count("light: ") == 2
+
+
 def test_at_the_end_of_a_clip_without_a_steady_marker_its_last_frame_is_estimated(stage):
     first = FirstEstimate(Steadiness(3), on_first_steady=True)
     stage.session = ScriptedSession(stage.fakes, first)

@@ -116,6 +116,7 @@ def test_an_inset_that_covers_nothing_stays(answer):
     inset = EstimateInset()
     first = inset.overlays(answer, SIZE, None)
     assert inset.overlays(answer, SIZE, Span(0, 0, 100, 480)) is first
+    assert inset.overlays(answer, SIZE, Span(480, 5, 600, 60)) is first, "it is above"
     moved = inset.overlays(answer, SIZE, Span(440, 330, 560, 470))
     assert moved is not first
     assert inset.overlays(answer, SIZE, None) is moved
