@@ -56,28 +56,32 @@ class Hud:
     """Turns text into overlays; what has not changed comes back as the same objects, so it is not uploaded again."""
 
     def __init__(self) -> None:
-        self._asked: tuple[HudText, Screen, int | None] | None = None
+        self._asked: tuple[HudText, Screen, int | None, int | None] | None = None
         self._plates: dict[tuple[_Block, Screen], Overlay] = {}
 
-    def overlays(self, text: HudText, screen: Screen, free_width: int | None = None) -> tuple[Overlay, ...]:
+    def overlays(
+        self, text: HudText, screen: Screen, free_width: int | None = None, free_height: int | None = None
+    ) -> tuple[Overlay, ...]:
         """The plates of the text.
 
-        `free_width`: pixels from the left that status and hint may have, where something else is at the right.
+        `free_width`: pixels from the left that status and hint may have, where something else is at the right;
+        `free_height`: how many of the height both and their gaps may have together, where something else is between.
         """
-        asked = text, screen, free_width
+        asked = text, screen, free_width, free_height
         if asked != self._asked:
-            keys = [(block, screen) for block in _blocks(text, screen, free_width or screen.size[0])]
+            width, height = free_width or screen.size[0], free_height or screen.size[1]
+            keys = [(block, screen) for block in _blocks(text, screen, (width, height))]
             self._plates = {key: self._plates.get(key) or _overlay(*key) for key in keys}
             self._asked = asked
         return tuple(self._plates.values())
 
 
-def _blocks(text: HudText, screen: Screen, free_width: int) -> list[_Block]:
+def _blocks(text: HudText, screen: Screen, free: Size) -> list[_Block]:
     """The text, in letters of the usual size, or in smaller ones where these do not fit."""
     # Names of files, and what these hold, are in it.
     status, hint = (tuple(map(printable, lines)) for lines in (text.status, text.hint))
     gap, font_px = screen.px(GAP_PT), (FONT_PT if text.help else _corner_font_pt(screen)) * screen.content_scale
-    width = free_width - 2 * gap
+    width = free[0] - 2 * gap
     while True:
         corners = [
             _Block(place, tuple((part,) for line in lines for part in _wrapped(line, font_px, width)), font_px)
@@ -85,7 +89,7 @@ def _blocks(text: HudText, screen: Screen, free_width: int) -> list[_Block]:
             if lines
         ]
         extents = [_extent(block.rows, font_px) for block in corners]
-        all_fit = sum(height for _, height in extents) + (len(extents) + 1) * gap <= screen.size[1]
+        all_fit = sum(height for _, height in extents) + (len(extents) + 1) * gap <= free[1]
         all_fit &= all(block_width <= width for block_width, _ in extents)
         centred = []
         if text.help:

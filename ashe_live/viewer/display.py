@@ -85,7 +85,8 @@ class Display:
         bar: tuple[Overlay, ...] = ()
         if readings.moment is not None and session.view.has_time_bar:
             bar = self._time_bar.overlays(readings.moment, screen)
-            screen = screen.without_bottom(bar_at(screen).height)  # everything else stands above it
+            height = bar_at(screen, readings.moment.duration_s).height
+            screen = screen.without_bottom(height)  # everything else stands above it
         width, height = screen.size
         halves: tuple[Overlay, ...] = ()  # below all text, which it would cross out
         if session.view.parts.is_split:

@@ -62,7 +62,7 @@ class Playback:
         is_dragged = self._dragged_to_s is not None  # to its end, even if the bar is hidden meanwhile
         if duration_s is None or not (self._session.view.has_time_bar or is_dragged):
             return False
-        bar = bar_at(screen)
+        bar = bar_at(screen, duration_s)
         is_over = bar.is_near(event.y_px)
         if is_over:
             self._bar_until_s = now_s + BAR_SHOWN_S

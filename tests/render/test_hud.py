@@ -76,7 +76,7 @@ def test_letters_are_smaller_in_a_small_window_of_which_text_would_cover_half(sc
     for width, height, font_pt in ((480, 360, 11.25), (400, 300, 11), (640, 480, 15), (1280, 480, 15), (640, 320, 11)):
         screen = Screen((scale * width, scale * height), scale)
         for hint in ((), lines):
-            blocks = hud._blocks(HudText(("60 fps   model: cube",), hint), screen, screen.size[0])
+            blocks = hud._blocks(HudText(("60 fps   model: cube",), hint), screen, screen.size)
             assert {block.font_px for block in blocks} == {scale * font_pt}
 
 
@@ -138,6 +138,59 @@ def test_whatever_a_file_says_fits_on_the_picture(name: str) -> None:
     width, height = status.shown_size
     assert status.left_px + width <= 640
     assert status.top_px + height <= hint.top_px
+
+
+@pytest.mark.parametrize("columns", [1, 3])
+def test_each_row_is_written_below_the_one_before_and_each_cell_in_its_column(columns: int) -> None:
+    """The same words in every row but one, which has none: what is written repeats, and nothing is written there."""
+    words = ("Hx", "wide words", "Hy")[:columns]
+    rows = words, ("",) * columns, words, ("i", *words[1:])
+    layout = hud.row_layout(rows, 15.0)
+    ink = hud.rows_plate(rows, 15.0)[..., 0] > 2 * hud.PLATE_SRGBA[0]
+    assert ink.shape[::-1] == layout.size
+    inside = ink[layout.padding : -layout.padding]
+    first, empty, third, last = (inside[row * layout.line : (row + 1) * layout.line] for row in range(4))
+    assert not empty.any()
+    np.testing.assert_array_equal(third, first)
+    begin = layout.padding
+    for place, width in enumerate(layout.column_widths):
+        (across,) = np.nonzero(first[:, begin - 2 : begin + width + 2].any(axis=0))
+        assert across[0] < 5
+        assert across[-1] > hud.text_width(words[place], 15.0) - 3
+        begin += width + layout.column_gap
+    if columns > 1:
+        beside = layout.padding + layout.column_widths[0] + layout.column_gap // 2
+        np.testing.assert_array_equal(last[:, beside:], first[:, beside:])
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 8])
+def test_rows_in_two_columns_are_all_rows(count: int) -> None:
+    rows = tuple((f"key {number}", f"does {number}") for number in range(count))
+    halves = hud.in_two(rows)
+    assert len(halves) == (count + 1) // 2
+    in_order = [*(row[:2] for row in halves), *(row[2:] for row in halves)]
+    assert [row for row in in_order if any(row)] == list(rows)
+
+
+def test_letters_are_no_smaller_than_they_have_to_be() -> None:
+    rows = (("word " * 20,),) * 3
+    (plate,) = Hud().overlays(HudText(help=rows), Screen((2000, 1000)))
+    width, height = plate.shown_size
+    for has_room, least in ((1.02, 1.0), (0.9, 0.84)):
+        size = round(has_room * (width + 16)), height + 16
+        (fitted,) = Hud().overlays(HudText(help=rows), Screen(size))
+        assert least * width <= fitted.shown_size[0] <= size[0]
+
+
+@pytest.mark.parametrize("size", [(1, 1), (12, 300), (300, 12)])
+def test_no_window_is_too_small_for_words_to_be_laid_out(size: tuple[int, int]) -> None:
+    assert len(Hud().overlays(HudText(("word " * 3,), ("hint",)), Screen(size))) == 2
+
+
+def test_a_line_that_the_window_has_room_for_is_not_broken() -> None:
+    (short,), (long,) = (Hud().overlays(HudText((words,)), Screen((1280, 720))) for words in ("a word", "a word " * 20))
+    assert long.shown_size[0] > 720
+    assert long.shown_size[1] == short.shown_size[1]
 
 
 def test_help_stands_in_two_halves_where_it_is_too_long_for_one() -> None:

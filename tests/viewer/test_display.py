@@ -5,10 +5,12 @@ import pytest
 
 from ashe_live.core.light import Illumination, Light
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
+from ashe_live.models.placement import Placement
 from ashe_live.render.screen import Screen
 from ashe_live.viewer import display as display_module
-from ashe_live.viewer.display import Display, Readings, bare_scene
+from ashe_live.viewer.display import READINGS_SHOWN_FOR_S, Display, Readings, bare_scene
 from ashe_live.viewer.drawn.estimate_inset import BORDER_PX
+from ashe_live.viewer.drawn.time_bar import Moment, TimeBar
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.view_options import ShownParts
@@ -58,6 +60,28 @@ def test_the_line_between_the_halves_lies_below_the_text(session):
     line, *text = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
     assert line.image_rgba.shape[:2] == (1, 1)
     assert text
+    width, height = line.shown_size
+    assert (line.top_px, height) == (0, SCREEN.size[1])
+    assert line.left_px + width / 2 == pytest.approx(SCREEN.size[0] / 2, abs=1)
+    assert width < 4
+
+
+def test_everything_stands_above_the_time_bar_which_goes_with_the_text(session):
+    session.view.shows_steps = True
+    session.view.parts = ShownParts.SPLIT
+    session.say("a notice of the usual length, as a saved snapshot has", 0.0)
+    display, readings = Display(), Readings("fast", 60.0, "end of the clip", Moment(1.0, 10.0))
+    shown = display.scene(session, SCREEN, readings, 0.0).overlays
+    bar = TimeBar().overlays(readings.moment, SCREEN)
+    above, below = shown[: -len(bar)], shown[-len(bar) :]
+    assert [(part.left_px, part.top_px) for part in below] == [(part.left_px, part.top_px) for part in bar]
+    assert len(above) >= 4
+    assert all(part.top_px + part.shown_size[1] <= bar[0].top_px for part in above)
+    line, mask, *_ = above
+    assert line.shown_size[1] == bar[0].top_px
+    assert mask.left_px > SCREEN.size[0] / 2
+    session.view.shows_hud = False
+    assert len(display.scene(session, SCREEN, readings, 1.0).overlays) == len(above) - 2  # neither status nor hint
 
 
 def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):
@@ -83,6 +107,16 @@ def test_everything_stays_inside_the_window(session, size, scale):
     assert all(inside(overlay, size) for overlay in overlays)
 
 
+@pytest.mark.parametrize("size", [(640, 480), (1280, 720)])
+def test_no_text_lies_on_what_the_estimator_saw(session, size):
+    session.view.shows_steps = True
+    session.say("a notice that goes on for longer than there is room for it beside the estimate " * 3, 0.0)
+    inset, rose, *text = Display().scene(session, Screen(size), Readings("fast", 60.0), 0.0).overlays
+    assert len(text) == 2
+    for plate in text:
+        assert plate.left_px + plate.shown_size[0] <= min(inset.left_px, rose.left_px)
+
+
 def test_what_has_not_changed_is_the_same_object(session):
     session.view.shows_steps = True
     display = Display()
@@ -102,6 +136,37 @@ def test_the_masks_are_mirrored_as_the_window_is(session):
         shown.append(inset.image_rgba[edge:-edge, edge:-edge])
     as_seen, mirrored = shown
     np.testing.assert_array_equal(mirrored, as_seen[:, ::-1])
+
+
+@pytest.mark.parametrize("is_mirrored", [False, True])
+def test_the_masks_make_way_for_a_model_where_the_window_shows_it(session, fakes, is_mirrored):
+    """Seen from above, its x to the right and its y up: below at the right, or, in a mirror, at the left."""
+    session.view.shows_steps, session.view.is_mirrored = True, is_mirrored
+    for x_m, is_in_the_way in ((0.17, not is_mirrored), (-0.17, is_mirrored)):
+        session.hand.placement = Placement(shift_m=(x_m, -0.12))
+        inset, *_ = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
+        assert (inset.top_px < SCREEN.size[1] / 4) is is_in_the_way
+    for tracked in (fakes.tracked(1, has_marker=False), None):
+        session.tracked = tracked
+        inset, *_ = Display().scene(session, SCREEN, Readings("fast"), 0.0).overlays
+        assert inset.top_px > SCREEN.size[1] / 4
+
+
+def test_a_marker_that_is_lost_is_reported_at_once_and_its_numbers_are_held(session, fakes, monkeypatch):
+    display, told = Display(), []
+    monkeypatch.setattr(display_module, "status_lines", lambda _session, *read: told.append(read[:3]) or ["line"])
+    first, second, lost, found = (fakes.tracked(index, has_marker=index != 3) for index in (1, 2, 3, 4))
+    for tracked, fps, now_s in ((first, 60.0, 0.1), (second, 50.0, 0.2), (lost, 40.0, 0.3), (found, 30.0, 0.4)):
+        session.take(tracked, now_s)
+        display.scene(session, SCREEN, Readings("fast", fps), now_s)
+    display.scene(session, SCREEN, Readings("fast", 20.0), 0.4 + READINGS_SHOWN_FOR_S)
+    assert [(fps, seen) for fps, _, seen in told] == [
+        (60.0, first),
+        (60.0, first),
+        (40.0, lost),
+        (30.0, found),
+        (20.0, found),
+    ]
 
 
 def test_the_masks_are_shown_over_the_frozen_frame(session):

@@ -23,6 +23,7 @@ from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_reported
 from ashe_live.render.screen import Screen
+from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.first_estimate import FirstEstimate
 from ashe_live.viewer.estimates.light_watch import NewAnswer
@@ -128,6 +129,58 @@ def test_the_last_frame_is_drawn_again_and_again(stage):
     stage.put(3)
     stage.run(None, None, None)
     assert [scene.tracked.frame.index for scene in stage.renderer.scenes] == [3, 3, 3, 3]
+
+
+def test_pictures_have_the_size_that_the_window_has_by_now_and_none_is_drawn_while_it_is_minimised(stage):
+    stage.put(0)
+    drawn = []
+
+    def resize(size: tuple[int, int]) -> None:
+        drawn.append((stage.renderer.size, len(stage.renderer.scenes)))
+        stage.window.screen = Screen(size)
+
+    stage.run(*(lambda size=size: resize(size) for size in ((80, 60), (0, 0), (0, 0), (90, 60), (64, 48))))
+    sizes, counts = zip(*drawn, strict=True)
+    assert sizes == ((64, 48), (80, 60), (80, 60), (80, 60), (90, 60))
+    assert counts == (1, 2, 2, 2, 3)
+
+
+@pytest.mark.parametrize("is_mirrored", [False, True])
+@pytest.mark.parametrize("by", ["key", "drag"])
+def test_in_a_mirror_the_model_goes_to_where_it_is_seen_to_go(stage, by, is_mirrored):
+    stage.put(0)
+    stage.session.view.is_mirrored = is_mirrored
+    begin, end = (  # above the time bar
+        MouseEvent(action, x_px, 4.0, shift=True)
+        for action, x_px in ((MouseAction.PRESSED, 20.0), (MouseAction.MOVED, 40.0))
+    )
+    steps = (Request(Command.MOVE_MODEL, (1, 0)),) if by == "key" else (begin, end)
+    stage.run(None, *steps, None)
+    to_the_right = stage.session.hand.placement.shift_m[0]
+    assert (-to_the_right if is_mirrored else to_the_right) > 0.003
+
+
+def test_an_answer_that_is_no_news_is_not_printed_again(stage, monkeypatch, capfd):
+    stage.put(0)
+    found = stage.fakes.estimate(), stage.fakes.tracked(), 0.0, None
+    answers = [NewAnswer(*found, is_news=is_news) for is_news in (True, False, False, True)]
+    monkeypatch.setattr(stage.session, "poll", lambda _now_s: answers.pop(0) if answers else None)
+    stage.run(None, None, None, None, None)
+    assert answers == []
+    assert capfd.readouterr().out.count("light: ") == 2
+
+
+def test_at_the_end_of_a_clip_without_a_steady_marker_its_last_frame_is_estimated(stage):
+    first = FirstEstimate(Steadiness(3), on_first_steady=True)
+    stage.session = ScriptedSession(stage.fakes, first)
+    stage.put(0)
+    stage.run(None)
+    assert stage.session.worker.requested == []
+    stage.pipeline = ScriptedPipeline()
+    stage.pipeline.has_ended = True
+    stage.put(1)
+    stage.run(None, None)
+    assert [tracked.frame.index for tracked in stage.session.worker.requested] == [1]
 
 
 def test_a_source_that_fails_keeps_its_last_picture_and_is_reported_once(stage, capfd):

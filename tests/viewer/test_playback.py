@@ -31,7 +31,7 @@ class Stage:
         self.session = ScriptedSession(fakes, FirstEstimate())
         self.playback = Playback(self.pipeline, self.session)
         self.shown = fakes.tracked(30)
-        self.bar = bar_at(SCREEN)
+        self.bar = bar_at(SCREEN, self.pipeline.duration_s or 0.0)
 
     def ask(self, command: Command, argument: int = 0) -> list[tuple]:
         self.pipeline.told.clear()

@@ -25,6 +25,7 @@ from ashe_live.viewer.status import (
     source_lines,
     status_lines,
 )
+from tests.viewer.scripted_session import on_cube
 
 
 def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move_the_camera(shown, fakes):
@@ -33,8 +34,17 @@ def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move
     assert "move" not in light_line(session)  # a clip moves by itself
     session.watch.camera_may_move = True
     assert light_line(session) == "light: azimuth 0°, elevation 45° ± 2.9°, move the camera a little"
+    session.watch.sharpening.span_rad = np.radians(20)  # views so far apart have not made it any sharper
+    assert "move" not in light_line(session)
     session.estimated(fakes.estimate(sigma_rad=0.01), 1.0)
     assert "move" not in light_line(session)
+
+
+def test_an_answer_by_several_views_says_how_many_and_how_far_apart_they_are(shown, fakes):
+    session = shown()
+    session.watch.camera_may_move = True
+    session.estimated(fakes.estimate(others=(3, 8), span_rad=np.radians(21)))
+    assert light_line(session).endswith("2.9°, 3 views over 21°")
 
 
 def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
@@ -62,8 +72,22 @@ def test_after_no_light_it_says_what_to_change(shown, fakes):
     line, by_hand = guidance(session)
     assert line.startswith("what helps")
     assert "by hand" in by_hand
+    session.set_by_hand(0.0)
+    assert guidance(session) == (), "then there is one"
+    session.press(Command.RESET)
+    assert guidance(session) == (line, by_hand)
+    session.watch.camera_may_move = True
+    assert [hint for hint in guidance(session) if "Shift+Space" in hint], "a thing can be taken away"
     session.request_estimate(0.0)
     assert guidance(session) == ()
+
+
+def test_other_markers_in_view_are_named_with_the_key_that_follows_one(shown):
+    session = shown()
+    session.markers_in_view = ("aruco:4x4_50:7", "aruco:4x4_50:9")
+    (line,) = guidance(session)
+    assert "aruco:4x4_50:9" in line
+    assert line.endswith("M follows aruco:4x4_50:7")
 
 
 def test_the_light_line_names_every_state(shown, fakes):
@@ -82,6 +106,21 @@ def test_the_light_line_names_every_state(shown, fakes):
     assert lines[2] == "light: azimuth 0°, elevation 45° ± 2.9° (0.0° from the truth)"
     assert lines[3] == lines[2] + ", estimating…"
     assert lines[4] == "no clear light: no shadow found beside the object"
+
+
+def test_the_light_line_says_who_has_set_the_light_and_of_how_many_it_is_the_first(shown, fakes):
+    session = shown()
+    session.estimated(fakes.estimate())
+    assert not any(word in light_line(session) for word in ("by hand", "first of"))
+    session.set_by_hand(1.0)
+    assert light_line(session).startswith("light by hand: ")
+    session.hand.light = Illumination(tuple(Light((0.1 * number, 0.0, 1.0)) for number in range(3)))
+    assert light_line(session).endswith("first of 3")
+
+
+def test_a_light_that_is_watched_needs_no_key(make):
+    assert "Space" in light_line(make())
+    assert "Space" not in light_line(make(automatic=True))
 
 
 def test_an_estimate_that_takes_long_says_for_how_long(shown, fakes):
@@ -107,7 +146,7 @@ def test_while_it_waits_for_a_steady_marker_it_does_not_ask_for_a_key(make):
 def test_the_marker_line_distinguishes_found_from_lost(fakes):
     lines = {marker_line(None), marker_line(fakes.tracked()), marker_line(fakes.tracked(has_marker=False))}
     assert len(lines) == 3
-    assert "marker: in view" in lines
+    assert {"marker: in view", "marker: not in view"} < lines
 
 
 def test_of_a_marker_only_what_is_wrong_is_said(fakes):
@@ -117,6 +156,19 @@ def test_of_a_marker_only_what_is_wrong_is_said(fakes):
     assert line == "marker: in view, but bent: lay it flat, or measure the lens by `ashe-live calibrate`"
     by_file = dataclasses.replace(bent.camera, source="file")
     assert marker_line(dataclasses.replace(bent, camera=by_file)) == "marker: in view, but bent: lay it flat"
+
+
+def test_a_cube_is_not_to_be_laid_flat(fakes):
+    seen = fakes.tracked()
+    cube = on_cube(dataclasses.replace(seen, marker=dataclasses.replace(seen.marker, reprojection_rms_px=2.4)))
+    assert marker_line(cube) == "marker: in view"
+
+
+def test_numbers_are_those_of_the_frame_that_was_measured_and_the_name_that_of_the_model_that_is_drawn(shown, fakes):
+    session = shown()
+    assert status_lines(session, None, "fast")[:2] == ["model: cube   fast", "marker: in view"]
+    first, marker, *_ = status_lines(session, None, "fast", fakes.tracked(has_marker=False), "tree")
+    assert (first, marker) == ("model: tree   fast", "marker: not in view")
 
 
 def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):
@@ -132,6 +184,16 @@ def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):
     assert camera_line(estimated) == f"camera: 61.3° ± {shorter.hfov_deg - 61.3:.1f}° wide, estimated from the marker"
     vague = dataclasses.replace(given, camera=Camera.from_focal(size, focal_px, "estimated", 0.08 * focal_px))
     assert "few views" in camera_line(vague)
+
+
+def test_the_camera_that_nobody_gave_has_a_line_of_its_own(make, fakes):
+    session, given = make(), fakes.tracked()
+    session.take(given, 0.0)
+    without = status_lines(session, None, "fast")
+    session.take(dataclasses.replace(given, camera=Camera.from_hfov(given.frame.size, 60, "assumed")), 0.1)
+    first, marker, camera, light = status_lines(session, None, "fast")
+    assert [first, marker, light] == without
+    assert camera == camera_line(session.tracked)
 
 
 def test_no_status_line_is_empty(make):
@@ -164,6 +226,19 @@ def test_a_model_that_was_moved_out_of_the_picture_is_reported(make, fakes):
         session.hand.placement = Placement(shift_m=shift_m)
         assert guidance(session) == said
     session.press(Command.RESET)
+    assert guidance(session) == ()
+
+
+def test_a_model_out_of_the_picture_with_its_marker_is_reported_only_if_it_was_moved(make, fakes):
+    session, seen = make(), fakes.tracked()
+    aside = seen.marker.T_cam_marker.copy()
+    aside[0, 3] = 5.0
+    session.table.shelf.shown = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
+    session.take(dataclasses.replace(seen, marker=dataclasses.replace(seen.marker, T_cam_marker=aside)), 0.0)
+    assert guidance(session) == ()
+    session.hand.placement = Placement(shift_m=(0.01, 0.0))
+    assert guidance(session) == (OUT_OF_PICTURE,)
+    session.take(fakes.tracked(1, has_marker=False), 0.1)
     assert guidance(session) == ()
 
 

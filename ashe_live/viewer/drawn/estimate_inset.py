@@ -73,10 +73,6 @@ class EstimateInset:
         self._drawn = drawn
         return drawn.overlays
 
-    @property
-    def shown(self) -> tuple[Overlay, ...]:
-        return () if self._drawn is None else self._drawn.overlays
-
     def _covers(self, models: Span, size: Size, corner: Corner) -> bool:
         sizes = [(round(corner.scale * width), round(corner.scale * height)) for width, height in self._full_sizes]
         return any(

@@ -19,6 +19,7 @@ NEAR_PT = 14
 WIDE_PT = 460
 REST_SRGBA = (150, 150, 146, 200)
 SUPERSAMPLING = 4
+MOST_FPS = 60  # of a clip all of whose frames' numbers have room, which is that of four digits at least
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,11 +51,11 @@ class Bar:
         return min(1.0, max(0.0, (x_px - self.left) / max(1, self.right - self.left)))
 
 
-def bar_at(screen: Screen) -> Bar:
-    """The bar's layout at the bottom of the window."""
+def bar_at(screen: Screen, duration_s: float) -> Bar:
+    """The bar's layout at the bottom of the window, for a clip of this length. Its text at its longest has room."""
     (width, bottom), height, gap = screen.size, screen.px(HEIGHT_PT), screen.px(GAP_PT)
-    longest = "0:00.0 / 0:00.0   frame 0000   0.25x loop " if _is_wide(screen) else "0:00.0 / 0:00.0 "
-    left = 2 * gap + text_width(longest, FONT_PT * screen.content_scale)
+    last = Moment(duration_s, duration_s, max(1000, int(MOST_FPS * duration_s)), speed=0.25, loops=True)
+    left = 2 * gap + text_width(f"{text_of(last, _is_wide(screen))} ", FONT_PT * screen.content_scale)
     return Bar(screen, height, left, max(left + 1, width - 2 * gap), bottom - height - screen.px(NEAR_PT))
 
 
@@ -80,7 +81,7 @@ class TimeBar:
         return self._last[1]
 
     def _drawn(self, moment: Moment, screen: Screen) -> tuple[Overlay, ...]:
-        bar = bar_at(screen)
+        bar = bar_at(screen, moment.duration_s)
         line = max(1, screen.px(LINE_PT))
         top = screen.size[1] - bar.height
         middle = top + bar.height // 2

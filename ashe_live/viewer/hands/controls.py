@@ -46,11 +46,11 @@ BINDINGS = (
         gesture=Gesture.DRAG,
     ),
     Binding(
-        (CTRL + "+", CTRL + "=", CTRL + "-"),
+        (CTRL + "+", CTRL + "=", CTRL + "-", CTRL + "EQUAL", CTRL + "MINUS"),  # in some layouts + and = need Shift
         Command.LIGHT_STRENGTH,
         "Ctrl+ + -",
         "light: stronger, weaker",
-        (1, 1, -1),
+        (1, 1, -1, 1, -1),
         repeats=True,
     ),
     Binding(
@@ -62,7 +62,12 @@ BINDINGS = (
         repeats=True,
     ),
     Binding(
-        (CTRL + "[", CTRL + "]"), Command.LIGHT_COLOUR, "Ctrl+ [ ]", "light: warmer, cooler", (1, -1), repeats=True
+        (CTRL + "HOME", CTRL + "END", CTRL + "[", CTRL + "]"),  # many layouts have no brackets without a modifier
+        Command.LIGHT_COLOUR,
+        "Ctrl+Home, End",
+        "light: warmer, cooler",
+        (1, -1, 1, -1),
+        repeats=True,
     ),
     Binding(
         (ALT + "PAGE_UP", ALT + "PAGE_DOWN"),
@@ -98,11 +103,11 @@ BINDINGS = (
     Binding(("U",), Command.TURN_UP, "U", "turn another side up"),
     Binding(("K",), Command.STOP_MOTION, "K", "stop a moving model"),
     Binding(
-        ("+", "=", "-"),
+        ("+", "=", "-", "EQUAL", "MINUS", "HOME", "END"),  # French keyboards have the minus on the 6
         Command.SCALE_MODEL,
-        "wheel, + -",
+        "wheel, + -, Home, End",
         "model larger or smaller",
-        (1, 1, -1),
+        (1, 1, -1, 1, -1, 1, -1),
         repeats=True,
         gesture=Gesture.WHEEL,
     ),
@@ -149,14 +154,14 @@ def request_for(label: str, place: str | None, held: str = "") -> Request | None
     """What a key asks for. `label`: what is printed on it, or "". `place`: GLFW's name, which is that of a US keyboard.
 
     `held`: the modifiers of HELD that are down, joined. Letters are known by their label where that is Latin; number
-    keys by their place, as some layouts print the digits on their upper half. Shift changes nothing unless the table
-    has a binding with it.
+    keys by their place, as some layouts print the digits on their upper half, and by what these have below them only
+    where the digit asks for nothing. Shift changes nothing unless the table has a binding with it.
     """
     names = [label, place or ""]
     if label.isascii() and label.isalpha():
         names = [label.upper()]
     elif place is not None and place.isdecimal():
-        names = [place]
+        names = [place, label]
     for modifiers in (held, held.replace(SHIFT, "")):
         for name in names:
             if (request := REQUEST_BY_KEY.get(modifiers + name)) is not None:

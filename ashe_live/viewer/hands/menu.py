@@ -6,6 +6,7 @@ from functools import lru_cache
 
 from ashe_live.core.arrays import Image, frozen_view
 from ashe_live.core.camera import Size
+from ashe_live.process.messages import printable
 from ashe_live.render.hud import FONT_PT, MIN_FONT_PX, SMALLER, RowLayout, Rows, fits, in_two, row_layout, rows_plate
 from ashe_live.render.scene import Overlay, one_pixel
 from ashe_live.render.screen import Screen
@@ -48,6 +49,7 @@ OFFERED = (
 POINTED_AT_SRGBA = (246, 246, 242, 56)
 CHOSEN, OTHER = ">", " "
 MORE = "more"
+LONGEST_NAME = 40  # letters of a model's name: a longer one would make those of all entries small
 CELLS = 3  # columns of text that an entry has: the mark, what it does, its keys
 HIGHEST = 0.6  # of the window: a higher menu stands in two columns, if these fit beside each other
 LARGEST = 0.6  # of the window's area: a larger menu is written in smaller letters, as the picture should be seen
@@ -67,7 +69,7 @@ def entries_for(models: Sequence[str], chosen: int) -> tuple[Entry, ...]:
     """The models by name, the one at `chosen` marked, then the commands as the table of keys words them."""
     bindings = {binding.command: binding for binding in BINDINGS}
     first = [
-        Entry(name, key, Request(Command.CHOOSE_MODEL, at), is_chosen=at == chosen)
+        Entry(printable(name, LONGEST_NAME), key, Request(Command.CHOOSE_MODEL, at), is_chosen=at == chosen)
         for at, (name, key) in enumerate(zip(models, bindings[Command.CHOOSE_MODEL].keys, strict=False))
     ]
     # Where a command can be asked for in several ways, the last one listed is a key.

@@ -78,7 +78,8 @@ class GlfwWindow:
 
     @property
     def refresh_rate_hz(self) -> float:
-        mode = glfw.get_video_mode(self._monitor()) if glfw.get_primary_monitor() else None
+        monitor = self._monitor()
+        mode = glfw.get_video_mode(monitor) if monitor else None
         return float(mode.refresh_rate) if mode and mode.refresh_rate > 0 else 60.0
 
     def take_requests(self, wait_s: float) -> list[Request]:
@@ -143,7 +144,25 @@ class GlfwWindow:
         self.close()
 
     def _monitor(self) -> Any:
-        return glfw.get_window_monitor(self._window) or glfw.get_primary_monitor()
+        """The one that the window fills, or the one with the most of it; the primary where none is known to have any.
+
+        None where all are unplugged.
+        """
+        if monitor := glfw.get_window_monitor(self._window):
+            return monitor
+        left, top = glfw.get_window_pos(self._window)
+        width, height = glfw.get_window_size(self._window)
+
+        def area_on(monitor: Any) -> int:
+            x, y = glfw.get_monitor_pos(monitor)
+            mode = glfw.get_video_mode(monitor)
+            if not mode:
+                return 0
+            across = min(left + width, x + mode.size.width) - max(left, x)
+            down = min(top + height, y + mode.size.height) - max(top, y)
+            return max(0, across) * max(0, down)
+
+        return max(glfw.get_monitors() or (), key=area_on, default=None)  # the primary is the first
 
     def _on_key(self, _window: object, key: int, scancode: int, action: int, modifiers: int) -> None:
         self._shift = bool(modifiers & glfw.MOD_SHIFT)

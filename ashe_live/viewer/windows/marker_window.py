@@ -41,7 +41,8 @@ def show_marker(spec: str, square_grey: Image, flags: Sequence[str]) -> None:
             if not window.screen.is_minimised:
                 size = window.screen.size
                 text = HudText(hint=explained if explains else ())
-                pictures.show(on_white(square_grey, size), text, room_beside(size))
+                beside = room_beside(size)
+                pictures.show(on_white(square_grey, size), text, beside, room_below(size) if beside is None else None)
 
 
 def room_beside(size: Size) -> int | None:
@@ -51,12 +52,21 @@ def room_beside(size: Size) -> int | None:
     return room if room > LEAST_TEXT * height else None
 
 
+def room_below(size: Size) -> int:
+    """Pixels from below that text may have so that it does not reach the marker."""
+    return max(1, (size[1] - _square_side(size)) // 2)
+
+
 def on_white(square_grey: Image, size: Size) -> Image:
     """(h, w, 3) uint8: the square as large as its white margin allows, in the middle."""
     width, height = size
-    side = max(1, round(min(size) * (1 - 2 * MARGIN)))
+    side = _square_side(size)
     picture = np.full((height, width, 3), 255, np.uint8)
     left, top = (width - side) // 2, (height - side) // 2
     square = cv2.resize(square_grey, (side, side), interpolation=cv2.INTER_NEAREST_EXACT)
     picture[top : top + side, left : left + side] = square[..., None]
     return picture
+
+
+def _square_side(size: Size) -> int:
+    return max(1, round(min(size) * (1 - 2 * MARGIN)))

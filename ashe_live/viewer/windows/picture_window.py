@@ -22,14 +22,16 @@ class PictureWindow:
         self._renderer = SceneRenderer(self.window.context, FAST.render, self.window.screen.size)
         self._hud = Hud()
 
-    def show(self, picture_bgr: Image, text: HudText, free_width: int | None = None) -> None:
-        """(h, w, 3) uint8, fitted into the window, which must not be minimised; `free_width` as `Hud.overlays`."""
+    def show(
+        self, picture_bgr: Image, text: HudText, free_width: int | None = None, free_height: int | None = None
+    ) -> None:
+        """(h, w, 3) uint8, fitted into the window, which must not be minimised; the others as in `Hud.overlays`."""
         screen = self.window.screen
         if screen.size != self._renderer.size:
             self._renderer.resize(screen.size)
         frame = Frame(picture_bgr, 0, 0.0)
         camera = Camera.assumed(frame.size)
-        overlays = self._hud.overlays(text, screen, free_width)
+        overlays = self._hud.overlays(text, screen, free_width, free_height)
         self._renderer.render(Scene(TrackedFrame(frame, camera, None), overlays=overlays))
         self.window.present(self._renderer)
         self.window.swap()

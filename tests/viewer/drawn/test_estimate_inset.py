@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.core.light import Illumination, LightEstimate
+from ashe_live.core.light import Illumination, Light, LightEstimate
 from ashe_live.core.proxy import Proxy
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.drawing.steps_sheet import steps_sheet
@@ -116,6 +116,7 @@ def test_an_inset_that_covers_nothing_stays(answer):
     inset = EstimateInset()
     first = inset.overlays(answer, SIZE, None)
     assert inset.overlays(answer, SIZE, Span(0, 0, 100, 480)) is first
+    assert inset.overlays(answer, SIZE, Span(480, 5, 600, 60)) is first, "it is above"
     moved = inset.overlays(answer, SIZE, Span(440, 330, 560, 470))
     assert moved is not first
     assert inset.overlays(answer, SIZE, None) is moved
@@ -125,3 +126,17 @@ def test_a_model_that_fills_the_window_leaves_the_smallest_inset(answer):
     full = inset_overlays(answer, SIZE)
     shown = EstimateInset().overlays(answer, SIZE, Span(0, 0, *SIZE))
     assert shown[0].shown_size[0] < 0.7 * full[0].shown_size[0]
+
+
+def test_the_inset_is_that_of_the_last_answer_in_the_window_as_it_is_now(answer):
+    inset = EstimateInset()
+    shown = inset.overlays(answer, SIZE, None)
+    towards = (-1.0, 0.0, 1.0)
+    lit_by = replace(answer.estimate.illumination, lights=(Light(towards),))
+    other = replace(answer, estimate=replace(answer.estimate, illumination=lit_by))
+    for now, size, is_mirrored in ((other, SIZE, False), (other, (800, 600), False), (other, (800, 600), True)):
+        before, shown = shown, inset.overlays(now, size, None, is_mirrored)
+        assert shown is not before
+        for drawn_now, wanted in zip(shown, inset_overlays(now, size, is_mirrored), strict=True):
+            assert (drawn_now.left_px, drawn_now.top_px) == (wanted.left_px, wanted.top_px)
+            np.testing.assert_array_equal(drawn_now.image_rgba, wanted.image_rgba)

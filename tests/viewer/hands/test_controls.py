@@ -1,6 +1,7 @@
 """The table of keys."""
 
 from collections import Counter
+from itertools import combinations
 
 import glfw
 import pytest
@@ -55,6 +56,24 @@ def test_the_number_keys_choose_by_place():
 def test_keys_are_known_by_what_stands_on_them(label, place, command):
     request = request_for(label, place)
     assert (None if request is None else request.command) is command
+
+
+# What the keys of a layout say without a modifier, and GLFW's name of their place where the table has it.
+DIGITS = {digit: digit for digit in "123456789"}
+GERMAN = dict.fromkeys("0+-#,.äöü^qwertzuiopasdfghjklyxcvbnm<") | {"ß": "MINUS", "´": "EQUAL"} | DIGITS
+SWISS = dict.fromkeys("0-$,.äöü¨§qwertzuiopasdfghjklyxcvbnm<") | {"'": "MINUS", "^": "EQUAL"} | DIGITS
+FRENCH = dict.fromkeys("à^$*ù²azertyuiopqsdfghjklmwxcvbn,!<") | dict(zip("&é\"'(-è_ç", DIGITS, strict=True))
+FRENCH |= {")": "MINUS", "=": "EQUAL", ";": "COMMA", ":": "PERIOD"}
+PLACES = {"COMMA", "PERIOD", "MINUS", "EQUAL"}  # of keys with a label, which differs
+UNLABELLED = sorted({name for key in REQUEST_BY_KEY if len(name := split(key)[1]) > 1} - PLACES)
+
+
+@pytest.mark.parametrize("layout", [GERMAN, SWISS, FRENCH], ids=["German", "Swiss", "French"])
+def test_every_request_can_be_made_on_a_keyboard_without_number_pad(layout):
+    keys = [*layout.items(), *(("", name) for name in UNLABELLED)]
+    held_keys = ["".join(held) for count in range(3) for held in combinations(HELD, count)]
+    made = {request_for(label, place, held) for label, place in keys for held in held_keys}
+    assert set(REQUEST_BY_KEY.values()) <= made
 
 
 def test_shift_is_heeded_only_where_that_is_bound():

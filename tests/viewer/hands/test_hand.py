@@ -29,6 +29,7 @@ from ashe_live.viewer.hands.hand import (
     NEAREST_LAMP_SIDES,
     SCALE_STEP,
     SMALLEST,
+    SOFTER_STEP,
     SOFTEST_RAD,
     TURN_STEP_RAD,
     Hand,
@@ -252,7 +253,7 @@ def test_the_model_grows_and_shrinks_between_its_limits():
     for notches, limit in ((1e9, LARGEST), (1, LARGEST), (-1e9, SMALLEST), (-1e9, SMALLEST)):
         said = [hand.obey(Request(Command.SCALE_MODEL, notches), sight(None)) for _ in range(5)]
         assert hand.placement.scale == limit
-        assert "10 %" in said[-1]
+        assert "from 10 % to 500 %" in said[-1]
 
 
 def test_the_model_turns_and_a_full_turn_is_none():
@@ -317,6 +318,33 @@ def test_the_light_by_hand_becomes_stronger_softer_and_warmer(estimated):
         assert hand.light.light.angular_size_rad == pytest.approx(size)
 
 
+def test_each_press_softens_by_the_same_factor_and_the_other_key_goes_back():
+    hand, tracked, sizes = Hand(), seen_from(EYES[0]), [angular_size(ESTIMATED.light)]
+    for notch in (1, 1, -1, -1, -1):
+        hand.obey(Request(Command.LIGHT_SOFTNESS, notch), sight(tracked))
+        sizes.append(angular_size(hand.light.light))
+    steps = np.array((0, 1, 2, 1, 0, -1))
+    np.testing.assert_allclose(sizes, sizes[0] * SOFTER_STEP**steps)
+
+
+def test_a_warmer_light_blocks_more_red_and_as_much_less_blue_and_no_other_green():
+    """In how often the light is dimmed in its shadow: its product over red and blue stays."""
+    hand = Hand()
+    hand.obey(Request(Command.LIGHT_COLOUR, 2), sight(seen_from(EYES[0])))
+    red, green, blue = np.log(ratio(hand)) / np.log(ESTIMATED.light.shadow_rgb_ratio)
+    assert red > 1.1
+    assert (red * blue, green) == pytest.approx((1, 1))
+
+
+def test_a_light_that_casts_no_shadow_becomes_strong():
+    """Its shadow dims nothing: a factor of that alone would be nothing again."""
+    hand, tracked = Hand(), seen_from(EYES[0])
+    faint = Illumination((Light(ESTIMATED.light.to_light_marker, shadow_rgb_ratio=np.ones(3)),))
+    for _ in range(30):
+        hand.obey(Request(Command.LIGHT_STRENGTH, 1), sight(tracked, faint))
+    assert (ratio(hand) < 0.5).all()
+
+
 @pytest.mark.parametrize(
     "command", [Command.LIGHT_STRENGTH, Command.LIGHT_SOFTNESS, Command.LIGHT_COLOUR, Command.LIGHT_DISTANCE]
 )
@@ -356,7 +384,9 @@ def test_a_light_by_hand_comes_nearer_and_goes_away_again():
     assert nearer.inverse_distance == pytest.approx(first.inverse_distance * FARTHER_STEP**2.5)
     assert nearer.radius_m == pytest.approx(first.radius_m)
     assert nearer.lamp_covariance is nearer.covariance_rad2 is nearer.confidence is None
-    for _ in range(4):
+    hand.obey(Request(Command.LIGHT_DISTANCE, 1), sight(tracked))
+    assert hand.light.light.inverse_distance == pytest.approx(nearer.inverse_distance / FARTHER_STEP)
+    for _ in range(3):
         said = hand.obey(Request(Command.LIGHT_DISTANCE, 1), sight(tracked))
     assert hand.light.light.kind == "directional"
     assert "far away" in said

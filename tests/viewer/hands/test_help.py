@@ -43,6 +43,25 @@ def test_pages_have_letters_that_can_be_read_and_a_large_window_needs_one():
     assert "next" not in pages[-1][-1][1]
 
 
+def test_pages_are_numbered_and_come_again_from_the_first_however_the_help_was_left():
+    screen, help = Screen((300, 225)), Help()
+    pages = turned_through(screen)
+    numbers = [page[-1][1].split(":")[0] for page in pages[:-1]]
+    assert numbers == [f"page {number} of {len(pages)}" for number in range(1, len(pages))]
+    help.turn()
+    help.rows(screen)
+    help.turn()
+    assert help.rows(screen) == pages[1]
+    help.close()
+    assert not help.is_shown
+    for _ in range(2):
+        for page in pages:
+            help.turn()
+            assert help.rows(screen) == page
+        help.turn()
+        assert not help.is_shown
+
+
 def test_a_window_that_grows_shows_all_and_the_key_hides_it():
     help = Help()
     help.turn()

@@ -5,6 +5,7 @@ import copy
 import numpy as np
 import pytest
 
+from ashe_live.render.hud import FONT_PT
 from ashe_live.render.screen import Screen
 from ashe_live.viewer.hands.controls import BINDINGS
 from ashe_live.viewer.hands.menu import OFFERED, Menu, entries_for
@@ -135,6 +136,13 @@ def test_it_stands_in_one_column_where_the_window_is_high_and_is_as_large_on_a_d
     np.testing.assert_allclose(overlay.shown_size, 2 * np.array(high[2:]), rtol=0.05)
 
 
+def test_its_letters_are_of_the_usual_size_where_there_is_room_and_not_much_smaller_where_there_is_less():
+    usual = 1.3 * FONT_PT * -(-len(ENTRIES) // 2)  # of two columns
+    heights = [plate(opened(0, 0, size), size)[3] for size in ((1920, 1080), (1280, 720), SIZE)]
+    assert min(heights[:2]) > usual
+    assert heights[2] > 0.8 * usual
+
+
 @pytest.mark.parametrize("beside", [(5, None), (None, 5), (-60, None), (None, -60)], ids=str)
 def test_a_press_beside_it_closes_it_and_reaches_nothing_below(beside: tuple[int | None, int | None]):
     size = (1280, 720)
@@ -211,3 +219,16 @@ def test_entries_are_asked_for_only_when_it_opens():
 def test_names_of_any_length_and_number_are_offered_up_to_the_keys_there_are():
     many = entries_for(tuple(f"model {number}" for number in range(40)), 39)
     assert sum(entry.request.command is Command.CHOOSE_MODEL for entry in many) == 9
+
+
+@pytest.mark.parametrize("size", [SIZE, (1280, 720)])
+def test_a_long_name_is_cut_and_leaves_the_menu_as_large(size):
+    """In letters that small windows had no room for, none of the menu could be read."""
+    name = "wooden_chair_" * 19 + "final.glb"
+    menu, entries = Menu(), entries_for((name, "tree"), 1)
+    assert name.startswith(entries[0].text[:16])
+    assert entries[0].text.endswith("final.glb")
+    menu.take_mouse(MouseEvent(MENU, 0, 0), lambda: entries, Screen(size))
+    _, _, width, height = plate(menu, size)
+    assert width <= size[0]
+    assert height > 0.9 * plate(opened(0, 0, size), size)[3]

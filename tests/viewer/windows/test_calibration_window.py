@@ -6,7 +6,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.tracking.boards.calibration_board import BoardView
 from ashe_live.tracking.boards.calibration_guide import CalibrationGuide
-from ashe_live.viewer.windows.calibration_window import UNSEEN, guidance_picture, progress_lines
+from ashe_live.viewer.windows.calibration_window import KEPT_BGR, UNSEEN, guidance_picture, progress_lines
 
 SIZE = (320, 240)
 GREY = 200
@@ -41,8 +41,17 @@ def test_the_corners_that_are_found_are_marked(guide: CalibrationGuide) -> None:
         assert changed[y - 4 : y + 5, x - 4 : x + 5].any()
 
 
-def test_it_says_how_far_it_is_and_what_is_wanted(guide: CalibrationGuide) -> None:
+def test_the_views_that_are_kept_are_outlined(guide: CalibrationGuide) -> None:
+    picture = guidance_picture(IMAGE, None, guide)
+    for x, y in ((10, 25), (50, 25), (30, 10), (30, 40)):  # the middles of the board's four sides
+        assert np.abs(picture[y, x].astype(int) - KEPT_BGR).sum() < 100
+    assert (picture[20:30, 20:40] == GREY).all(), "within it the picture is seen"
+
+
+def test_it_says_how_far_it_is_and_what_is_wanted(guide: CalibrationGuide, monkeypatch: pytest.MonkeyPatch) -> None:
     state, wanted = progress_lines(board_at(0, 0), guide)
     assert "views: 1" in state
     assert wanted == guide.wanted()
     assert progress_lines(None, guide)[1] == "no board in view"
+    monkeypatch.setattr(CalibrationGuide, "wanted", lambda _self: None)
+    assert progress_lines(board_at(0, 0), guide)[1] == "enough"
