@@ -38,6 +38,8 @@ class ClipSource(Source):
         self._pictures: ClipPictures | None = None
         self._index: ClipIndex | None = None
         self._has_looked_for_index = False
+        self._latest_s: float | None = None  # of the pictures that were read since it was opened
+        self._has_reached_end = False
         self._is_irregular = False  # damaged, or out of order, in any part that was read since it was opened
         self._behind: deque[Picture] = deque()  # pictures that were read or passed, the latest last
         self._ahead: deque[Picture] = deque()  # pictures that are read next, before any other is decoded
@@ -59,6 +61,7 @@ class ClipSource(Source):
         self.size = self._decoded_size[::-1] if self._quarter_turns % 2 else self._decoded_size
         self.fps = self._pictures.fps
         self.duration_s = self._pictures.stated_duration_s() if self._index is None else self._index.duration_s
+        self._lengthen()
         self._kept = max(2, int(KEPT_BYTES / (BYTES_PER_PIXEL * first.video.width * first.video.height)))
 
     def read(self) -> Frame | None:
@@ -122,9 +125,19 @@ class ClipSource(Source):
 
     def _decoded_next(self) -> Picture | None:
         """What is read next; None at the end."""
-        if not self._ahead and self._pictures is not None and (picture := self._pictures.next()) is not None:
-            self._ahead.append(picture)
+        if not self._ahead and self._pictures is not None:
+            if (picture := self._pictures.next()) is not None:
+                self._ahead.append(picture)
+                self._latest_s = max(picture.time_s, self._latest_s or 0.0)
+            self._has_reached_end |= picture is None
+            self._lengthen()
         return self._ahead[0] if self._ahead else None
+
+    def _lengthen(self) -> None:
+        """Of clips that were joined only the first's length is stated, and none of a stream without times."""
+        stated_s, latest_s = self.duration_s, self._latest_s
+        if latest_s is not None and (self._has_reached_end if stated_s is None else latest_s > stated_s):
+            self.duration_s = latest_s
 
     def _next(self) -> Picture | None:
         """Passes on to the next picture."""
