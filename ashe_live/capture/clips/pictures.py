@@ -190,9 +190,10 @@ class ClipPictures:
             time_s = self.decoded / self.fps
         else:
             time_s = float((stamp - self.start_pts) * video.time_base)
-        # Clips that were joined byte by byte begin anew.
-        if not self._latest_s <= time_s <= LONGEST_S:
-            time_s = self._latest_s + 1 / self.fps
+        # Clips that were joined byte by byte begin anew. Of two at one time the second comes before the next's time.
+        is_same = time_s == self._latest_s and self.decoded > 0
+        if is_same or not self._latest_s <= time_s <= LONGEST_S:
+            time_s = self._latest_s + (0.5 if is_same else 1.0) / self.fps
             self._is_in_order = False
         self._latest_s = time_s
         self._end_s = time_s + float((video.duration or 0) * (video.time_base or 0))
@@ -206,7 +207,8 @@ class ClipPictures:
             try:
                 # The packet after the last one is empty and fetches what the decoder still holds.
                 packet = next(packets, None)
-                if packet is not None and is_jpeg and why_endless(bytes(packet)) is not None:
+                # Of a JPEG that was cut the rest of the picture would be whatever was in memory.
+                if packet is not None and is_jpeg and (packet.is_corrupt or why_endless(bytes(packet)) is not None):
                     self.damaged += 1
                     continue
                 pictures = packet.decode() if packet is not None else None
