@@ -149,8 +149,8 @@ class CaptureLoop:
         if self._left_out is not None:  # it stays on the screen, so it must be shown
             self._hand_over(self._left_out)
             self._left_out = None
-        if not self._source.is_photo:
-            self._publish(status=self._source.note or "end of the clip: R starts it again")
+        end = None if self._source.is_photo else "end of the clip: R starts it again"
+        self._publish(status=self._source.note or end)
         self._publish(has_ended=self._clip is not None)
         self._show_as_asked()
         self._wait(lambda: self._wish.loop and self._clip is not None)

@@ -210,6 +210,15 @@ def test_a_looped_photo_is_read_once(run, fakes):
     assert pipeline.status is None
 
 
+def test_what_a_photo_has_to_say_stays_on_the_screen(run, fakes):
+    """That it is the first picture of an animation: without it the window seems to have stopped."""
+    source = fakes.Source(1, fps=None, is_photo=True)
+    source.note = "it is an animation"
+    pipeline = run(source)
+    await_that(lambda: pipeline.status is not None)
+    assert pipeline.status == "it is an animation"
+
+
 def test_pause_holds_and_goes_on_where_it_was(run, fakes):
     source = fakes.Source(10_000)
     pipeline = run(source)
