@@ -462,6 +462,38 @@ def test_what_is_no_clip_cannot_be_gone_through(run, fakes):
     assert pipeline.frames.take(A_WHILE_S) is None
 
 
+def test_seconds_forwards_lead_through_a_pause_of_the_clip(make, fakes, clock):
+    """As of a screen on which nothing moves: the frame before it is the one that is shown at every time within."""
+
+    class Paused(fakes.Clip):
+        """A hundred seconds between two frames."""
+
+        def read(self):
+            frame = super().read()
+            return (
+                frame if frame is None or frame.index < 2 else Frame(frame.image_bgr, frame.index, 100 + frame.time_s)
+            )
+
+        def seek(self, time_s: float) -> None:
+            self.seek_frame(1 if time_s < 102 else round(time_s - 100))
+
+    source = Paused(5, fps=1.0)
+    source.duration_s = 104.0
+    pipeline = make(source)
+    assert stepped(pipeline, 2) == [0, 1]
+    for _ in range(3):
+        pipeline.seek_by(30.0)
+        assert stepped(pipeline, 1) == [1]
+    assert pipeline._bound_for.time_s == pytest.approx(91.0)
+    before_s = clock.now
+    assert stepped(pipeline, 1) == [2]
+    assert clock.now - before_s == pytest.approx(11.0)
+    pipeline.seek_by(-30.0)
+    assert stepped(pipeline, 1) == [1]
+    pipeline.seek_by(30.0)
+    assert stepped(pipeline, 1) == [2]
+
+
 @pytest.mark.parametrize(("speed", "hz"), [(0.25, 7.5), (0.5, 15), (1.0, 30), (2.0, 60), (4.0, 60)])
 def test_speed_changes_the_pace_and_never_the_lag(make, fakes, clock, speed, hz):
     """Frames are tracked when they are due; of more than a display shows, some are left out."""
