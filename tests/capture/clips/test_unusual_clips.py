@@ -84,3 +84,22 @@ def test_frames_at_one_time_are_shown_one_after_the_other(
             found = source.read()
             assert found is not None
             assert (found.index, found.time_s) == (place, times_s[place])
+
+
+def test_what_comes_before_the_first_keyframe_is_no_grey_haze(tmp_path: Path, picture: Callable[[int], Image]) -> None:
+    """A clip that was cut between keyframes, in MPEG-4 part 2: FFmpeg begins with a change of plain grey."""
+    whole, cut = tmp_path / "whole.avi", tmp_path / "cut.avi"
+    write(whole, [picture(i) for i in range(24)], "mpeg4", "yuv420p", g="10", sc_threshold="1000000000", qscale="2")
+    with av.open(str(whole)) as clip, av.open(str(cut), "w") as target:
+        stream = target.add_stream_from_template(clip.streams.video[0])
+        for number, packet in enumerate(clip.demux(clip.streams.video[0])):
+            if number >= 4 and packet.dts is not None:
+                packet.stream = stream
+                target.mux(packet)
+    frames = frames_of(whole)
+    assert len(frames) == 24
+    with ClipSource(cut) as source:
+        seen = list(source)
+        assert source.note == "cut.avi is truncated or damaged: only 14 frames could be read"
+    for frame, original in zip(seen, frames[10:], strict=True):
+        np.testing.assert_array_equal(frame.image_bgr, original.image_bgr)
