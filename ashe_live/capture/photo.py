@@ -5,7 +5,7 @@ import math
 import os
 import warnings
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import cv2
 import numpy as np
@@ -40,6 +40,8 @@ UPRIGHT = {
 MOST_FILE_BYTES = 4 * MAX_PIXELS
 # More than a camera's JPEGs and HEICs have. Larger ones are read apart, and known by what they begin with.
 LARGE_FILE_BYTES, FIRST_BYTES = 64_000_000, 65_536
+# Of these formats, files of several pictures are animations; JPEG has previews beside its picture, TIFF pages.
+MAY_MOVE = ("PNG", "WEBP", "AVIF")
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
 SUFFIXES = {
     *(".jpg", ".jpeg", ".jpe", ".jfif", ".mpo", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm", ".pnm"),
@@ -49,20 +51,29 @@ SUFFIXES = {
 CLIP_SUFFIXES = {".mjpeg", ".mjpg"}
 
 
+class _Photo(NamedTuple):
+    image_bgr: Image  # (h, w, 3) uint8
+    focal_px: float | None  # in its pixels, as the EXIF data state it; None: they do not
+    is_first_of_animation: bool
+
+
 class PhotoSource(Source):
-    """The picture in a file, upright as its EXIF data says: frame 0, then the end."""
+    """The picture in a file, upright as its EXIF data says: frame 0, then the end. Of an animation it is the first."""
 
     fps = None
     is_live = False
     is_photo = True
-    note = None
 
     def __init__(self, path: str | Path) -> None:
         """Decodes the file. Raises UserError when it is missing, damaged, too large or of an unknown format."""
         path = Path(path)
         self.name = path.name
-        image_bgr, self.focal_px = _read_bgr(path)  # the latter, pixels, as the EXIF data state it; None: they do not
-        self._frame = Frame(image_bgr, index=0, time_s=0.0)
+        photo = _read(path)
+        self.focal_px = photo.focal_px
+        self.note: str | None = None
+        if photo.is_first_of_animation:
+            self.note = f"{self.name} is an animation, of which the first picture is shown: convert it to MP4 or GIF"
+        self._frame = Frame(photo.image_bgr, index=0, time_s=0.0)
         self.size = self._frame.size
         self._has_ended = False
 
@@ -114,11 +125,8 @@ def _is_preview(picture: PIL.Image.Image) -> bool:
     return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
 
 
-def _read_bgr(path: Path) -> tuple[Image, float | None]:
-    """(h, w, 3) uint8, and the focal length in its pixels where the EXIF data state it.
-
-    Pillow and not OpenCV decodes, as it refuses a truncated picture and OpenCV greys the rest.
-    """
+def _read(path: Path) -> _Photo:
+    """Pillow and not OpenCV decodes, as it refuses a truncated picture and OpenCV greys the rest."""
     try:
         with opened(path) as file:
             file_bytes = _size_bytes(file)
@@ -150,8 +158,8 @@ def _read_bgr(path: Path) -> tuple[Image, float | None]:
         raise UserError(f"{path} is damaged{why}", "copy it again, or convert it to JPEG or PNG") from None
 
 
-def _decoded(path: Path, picture: PIL.Image.Image) -> tuple[Image, float | None]:
-    """As `_read_bgr`, of the photo opened from `path`. Raises UserError where it is too large or not read."""
+def _decoded(path: Path, picture: PIL.Image.Image) -> _Photo:
+    """As `_read`, of the photo opened from `path`. Raises UserError where it is too large or not read."""
     refuse_too_large(path, picture.size)
     if picture.mode == "F":
         raise UserError(f"{path} has floating-point pixels, which are not read", "convert it to JPEG or PNG")
@@ -161,7 +169,9 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> tuple[Image, float | None]
             "develop it to JPEG, or let the camera save JPEG as well",
         )
     focal_px = _focal_px(picture)
-    return np.asarray(cv2.cvtColor(_rgb_8bit(_upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
+    is_animation = picture.format in MAY_MOVE and getattr(picture, "n_frames", 1) > 1
+    image_bgr = np.asarray(cv2.cvtColor(_rgb_8bit(_upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8)
+    return _Photo(image_bgr, focal_px, is_animation)
 
 
 def _upright(picture: PIL.Image.Image) -> PIL.Image.Image:

@@ -123,6 +123,31 @@ def test_what_is_transparent_lies_on_white(tmp_path: Path, rgb: Image) -> None:
     assert (image[20:] == 255).all()
 
 
+@pytest.mark.parametrize(
+    ("name", "more", "moves"),
+    [
+        ("a.webp", 2, True),
+        ("a.png", 2, True),
+        ("a.avif", 2, True),
+        ("a.webp", 0, False),
+        ("a.png", 0, False),
+        ("a.mpo", 1, False),  # a preview
+        ("a.tif", 1, False),  # a page
+    ],
+)
+def test_of_an_animation_the_first_picture_is_shown_and_said_to_be_that(
+    tmp_path: Path, rgb: Image, name: str, more: int, moves: bool
+) -> None:
+    others = [PIL.Image.fromarray(np.ascontiguousarray(rgb[::-1, :: 1 - 2 * i])) for i in range(more)]
+    PIL.Image.fromarray(rgb).save(tmp_path / name, save_all=True, append_images=others)
+    with open_source(tmp_path / name) as source:
+        frame = source.read()
+        assert frame is not None
+        assert np.abs(frame.image_bgr.astype(int) - rgb[:, :, ::-1]).mean() < 6
+        expected = f"{name} is an animation, of which the first picture is shown: convert it to MP4 or GIF"
+        assert source.note == (expected if moves else None)
+
+
 def test_truncated_photo_is_refused_and_not_half_grey(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     noise = np.random.default_rng(0).integers(0, 256, (80, 80, 3), np.uint8)
     path = tmp_path / "a.jpg"

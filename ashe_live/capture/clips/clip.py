@@ -4,12 +4,14 @@ from collections import deque
 from pathlib import Path
 from typing import Any
 
+import av.error
 import numpy as np
 from av.video.frame import VideoFrame
 from av.video.reformatter import Colorspace
 
 from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.clips.pictures import ClipPictures, Picture
+from ashe_live.capture.clips.refusals import unknown_colours
 from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
@@ -32,16 +34,19 @@ class ClipSource(Source):
     is_photo = False
 
     def __init__(self, path: str | Path) -> None:
-        """Opens the clip and decodes its first frame. Raises UserError when there is none."""
+        """Opens the clip and decodes its first frame. Raises UserError when there is none, or not in known colours."""
         self.path = Path(path)
         self.name = self.path.name
         self._pictures: ClipPictures | None = None
         self._index: ClipIndex | None = None
         self._has_looked_for_index = False
+        self._latest_s: float | None = None  # of the pictures that were read since it was opened
+        self._has_reached_end = False
         self._is_irregular = False  # damaged, or out of order, in any part that was read since it was opened
         self._behind: deque[Picture] = deque()  # pictures that were read or passed, the latest last
         self._ahead: deque[Picture] = deque()  # pictures that are read next, before any other is decoded
         self.rewind()
+        self._upright_bgr(self._ahead[0].video)
         # Without a length there is no time bar: browsers write none, and no recorder that was killed.
         if self.duration_s is None and self.path.stat().st_size <= QUICKLY_READ_BYTES:
             self._trusted_index()
@@ -59,6 +64,7 @@ class ClipSource(Source):
         self.size = self._decoded_size[::-1] if self._quarter_turns % 2 else self._decoded_size
         self.fps = self._pictures.fps
         self.duration_s = self._pictures.stated_duration_s() if self._index is None else self._index.duration_s
+        self._lengthen()
         self._kept = max(2, int(KEPT_BYTES / (BYTES_PER_PIXEL * first.video.width * first.video.height)))
 
     def read(self) -> Frame | None:
@@ -122,9 +128,19 @@ class ClipSource(Source):
 
     def _decoded_next(self) -> Picture | None:
         """What is read next; None at the end."""
-        if not self._ahead and self._pictures is not None and (picture := self._pictures.next()) is not None:
-            self._ahead.append(picture)
+        if not self._ahead and self._pictures is not None:
+            if (picture := self._pictures.next()) is not None:
+                self._ahead.append(picture)
+                self._latest_s = max(picture.time_s, self._latest_s or 0.0)
+            self._has_reached_end |= picture is None
+            self._lengthen()
         return self._ahead[0] if self._ahead else None
+
+    def _lengthen(self) -> None:
+        """Of clips that were joined only the first's length is stated, and none of a stream without times."""
+        stated_s, latest_s = self.duration_s, self._latest_s
+        if latest_s is not None and (self._has_reached_end if stated_s is None else latest_s > stated_s):
+            self.duration_s = latest_s
 
     def _next(self) -> Picture | None:
         """Passes on to the next picture."""
@@ -172,13 +188,17 @@ class ClipSource(Source):
         return None if is_irregular else self._index
 
     def _upright_bgr(self, picture: VideoFrame) -> Image:
-        """(h, w, 3) uint8 of the source's size."""
+        """(h, w, 3) uint8 of the source's size. Raises UserError where FFmpeg does not know how it stores colours."""
         matrix = None
         if picture.colorspace == UNSPECIFIED_MATRIX:
             # What players assume.
             matrix = Colorspace.ITU709 if picture.height >= HD_HEIGHT_PX else Colorspace.ITU601
         width, height = self._decoded_size
-        image = picture.to_ndarray(format="bgr24", width=width, height=height, src_colorspace=matrix, threads=1)
+        try:
+            image = picture.to_ndarray(format="bgr24", width=width, height=height, src_colorspace=matrix, threads=1)
+        except (av.error.OSError, av.error.ArgumentError):
+            self.close()
+            raise unknown_colours(self.path) from None
         if self._to_srgb is not None:
             image = self._to_srgb(np.asarray(image, dtype=np.uint8))
         if self._mirrored:

@@ -6,7 +6,6 @@ Both decode alike; OpenCV saves one copy, 0.1 to 0.4 ms a frame at 640x480.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 
 import av
@@ -18,6 +17,7 @@ from ashe_live.capture.clips.deinterlacing import progressive
 from ashe_live.capture.clips.index import LONGEST_S, ClipIndex
 from ashe_live.capture.clips.rate import frames_a_second
 from ashe_live.capture.clips.refusals import begins_as_mp4, cut_short, no_clip, sound_alone, without_picture
+from ashe_live.capture.clips.square_pixels import with_square_pixels
 from ashe_live.capture.clips.wide_gamut import srgb_converter
 from ashe_live.capture.container import (
     Searched,
@@ -38,8 +38,8 @@ ONE_THREAD_PIXELS = 1_000_000
 JUMPS = 3
 # The duration that an undamaged clip states may exceed its frames by this many.
 TOLERATED_GAP_FRAMES = 2
-# A pixel's aspect ratio counts as 1 within the first (an encoder's rounding), and as damage beyond the second.
-SAME_ASPECT, MOST_ASPECT = 0.005, 4
+# Whose decoders begin with any picture, as a change of plain grey: MPEG-4 part 2 and its kin, as old cameras' AVI.
+OUT_OF_GREY = ("mpeg4", "msmpeg4v1", "msmpeg4v2", "msmpeg4v3", "h263", "h263p", "flv", "wmv1", "wmv2")
 SAME_SHAPE = 0.02  # of pictures' sides' ratio: nearer is an encoder's rounding to whole blocks
 
 # The end of a picture's data, and the trailer: GIF89a, 16 and 27.
@@ -64,6 +64,7 @@ class ClipPictures:
         self.damaged = 0  # packets and pictures that could not be read, and pictures of another shape
         self.has_other_shapes = False
         self._first_size: tuple[int, int] | None = None  # as decoded
+        self._has_keyframe = False  # at or before the latest picture
         self._is_woven = False  # whether any picture was of two fields
         self.decoded = 0  # pictures, which gives the next one's index
         self._searched = Searched(self._file)
@@ -94,7 +95,7 @@ class ClipPictures:
         if first is None:
             self.close()
             raise without_picture(path, has_stated_size)
-        self.size = _with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
+        self.size = with_square_pixels((first.width, first.height), self._stream.sample_aspect_ratio)
         try:
             refuse_too_large(path, self.size)
         except UserError:
@@ -190,9 +191,10 @@ class ClipPictures:
             time_s = self.decoded / self.fps
         else:
             time_s = float((stamp - self.start_pts) * video.time_base)
-        # Clips that were joined byte by byte begin anew.
-        if not self._latest_s <= time_s <= LONGEST_S:
-            time_s = self._latest_s + 1 / self.fps
+        # Clips that were joined byte by byte begin anew. Of two at one time the second comes before the next's time.
+        is_same = time_s == self._latest_s and self.decoded > 0
+        if is_same or not self._latest_s <= time_s <= LONGEST_S:
+            time_s = self._latest_s + (0.5 if is_same else 1.0) / self.fps
             self._is_in_order = False
         self._latest_s = time_s
         self._end_s = time_s + float((video.duration or 0) * (video.time_base or 0))
@@ -206,7 +208,8 @@ class ClipPictures:
             try:
                 # The packet after the last one is empty and fetches what the decoder still holds.
                 packet = next(packets, None)
-                if packet is not None and is_jpeg and why_endless(bytes(packet)) is not None:
+                # Of a JPEG that was cut the rest of the picture would be whatever was in memory.
+                if packet is not None and is_jpeg and (packet.is_corrupt or why_endless(bytes(packet)) is not None):
                     self.damaged += 1
                     continue
                 pictures = packet.decode() if packet is not None else None
@@ -221,7 +224,9 @@ class ClipPictures:
                 self._last_bytes = bytes(memoryview(packet)[-len(GIF_END) :])
             for picture in pictures:
                 assert isinstance(picture, VideoFrame)
-                if picture.is_corrupt or self._is_of_other_shape(picture):
+                self._has_keyframe |= picture.key_frame
+                is_out_of_grey = not self._has_keyframe and stream.codec_context.name in OUT_OF_GREY
+                if picture.is_corrupt or is_out_of_grey or self._is_of_other_shape(picture):
                     self.damaged += 1
                 else:
                     self._is_woven |= picture.interlaced_frame
@@ -235,14 +240,3 @@ class ClipPictures:
         is_other = abs(picture.width * height / (width * picture.height) - 1) > SAME_SHAPE
         self.has_other_shapes |= is_other
         return is_other
-
-
-def _with_square_pixels(size: tuple[int, int], aspect: Fraction | None) -> tuple[int, int]:
-    """Width and height at which a picture of `size` is shown whose pixels are `aspect` times as wide as high.
-
-    Camcorders squeeze theirs (HDV: 1440x1080 for 1920x1080); a squeezed picture has wrong angles.
-    """
-    if not aspect or abs(aspect - 1) < SAME_ASPECT or not 1 / MOST_ASPECT <= aspect <= MOST_ASPECT:
-        return size
-    width, height = size
-    return (round(width * aspect), height) if aspect > 1 else (width, round(height / aspect))

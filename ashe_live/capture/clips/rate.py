@@ -1,7 +1,8 @@
 """How many frames a second a clip has: what it states or, where it states none, what the times of its first frames say.
 
 Browsers record WebM without a rate, in milliseconds, for which FFmpeg guesses 1000 frames a second; and of raw DV it
-gives the unit of its times as the rate.
+gives the unit of its times as the rate. An MP4 or MOV states none: FFmpeg divides its frames by its length, and phones
+give fewer frames a second in dim light, screen recorders none while nothing moves.
 """
 
 from itertools import islice, pairwise
@@ -9,6 +10,7 @@ from pathlib import Path
 from statistics import fmean, median
 
 import av
+import numpy as np
 from av.video.stream import VideoStream
 
 from ashe_live.capture.container import Searched, opened_container, video_in
@@ -18,6 +20,10 @@ FALLBACK_FPS = 30.0
 BARE = ("h264", "hevc")  # streams without a container: FFmpeg gives all of them 25, whatever they say
 MOST_BELIEVED_FPS = 480.0  # more is measured: cameras for it are rare
 FIRST_FRAMES = 100  # by which a rate is measured
+LISTED_FRAMES = 20_000  # of an MP4's list that are looked at, eleven minutes of 30 frames a second
+RUN_FRAMES = 25  # about a second: single frames may come early or late
+FASTEST_SHARE = 0.1  # of the runs: what fewer of them have is a hiccup that is made up for
+SAME_RATE = 1.01  # times the mean: an encoder's rounding
 PAUSE = 1.5  # of the median: a longer time between two frames is a pause, of a screen on which nothing moves
 
 
@@ -26,9 +32,24 @@ def frames_a_second(path: Path, stream: VideoStream) -> float:
     is_bare = stream.container.format.name in BARE
     stated = float((is_bare and stream.codec_context.framerate) or stream.average_rate or 0)
     if 0 < stated <= MOST_BELIEVED_FPS:
-        return stated
+        fastest = _fastest(stream)
+        return fastest if stated * SAME_RATE < fastest <= MOST_BELIEVED_FPS else stated
     guessed = float(stream.guessed_rate or 0)
     return _measured(path) or (guessed if 0 < guessed <= MOST_BELIEVED_FPS else FALLBACK_FPS)
+
+
+def _fastest(stream: VideoStream) -> float:
+    """Where frames come fastest, by the list of their times that the container has; 0 where it has none.
+
+    No frame is left out by that rate, and where they come more slowly each lasts for several of its periods.
+    """
+    listed = [each.timestamp for each in islice(stream.index_entries, LISTED_FRAMES) if not each.is_discard]
+    frames = min(RUN_FRAMES, len(listed) - 1)
+    if frames < 1 or stream.time_base is None:
+        return 0.0
+    times = np.sort(listed)
+    run_s = float(np.quantile(times[frames:] - times[:-frames], FASTEST_SHARE) * stream.time_base)
+    return frames / run_s if run_s > 0 else 0.0
 
 
 def _measured(path: Path) -> float | None:

@@ -36,3 +36,7 @@ def cut_short(path: Path) -> UserError:
 
 def sound_alone(path: Path) -> UserError:
     return UserError(f"{path} has sound and no picture", "name the clip that the camera has recorded")
+
+
+def unknown_colours(path: Path) -> UserError:
+    return UserError(f"{path} stores its colours in a way that is not read (as ICtCp)", "convert it to MP4 (H.264)")

@@ -1,8 +1,8 @@
-"""Colours of HDR clips, as phones record them, as those of any other picture: sRGB.
+"""Colours of HDR clips, as phones record them, and of screens with wide primaries, as those of any other picture: sRGB.
 
-Rec. ITU-R BT.2100 has two ways to encode them, both with the wide primaries of BT.2020. HLG is made to be shown as it
+Rec. ITU-R BT.2100 has two ways to encode HDR, both with the wide primaries of BT.2020. HLG is made to be shown as it
 is by a screen that knows no HDR, but for its primaries; PQ states nits, and becomes HLG as BT.2100 and BT.2408 bridge
-the two, by a screen of 1000 nits.
+the two, by a screen of 1000 nits. Computers, which record their own screens, have PQ with other primaries too.
 """
 
 from collections.abc import Callable
@@ -14,8 +14,8 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
 
 # FFmpeg's numbers, of ISO/IEC 23091-2.
-BT2020_PRIMARIES = 9
-PQ_TRANSFER = 16
+BT709_PRIMARIES, UNSPECIFIED, BT2020_PRIMARIES, DISPLAY_P3_PRIMARIES = 1, 2, 9, 12
+PQ_TRANSFER, HLG_TRANSFER = 16, 18
 
 # Linear R, G, B of BT.709 from those of BT.2020: ITU-R BT.2407, 2.
 RGB_709_FROM_2020: Float = np.array([
@@ -23,7 +23,13 @@ RGB_709_FROM_2020: Float = np.array([
     [-0.1246, 1.1329, -0.0083],
     [-0.0182, -0.1006, 1.1187],
 ])  # fmt: skip
-BGR_709_FROM_2020 = np.ascontiguousarray(RGB_709_FROM_2020[::-1, ::-1], dtype=np.float32)
+# From those of P3 with the white D65, by the chromaticities of SMPTE EG 432-1.
+RGB_709_FROM_P3: Float = np.array([
+    [1.2249, -0.2249, 0.0],
+    [-0.0421, 1.0421, 0.0],
+    [-0.0196, -0.0786, 1.0983],
+])  # fmt: skip
+BY_PRIMARIES = {BT2020_PRIMARIES: RGB_709_FROM_2020, DISPLAY_P3_PRIMARIES: RGB_709_FROM_P3}
 
 SCREEN_NITS = 1000.0
 SYSTEM_GAMMA = 1.2  # of HLG on such a screen
@@ -32,15 +38,20 @@ SRGB_STEPS = 4096  # of the root of linear light
 
 def srgb_converter(primaries: int, transfer: int) -> Callable[[Image], Image] | None:
     """Makes sRGB of a picture (h, w, 3) uint8 BGR with these colours; None where it is that already."""
-    if primaries != BT2020_PRIMARIES:
+    is_pq = transfer == PQ_TRANSFER
+    if primaries == UNSPECIFIED and (is_pq or transfer == HLG_TRANSFER):
+        primaries = BT2020_PRIMARIES  # BT.2100 has no others
+    if primaries not in BY_PRIMARIES and not is_pq:
         return None
+    rgb_709 = BY_PRIMARIES.get(primaries, np.eye(3))
+    bgr_709 = np.ascontiguousarray(rgb_709[::-1, ::-1], dtype=np.float32)
     coded = np.arange(256) / 255
-    linear = linear_from_srgb(hlg_from_pq(coded) if transfer == PQ_TRANSFER else coded).astype(np.float32)
+    linear = linear_from_srgb(hlg_from_pq(coded) if is_pq else coded).astype(np.float32)
     # By the root, of which equal steps are nearly as fine as sRGB's own; the table itself is sRGB's.
     encoded = np.round(255 * srgb_from_linear((np.arange(SRGB_STEPS) / (SRGB_STEPS - 1)) ** 2)).astype(np.uint8)
 
     def converted(image_bgr: Image) -> Image:
-        wide = cv2.transform(cv2.LUT(image_bgr, linear), BGR_709_FROM_2020)
+        wide = cv2.transform(cv2.LUT(image_bgr, linear), bgr_709)
         roots = np.sqrt(np.clip(wide, 0.0, 1.0, out=wide), out=wide)
         return encoded[np.rint(np.multiply(roots, SRGB_STEPS - 1, out=roots), out=roots).astype(np.uint16)]
 

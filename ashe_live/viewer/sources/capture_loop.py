@@ -4,6 +4,7 @@ The main thread requests everything by one immutable value, a Wish, and reads on
 is ever seen half changed, and no lock is held while a frame is read or tracked.
 """
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -51,6 +52,7 @@ class CaptureLoop:
         self._pace = Pace()
         self._has_failed = False  # a clip, which is read from its start before anything else
         self._flaw: str | None = None  # of a looped clip: its source's note at the end, e.g. that it is truncated
+        self._sought_s = -math.inf  # where the next frame was jumped to, if that may be long after its own time
         self._left_out: Frame | None = None  # the last frame, if it was skipped for being late
         self._shown: Frame | None = None  # the last frame that was handed over
         self._shown_by = wish.following  # how it was tracked
@@ -125,7 +127,9 @@ class CaptureLoop:
 
     def _hand_over(self, frame: Frame) -> None:
         position = ClipPosition(frame.time_s, frame.index)
-        self._publish(shown=position, at=position)
+        # In a clip's pause seconds forwards lead on from where the last ones led, and not to the same frame again.
+        at, self._sought_s = replace(position, time_s=max(frame.time_s, self._sought_s)), -math.inf
+        self._publish(shown=position, at=at)
         self._shown, self._shown_by = frame, self._wish.following
         tracked = self._scene.track(frame)
         self._frames.put(tracked, self._wish.following)
@@ -149,8 +153,8 @@ class CaptureLoop:
         if self._left_out is not None:  # it stays on the screen, so it must be shown
             self._hand_over(self._left_out)
             self._left_out = None
-        if not self._source.is_photo:
-            self._publish(status=self._source.note or "end of the clip: R starts it again")
+        end = None if self._source.is_photo else "end of the clip: R starts it again"
+        self._publish(status=self._source.note or end)
         self._publish(has_ended=self._clip is not None)
         self._show_as_asked()
         self._wait(lambda: self._wish.loop and self._clip is not None)
@@ -207,7 +211,10 @@ class CaptureLoop:
                 self._clip.seek_frame(index)
             if before.index is None or index != before.index + 1:
                 self._scene.jump()
-        self._pace.begin_anew()
+        # Beyond the end, where that is not known, the last frame's own time is where it stands.
+        is_within = index is None and self._clip is not None and self._clip.duration_s is not None
+        self._sought_s = jump.position.time_s if is_within else -math.inf
+        self._pace.begin_anew(self._sought_s)
 
     def _rewind(self) -> None:
         self._source.rewind()

@@ -22,11 +22,15 @@ class Pace:
         self.speed = 1.0
         self._due_s: float | None = None  # when the last frame was due; None: the next one starts the schedule
         self._time_s = 0.0
+        self._from_s = -math.inf  # where in a clip's time the schedule starts, if later than its first frame
         self._next_fast_s = -math.inf  # at high speeds no frame is shown before this
 
-    def begin_anew(self) -> None:
-        """Starts the schedule with the next frame, which is shown as soon as it comes."""
-        self._due_s, self._next_fast_s = None, -math.inf
+    def begin_anew(self, from_s: float = -math.inf) -> None:
+        """Starts the schedule with the next frame, which is shown as soon as it comes.
+
+        `from_s`: a time in the clip at which that frame is shown still, as in a pause of a screen recording.
+        """
+        self._due_s, self._next_fast_s, self._from_s = None, -math.inf, from_s
 
     def go_round(self, period_s: float) -> None:
         """Continues with the first frame after the last, which is shown as long as any other."""
@@ -35,6 +39,8 @@ class Pace:
 
     def next(self, time_s: float, period_s: float, now_s: float) -> Due:
         """Schedules the next frame of a clip that has one every `period_s`."""
+        if self._due_s is None:
+            time_s = max(time_s, self._from_s)
         due_s = now_s if self._due_s is None else self._due_s + (time_s - self._time_s) / self.speed
         late_s, period_s = now_s - due_s, period_s / self.speed
         if late_s > FALLEN_BEHIND_S:  # the machine is too slow for this rate: continue from here

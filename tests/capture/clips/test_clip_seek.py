@@ -276,6 +276,21 @@ def test_the_last_frame_of_a_clip_that_is_cut_is_found_at_once(film, frames_left
             assert source.read() is None
 
 
+@pytest.mark.parametrize("name", ["film.ts", "film.h264"])
+def test_a_length_that_is_not_stated_is_that_of_what_was_read(film, name: str) -> None:
+    """By the first part's length alone, five seconds forwards in the second of two parts led back into the first."""
+    path = film([time + 2000 for time in EVEN], name, bf="2", g="12")
+    if name == "film.ts":
+        path.write_bytes(2 * path.read_bytes())
+    with ClipSource(path) as source:
+        at_first_s = source.duration_s
+        *_, last = source
+        assert at_first_s is None or at_first_s < 0.6 * last.time_s
+        assert source.duration_s == pytest.approx(last.time_s)
+        source.rewind()
+        assert source.duration_s == pytest.approx(last.time_s)
+
+
 @pytest.mark.parametrize("name", ["film.mp4", "film.mkv"])
 def test_the_duration_is_known_before_the_end(film, name: str) -> None:
     """Wherever the first picture is, from which Matroska's header does not count."""

@@ -11,11 +11,13 @@ from ashe_live.capture.clips.wide_gamut import hlg_from_pq, srgb_converter
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
 
 # Numbers of ISO/IEC 23091-2.
-BT709, BT2020_PRIMARIES = 1, 9
+BT709, UNSPECIFIED, BT2020_PRIMARIES, P3_PRIMARIES = 1, 2, 9, 12
+SRGB_TRANSFER = 13
 PQ_TRANSFER, HLG_TRANSFER = 16, 18
 # Chromaticities x, y of R, G, B and of their white, D65.
 REC_709 = np.array([(0.640, 0.330), (0.300, 0.600), (0.150, 0.060)])
 REC_2020 = np.array([(0.708, 0.292), (0.170, 0.797), (0.131, 0.046)])
+P3 = np.array([(0.680, 0.320), (0.265, 0.690), (0.150, 0.060)])
 D65 = (0.3127, 0.3290)
 # sRGB, 8 bits: greys, and colours as things have them.
 COLOURS = np.array(
@@ -29,17 +31,46 @@ def xyz_from_rgb(primaries: np.ndarray) -> np.ndarray:
     return columns[:, :3] * np.linalg.solve(columns[:, :3], columns[:, 3])
 
 
-def in_2020(srgb: np.ndarray) -> np.ndarray:
+def in_primaries(srgb: np.ndarray, primaries: np.ndarray) -> np.ndarray:
     """(n, 3) 8 bits of the same colours."""
-    linear = linear_from_srgb(srgb / 255) @ (np.linalg.inv(xyz_from_rgb(REC_2020)) @ xyz_from_rgb(REC_709)).T
+    linear = linear_from_srgb(srgb / 255) @ (np.linalg.inv(xyz_from_rgb(primaries)) @ xyz_from_rgb(REC_709)).T
     return np.rint(255 * srgb_from_linear(linear)).astype(np.uint8)
 
 
-def test_colours_of_bt_2020_come_back() -> None:
-    convert = srgb_converter(BT2020_PRIMARIES, HLG_TRANSFER)
+def in_2020(srgb: np.ndarray) -> np.ndarray:
+    return in_primaries(srgb, REC_2020)
+
+
+@pytest.mark.parametrize(
+    ("primaries", "transfer", "chromaticities"),
+    [
+        (BT2020_PRIMARIES, HLG_TRANSFER, REC_2020),
+        (UNSPECIFIED, HLG_TRANSFER, REC_2020),  # which has these alone
+        (P3_PRIMARIES, SRGB_TRANSFER, P3),
+        (P3_PRIMARIES, BT709, P3),
+    ],
+)
+def test_colours_of_wide_primaries_come_back(primaries: int, transfer: int, chromaticities: np.ndarray) -> None:
+    convert = srgb_converter(primaries, transfer)
     assert convert is not None
-    back = convert(np.ascontiguousarray(in_2020(COLOURS)[None, :, ::-1]))[0, :, ::-1]
+    back = convert(np.ascontiguousarray(in_primaries(COLOURS, chromaticities)[None, :, ::-1]))[0, :, ::-1]
     np.testing.assert_allclose(back.astype(int), COLOURS, atol=2)
+
+
+@pytest.mark.parametrize("primaries", [BT709, UNSPECIFIED, BT2020_PRIMARIES, P3_PRIMARIES])
+def test_pq_is_no_grey_haze_whatever_its_primaries(primaries: int) -> None:
+    """Black stays, and reference white, 58 %, is as light as HLG has it: 75 %. All primaries have the same white."""
+    convert = srgb_converter(primaries, PQ_TRANSFER)
+    assert convert is not None
+    greys = np.repeat(np.array([0, 97, 148], np.uint8)[None, :, None], 3, axis=2)
+    np.testing.assert_allclose(convert(greys)[0].astype(int).T, [[0, 97, 191]] * 3, atol=3)
+
+
+def test_a_red_of_pq_with_the_primaries_of_other_pictures_is_that_red() -> None:
+    convert = srgb_converter(BT709, PQ_TRANSFER)
+    assert convert is not None
+    back = convert(np.array([[[0, 0, 148]]], np.uint8))[0, 0]
+    np.testing.assert_allclose(back.astype(int), (0, 0, 191), atol=3)
 
 
 def test_greys_of_hlg_keep_their_bits() -> None:
@@ -52,7 +83,8 @@ def test_greys_of_hlg_keep_their_bits() -> None:
 
 def test_ordinary_pictures_are_left_as_they_are() -> None:
     assert srgb_converter(BT709, HLG_TRANSFER) is None
-    assert srgb_converter(2, 2) is None
+    assert srgb_converter(BT709, SRGB_TRANSFER) is None
+    assert srgb_converter(UNSPECIFIED, UNSPECIFIED) is None
 
 
 def test_pq_and_hlg_agree_where_the_recommendation_says_so() -> None:

@@ -55,6 +55,17 @@ def test_from_anew_the_next_frame_is_shown_at_once_wherever_it_is() -> None:
         assert player.shown_s == [100.0, 100.0]
 
 
+@pytest.mark.parametrize("speed", [0.5, 1.0])
+def test_in_a_pause_of_the_clip_only_what_is_left_of_it_is_waited_for(speed: float) -> None:
+    player = Player(speed)
+    player.pace.begin_anew(from_s=48.0)
+    player.play([2.0, 50.0, 51.0])
+    assert player.shown_s == [100.0, 100 + 2 / speed, 100 + 3 / speed]
+    player.pace.begin_anew()
+    player.play([2.0, 3.0])
+    assert np.diff(player.shown_s[-2:]) == [1 / speed]
+
+
 def test_a_machine_that_is_a_little_late_leaves_frames_out_and_keeps_up() -> None:
     player = Player(work_s=1.25 * PERIOD_S)
     player.play(frames(320))

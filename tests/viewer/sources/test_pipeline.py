@@ -210,6 +210,15 @@ def test_a_looped_photo_is_read_once(run, fakes):
     assert pipeline.status is None
 
 
+def test_what_a_photo_has_to_say_stays_on_the_screen(run, fakes):
+    """That it is the first picture of an animation: without it the window seems to have stopped."""
+    source = fakes.Source(1, fps=None, is_photo=True)
+    source.note = "it is an animation"
+    pipeline = run(source)
+    await_that(lambda: pipeline.status is not None)
+    assert pipeline.status == "it is an animation"
+
+
 def test_pause_holds_and_goes_on_where_it_was(run, fakes):
     source = fakes.Source(10_000)
     pipeline = run(source)
@@ -451,6 +460,38 @@ def test_what_is_no_clip_cannot_be_gone_through(run, fakes):
     pipeline.seek_by(1.0)
     pipeline.step(1)
     assert pipeline.frames.take(A_WHILE_S) is None
+
+
+def test_seconds_forwards_lead_through_a_pause_of_the_clip(make, fakes, clock):
+    """As of a screen on which nothing moves: the frame before it is the one that is shown at every time within."""
+
+    class Paused(fakes.Clip):
+        """A hundred seconds between two frames."""
+
+        def read(self):
+            frame = super().read()
+            return (
+                frame if frame is None or frame.index < 2 else Frame(frame.image_bgr, frame.index, 100 + frame.time_s)
+            )
+
+        def seek(self, time_s: float) -> None:
+            self.seek_frame(1 if time_s < 102 else round(time_s - 100))
+
+    source = Paused(5, fps=1.0)
+    source.duration_s = 104.0
+    pipeline = make(source)
+    assert stepped(pipeline, 2) == [0, 1]
+    for _ in range(3):
+        pipeline.seek_by(30.0)
+        assert stepped(pipeline, 1) == [1]
+    assert pipeline._bound_for.time_s == pytest.approx(91.0)
+    before_s = clock.now
+    assert stepped(pipeline, 1) == [2]
+    assert clock.now - before_s == pytest.approx(11.0)
+    pipeline.seek_by(-30.0)
+    assert stepped(pipeline, 1) == [1]
+    pipeline.seek_by(30.0)
+    assert stepped(pipeline, 1) == [2]
 
 
 @pytest.mark.parametrize(("speed", "hz"), [(0.25, 7.5), (0.5, 15), (1.0, 30), (2.0, 60), (4.0, 60)])
