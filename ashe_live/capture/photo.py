@@ -109,11 +109,6 @@ def _size_bytes(file: BinaryIO) -> int:
     return os.fstat(file.fileno()).st_size
 
 
-def _is_preview(picture: PIL.Image.Image) -> bool:
-    """Whether it is what raw files (DNG, NEF, ARW) begin with: TIFF 6.0, NewSubfileType, bit 0."""
-    return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
-
-
 def _read_bgr(path: Path) -> tuple[Image, float | None]:
     """(h, w, 3) uint8, and the focal length in its pixels where the EXIF data state it.
 
@@ -162,6 +157,11 @@ def _decoded(path: Path, picture: PIL.Image.Image) -> tuple[Image, float | None]
         )
     focal_px = _focal_px(picture)
     return np.asarray(cv2.cvtColor(_rgb_8bit(_upright(picture)), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
+
+
+def _is_preview(picture: PIL.Image.Image) -> bool:
+    """Whether it is what raw files (DNG, NEF, ARW) begin with: TIFF 6.0, NewSubfileType, bit 0."""
+    return isinstance(picture, TiffImageFile) and bool(int(picture.tag_v2.get(NEW_SUBFILE_TYPE, 0)) & 1)
 
 
 def _upright(picture: PIL.Image.Image) -> PIL.Image.Image:

@@ -144,6 +144,29 @@ def source_lines(session: Session, source_status: str | None, now_s: float) -> l
     return [text for text in said if text]
 
 
+def guidance(session: Session) -> tuple[str, ...]:
+    """Hints while no marker or no light has been found, or while a lamp or the model stands where it is of no use."""
+    if (note := lamp_note(session)) is not None:
+        return (note,)
+    if _is_moved_out_of_picture(session):
+        return (OUT_OF_PICTURE,)
+    if session.markers_in_view:
+        specs = session.markers_in_view
+        return (f"{in_view_text(specs)}: M follows {in_words(specs[0])}",)
+    if _awaits_marker(session):
+        if session.watch.camera_may_move:
+            return NO_MARKER
+        if not session.has_named_marker:
+            return NONE_IN_FILE
+        marker = session.arrangement.followed
+        which = "the marker that is looked for" if marker is None else the_marker(marker)
+        return (f"{which} {NOT_IN_FILE[0]}", *NOT_IN_FILE[1:])
+    if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
+        without_it = [WITHOUT_IT] if session.watch.may_show_empty_table else []
+        return f"what helps: {AFTER_NONE}", *without_it, SET_BY_HAND
+    return ()
+
+
 def lamp_note(session: Session) -> str | None:
     """Why a lamp is not drawn as others are, if any is not."""
     lamps = [light for light in session.lit_by.lights if light.kind == "lamp"]
@@ -177,26 +200,3 @@ def _is_moved_out_of_picture(session: Session) -> bool:
 def _awaits_marker(session: Session) -> bool:
     """Whether pictures come, and none has shown a marker, without which only a light by hand can be known."""
     return session.tracked is not None and not session.room_light.has_seen_marker and session.hand.light is None
-
-
-def guidance(session: Session) -> tuple[str, ...]:
-    """Hints while no marker or no light has been found, or while a lamp or the model stands where it is of no use."""
-    if (note := lamp_note(session)) is not None:
-        return (note,)
-    if _is_moved_out_of_picture(session):
-        return (OUT_OF_PICTURE,)
-    if session.markers_in_view:
-        specs = session.markers_in_view
-        return (f"{in_view_text(specs)}: M follows {in_words(specs[0])}",)
-    if _awaits_marker(session):
-        if session.watch.camera_may_move:
-            return NO_MARKER
-        if not session.has_named_marker:
-            return NONE_IN_FILE
-        marker = session.arrangement.followed
-        which = "the marker that is looked for" if marker is None else the_marker(marker)
-        return (f"{which} {NOT_IN_FILE[0]}", *NOT_IN_FILE[1:])
-    if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
-        without_it = [WITHOUT_IT] if session.watch.may_show_empty_table else []
-        return f"what helps: {AFTER_NONE}", *without_it, SET_BY_HAND
-    return ()

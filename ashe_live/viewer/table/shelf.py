@@ -204,6 +204,10 @@ class Shelf:
         waited_s = now_s - self._waited_for[1]
         return None if waited_s < SILENT_S else f"loading {Path(self.chosen_name).name}: {waited_s:.0f} s"
 
+    def take_error(self) -> UserError | None:
+        error, self._error = self._error, None
+        return error
+
     def _note(self, name: str, placed: PlacedModel) -> None:
         """Notes, the first time that a model is shown, what of its file is not drawn, and which axis is a guess."""
         model, file = placed.model, Path(name).name
@@ -213,10 +217,6 @@ class Shelf:
         if model.is_up_guessed and name not in self._noted:
             self._notes.append(f"{file} is taken to stand with {model.up} up: U, or --up, makes it another axis")
         self._noted.add(name)
-
-    def take_error(self) -> UserError | None:
-        error, self._error = self._error, None
-        return error
 
     def _hold(self, name: str, model: PlacedModel) -> None:
         """Counts a model as loaded, as it was then, so that its file is not read again."""
