@@ -90,7 +90,7 @@ class ModelsOnVideo:
         tracked = scene.tracked
         assert tracked is not None
         lighting = self.photometry.lighting(scene.illumination)
-        cover = self._followed(models, scene, lighting, waits)
+        cover = self._prepared(models, scene, lighting, waits)
         viewport = letterbox(tracked.frame.size, surface.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         framed = partial(framing, camera, tracked.pose.T_cam_marker, viewport=viewport)
@@ -108,19 +108,27 @@ class ModelsOnVideo:
         inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
         ground = self._ground(scene, straight, cover, viewport)
         content = LayerContent(models, inputs, scene.shows_model, scene.casts_shadow, signs, ground)
-        seen = None
+        seen_cover = None
         if cover is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
-            seen = SeenCover(cover, frame.ground_from_pixel)
-        relief, lens = self.photometry.relief(scene.illumination), self._lens if bends else None
-        meet = self.shadows.shadows_meet
-        onto = Footage(viewport, self._video, tracked, look, relief, seen, lens, scene.is_split, meet)
-        with surface.drawing(grown(frame.region, 2 * onto.blurs.farthest + 1, surface.size)):
+            seen_cover = SeenCover(cover, frame.ground_from_pixel)
+        footage = Footage(
+            viewport,
+            self._video,
+            tracked,
+            look,
+            relief=self.photometry.relief(scene.illumination),
+            cover=seen_cover,
+            lens=self._lens if bends else None,
+            is_split=scene.is_split,
+            shadows_meet=self.shadows.shadows_meet,
+        )
+        with surface.drawing(grown(frame.region, 2 * footage.blurs.farthest + 1, surface.size)):
             self.layers.draw(content, with_models=surface.samples == 0)
         if surface.samples:
             self._sample_edges(surface, content, framed)
         elif scene.shows_model:
             self._smooth_edges(surface, models, framed, viewport)
-        self._composite.draw(surface, frame.region, onto, scene.is_cut_out)
+        self._composite.draw(surface, frame.region, footage, scene.is_cut_out)
 
     def _smooth_edges(self, surface: Surface, models: StandingGroup, framed: Framed, viewport: Rectangle) -> None:
         """Smooths outlines where one sample a pixel was drawn: the models', and the real object's where shadows end."""
@@ -157,8 +165,8 @@ class ModelsOnVideo:
             with surface.drawing(within, several_samples=True, over_drawn=real is None):
                 self.layers.draw(content, with_ground=real is not None)
 
-    def _followed(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
-        """Readies shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
+    def _prepared(self, models: StandingGroup, scene: Scene, lighting: Lighting, waits: bool) -> MarkerCover | None:
+        """Prepares shadows, the cover and the ground that catches them; returns what covers the marker's sheet."""
         casters = models.casters(lighting, self.layers.real is not None)
         self.shadows.render(casters, lighting, self.layers.real)
         self._ground_shadows.render(self.shadows, lighting)

@@ -11,7 +11,7 @@ from ashe_live.models.catalogue import model_names
 from ashe_live.models.memory import ModelMemory
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.models.reading import read_model
-from ashe_live.viewer.sources.background import begun
+from ashe_live.viewer.sources.background import in_background
 
 # How long a model may load before a message says so: a line that is gone before it can be read would only flicker.
 SILENT_S = 0.3
@@ -230,7 +230,7 @@ class Shelf:
 
     def _load(self, name: str) -> Future[PlacedModel]:
         if name not in self._loading:
-            self._loading[name] = begun(
+            self._loading[name] = in_background(
                 "model",
                 lambda: read_model(name, self.marker_side_m, self._up_of(name)),
                 lambda reason: UserError(f"cannot show the model {name} ({reason})", "choose another"),
