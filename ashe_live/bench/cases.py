@@ -163,7 +163,15 @@ def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
         light = photo.get("to_light_marker")
         lights = None if light is None else np.array([light], dtype=np.float64)
         yield Case(
-            Path(file).stem, folder.resolve().name, PHOTO_CATEGORY, None, folder / file, camera, marker, lights, {}
+            id=Path(file).stem,
+            folder=folder.resolve().name,
+            category=PHOTO_CATEGORY,
+            caster=None,
+            image_path=folder / file,
+            camera=camera,
+            marker=marker,
+            to_lights_marker=lights,
+            mask_paths={},
         )
 
 

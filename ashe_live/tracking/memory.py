@@ -64,7 +64,16 @@ def remembered(
             velocities[number] = (corners_px[number] - last.corners_px[number]) / elapsed_s
         is_predictable = _was_expected(velocities, last, elapsed_s)
     sigmas = {number: square.aligned_sigma for number, square in squares.items()}
-    return Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, sigmas, bridged, is_predictable)
+    return Memory(
+        time_s=frame.time_s,
+        image_bgr=frame.image_bgr,
+        pose=pose,
+        corners_px=corners_px,
+        velocities_px_s=velocities,
+        aligned_sigmas=sigmas,
+        bridged=bridged,
+        is_predictable=is_predictable,
+    )
 
 
 def _was_expected(velocities: dict[int, Float], last: Memory, elapsed_s: float) -> bool:

@@ -68,16 +68,16 @@ class StillFrame:
         points = cv2.goodFeaturesToTrack(fine, MOST_POINTS, LEAST_QUALITY, APART_PX, mask=_around(marker, scaled))
         scale = scaled.size[0] / tracked.frame.size[0]
         return StillFrame(
-            fine,
-            np.zeros((0, 2)) if points is None else np.asarray(points[:, 0], np.float64),
-            scaled_pixels(marker.corners_px, scale),
-            marker.T_cam_marker,
-            T_room_marker,
-            tracked.camera,
-            scaled,
-            scale,
-            marker.side_m,
-            tracked.frame.time_s,
+            fine=fine,
+            points_px=np.zeros((0, 2)) if points is None else np.asarray(points[:, 0], np.float64),
+            corners_px=scaled_pixels(marker.corners_px, scale),
+            T_cam_marker=marker.T_cam_marker,
+            T_room_marker=T_room_marker,
+            camera=tracked.camera,
+            scaled=scaled,
+            scale=scale,
+            side_m=marker.side_m,
+            time_s=tracked.frame.time_s,
         )
 
     def motion(self, tracked: TrackedFrame) -> Float | None:

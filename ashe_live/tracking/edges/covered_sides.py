@@ -140,7 +140,16 @@ class _PrintSeen:
     def within(square: FittedSquare, view: LightPatch, alignment: PrintAlignment, edge_samples: int) -> "_PrintSeen":
         blurred = alignment.blurred(view, square.corners_px)
         samples, side_px = alignment.sampled(blurred, square.corners_px), mean_side_px(square.corners_px)
-        seen = _PrintSeen(alignment, view, edge_samples, blurred, samples, samples, None, side_px)
+        seen = _PrintSeen(
+            alignment=alignment,
+            view=view,
+            edge_samples=edge_samples,
+            blurred=blurred,
+            shaded=samples,
+            samples=samples,
+            shade=None,
+            side_px=side_px,
+        )
         return seen.without(alignment.shade.on(samples))
 
     def without(self, shade: Shade | None) -> "_PrintSeen":
