@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image, Mask, frozen_floats
+from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, unit_circle
 from ashe_live.core.camera import Camera, scaled_pixels
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import camera_centre, inverse_rigid, project, raycast_to_plane, rigid
@@ -188,8 +188,7 @@ def _scaled(tracked: TrackedFrame) -> tuple[Image, Camera]:
 
 def _around(marker: MarkerPose, camera: Camera) -> Image:
     """(h, w) 255 where the plane near the marker is seen, beside its sheet or the body that it is printed on."""
-    angles = np.arange(48) * (2 * np.pi / 48)
-    circle = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(48)]) * TO_SIDES * marker.side_m
+    circle = np.column_stack([unit_circle(48), np.zeros(48)]) * TO_SIDES * marker.side_m
     printed = square_corners(2 * FROM_SIDES * marker.side_m)
     if marker.body is not None:
         printed = np.concatenate([printed, marker.body.points_marker()])
