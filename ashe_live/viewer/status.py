@@ -123,17 +123,15 @@ def status_lines(
     The marker's numbers are those of `measured`, or else of the current frame; `model_name` is that of the model in the
     picture, which may not be the chosen one yet.
     """
-    rate = [] if fps is None else [f"{fps:.0f} fps"]
-    camera = camera_line(session.tracked)
+    model = f"model: {model_name or session.table.in_hand_text}"
+    first = "   ".join((model, quality) if fps is None else (f"{fps:.0f} fps", model, quality, KEYS))
     seen = measured or session.tracked
     marker = marker_line(seen)
     if seen is not None and seen.marker is not None:
         marker += "".join(f"; {spec}: not in view" for spec in session.arrangement.without_marker(seen))
-    first = "   ".join(
-        [*rate, f"model: {model_name or session.table.in_hand_text}", quality, *([] if fps is None else [KEYS])]
-    )
     if _awaits_marker(session):  # of which the lines at the bottom speak: camera and light follow from it
         return [first, marker]
+    camera = camera_line(session.tracked)
     return [first, marker, *([] if camera is None else [camera]), light_line(session)]
 
 
