@@ -7,6 +7,7 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.compositing.composite import Composite, Footage
@@ -101,23 +102,18 @@ class ModelsOnVideo:
         look = self.photometry.look(tracked, scene.lit_in_video or scene.illumination)
         white_rgb = self.photometry.white_seen_in(scene.illumination) or look.white_rgb
         self._environment.show(scene.illumination, white_rgb, _covered(cover))
-        straight = self._video
-        if bends and self.shadows.shadows_meet:
-            straight = self._straight_video
-            straight.show(tracked, viewport, camera)
         inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
+        straight = self._straight(tracked, viewport, camera) if bends and self.shadows.shadows_meet else self._video
         ground = self._ground(scene, straight, cover, viewport)
         content = LayerContent(models, inputs, scene.shows_model, scene.casts_shadow, signs, ground)
-        seen_cover = None
-        if cover is not None and frame.eye_marker[2] > 0:  # from below, the plane is not drawn
-            seen_cover = SeenCover(cover, frame.ground_from_pixel)
+        is_from_above = frame.eye_marker[2] > 0  # from below, the plane is not drawn
         footage = Footage(
             viewport,
             self._video,
             tracked,
             look,
             relief=self.photometry.relief(scene.illumination),
-            cover=seen_cover,
+            cover=SeenCover(cover, frame.ground_from_pixel) if cover is not None and is_from_above else None,
             lens=self._lens if bends else None,
             is_split=scene.is_split,
             shadows_meet=self.shadows.shadows_meet,
@@ -174,6 +170,11 @@ class ModelsOnVideo:
         self.layers.catcher.fit(models, lighting, self.shadows, _covered(cover))
         self.layers.catcher.follow(models, lighting, self._ground_shadows)
         return cover
+
+    def _straight(self, tracked: TrackedFrame, viewport: Rectangle, camera: Camera) -> Video:
+        """The video as this pinhole camera would show it."""
+        self._straight_video.show(tracked, viewport, camera)
+        return self._straight_video
 
     def _ground(
         self, scene: Scene, straight: Video, cover: MarkerCover | None, viewport: Rectangle
